@@ -1,0 +1,62 @@
+"""The linear elastic, orthotropic half-plane (thesis sec. 2.1).
+
+With tractions p (pressure) and q (along +x) on the surface of the lower half-plane
+
+    u(x) = -(A/2) int p(s) sgn(x-s) ds - (B/pi) int q(s) ln|x-s| ds
+    v(x) =  (C/pi) int p(s) ln|x-s| ds - (A/2)  int q(s) sgn(x-s) ds          (thesis eq. 32)
+
+where v is the outward normal displacement and A, B, C follow from the stiffness (eq. 30, whose
+print is garbled; checked against C = 2 (1 - nu^2)/E of an isotropic material).
+"""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import NamedTuple
+
+from .kernels import Kernel, SurfaceKernels
+
+__all__ = ["Coefficients", "coefficients", "surface_kernels"]
+
+
+class Coefficients(NamedTuple):
+    """A, B, C of the half-plane's displacements [1/Pa] (thesis eq. 30)."""
+
+    A: float
+    B: float
+    C: float
+
+
+def coefficients(A_rr: float, A_tt: float, A_rt: float, G: float) -> Coefficients:
+    """Return A, B, C [1/Pa] of a half-plane with normal direction r and surface direction t.
+
+    Parameters
+    ----------
+    A_rr, A_tt, A_rt, G : float
+        Plane-strain stiffness [Pa].
+
+    Notes
+    -----
+    Thesis eq. (30), re-derived: s = sqrt(A_rr A_tt), A = 1/(s + A_rt),
+    B = sqrt(A_rr/G) root/det and C = sqrt(A_tt/G) root/det with
+    root^2 = (s - A_rt)(s + A_rt + 2G) and det = A_rr A_tt - A_rt^2.
+    """
+    s = sqrt(A_rr * A_tt)
+    # root/det, with the common factor (s - A_rt) divided out: no loss near incompressibility
+    ratio = sqrt((s + A_rt + 2 * G) / (s - A_rt)) / (s + A_rt)
+    return Coefficients(1 / (s + A_rt), sqrt(A_rr / G) * ratio, sqrt(A_tt / G) * ratio)
+
+
+def surface_kernels(A_rr: float, A_tt: float, A_rt: float, G: float) -> SurfaceKernels:
+    """Return the half-plane's influence functions (thesis eq. 32); lengths in metres in ln."""
+    A, B, C = coefficients(A_rr, A_tt, A_rt, G)
+    return SurfaceKernels(
+        normal_p=Kernel(log=C / pi),
+        normal_q=Kernel(sign=-A / 2),
+        tangent_p=Kernel(sign=-A / 2),
+        tangent_q=Kernel(log=-B / pi),
+        slope_p=Kernel(inverse=C / pi),
+        slope_q=Kernel(delta=-A),
+        strain_p=Kernel(delta=-A),
+        strain_q=Kernel(inverse=-B / pi),
+    )

@@ -1,0 +1,89 @@
+"""The surface response of a body to line loads, taken apart by singularity.
+
+A body's surface is loaded at s by a line load of unit pressure (``p``) or unit tangential traction
+along +x (``q``), each 1 N/m.  At the distance t = x - s along the surface it moves by v (outward)
+and u (along +x); its slope is dv/dx and its surface strain eps.  Each of these eight influence
+functions is a sum
+
+    k(t) = inverse / t  +  delta * Dirac(t)  +  log * ln|t|  +  sign * sgn(t)  +  smooth(t)
+
+whose first four parts are integrated in closed form against the traction elements and whose smooth
+rest is integrated by interpolation.  The half-plane has no smooth rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+__all__ = ["Kernel", "SurfaceKernels"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """One influence function; the coefficients' units follow from the quantity (per N/m)."""
+
+    inverse: float = 0.0
+    delta: float = 0.0
+    log: float = 0.0
+    sign: float = 0.0
+    smooth: Callable[[Array], Array] | None = None
+
+    def __add__(self, other: Kernel) -> Kernel:
+        """Return the sum of two influence functions (two bodies under the same traction)."""
+        f, g = self.smooth, other.smooth
+        both = f if g is None else g if f is None else (lambda t: f(t) + g(t))
+        return Kernel(
+            self.inverse + other.inverse,
+            self.delta + other.delta,
+            self.log + other.log,
+            self.sign + other.sign,
+            both,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceKernels:
+    """The eight influence functions of a surface, ``<quantity>_<load>``, valid to |t| <= reach.
+
+    Attributes
+    ----------
+    normal_p, normal_q : Kernel
+        Outward normal displacement v [m per N/m].
+    tangent_p, tangent_q : Kernel
+        Tangential displacement u along +x [m per N/m].
+    slope_p, slope_q : Kernel
+        dv/dx [1 per N/m].
+    strain_p, strain_q : Kernel
+        Tangential surface strain; v/R + du/dx on a cylinder, du/dx on a half-plane [1 per N/m].
+    reach : float
+        Largest |t| at which the smooth parts hold [m].
+    truncation_error : float
+        Estimated error of the summed series relative to the half-plane coefficients.
+    terms : int
+        Number of Fourier terms summed; 0 where there is no series.
+    deforms : bool
+        False for a rigid body, whose kernels are all zero.
+    """
+
+    normal_p: Kernel = field(default_factory=Kernel)
+    normal_q: Kernel = field(default_factory=Kernel)
+    tangent_p: Kernel = field(default_factory=Kernel)
+    tangent_q: Kernel = field(default_factory=Kernel)
+    slope_p: Kernel = field(default_factory=Kernel)
+    slope_q: Kernel = field(default_factory=Kernel)
+    strain_p: Kernel = field(default_factory=Kernel)
+    strain_q: Kernel = field(default_factory=Kernel)
+    reach: float = np.inf
+    truncation_error: float = 0.0
+    terms: int = 0
+    deforms: bool = True
+
+    @classmethod
+    def zero(cls) -> SurfaceKernels:
+        """Return the response of a body that does not deform."""
+        return cls(deforms=False)

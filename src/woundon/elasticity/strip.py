@@ -1,0 +1,30 @@
+"""The thin orthotropic strip: the web in the nip (thesis sec. 2.3, eq. 72).
+
+To leading order in the thickness 2h the web carries one pressure p through its thickness and a
+tension T(x) with dT/dx = q+ + q-; its strain and its change of thickness are
+
+    eps(x)         = c11 T(x)/(2h) - c12 p(x)
+    v+(x) - v-(x)  = c12 T(x) - 2h c22 p(x)
+
+with the plane-strain compliances of the web's own material.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["Compliance", "compliance"]
+
+
+class Compliance(NamedTuple):
+    """Plane-strain compliances [1/Pa]: 1 along the web, 2 through the thickness (thesis eq. 63)."""
+
+    c11: float
+    c12: float
+    c22: float
+
+
+def compliance(A_rr: float, A_tt: float, A_rt: float) -> Compliance:
+    """Return the inverse of the plane-strain stiffness [1/Pa]; c12 <= 0 for A_rt >= 0."""
+    det = A_rr * A_tt - A_rt**2
+    return Compliance(A_rr / det, -A_rt / det, A_tt / det)

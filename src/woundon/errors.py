@@ -1,0 +1,54 @@
+"""What can go wrong, as types; every text names the field, the value and what is admissible."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+__all__ = ["InvalidProblem", "NoSteadyState", "NotConverged", "ValidityWarning"]
+
+
+class InvalidProblem(ValueError):
+    """The description of a problem is not admissible.
+
+    Attributes
+    ----------
+    faults : tuple of (field, text)
+        One entry a fault, ``field`` as a dotted path (``roll.material.shear``).
+    """
+
+    def __init__(self, faults: str | Iterable[tuple[str, str]]) -> None:
+        self.faults: tuple[tuple[str, str], ...] = (
+            (("", faults),) if isinstance(faults, str) else tuple(faults)
+        )
+        super().__init__("\n".join(f"{f}: {t}" if f else t for f, t in self.faults))
+
+    def under(self, prefix: str) -> InvalidProblem:
+        """Return the same faults with ``prefix`` before every field."""
+        return type(self)(
+            (".".join(part for part in (prefix, f) if part), t) for f, t in self.faults
+        )
+
+
+class NoSteadyState(InvalidProblem):
+    """The loads are admissible one by one, but no steady rolling carries them (the drum slides)."""
+
+
+class NotConverged(RuntimeError):
+    """A solution was not brought to tolerance; ``best`` carries the best state that was reached."""
+
+    def __init__(self, text: str, best: Any = None) -> None:
+        super().__init__(text)
+        self.best = best
+
+
+class ValidityWarning(UserWarning):
+    """A solved case lies where the linear, small-strain, plane model no longer holds."""
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return ``'; did you mean ...?'`` for a misspelt ``word``, or the list of known names."""
+    known = sorted(known)
+    near = difflib.get_close_matches(word, known, n=1, cutoff=0.55)
+    return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"

@@ -1,0 +1,187 @@
+"""What a solve returns: immutable results that carry their problem and their certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from .problems import NipProblem, RollerProblem
+
+__all__ = ["Ending", "NipResult", "Residuals", "RollerResult", "SlipRatios", "Zone"]
+
+Array = np.ndarray
+
+
+class Zone(IntEnum):
+    """State of a contact point: stick, or slip with the web faster or slower than the body."""
+
+    BACKWARD = -1
+    STICK = 0
+    FORWARD = 1
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """The certificate: the largest violation of each law, dimensionless.
+
+    Pressures and tractions are measured by the largest pressure (times mu for the tractions),
+    slips by the largest strain that the contact produces, loads by the nip load.
+    """
+
+    indentation: float
+    positive_pressure: float
+    stick: float
+    friction_bound: float
+    slip_traction: float
+    slip_direction: float
+    load_equilibrium: float
+    force_equilibrium: float
+    web_equilibrium: float = 0.0
+
+    def items(self) -> Iterator[tuple[str, float]]:
+        """Yield (law, violation)."""
+        return ((f.name, getattr(self, f.name)) for f in fields(self))
+
+    @property
+    def largest(self) -> float:
+        """The largest of them."""
+        return max(value for _, value in self.items())
+
+
+@dataclass(frozen=True)
+class SlipRatios:
+    """Slip lengths over the nip width, > 0 where the web is the faster one (thesis eq. 172)."""
+
+    leading_roll: float
+    trailing_roll: float
+    dual: float
+
+
+@dataclass(frozen=True, eq=False)
+class NipResult:
+    """The state of a winding nip.
+
+    Attributes
+    ----------
+    problem : NipProblem
+    nip_induced_tension : float
+        NIT = Q+ + Q- [N/m].
+    nip_induced_tension_error : float
+        Estimated discretisation error of NIT [N/m]; nan where only one grid was solved.
+    half_width : float
+        a [m]; contact is [-a, a].
+    approach : float
+        Mutual approach of the centres, > 0 [m].  With a half-plane it holds up to a constant.
+    offset : float
+        Delta, shift of the contact centre from the line of centres along +x [m].
+    drum_creep : float
+        xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
+    x : (M,) array
+        Nodes [m], from -a to a.
+    pressure, roll_traction, drum_traction : (M,) arrays
+        p, q+, q- [Pa]; q is the traction of the web on the body along +x.
+    roll_slip, drum_slip : (M,) arrays
+        v+, v- relative slip speeds, > 0 where the web is faster (thesis eq. 133); a node's slip is
+        that of the collocation point before it.
+    roll_zone, drum_zone : (M,) int arrays
+        :class:`Zone` of each node.
+    web_tension : (M,) array
+        T(x) [N/m].
+    slip_ratios : SlipRatios
+    residuals : Residuals
+        The certificate.
+    warnings : tuple of str
+        Where the solved case leaves the model's validity, with numbers.
+    scheme, algorithm : str
+        How it was solved.
+    iterations : int
+        Number of linear stick-slip systems solved.
+    series_terms : int
+        Fourier terms summed for the bodies; ``series_error`` their estimated truncation error.
+    """
+
+    problem: NipProblem
+    nip_induced_tension: float
+    nip_induced_tension_error: float
+    half_width: float
+    approach: float
+    offset: float
+    drum_creep: float
+    x: Array
+    pressure: Array
+    roll_traction: Array
+    drum_traction: Array
+    roll_slip: Array
+    drum_slip: Array
+    roll_zone: Array
+    drum_zone: Array
+    web_tension: Array
+    slip_ratios: SlipRatios
+    residuals: Residuals
+    warnings: tuple[str, ...] = ()
+    scheme: str = "graded"
+    algorithm: str = "pivoting"
+    iterations: int = 0
+    series_terms: int = 0
+    series_error: float = 0.0
+
+    @property
+    def wound_on_tension(self) -> float:
+        """T_out = T_in + NIT, tension of the web just behind the nip [N/m]."""
+        return self.problem.web_tension + self.nip_induced_tension
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes M."""
+        return self.x.size
+
+    def plot(self, path: Any = None) -> Any:
+        """Draw tractions with friction bounds, slip speeds and web tension (as thesis Fig. 15)."""
+        from .plots import plot_nip
+
+        return plot_nip(self, path)
+
+    def save(self, path: Any) -> None:
+        """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
+        from .casefile import save_result
+
+        save_result(self, path)
+
+
+@dataclass(frozen=True, eq=False)
+class RollerResult:
+    """The state of two rollers in contact.
+
+    Attributes
+    ----------
+    problem : RollerProblem
+    creepage : float
+        xi, the upper surface's speed less the lower's, over the speed, before strain; > 0 for
+        tangential_load > 0.  nan for a static contact.
+    tangential_load : float
+        Q on the upper roller along +x [N/m].
+    half_width, approach, offset : float
+        a, approach > 0 and Delta [m].
+    x, pressure, traction, slip, zone : (M,) arrays
+        Nodes [m], p and q [Pa] (on the upper roller), relative slip of the surfaces, zones.
+    residuals : Residuals
+    """
+
+    problem: RollerProblem
+    creepage: float
+    tangential_load: float
+    half_width: float
+    approach: float
+    offset: float
+    x: Array
+    pressure: Array
+    traction: Array
+    slip: Array
+    zone: Array
+    residuals: Residuals
+    warnings: tuple[str, ...] = field(default=())
+    iterations: int = 0
