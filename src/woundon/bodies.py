@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Protocol
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from .description import Description
-from .elasticity import cylinder, half_plane
+from .elasticity import half_plane
 from .elasticity.kernels import SurfaceKernels
 from .errors import InvalidProblem
 from .materials import Material, material
@@ -26,6 +26,11 @@ class Body(Protocol):
     @property
     def radius(self) -> float:
         """Outer radius R [m]; it enters the gap between the bodies."""
+        ...
+
+    @property
+    def curvature(self) -> float:
+        """1/R where the surface strain has the term v/R, 0 where it has not [1/m]."""
         ...
 
     def surface(self, reach: float) -> SurfaceKernels:
@@ -53,6 +58,11 @@ class Rigid(Description):
     kind: Literal["rigid"] = "rigid"
     radius: float = _radius("outer radius R")
 
+    @property
+    def curvature(self) -> float:
+        """0: no strain at all [1/m]."""
+        return 0.0
+
     def surface(self, reach: float) -> SurfaceKernels:
         """Return the response of a body that does not deform: none."""
         return SurfaceKernels.zero()
@@ -73,6 +83,11 @@ class HalfPlane(Description):
     material: Material
 
     _named = field_validator("material", mode="before")(_named)
+
+    @property
+    def curvature(self) -> float:
+        """0: a half-plane's strain has no term v/R [1/m]."""
+        return 0.0
 
     def surface(self, reach: float) -> SurfaceKernels:
         """Return the half-plane's response (thesis eq. 32), the same at any distance."""
@@ -118,8 +133,15 @@ class Cylinder(Description):
         """Thickness R - R0 of the elastic layer [m]."""
         return self.radius - self.core_radius
 
+    @property
+    def curvature(self) -> float:
+        """1/R [1/m]."""
+        return 1 / self.radius
+
     def surface(self, reach: float) -> SurfaceKernels:
         """Return the cylinder's response (thesis eq. 59), series summed beyond the half-plane."""
+        from .elasticity import cylinder  # brings SciPy's splines, needed by no other body
+
         return cylinder.surface_kernels(
             self.radius, self.core_radius, *self.material.stiffness, reach=reach
         )

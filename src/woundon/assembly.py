@@ -1,0 +1,195 @@
+r"""The nip's equations on a grid: bodies and web joined into a normal and a stick-slip problem.
+
+With tractions of the web on the roll q+ and on the drum q- (along +x), pressure p on both faces,
+T = T_in + int (q+ + q-), 1/R* = 1/R1 + 1/R2 and the web's compliances c:
+
+    indentation (82), differentiated      v1' + v2' + c12 (q+ + q-) - 2h c22 p' + Delta/R* = x/R*
+    slip at the roll (133)                v+ = eps - eps1 - [eps - eps1](x = a)
+    slip at the drum (133)                v- = eps - eps2 + xi-
+    strain of the web (72)                eps = c11 T/(2h) - c12 p
+
+The first is linear in p and Delta and is solved for them once:  p = p0 + K q  (the normal problem).
+Put into the other two it leaves the stick-slip problem in q = (q+, q-) and one rigid slip,
+xi = xi- + c11 T_out/(2h), which the winding force fixes.  T_in drops out: the winding theorem.
+
+                 p          q+                    q-              xi
+    v+  [  S+ = -c12 -E1p | L - E1q           |   L             |  0 ]     E: strain of a body
+    v-  [  S- = -c12 -E2p | L                 |   L - E2q       |  1 ]     (E1 less its last row)
+    L = c11/(2h) (upstream integral - whole integral)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from scipy.linalg import lapack
+
+from .contact.discretisation import Discretisation, Response
+from .contact.stick_slip import StickSlip, StickSlipSolution
+from .elasticity.kernels import SurfaceKernels
+from .elasticity.strip import Compliance, compliance
+from .problems import NipProblem
+
+__all__ = ["NipEquations", "NipState", "contact_radius", "half_width_guess"]
+
+Array = np.ndarray
+
+
+def contact_radius(problem: NipProblem) -> float:
+    """Return R* with 1/R* = 1/R1 + 1/R2 [m]."""
+    return 1 / (1 / problem.roll.radius + 1 / problem.drum.radius)
+
+
+def half_width_guess(problem: NipProblem) -> float:
+    """Return the half width of Hertz's theory for two half-planes [m] (thesis eq. 103)."""
+    small = SurfaceKernels.zero
+    C = pi * sum(
+        (body.surface(0.01 * body.radius) or small()).slope_p.inverse
+        for body in (problem.roll, problem.drum)
+    )
+    return sqrt(2 * C * problem.nip_load * contact_radius(problem) / pi)
+
+
+@dataclass(frozen=True, eq=False)
+class NipState:
+    """A solved nip on one grid: contact state, pressure and shift for one half width."""
+
+    half_width: float
+    solution: StickSlipSolution
+    pressure: Array  # (n,) [Pa]
+    shift: float  # Delta/R*
+
+    @property
+    def roll_traction(self) -> Array:
+        """q+ at the interior nodes, (n,) [Pa]."""
+        return self.solution.traction[: self.pressure.size]
+
+    @property
+    def drum_traction(self) -> Array:
+        """q- at the interior nodes, (n,) [Pa]."""
+        return self.solution.traction[self.pressure.size :]
+
+
+@dataclass(frozen=True, eq=False)
+class NipEquations:
+    """The equations of a nip for one half width a; made by :meth:`at`."""
+
+    problem: NipProblem
+    disc: Discretisation
+    half_width: float
+    web: Compliance
+    roll: Response | None
+    drum: Response | None
+    slope_p: Array  # (N, n)
+    slope_q: Array  # (N, 2n)
+    gap: Array  # (N,) slope of the gap x/R*
+    pressure: Array  # (n,) p0
+    pressure_response: Array  # (n, 2n) K
+    shift: float
+    shift_response: Array  # (2n,)
+
+    @classmethod
+    def at(cls, problem: NipProblem, disc: Discretisation, a: float) -> NipEquations:
+        """Assemble the equations for the half width ``a`` [m] and solve the normal problem."""
+        web = compliance(*problem.web.material.stiffness[:3])
+        n = disc.unknowns
+        h2 = problem.web.thickness
+        roll = _response(problem.roll, disc, a)
+        drum = _response(problem.drum, disc, a)
+        slope_p = (-h2 * web.c22 / a) * disc.slope
+        slope_q = np.empty((n + 1, 2 * n))
+        slope_q[:, :n] = slope_q[:, n:] = web.c12 * disc.value
+        for body, face in ((roll, slice(0, n)), (drum, slice(n, 2 * n))):
+            if body is not None:
+                slope_p = slope_p + body.slope_p
+                slope_q[:, face] += body.slope_q
+        gap = disc.middle * (a / contact_radius(problem))
+        solved = _solve_normal(slope_p, gap, slope_q)
+        return cls(
+            problem, disc, a, web, roll, drum, slope_p, slope_q, gap,
+            solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
+        )  # fmt: skip
+
+    @property
+    def load_weights(self) -> Array:
+        """Weights that integrate a traction over the nip, (n,) [m]."""
+        return self.half_width * self.disc.grid.weights
+
+    def stick_slip(self) -> StickSlip:
+        """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
+        n = self.disc.unknowns
+        web, problem = self.web, self.problem
+        weights = self.load_weights
+        tension = (web.c11 / problem.web.thickness) * (
+            self.half_width * self.disc.upstream[:-1] - weights
+        )
+        direct = np.empty((2 * n, 2 * n))
+        direct[:n, :n] = direct[:n, n:] = direct[n:, :n] = direct[n:, n:] = tension
+        through = np.empty((2 * n, n))
+        through[:n] = through[n:] = -web.c12 * self.disc.value[:-1]
+        if self.roll is not None:
+            direct[:n, :n] -= self.roll.strain_q[:n] - self.roll.strain_q[-1]
+            through[:n] -= self.roll.strain_p[:n] - self.roll.strain_p[-1]
+        if self.drum is not None:
+            direct[n:, n:] -= self.drum.strain_q[:n]
+            through[n:] -= self.drum.strain_p[:n]
+        zero, one = np.zeros(n), np.ones(n)
+        friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
+        return StickSlip(
+            direct, through, np.zeros(2 * n), self.pressure, self.pressure_response,
+            friction, faces=2, creep=np.concatenate([zero, one]),
+            resultant=np.concatenate([zero, weights]), force=problem.winding_force,
+        )  # fmt: skip
+
+    def state(self, solution: StickSlipSolution) -> NipState:
+        """Return the state that belongs to solved tractions."""
+        q = solution.traction
+        return NipState(
+            self.half_width, solution,
+            self.pressure + self.pressure_response @ q,
+            self.shift + float(self.shift_response @ q),
+        )  # fmt: skip
+
+    def last_slips(self, state: NipState) -> tuple[float, float]:
+        """Return v+ and v- in the last cell, which belongs to no unknown."""
+        n = self.disc.unknowns
+        p, total = state.pressure, state.roll_traction + state.drum_traction
+        lumped = self.half_width * (self.disc.upstream[-1] @ total)
+        whole = float(self.load_weights @ total)
+        strain = self.web.c11 / self.problem.web.thickness * (lumped - whole)
+        strain -= self.web.c12 * float(self.disc.value[-1] @ p)
+        roll = drum = 0.0
+        if self.roll is not None:
+            at, edge = (self.roll.strain_p[k] @ p + self.roll.strain_q[k] @ state.roll_traction
+                        for k in (n, -1))  # fmt: skip
+            roll = float(at - edge)
+        if self.drum is not None:
+            drum = float(self.drum.strain_p[n] @ p + self.drum.strain_q[n] @ state.drum_traction)
+        return strain - roll, strain - drum + state.solution.creep
+
+
+def _response(body: object, disc: Discretisation, a: float) -> Response | None:
+    kernels = body.surface(2 * a)  # type: ignore[attr-defined]
+    if not kernels.deforms:
+        return None
+    return disc.response(kernels, body.curvature, a)  # type: ignore[attr-defined]
+
+
+def _solve_normal(slope_p: Array, gap: Array, slope_q: Array) -> Array:
+    """Solve slope_p p + Delta/R* = gap - slope_q q for p and Delta/R*, for gap and all q at once."""
+    N = gap.size
+    matrix = np.empty((N, N), order="F")
+    # p is of the order gap/slope_p; a column of that size keeps the matrix balanced
+    scale = float(np.max(np.abs(slope_p)))
+    matrix[:, :-1] = slope_p
+    matrix[:, -1] = scale
+    right = np.empty((N, 1 + slope_q.shape[1]), order="F")
+    right[:, 0] = gap
+    np.negative(slope_q, out=right[:, 1:])
+    _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
+    if info != 0:
+        raise ArithmeticError("the normal problem is singular; is every body's stiffness finite?")
+    solved[-1] *= scale
+    return solved

@@ -1,0 +1,202 @@
+r"""A contact grid on [-1, 1] and the exact integrals of the singular kernels over its hats.
+
+Tractions are piecewise linear on the nodes x_0 < ... < x_N and vanish at both ends, so the
+unknowns live on the n = N - 1 interior nodes.  Slopes and strains are collocated at one point y_k
+inside each cell (x_(k-1), x_k).  Node k belongs with the cell *before* it: material flows along +x,
+and only the upstream cell gives the right sense of rolling.
+
+      x_0      x_1      x_2              x_(N-1)    x_N
+       |---y_1--|---y_2--|--- ...  --y_(N-1)-|---y_N---|
+     -1  traction 0                            trailing edge 1, traction 0
+
+Every kernel is scale-free up to a factor, so a grid on [-1, 1] serves all half widths a.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Protocol
+
+import numpy as np
+
+__all__ = ["Grid", "KernelParts", "cosine_grid", "uniform_grid"]
+
+Array = np.ndarray
+
+
+class KernelParts(Protocol):
+    """What a kernel is made of: inverse/t + delta*Dirac + log*ln|t| + sign*sgn(t) + smooth(t)."""
+
+    @property
+    def inverse(self) -> float: ...
+    @property
+    def delta(self) -> float: ...
+    @property
+    def log(self) -> float: ...
+    @property
+    def sign(self) -> float: ...
+    @property
+    def smooth(self) -> Callable[[Array], Array] | None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Nodes and collocation points on [-1, 1].
+
+    Attributes
+    ----------
+    nodes : (N+1,) array
+        Increasing from -1 to 1.
+    points : (K,) array
+        Where kernels are evaluated; by convention the last one is the trailing edge 1.
+    rank : int
+        Interpolation points a direction for the smooth part of a kernel.
+    """
+
+    nodes: Array
+    points: Array
+    rank: int = 24
+
+    @property
+    def unknowns(self) -> int:
+        """Number n of interior nodes."""
+        return self.nodes.size - 2
+
+    @cached_property
+    def cells(self) -> Array:
+        """Cell lengths, (N,)."""
+        return np.diff(self.nodes)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrals of the hats, (n,)."""
+        return (self.cells[1:] + self.cells[:-1]) / 2
+
+    @cached_property
+    def distance(self) -> Array:
+        """points - (left node of each cell), (K, N)."""
+        return self.points[:, None] - self.nodes[None, :-1]
+
+    def _hats(self, zeroth: Array, first: Array) -> Array:
+        """Combine a cell's integrals of k and of k*(s - x_left)/h into those of the hats."""
+        return first[:, :-1] + (zeroth - first)[:, 1:]
+
+    @cached_property
+    def inverse(self) -> Array:
+        """Principal values of int psi_m(s)/(y - s) ds, (K, n); not for points on interior nodes."""
+        # with z = h/(y - x_left): int ds/(y-s) = -ln|1-z|,  int (s-x_left)/h/(y-s) ds = -ln|1-z|/z-1
+        with np.errstate(divide="ignore", invalid="ignore"):
+            z = self.cells / self.distance
+            zeroth = -np.log(np.abs(1 - z))
+            first = zeroth / z - 1
+        # far away the logarithm cancels, so it is expanded
+        far = np.abs(z) < 2e-2
+        zf = z[far]
+        first[far] = zf * (1 / 2 + zf * (1 / 3 + zf * (1 / 4 + zf * (1 / 5 + zf * (
+            1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))))
+        zeroth[far] = zf * (1 + first[far])
+        # at the contact's own ends the hats vanish with the distance: only the finite rests stay
+        starts, ends = self.distance == 0, z == 1
+        zeroth[starts], first[starts] = -1.0, -1.0
+        zeroth[ends], first[ends] = 0.0, -1.0
+        return self._hats(zeroth, first)
+
+    @cached_property
+    def log(self) -> Array:
+        """Integrals of psi_m(s) ln|y - s| ds, (K, n)."""
+        d0, d1 = self.distance, self.distance - self.cells
+        with np.errstate(divide="ignore", invalid="ignore"):
+            l0 = np.where(d0 == 0, 0.0, np.log(np.abs(d0)))
+            l1 = np.where(np.abs(d1) < 1e-300, 0.0, np.log(np.abs(d1)))
+        zeroth = d0 * l0 - d1 * l1 - self.cells
+        moment = d0 * (zeroth) - (d0**2 * (l0 / 2 - 0.25) - d1**2 * (l1 / 2 - 0.25))
+        return self._hats(zeroth, moment / self.cells)
+
+    @cached_property
+    def sign(self) -> Array:
+        """Integrals of psi_m(s) sgn(y - s) ds, (K, n)."""
+        part = np.clip(self.distance / self.cells, 0.0, 1.0)  # share of the cell before y
+        zeroth = self.cells * (2 * part - 1)
+        return self._hats(zeroth, self.cells * (part**2 - 0.5))
+
+    @cached_property
+    def value(self) -> Array:
+        """Value of the piecewise linear function at the points, (K, n)."""
+        part = self.distance / self.cells
+        inside = (part >= 0) & (part < 1)
+        return self._hats(np.where(inside, 1.0, 0.0), np.where(inside, part, 0.0))
+
+    @cached_property
+    def _interpolation(self) -> tuple[Array, Array, Array]:
+        """Chebyshev points t; Lagrange values at the points (K, r); moments over the hats (r, n)."""
+        r = self.rank
+        t = -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
+        orders = np.arange(r)
+        transform = np.cos(np.outer(orders, np.arccos(t))) * (2 / r)  # values -> coefficients
+        transform[0] /= 2
+        chebyshev = np.polynomial.chebyshev.chebvander
+        at_points = chebyshev(self.points, r - 1) @ transform
+        # moments of T_j over the hats: Gauss points on each cell (degree of hat * T_j is r)
+        g, w = np.polynomial.legendre.leggauss(min(r // 2 + 2, 12))
+        part = (g + 1) / 2
+        s = self.nodes[:-1, None] + self.cells[:, None] * part
+        polynomials = chebyshev(s.ravel(), r - 1).T.reshape(r, self.cells.size, g.size)
+        measure = self.cells[:, None] * w / 2
+        zeroth = (polynomials * measure).sum(-1)
+        first = (polynomials * (measure * part)).sum(-1)
+        return t, at_points, transform.T @ self._hats(zeroth, first)
+
+    def integrate(self, kernel: KernelParts, scale: float, rows: slice = slice(None)) -> Array:
+        """Integrate a kernel against the hats of the grid scaled by ``scale`` (the half width a).
+
+        Parameters
+        ----------
+        kernel : KernelParts
+        scale : float
+            a [m].
+        rows : slice
+            Which points; all by default.
+
+        Returns
+        -------
+        (K, n) array
+            int k(a (y - s)) psi_m(s) a ds at each point y.
+        """
+        out = np.zeros((self.points[rows].size, self.unknowns))
+        if kernel.inverse:
+            out += kernel.inverse * self.inverse[rows]
+        if kernel.delta:
+            out += kernel.delta * self.value[rows]
+        if kernel.log:
+            out += kernel.log * scale * (self.log[rows] + np.log(scale) * self.weights)
+        if kernel.sign:
+            out += kernel.sign * scale * self.sign[rows]
+        if kernel.smooth is not None:
+            t, at_points, moments = self._interpolation
+            core = kernel.smooth(scale * (t[:, None] - t[None, :]))
+            out += scale * (at_points[rows] @ (core @ moments))
+        return out
+
+
+def _midpoints_and_edge(middle: Array) -> Array:
+    return np.append(middle, 1.0)
+
+
+@lru_cache(maxsize=32)
+def cosine_grid(nodes: int, rank: int = 24) -> Grid:
+    """Return the edge-graded grid x = -cos(theta) with points at the middle of each theta cell."""
+    theta = np.pi * np.arange(2 * nodes - 1) / (2 * nodes - 2)
+    # sine of the distance to the middle: exactly antisymmetric, so mirrored problems mirror
+    x = np.sin(theta - np.pi / 2)
+    x = (x - x[::-1]) / 2
+    return Grid(x[0::2], _midpoints_and_edge(x[1::2]), rank)
+
+
+@lru_cache(maxsize=32)
+def uniform_grid(nodes: int, rank: int = 24) -> Grid:
+    """Return the evenly spaced grid of the thesis (eq. 108); points are all its nodes."""
+    x = np.linspace(-1.0, 1.0, nodes)
+    x = (x - x[::-1]) / 2
+    return Grid(x, x, rank)

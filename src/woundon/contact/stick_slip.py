@@ -1,0 +1,296 @@
+r"""The stick-slip problem on matrices, and the pivoting that solves it.
+
+Unknown are the tractions q (m of them, one or two faces) and, where a resultant is prescribed, one
+rigid slip xi (a creep).  The tractions load the bodies and press back on the pressure:
+
+    p = p0 + K q                        pressure, from the normal problem
+    v = c0 + D q + S p + e xi           slip at each node's collocation point
+    b = mu * p[face nodes]              friction bound
+    g q = F                             prescribed resultant (optional)
+
+and each node obeys one of three laws, held in ``state``:
+
+    stick      0    v = 0    |q| <= b
+    forward   +1    q = +b   v >= 0
+    backward  -1    q = -b   v <= 0
+
+so that, for a given state, everything is one linear system
+
+      rows of sticking nodes    [ D + S K    e ] [ q  ]   [ -(c0 + S p0) ]
+      rows of slipping nodes    [ I - s mu K 0 ] [ xi ] = [  s mu p0     ]
+      resultant                 [ g          0 ]          [  F           ]
+
+This is a mixed complementarity problem.  With one face and the interlacing collocation points of
+:mod:`.grid` its matrix is a P-matrix (docs, theory), for which block pivoting with a single-pivot
+safeguard ends at the unique solution after finitely many steps (Judice and Pires 1994; the single
+pivots are Murty's).  What the theory does not cover (two faces, strong coupling with the pressure)
+is reached by following a path in the friction coefficient from nearly frictionless contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import lapack
+
+__all__ = ["Ending", "StickSlip", "StickSlipSolution", "keep_one_stuck", "solve_stick_slip"]
+
+Array = np.ndarray
+
+# a law counts as kept when violated by less than this, relative to the largest bound or slip
+TOLERANCE = 1e-11
+
+
+class Ending(Enum):
+    """How an iteration ended, and what to do next."""
+
+    SOLVED = "every law is kept"
+    CYCLE = "the iteration repeats itself: use algorithm='pivoting'"
+    LIMIT = "the limit of iterations was reached: give a nearer start or more iterations"
+    SINGULAR = "a linear system was singular: check the loads and the material"
+
+
+@dataclass(frozen=True, eq=False)
+class StickSlip:
+    """The matrices of a stick-slip problem; see the module's text for the letters.
+
+    Attributes
+    ----------
+    direct : (m, m) array
+        D.
+    through_pressure : (m, n) array
+        S.
+    offset : (m,) array
+        c0.
+    pressure : (n,) array
+        p0.
+    pressure_response : (n, m) array
+        K.
+    friction : (m,) array
+        mu of each node.
+    faces : int
+        Number of faces; node k of each face sees pressure k.
+    creep : (m,) array or None
+        e; None if no resultant is prescribed.
+    resultant : (m,) array or None
+        g.
+    force : float
+        F.
+    """
+
+    direct: Array
+    through_pressure: Array
+    offset: Array
+    pressure: Array
+    pressure_response: Array
+    friction: Array
+    faces: int
+    creep: Array | None = None
+    resultant: Array | None = None
+    force: float = 0.0
+
+    @cached_property
+    def stick_matrix(self) -> Array:
+        """D + S K."""
+        return self.direct + self.through_pressure @ self.pressure_response
+
+    @cached_property
+    def stick_offset(self) -> Array:
+        """c0 + S p0."""
+        return self.offset + self.through_pressure @ self.pressure
+
+    @cached_property
+    def bound_matrix(self) -> Array:
+        """mu K for all faces, (m, m)."""
+        return self.friction[:, None] * np.tile(self.pressure_response, (self.faces, 1))
+
+    @cached_property
+    def bound_offset(self) -> Array:
+        """mu p0 for all faces, (m,)."""
+        return self.friction * np.tile(self.pressure, self.faces)
+
+    def with_friction(self, share: float) -> StickSlip:
+        """Return the problem with friction and resultant force scaled by ``share``."""
+        return replace(self, friction=share * self.friction, force=share * self.force)
+
+    @cached_property
+    def scale(self) -> float:
+        """Slip per traction; slipping rows are multiplied by it to balance the system."""
+        return float(np.max(np.abs(self.stick_matrix)))
+
+    def solve(self, state: Array) -> StickSlipSolution:
+        """Solve the linear system of one state."""
+        m, bordered, scale = state.size, self.creep is not None, self.scale
+        matrix = np.zeros((m + bordered, m + bordered), order="F")
+        right = np.zeros(m + bordered)
+        stuck = np.nonzero(state == 0)[0]
+        slips = np.nonzero(state)[0]
+        matrix[stuck, :m] = self.stick_matrix[stuck]
+        right[stuck] = -self.stick_offset[stuck]
+        sign = scale * state[slips]
+        matrix[slips, :m] = -sign[:, None] * self.bound_matrix[slips]
+        matrix[slips, slips] += scale
+        right[slips] = sign * self.bound_offset[slips]
+        if self.creep is not None and self.resultant is not None:
+            unit = scale / float(np.max(np.abs(self.resultant)))
+            matrix[stuck, m] = scale * self.creep[stuck]
+            matrix[m, :m] = unit * self.resultant
+            right[m] = unit * self.force
+        _, _, unknown, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
+        if info != 0 or not np.isfinite(unknown).all():
+            return StickSlipSolution.failed(self, state)
+        return self.evaluate(state, unknown[:m], scale * float(unknown[m]) if bordered else 0.0)
+
+    def evaluate(self, state: Array, traction: Array, creep: float) -> StickSlipSolution:
+        """Evaluate slip and bound of given tractions."""
+        slip = self.stick_offset + self.stick_matrix @ traction
+        if self.creep is not None:
+            slip += self.creep * creep
+        slip[state == 0] = 0.0  # solved for: what is left is rounding
+        bound = self.bound_offset + self.bound_matrix @ traction
+        return StickSlipSolution(state, traction, creep, slip, bound)
+
+
+@dataclass(frozen=True, eq=False)
+class StickSlipSolution:
+    """Tractions, rigid slip, slips and bounds of a state, and how it was reached."""
+
+    state: Array
+    traction: Array
+    creep: float
+    slip: Array
+    bound: Array
+    ending: Ending = Ending.SOLVED
+    solves: int = 1
+
+    @classmethod
+    def failed(cls, problem: StickSlip, state: Array) -> StickSlipSolution:
+        """Return what stands for the solution of a singular system."""
+        nan = np.full(state.size, np.nan)
+        return cls(state, nan, np.nan, nan, nan, Ending.SINGULAR)
+
+    def violated(self) -> Array:
+        """Which nodes break the law of their state, (m,) bool."""
+        stuck = self.state == 0
+        b_tol = TOLERANCE * float(np.max(np.abs(self.bound)))
+        v_tol = TOLERANCE * float(np.max(np.abs(self.slip)))
+        return np.where(
+            stuck, np.abs(self.traction) > self.bound + b_tol, self.state * self.slip < -v_tol
+        )
+
+    def flipped(self, which: Array) -> Array:
+        """Return the state with the given nodes brought to the law they ask for."""
+        asked = np.where(self.state == 0, np.sign(self.traction), 0).astype(self.state.dtype)
+        return np.where(which, asked, self.state)
+
+
+def solve_stick_slip(
+    problem: StickSlip, start: Array | None = None, limit: int = 400
+) -> StickSlipSolution:
+    """Find the state in which every law holds.
+
+    Parameters
+    ----------
+    problem : StickSlip
+    start : (m,) int array, optional
+        State to begin with; all in stick by default.
+    limit : int
+        Largest number of linear systems per leg of the path.
+
+    Returns
+    -------
+    StickSlipSolution
+        With ``ending`` SOLVED, or the best that was found.
+    """
+    if start is None:
+        start = np.zeros(problem.friction.size, dtype=np.int8)
+    direct = _pivot(problem, start, limit=60)
+    if direct.ending is Ending.SOLVED:
+        return direct
+    followed = _follow_friction(problem, limit)
+    return replace(followed, solves=followed.solves + direct.solves)
+
+
+def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
+    """Block pivoting; single pivots when the number of violated laws does not fall."""
+    fewest, patience, solution = state.size + 1, 8, problem.solve(state)
+    for solves in range(1, limit + 1):
+        if solution.ending is Ending.SINGULAR:
+            return replace(solution, solves=solves)
+        violated = solution.violated()
+        count = int(np.count_nonzero(violated))
+        if count == 0:
+            return replace(solution, solves=solves)
+        if count < fewest:
+            fewest, patience = count, 8
+        elif patience > 0:
+            patience -= 1
+        else:
+            # Murty's rule: only the violated node of the highest index
+            violated[: np.nonzero(violated)[0][-1]] = False
+        state = keep_one_stuck(problem, solution, solution.flipped(violated))
+        solution = problem.solve(state)
+    return replace(solution, ending=Ending.LIMIT, solves=limit)
+
+
+def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array) -> Array:
+    """Leave a node in stick where a resultant is prescribed: without one nothing holds the creep."""
+    if problem.creep is None:
+        return state
+    held = np.nonzero(problem.creep)[0]
+    if np.any(state[held] == 0):
+        return state
+    state = state.copy()
+    stuck_before = held[solution.state[held] == 0]
+    if stuck_before.size:
+        excess = np.abs(solution.traction[stuck_before]) - solution.bound[stuck_before]
+        state[stuck_before[np.argmin(excess)]] = 0
+    else:
+        state[held[np.argmin(np.abs(solution.slip[held]))]] = 0
+    return state
+
+
+def _follow_friction(problem: StickSlip, limit: int) -> StickSlipSolution:
+    """Follow the solution from nearly frictionless contact, where stick is a few points only."""
+    share, ratio, total = 1e-4, 4.0, 0
+    solution = _pivot(problem.with_friction(share), _frictionless_state(problem), limit)
+    total += solution.solves
+    while solution.ending is Ending.SOLVED:
+        if share == 1.0:
+            return replace(solution, solves=total)
+        target = min(1.0, share * ratio)
+        trial = _pivot(problem.with_friction(target), solution.state, 40)
+        total += trial.solves
+        if trial.ending is Ending.SOLVED:
+            share, solution, ratio = target, trial, min(4.0, ratio**1.5)
+        elif ratio < 1 + 1e-7:
+            return replace(trial, solves=total)
+        else:
+            ratio = ratio**0.5
+    return replace(solution, solves=total)
+
+
+def _frictionless_state(problem: StickSlip) -> Array:
+    """State as friction vanishes: everything slips as the frictionless contact does.
+
+    The rigid slip is where the vanishing bounds just carry the resultant: a weighted median.
+    """
+    slip = problem.stick_offset.copy()
+    state = np.sign(slip).astype(np.int8)
+    if problem.creep is None or problem.resultant is None:
+        return state
+    held = np.nonzero(problem.creep)[0]
+    asked = -slip[held] / problem.creep[held]  # the rigid slip at which each node turns
+    order = np.argsort(asked)
+    weight = problem.resultant[held] * np.maximum(problem.bound_offset[held], 0.0)
+    # nodes before the turning one in this order slip forward, those behind it backward
+    forward = np.cumsum(weight[order])
+    k = int(np.searchsorted(2 * forward - forward[-1], problem.force))
+    k = min(k, held.size - 1)
+    xi = asked[order[k]]
+    state[held] = np.sign(slip[held] + problem.creep[held] * xi).astype(np.int8)
+    state[held[order[k]]] = 0
+    return state

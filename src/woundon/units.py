@@ -1,0 +1,149 @@
+"""Units at the edge: text such as "66 um", "3.38 GPa" or "17 pli" to SI, and nothing else.
+
+Pint does the arithmetic, over definitions of our own: a general registry with free prefixes reads
+"17 pli" as a tiny length and "min" as a milli-inch.  Here a unit is known or refused.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from math import isfinite
+from typing import Any
+
+from .errors import InvalidProblem, did_you_mean
+
+__all__ = ["known_units", "parse"]
+
+# one line a unit, in Pint's notation; names are exact: no free prefixes, no plurals, no aliases
+_DEFINITIONS = """
+m = [length]
+s = [time]
+kg = [mass]
+rad = []
+percent = 0.01 rad = %
+um = 1e-6 m
+mm = 1e-3 m
+cm = 1e-2 m
+km = 1e3 m
+inch = 0.0254 m
+ft = 0.3048 m
+mil = 2.54e-5 m
+min = 60 s
+h = 3600 s
+g = 1e-3 kg
+t = 1e3 kg
+lb = 0.45359237 kg
+N = kg * m / s**2
+mN = 1e-3 N
+daN = 10 N
+kN = 1e3 N
+MN = 1e6 N
+kgf = 9.80665 N
+lbf = 4.4482216152605 N
+Pa = N / m**2
+kPa = 1e3 Pa
+MPa = 1e6 Pa
+GPa = 1e9 Pa
+bar = 1e5 Pa
+psi = lbf / inch**2
+ksi = 1e3 psi
+pli = lbf / inch
+gsm = g / m**2
+fpm = ft / min
+J = N * m
+"""
+
+# spellings that Pint's grammar or Python's keywords keep us from defining
+_SPELLINGS = {"in": "inch", "%": "percent", "\N{MICRO SIGN}m": "um", "\N{GREEK SMALL LETTER MU}m": "um"}
+
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_UNIT_NAME = re.compile(r"[^\W\d_]+|%")
+_LONGEST = 60
+
+
+def known_units() -> tuple[str, ...]:
+    """Return the names of all units that are understood."""
+    names = [line.split(" = ")[0] for line in _DEFINITIONS.strip().splitlines()]
+    return tuple(sorted({*names, *_SPELLINGS} - {"percent"}))
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry = pint.UnitRegistry(None)
+    registry.load_definitions(_DEFINITIONS.strip().splitlines())
+    return registry
+
+
+def parse(value: str | float, unit: str, field: str = "value") -> float:
+    """Return ``value`` in SI; a plain number is SI already.
+
+    Parameters
+    ----------
+    value : str or float
+        Number with its unit ("17 pli", "-400 N/m", "19 %") or a plain number.
+    unit : str
+        SI unit that is due, e.g. "N/m"; "1" where a pure number is.
+    field : str
+        Name of the field, for the error's text.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is no number, or its unit is missing, unknown or of another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise _fault(field, value, "is not a number", unit)
+    if not isinstance(value, str):
+        return float(value)
+    match = _QUANTITY.fullmatch(value)
+    if match is None or len(value) > _LONGEST:
+        raise _fault(field, value, "is not a number with a unit", unit)
+    number, text = float(match[1]), match[2]
+    if not isfinite(number):
+        raise _fault(field, value, "is not a finite number", unit)
+    if not text:
+        if unit == "1":
+            return number
+        raise _fault(field, value, "has no unit", unit)
+    return number * _factor(text, unit, field, value)
+
+
+def _factor(text: str, unit: str, field: str, value: str) -> float:
+    """Return how many of ``unit`` the unit written as ``text`` is."""
+    for name in _UNIT_NAME.findall(text):
+        if name not in known_units():
+            hint = did_you_mean(name, known_units())
+            raise _fault(field, value, f"has the unknown unit {name!r}{hint}", unit)
+    registry = _registry()
+    try:
+        given = registry.parse_units(_spelled_for_pint(text))
+        due = registry.parse_units("" if unit == "1" else unit)
+        same = given.dimensionality == due.dimensionality
+    except Exception:  # Pint's parser raises a dozen kinds, tokenizer errors among them
+        raise _fault(field, value, f"has the unreadable unit {text!r}", unit) from None
+    if not same:
+        raise _fault(field, value, "has the wrong dimension", unit)
+    return float(registry.convert(1.0, given, due))
+
+
+def _spelled_for_pint(text: str) -> str:
+    """Return ``text`` with "m2" as "m**2" and the spellings that Pint cannot read replaced."""
+    named = _UNIT_NAME.sub(lambda match: _SPELLINGS.get(match[0], match[0]), text)
+    return re.sub(r"([^\W\d_])(\d)", r"\1**\2", named).replace("\N{MIDDLE DOT}", "*")
+
+
+def _fault(field: str, value: Any, what: str, unit: str) -> InvalidProblem:
+    due = "a plain number" if unit == "1" else f"a value in {unit}"
+    return InvalidProblem([(field, f"{value!r} {what}; expected {due}, {_EXAMPLES.get(unit, '')}"
+                            .removesuffix(", "))])
+
+
+_EXAMPLES = {
+    "m": "e.g. '66 um' or 66e-6",
+    "N/m": "e.g. '3.5 kN/m', '20 pli' or 3500",
+    "Pa": "e.g. '10 MPa' or 10e6",
+    "1": "e.g. 0.2",
+}
