@@ -20,19 +20,20 @@ xi = xi- + c11 T_out/(2h), which the winding force fixes.  T_in drops out: the w
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
-from scipy.linalg import lapack
 
+from .bodies import Body
 from .contact.discretisation import Discretisation, Response
+from .contact.normal import solve_normal
 from .contact.stick_slip import StickSlip, StickSlipSolution
-from .elasticity.kernels import SurfaceKernels
 from .elasticity.strip import Compliance, compliance
 from .problems import NipProblem
 
-__all__ = ["NipEquations", "NipState", "contact_radius", "half_width_guess"]
+__all__ = ["NipEquations", "NipState", "contact_radius", "half_width_guess", "hertz_half_width", "surface_response"]
 
 Array = np.ndarray
 
@@ -44,12 +45,15 @@ def contact_radius(problem: NipProblem) -> float:
 
 def half_width_guess(problem: NipProblem) -> float:
     """Return the half width of Hertz's theory for two half-planes [m] (thesis eq. 103)."""
-    small = SurfaceKernels.zero
-    C = pi * sum(
-        (body.surface(0.01 * body.radius) or small()).slope_p.inverse
-        for body in (problem.roll, problem.drum)
+    return hertz_half_width(
+        problem.nip_load, contact_radius(problem), (problem.roll, problem.drum)
     )
-    return sqrt(2 * C * problem.nip_load * contact_radius(problem) / pi)
+
+
+def hertz_half_width(load: float, radius: float, bodies: Iterable[Body]) -> float:
+    """Return a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101-103) [m]."""
+    C = pi * sum(body.surface(0.01 * body.radius).slope_p.inverse for body in bodies)
+    return sqrt(2 * C * load * radius / pi)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +100,8 @@ class NipEquations:
         web = compliance(*problem.web.material.stiffness[:3])
         n = disc.unknowns
         h2 = problem.web.thickness
-        roll = _response(problem.roll, disc, a)
-        drum = _response(problem.drum, disc, a)
+        roll = surface_response(problem.roll, disc, a)
+        drum = surface_response(problem.drum, disc, a)
         slope_p = (-h2 * web.c22 / a) * disc.slope
         slope_q = np.empty((n + 1, 2 * n))
         slope_q[:, :n] = slope_q[:, n:] = web.c12 * disc.value
@@ -106,7 +110,7 @@ class NipEquations:
                 slope_p = slope_p + body.slope_p
                 slope_q[:, face] += body.slope_q
         gap = disc.middle * (a / contact_radius(problem))
-        solved = _solve_normal(slope_p, gap, slope_q)
+        solved = solve_normal(slope_p, gap, slope_q)
         return cls(
             problem, disc, a, web, roll, drum, slope_p, slope_q, gap,
             solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
@@ -170,26 +174,7 @@ class NipEquations:
         return strain - roll, strain - drum + state.solution.creep
 
 
-def _response(body: object, disc: Discretisation, a: float) -> Response | None:
-    kernels = body.surface(2 * a)  # type: ignore[attr-defined]
-    if not kernels.deforms:
-        return None
-    return disc.response(kernels, body.curvature, a)  # type: ignore[attr-defined]
-
-
-def _solve_normal(slope_p: Array, gap: Array, slope_q: Array) -> Array:
-    """Solve slope_p p + Delta/R* = gap - slope_q q for p and Delta/R*, for gap and all q at once."""
-    N = gap.size
-    matrix = np.empty((N, N), order="F")
-    # p is of the order gap/slope_p; a column of that size keeps the matrix balanced
-    scale = float(np.max(np.abs(slope_p)))
-    matrix[:, :-1] = slope_p
-    matrix[:, -1] = scale
-    right = np.empty((N, 1 + slope_q.shape[1]), order="F")
-    right[:, 0] = gap
-    np.negative(slope_q, out=right[:, 1:])
-    _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
-    if info != 0:
-        raise ArithmeticError("the normal problem is singular; is every body's stiffness finite?")
-    solved[-1] *= scale
-    return solved
+def surface_response(body: Body, disc: Discretisation, a: float) -> Response | None:
+    """Return a body's matrices on the grid scaled by ``a`` [m]; None for a rigid one."""
+    kernels = body.surface(2 * a)
+    return disc.response(kernels, body.curvature, a) if kernels.deforms else None

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import exp, log, nan
+from math import nan
 from typing import Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ from .contact.certificate import certify
 from .contact.discretisation import Discretisation, discretisation
 from .contact.panagiotopoulos import panagiotopoulos
 from .contact.stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
+from .contact.width import WidthNotFound, width_for_load
 from .errors import InvalidProblem, NotConverged, did_you_mean
 from .problems import NipProblem
 from .results import NipResult, Residuals, SlipRatios
@@ -137,50 +138,40 @@ def _with_error(results: list[NipResult]) -> NipResult:
 def _solve_on(
     problem: NipProblem, disc: Discretisation, algorithm: str, start: NipState | None
 ) -> tuple[NipEquations, NipState]:
-    """Solve on one grid: a secant iteration on ln a until the pressure carries the nip load."""
-    P = problem.nip_load
+    """Solve on one grid: stick and slip for a half width, inside the iteration on the width."""
     solve = _ALGORITHMS[algorithm]
-    states = None if start is None else _carried_over(start, disc)
-    ln_a = log(start.half_width if start else _frictionless_width(problem, disc))
-    slope, previous = 2.0, None
+    zones = None if start is None else _carried_over(start, disc)
+    guess = start.half_width if start else _frictionless_width(problem, disc)
     solves = 0
-    for _ in range(50):
-        equations = NipEquations.at(problem, disc, exp(ln_a))
-        solution = solve(equations.stick_slip(), states)
+
+    def evaluate(a: float) -> tuple[tuple[NipEquations, NipState], float]:
+        nonlocal zones, solves
+        equations = NipEquations.at(problem, disc, a)
+        solution = solve(equations.stick_slip(), zones)
         solves += solution.solves
         state = equations.state(replace(solution, solves=solves))
-        carried = float(equations.load_weights @ state.pressure)
-        if solution.ending is not Ending.SOLVED or not carried > 0:
+        if solution.ending is not Ending.SOLVED:
+            best = _result(equations, state, disc.scheme, algorithm) if solution.finite else None
             raise NotConverged(
-                f"stick and slip not found ({solution.ending.name}): {solution.ending.value}",
-                _result(equations, state, disc.scheme, algorithm)
-                if np.isfinite(solution.traction).all() else None,
-            )  # fmt: skip
-        miss = log(carried / P)
-        if abs(miss) < 1e-11:
-            break
-        if previous is not None and abs(ln_a - previous[0]) > 1e-9:
-            slope = min(max((miss - previous[1]) / (ln_a - previous[0]), 0.5), 8.0)
-        previous, states = (ln_a, miss), solution.state
-        ln_a -= min(max(miss / slope, -1.5), 1.5)
-    return equations, state
+                f"stick and slip not found ({solution.ending.name}): {solution.ending.value}", best
+            )
+        zones = solution.state
+        return (equations, state), float(equations.load_weights @ state.pressure)
+
+    try:
+        return width_for_load(evaluate, problem.nip_load, guess, rtol=1e-11)
+    except WidthNotFound as stop:
+        raise NotConverged(str(stop)) from None
 
 
 def _frictionless_width(problem: NipProblem, disc: Discretisation) -> float:
     """Return the half width at which the frictionless contact carries the nip load [m]."""
-    P, ln_a = problem.nip_load, log(half_width_guess(problem))
-    slope, previous = 2.0, None
-    for _ in range(40):
-        equations = NipEquations.at(problem, disc, exp(ln_a))
-        carried = float(equations.load_weights @ equations.pressure)
-        miss = log(carried / P) if carried > 0 else -1.0
-        if previous is not None and abs(ln_a - previous[0]) > 1e-9:
-            slope = min(max((miss - previous[1]) / (ln_a - previous[0]), 0.5), 8.0)
-        if abs(miss) < 1e-3:
-            break
-        previous = (ln_a, miss)
-        ln_a -= min(max(miss / slope, -1.0), 1.0)
-    return exp(ln_a)
+
+    def evaluate(a: float) -> tuple[float, float]:
+        equations = NipEquations.at(problem, disc, a)
+        return a, float(equations.load_weights @ equations.pressure)
+
+    return width_for_load(evaluate, problem.nip_load, half_width_guess(problem), rtol=1e-2)
 
 
 def _carried_over(start: NipState, disc: Discretisation) -> Array:

@@ -160,8 +160,8 @@ class RollerResult:
     ----------
     problem : RollerProblem
     creepage : float
-        xi, the upper surface's speed less the lower's, over the speed, before strain; > 0 for
-        tangential_load > 0.  nan for a static contact.
+        xi, the lower roller's surface speed less the upper's, over the speed, before strain; > 0
+        where it drags the upper roller along +x.  nan for a static contact.
     tangential_load : float
         Q on the upper roller along +x [N/m].
     half_width, approach, offset : float

@@ -172,6 +172,11 @@ class StickSlipSolution:
         nan = np.full(state.size, np.nan)
         return cls(state, nan, np.nan, nan, nan, Ending.SINGULAR)
 
+    @property
+    def finite(self) -> bool:
+        """Whether tractions were found at all."""
+        return bool(np.isfinite(self.traction).all())
+
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         stuck = self.state == 0
@@ -243,13 +248,11 @@ def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array
     held = np.nonzero(problem.creep)[0]
     if np.any(state[held] == 0):
         return state
+    # the node that turns between the two directions; not the one just found unable to stick
+    distance = np.where(solution.state[held] == 0, np.inf, np.abs(solution.slip[held]))
+    last = held[np.argmin(distance)] if np.isfinite(distance).any() else held[0]
     state = state.copy()
-    stuck_before = held[solution.state[held] == 0]
-    if stuck_before.size:
-        excess = np.abs(solution.traction[stuck_before]) - solution.bound[stuck_before]
-        state[stuck_before[np.argmin(excess)]] = 0
-    else:
-        state[held[np.argmin(np.abs(solution.slip[held]))]] = 0
+    state[last] = 0
     return state
 
 

@@ -1,0 +1,57 @@
+"""The outermost loop: the half width at which the pressure carries the load."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import exp, log
+from typing import TypeVar
+
+__all__ = ["WidthNotFound", "width_for_load"]
+
+T = TypeVar("T")
+
+
+class WidthNotFound(ArithmeticError):
+    """The secant iteration did not settle."""
+
+
+def width_for_load(
+    evaluate: Callable[[float], tuple[T, float]], load: float, guess: float, rtol: float
+) -> T:
+    """Find the half width a whose contact carries ``load``, by a secant on ln P against ln a.
+
+    The load grows with the width like a power between 2 (half-planes) and 5 (a thin incompressible
+    layer), so the iteration works on logarithms, where it is nearly linear.
+
+    Parameters
+    ----------
+    evaluate : callable
+        a [m] -> (state, load it carries [N/m]).
+    load : float
+        [N/m].
+    guess : float
+        First a [m].
+    rtol : float
+        Accepted relative difference of the loads.
+
+    Returns
+    -------
+    The state of the last evaluation.
+
+    Raises
+    ------
+    WidthNotFound
+        After 60 evaluations.
+    """
+    ln_a, power = log(guess), 2.0
+    last: tuple[float, float] | None = None
+    for _ in range(60):
+        state, carried = evaluate(exp(ln_a))
+        miss = log(carried / load) if carried > 0 else -2.0
+        if abs(miss) <= rtol:
+            return state
+        if last is not None and abs(ln_a - last[0]) > 1e-12:
+            power = min(max((miss - last[1]) / (ln_a - last[0]), 0.7), 12.0)
+        last = (ln_a, miss)
+        ln_a -= min(max(miss / power, -1.5), 1.5)
+    raise WidthNotFound(f"the half width did not settle: last {exp(ln_a):.6g} m, off by {miss:.2g}")
