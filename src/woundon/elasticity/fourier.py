@@ -1,0 +1,212 @@
+"""Fourier sums around a circle whose coefficients decay algebraically.
+
+The influence functions of a cylinder are sums over the harmonics n of the angle theta,
+
+    f(theta) = c_0 + sum_{n>=1} c_n trig(n theta),        trig = cos (even) or sin (odd),
+
+with coefficients that approach an inverse power series, c_n = a_0 + a_1/n + ... + a_J/n^J + rest_n.
+The powers are summed in closed form: trig sums of n^-j are the parts of the polylogarithm
+
+    Li_j(e^{i theta}) = (i theta)^(j-1)/(j-1)! [1 + 1/2 + ... + 1/(j-1) - ln(-i theta)]
+                        + sum_{k != j-1} zeta(j-k) (i theta)^k / k!,     0 < theta < 2 pi,
+
+(DLMF 25.12.12), which isolates what is singular at theta = 0: the pole or Dirac pulse of a_0, the
+logarithm or step of a_1, and weaker theta^(j-1) ln(theta) terms.  What remains is tabulated with
+its first two derivatives, by fast Fourier transform, and interpolated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import factorial, log, pi
+
+import numpy as np
+
+from .kernels import Kernel
+
+__all__ = ["HarmonicSum", "polylogarithm"]
+
+Array = np.ndarray
+
+POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at its largest angle pi
+
+
+@dataclass(frozen=True)
+class Polylogarithm:
+    """Li_j(e^{i theta}) = pole/theta + log theta^(j-1) ln(theta) + sum_k power[k] theta^k."""
+
+    pole: complex
+    log: complex
+    power: Array
+
+
+@lru_cache(maxsize=32)
+def polylogarithm(j: int) -> Polylogarithm:
+    """Return the expansion of Li_j(e^{i theta}), 0 < theta <= pi, for an integer j >= 0."""
+    power = np.array([_zeta(j - k) * 1j**k / factorial(k) for k in range(POWERS) if k != j - 1])
+    if j == 0:
+        return Polylogarithm(1j, 0.0, power)
+    lead = 1j ** (j - 1) / factorial(j - 1)
+    harmonic = sum(1 / m for m in range(1, j))
+    return Polylogarithm(0.0, -lead, np.insert(power, j - 1, lead * (harmonic + 0.5j * pi)))
+
+
+@lru_cache(maxsize=128)
+def _zeta(s: int) -> float:
+    """Return Riemann's zeta(s) of an integer s != 1, by its sum and reflection."""
+    if s == 0:
+        return -0.5
+    if s < 0:
+        if s % 2 == 0:
+            return 0.0
+        m = 1 - s
+        return 2 * (2 * pi) ** -m * (-1) ** (m // 2) * factorial(m - 1) * _zeta(m)
+    # Euler-Maclaurin after N terms; the first term left out is below 1e-17 for s >= 2
+    N = 20
+    head = sum(k**-s for k in range(N - 1, 0, -1))
+    tail = N ** (1 - s) / (s - 1) + 0.5 * float(N) ** -s
+    rising = float(s)
+    for m, bernoulli in enumerate((1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66), start=1):
+        tail += bernoulli / factorial(2 * m) * rising * float(N) ** (1 - s - 2 * m)
+        rising *= (s + 2 * m - 1) * (s + 2 * m)
+    return head + tail
+
+
+@dataclass(frozen=True)
+class HarmonicSum:
+    """scale * [mean + sum_n (a_0 + a_1/n + ... + rest_n) trig(n t/radius)].
+
+    Parameters
+    ----------
+    odd : bool
+        True for sines, False for cosines.
+    radius : float
+        Radius R of the circle [m]; t is an arc length.
+    scale : float
+        Factor in front of the sum.
+    mean : float
+        Coefficient of n = 0; cosines only.
+    tail : ndarray, shape (J+1,), J >= 1
+        a_0 ... a_J.
+    rest : ndarray, shape (N,)
+        c_n less the powers, n = 1 ... N; taken as zero beyond.
+    """
+
+    odd: bool
+    radius: float
+    scale: float
+    mean: float
+    tail: Array
+    rest: Array
+
+    def kernel(self) -> Kernel:
+        """Return the sum taken apart by singularity; the smooth part is tabulated when first used.
+
+        The smooth part holds for |t| <= pi R.  It is bounded, and smooth on either side of t = 0;
+        at t = 0 it may have a kink (even sums) or behave as t ln|t| (odd sums).
+        """
+        scale, R = self.scale, self.radius
+        a = self.tail
+        if self.odd:
+            return Kernel(inverse=scale * a[0] * R, sign=scale * a[1] * pi / 2, smooth=self)
+        return Kernel(delta=scale * a[0] * pi * R, log=-scale * a[1], smooth=self)
+
+    def __call__(self, t: Array) -> Array:
+        """Return the smooth part at the arc lengths t [m], any shape, |t| <= pi R."""
+        t = np.asarray(t, dtype=float)
+        theta = np.abs(np.atleast_1d(t)) * (1 / self.radius)
+        coefficients, per_step = self._table
+        x = theta * per_step
+        i = x.astype(np.intp)
+        np.minimum(i, coefficients.shape[0] - 1, out=i)
+        x -= i
+        c = coefficients[i]
+        y = c[..., 5] * x
+        for k in (4, 3, 2, 1):
+            y += c[..., k]
+            y *= x
+        y += c[..., 0]
+        logs = self._logs
+        if logs:
+            square = theta * theta
+            weight = logs[-1] * square
+            for k in logs[-2::-1]:
+                weight += k
+                weight *= square
+            if self.odd:
+                weight /= np.maximum(theta, 1e-150)
+            y += weight * np.log(np.maximum(theta, 1e-150))
+        y = y.reshape(t.shape)
+        return y * np.sign(t) if self.odd else y
+
+    @cached_property
+    def _logs(self) -> list[float]:
+        """Coefficients of theta^(j-1) ln(theta), j = 2, 4, ... (odd) or 3, 5, ... (even)."""
+        orders = range(2 if self.odd else 3, self.tail.size, 2)
+        return [self.scale * self.tail[j] * self._part(polylogarithm(j).log) for j in orders]
+
+    def _part(self, z: complex | Array) -> float | Array:
+        return z.imag if self.odd else z.real
+
+    @cached_property
+    def _table(self) -> tuple[Array, float]:
+        """Quintics on equal steps of [0, pi], and the number of steps per radian."""
+        # 4 points per shortest wave: there the coefficients have died out already
+        size = max(256, 1 << (4 * self.rest.size - 1).bit_length())
+        step = 2 * pi / size
+        values = self._rest_on_circle(size) + self._powers(np.arange(size // 2 + 1) * step)
+        return _quintics(values * np.array([[1.0], [step], [step * step]])), 1 / step
+
+    def _rest_on_circle(self, size: int) -> Array:
+        """Sum the rest and its two derivatives at theta = 2 pi k/size, k = 0 ... size/2."""
+        n = np.arange(1, self.rest.size + 1)
+        spectrum = np.zeros((3, size // 2 + 1), dtype=complex)
+        c = (-0.5j if self.odd else 0.5) * size * self.scale * self.rest
+        for derivative in range(3):
+            spectrum[derivative, 1 : n.size + 1] = c * (1j * n) ** derivative
+        return np.fft.irfft(spectrum, size)[:, : size // 2 + 1]
+
+    def _powers(self, theta: Array) -> Array:
+        """Sum the regular parts of the powers n^-j and their two derivatives at theta."""
+        c = np.zeros(POWERS)
+        c[0] = self.mean
+        for j, a in enumerate(self.tail):
+            c += a * self._part(polylogarithm(j).power)
+        if self.odd:
+            c[0] = 0.0  # the step of a_1, which the kernel carries as its sign
+        else:
+            c[0] += self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
+        c *= self.scale
+        k = np.arange(POWERS)
+        first, second = (k * c)[1:], (k * (k - 1) * c)[2:]
+        return np.array([_polynomial(d, theta) for d in (c, first, second)])
+
+
+def _polynomial(c: Array, x: Array) -> Array:
+    """Sum c[k] x^k by Horner's rule in x^2, skipping the half of the powers that vanish."""
+    square = x * x
+    result = np.zeros_like(x)
+    for start in (0, 1):
+        half = np.trim_zeros(c[start::2], "b")
+        y = np.zeros_like(x)
+        for value in half[::-1]:
+            y *= square
+            y += value
+        result += y * x if start else y
+    return result
+
+
+def _quintics(values: Array) -> Array:
+    """Return coefficients (K, 6) of the quintics with given f, f', f'' (3, K+1) at unit steps."""
+    f, d, s = values[:, :-1]
+    F, D, S = values[:, 1:]
+    half, Half = s / 2, S / 2
+    rise = F - f - d - half
+    turn = D - d - s
+    bend = Half - half
+    return np.stack(
+        (f, d, half, 10 * rise - 4 * turn + bend, -15 * rise + 7 * turn - 2 * bend,
+         6 * rise - 3 * turn + bend),
+        axis=-1,
+    )
