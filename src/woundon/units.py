@@ -7,6 +7,7 @@ Pint does the arithmetic, over definitions of our own: a general registry with f
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from functools import cache
 from math import isfinite
 from typing import Any
@@ -20,8 +21,7 @@ _DEFINITIONS = """
 m = [length]
 s = [time]
 kg = [mass]
-rad = []
-percent = 0.01 rad = %
+percent = 0.01
 um = 1e-6 m
 mm = 1e-3 m
 cm = 1e-2 m
@@ -32,13 +32,11 @@ mil = 2.54e-5 m
 min = 60 s
 h = 3600 s
 g = 1e-3 kg
-t = 1e3 kg
 lb = 0.45359237 kg
 N = kg * m / s**2
 mN = 1e-3 N
 daN = 10 N
 kN = 1e3 N
-MN = 1e6 N
 kgf = 9.80665 N
 lbf = 4.4482216152605 N
 Pa = N / m**2
@@ -51,14 +49,27 @@ ksi = 1e3 psi
 pli = lbf / inch
 gsm = g / m**2
 fpm = ft / min
-J = N * m
 """
 
 # spellings that Pint's grammar or Python's keywords keep us from defining
-_SPELLINGS = {"in": "inch", "%": "percent", "\N{MICRO SIGN}m": "um", "\N{GREEK SMALL LETTER MU}m": "um"}
+_SPELLINGS = {
+    "in": "inch",
+    "%": "percent",
+    "\N{MICRO SIGN}m": "um",
+    "\N{GREEK SMALL LETTER MU}m": "um",
+}
 
-_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_UNIT_NAME = re.compile(r"[^\W\d_]+|%")
+_EXAMPLES = {
+    "m": ", e.g. '66 um' or 66e-6",
+    "N/m": ", e.g. '3.5 kN/m', '20 pli' or 3500",
+    "Pa": ", e.g. '10 MPa' or 10e6",
+    "1": ", e.g. 0.2 or '20 %'",
+}
+
+_NAME = r"[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%]+"
+_FACTOR = rf"{_NAME}(?:(?:\*\*|\^)?-?\d|[\N{{SUPERSCRIPT TWO}}\N{{SUPERSCRIPT THREE}}])?"
+_UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
 _LONGEST = 60
 
 
@@ -72,7 +83,8 @@ def known_units() -> tuple[str, ...]:
 def _registry() -> Any:
     import pint
 
-    registry = pint.UnitRegistry(None)
+    # exact fractions: "66 um" is 66e-6 to the last bit, not 6.599999999999999e-05
+    registry = pint.UnitRegistry(None, non_int_type=Fraction)
     registry.load_definitions(_DEFINITIONS.strip().splitlines())
     return registry
 
@@ -98,52 +110,49 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
         raise _fault(field, value, "is not a number", unit)
     if not isinstance(value, str):
         return float(value)
-    match = _QUANTITY.fullmatch(value)
-    if match is None or len(value) > _LONGEST:
+    match = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
+    if match is None:
         raise _fault(field, value, "is not a number with a unit", unit)
-    number, text = float(match[1]), match[2]
-    if not isfinite(number):
+    number, text = match.groups()
+    if not isfinite(float(number)):
         raise _fault(field, value, "is not a finite number", unit)
     if not text:
         if unit == "1":
-            return number
+            return float(number)
         raise _fault(field, value, "has no unit", unit)
-    return number * _factor(text, unit, field, value)
+    return float(Fraction(number) * _factor(text, unit, field, value))
 
 
-def _factor(text: str, unit: str, field: str, value: str) -> float:
+def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     """Return how many of ``unit`` the unit written as ``text`` is."""
-    for name in _UNIT_NAME.findall(text):
+    # checked by our own grammar first: Pint's would evaluate "m**9**9**9" and accept "N//m"
+    if not _UNIT.fullmatch(text):
+        raise _fault(field, value, f"has the unreadable unit {text!r}", unit)
+    for name in re.findall(_NAME, text):
         if name not in known_units():
-            hint = did_you_mean(name, known_units())
-            raise _fault(field, value, f"has the unknown unit {name!r}{hint}", unit)
+            raise _fault(field, value, f"has the unknown unit {name!r}", unit, _nearest(name))
     registry = _registry()
-    try:
-        given = registry.parse_units(_spelled_for_pint(text))
-        due = registry.parse_units("" if unit == "1" else unit)
-        same = given.dimensionality == due.dimensionality
-    except Exception:  # Pint's parser raises a dozen kinds, tokenizer errors among them
-        raise _fault(field, value, f"has the unreadable unit {text!r}", unit) from None
-    if not same:
+    given = registry.parse_units(_spelled_for_pint(text))
+    due = registry.parse_units("" if unit == "1" else unit)
+    if given.dimensionality != due.dimensionality:
         raise _fault(field, value, "has the wrong dimension", unit)
-    return float(registry.convert(1.0, given, due))
+    return Fraction(registry.convert(Fraction(1), given, due))
+
+
+def _nearest(name: str) -> str:
+    """Return the hint for an unknown unit; a wrong case is the likeliest slip ("mpa")."""
+    same = [known for known in known_units() if known.lower() == name.lower()]
+    return f"; did you mean {same[0]!r}?" if same else did_you_mean(name, known_units())
 
 
 def _spelled_for_pint(text: str) -> str:
     """Return ``text`` with "m2" as "m**2" and the spellings that Pint cannot read replaced."""
-    named = _UNIT_NAME.sub(lambda match: _SPELLINGS.get(match[0], match[0]), text)
-    return re.sub(r"([^\W\d_])(\d)", r"\1**\2", named).replace("\N{MIDDLE DOT}", "*")
+    named = re.sub(_NAME, lambda match: _SPELLINGS.get(match[0], match[0]), text)
+    powers = re.sub(r"([a-zA-Z])(-?\d)", r"\1**\2", named)
+    return powers.replace("\N{MIDDLE DOT}", "*")
 
 
-def _fault(field: str, value: Any, what: str, unit: str) -> InvalidProblem:
+def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:
     due = "a plain number" if unit == "1" else f"a value in {unit}"
-    return InvalidProblem([(field, f"{value!r} {what}; expected {due}, {_EXAMPLES.get(unit, '')}"
-                            .removesuffix(", "))])
-
-
-_EXAMPLES = {
-    "m": "e.g. '66 um' or 66e-6",
-    "N/m": "e.g. '3.5 kN/m', '20 pli' or 3500",
-    "Pa": "e.g. '10 MPa' or 10e6",
-    "1": "e.g. 0.2",
-}
+    example = _EXAMPLES.get(unit, "")
+    return InvalidProblem([(field, f"{value!r} {what}; expected {due}{example}{hint}")])

@@ -1,0 +1,98 @@
+"""The one table of a result's quantities: symbol, SI unit, unit for display, description.
+
+The command line, the files' labels and the nomenclature in the documentation all read it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+__all__ = ["QUANTITIES", "Quantity"]
+
+
+class Quantity(NamedTuple):
+    """A result's quantity; ``value_shown = value * per_si`` in the unit ``shown_unit``."""
+
+    symbol: str
+    unit: str
+    description: str
+    shown_unit: str = ""
+    per_si: float = 1.0
+
+    def shown(self, value: float) -> float:
+        """Return an SI value in the unit for display."""
+        return value * self.per_si
+
+    @property
+    def display(self) -> str:
+        """The unit for display, '' for a pure number."""
+        unit = self.shown_unit or self.unit
+        return "" if unit == "1" else unit
+
+
+def _length(symbol: str, description: str) -> Quantity:
+    return Quantity(symbol, "m", description, "mm", 1e3)
+
+
+def _stress(symbol: str, description: str) -> Quantity:
+    return Quantity(symbol, "Pa", description, "kPa", 1e-3)
+
+
+def _strain(symbol: str, description: str) -> Quantity:
+    return Quantity(symbol, "1", description, "%", 1e2)
+
+
+def _line_load(symbol: str, description: str) -> Quantity:
+    return Quantity(symbol, "N/m", description)
+
+
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
+    {
+        # loads of the problem
+        "nip_load": _line_load("P", "nip load"),
+        "winding_force": _line_load("F", "winding force, integral of the drum traction"),
+        "web_tension": _line_load("T", "tension of the web along the nip"),
+        # scalars of a nip
+        "nip_induced_tension": _line_load("NIT", "nip-induced tension"),
+        "nip_induced_tension_error": _line_load(
+            "NIT error", "estimated discretisation error of the nip-induced tension"
+        ),
+        "wound_on_tension": _line_load("T_out", "wound-on tension"),
+        "half_width": _length("a", "half-width of the nip"),
+        "nip_width": _length("2a", "nip width"),
+        "approach": _length("delta", "approach of the centres of roll and drum"),
+        "offset": _length("Delta", "offset of the contact centre from the line of centres"),
+        "drum_creep": _strain("xi-", "creep of web and drum"),
+        "peak_pressure": _stress("p_max", "largest pressure"),
+        # arrays along the nip
+        "x": _length("x", "position along the nip, with the web; the contact is [-a, a]"),
+        "pressure": _stress("p", "pressure"),
+        "roll_traction": _stress("q+", "traction of the web on the roll"),
+        "drum_traction": _stress("q-", "traction of the web on the drum"),
+        "roll_slip": _strain("v+", "slip of the web against the roll, > 0: web faster"),
+        "drum_slip": _strain("v-", "slip of the web against the drum, > 0: web faster"),
+        "roll_zone": Quantity(
+            "z+", "1", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"
+        ),
+        "drum_zone": Quantity(
+            "z-", "1", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"
+        ),
+        # signed slip lengths over the nip width
+        "leading_roll": _strain("s_l+", "slip length at the roll's leading edge over nip width"),
+        "trailing_roll": _strain("s_t+", "slip length at the roll's trailing edge over nip width"),
+        "dual": _strain("s_d", "length of slip at both roll and drum over nip width"),
+        # two rollers
+        "creepage": _strain("xi", "creepage of the upper roller against the lower"),
+        "tangential_load": _line_load("Q", "tangential load on the upper roller"),
+        "traction": _stress("q", "traction on the upper roller"),
+        "slip": _strain("v", "slip of the upper surface against the lower"),
+        "zone": Quantity("z", "1", "zone: 0 stick, 1 slip forward, -1 slip backward"),
+        # how it was solved
+        "iterations": Quantity("n_it", "1", "linear stick-slip systems solved"),
+        "series_terms": Quantity("n_s", "1", "Fourier terms summed"),
+        "series_error": Quantity("e_s", "1", "estimated truncation error of the series"),
+        "residual": Quantity("r", "1", "largest violation of a contact law, dimensionless"),
+    }
+)
