@@ -19,8 +19,8 @@ import numpy as np
 
 from .assembly import hertz_half_width, surface_response
 from .contact.certificate import certify
-from .contact.discretisation import Discretisation, Response, discretisation
-from .contact.grid import Grid
+from .contact.discretisation import Discretisation, Response, discretisation, on_grid
+from .contact.grid import Grid, segmented_grid, zone_borders
 from .contact.normal import solve_normal
 from .contact.stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
 from .contact.width import WidthNotFound, width_for_load
@@ -31,6 +31,7 @@ from .results import Residuals, RollerResult
 __all__ = ["solve_rollers"]
 
 Array = np.ndarray
+REFITS = 3  # each brings the borders to within a cell of the grid before, which is graded there
 
 
 class _RollerEquations:
@@ -170,7 +171,24 @@ def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
     if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not 7 <= nodes <= 4000:
         raise InvalidProblem([("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")])
     disc = discretisation("graded", int(nodes))
-    zones: Array | None = None
+    equations, solution = _solve_on(problem, disc, None)
+    solves = solution.solves
+    for _ in range(REFITS):
+        # the traction leaves a border like the root of the distance: put nodes where the borders are
+        x, zones = equations.disc.grid.nodes, solution.state
+        if not np.any(np.diff(zones)):
+            break
+        grid = segmented_grid(zone_borders(x, zones), int(nodes))
+        start = zones[np.clip(np.searchsorted(x[1:-1], grid.nodes[1:-1]), 0, zones.size - 1)]
+        equations, solution = _solve_on(problem, on_grid(grid), start, equations.a)
+        solves += solution.solves
+    return equations.result(replace(solution, solves=solves))
+
+
+def _solve_on(
+    problem: RollerProblem, disc: Discretisation, zones: Array | None, guess: float | None = None
+) -> tuple[_RollerEquations, StickSlipSolution]:
+    """Solve on one grid: stick and slip for a half width, inside the iteration on the width."""
     solves = 0
 
     def evaluate(a: float) -> tuple[tuple[_RollerEquations, StickSlipSolution], float]:
@@ -181,12 +199,13 @@ def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
         if solution.ending is not Ending.SOLVED:
             raise NotConverged(f"stick and slip not found: {solution.ending.value}")
         zones = solution.state
-        return (equations, solution), float(equations.weights @ equations.pressure(solution))
+        state = (equations, replace(solution, solves=solves))
+        return state, float(equations.weights @ equations.pressure(solution))
 
-    try:
+    if guess is None:
         radius = 1 / (1 / problem.upper.radius + 1 / problem.lower.radius)
         guess = hertz_half_width(problem.load, radius, (problem.upper, problem.lower))
-        equations, solution = width_for_load(evaluate, problem.load, guess, rtol=1e-11)
+    try:
+        return width_for_load(evaluate, problem.load, guess, rtol=1e-11)
     except WidthNotFound as stop:
         raise NotConverged(str(stop)) from None
-    return equations.result(replace(solution, solves=solves))

@@ -151,6 +151,6 @@ def discretisation(scheme: str, nodes: int) -> Discretisation:
     return Discretisation(grid, scheme)
 
 
-def on_grid(nodes: Array) -> Discretisation:
-    """Return the graded scheme on given nodes, increasing from -1 to 1."""
-    return Discretisation(Grid(nodes, np.append((nodes[1:] + nodes[:-1]) / 2, 1.0)), "graded")
+def on_grid(grid: Grid) -> Discretisation:
+    """Return the graded scheme on any grid."""
+    return Discretisation(grid, "graded")

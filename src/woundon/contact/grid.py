@@ -21,7 +21,7 @@ from typing import Protocol
 
 import numpy as np
 
-__all__ = ["Grid", "KernelParts", "cosine_grid", "uniform_grid"]
+__all__ = ["Grid", "KernelParts", "cosine_grid", "segmented_grid", "uniform_grid", "zone_borders"]
 
 Array = np.ndarray
 
@@ -200,3 +200,47 @@ def uniform_grid(nodes: int, rank: int = 24) -> Grid:
     x = np.linspace(-1.0, 1.0, nodes)
     x = (x - x[::-1]) / 2
     return Grid(x, x, rank)
+
+
+def segmented_grid(borders: Array, nodes: int, rank: int = 24) -> Grid:
+    """Return a grid graded towards both ends and towards given zone borders.
+
+    Parameters
+    ----------
+    borders : (b,) array
+        Increasing, inside (-1, 1); borders nearer than 1e-3 to another or to an end are dropped.
+    nodes : int
+        About how many nodes; cells go to the segments by the root of their length, at least four
+        each, because a traction that leaves a border like the root of the distance needs as many
+        cells in a short segment as in a long one.
+    rank : int
+        See :class:`Grid`.
+    """
+    ends = [-1.0]
+    for border in borders:
+        if min(border - ends[-1], 1.0 - border) > 1e-3:
+            ends.append(float(border))
+    ends.append(1.0)
+    share = np.sqrt(np.diff(ends))
+    cells = np.maximum(4, np.rint(share / share.sum() * (nodes - 1)).astype(int))
+    x, y = [], []
+    for left, right, count in zip(ends, ends[1:], cells, strict=False):
+        theta = np.pi * np.arange(2 * count) / (2 * count)
+        both = (left + right) / 2 - (right - left) / 2 * np.cos(theta)
+        x.append(both[0::2])
+        y.append(both[1::2])
+    return Grid(np.append(np.concatenate(x), 1.0), _midpoints_and_edge(np.concatenate(y)), rank)
+
+
+def zone_borders(nodes: Array, zones: Array) -> Array:
+    """Return where zones change on a face, half-way between its nodes.
+
+    Parameters
+    ----------
+    nodes : (M,) array
+        All nodes, ends included.
+    zones : (M-2,) int array
+        States of the interior nodes.
+    """
+    k = np.nonzero(np.diff(zones))[0]
+    return (nodes[k + 1] + nodes[k + 2]) / 2
