@@ -165,3 +165,43 @@ def test_tractions_grow_with_the_creep_so_that_one_creep_carries_the_force() -> 
     assert steps.min() > -1e-12  # each single traction, not only their sum
     np.testing.assert_allclose(tractions[0], -0.3 * problem.pressure)
     np.testing.assert_allclose(tractions[-1], 0.3 * problem.pressure)
+
+
+# ---- both faces of the web: found by enumeration, not proved -----------------------------------
+
+
+def both_faces(nodes: int, web: float, drum: float) -> Array:
+    """The nip's stick matrix at given pressure: roll, web and (drum > 0) an elastic drum."""
+    on_drum, on_roll = hats(nodes)
+    T = web * tension(nodes - 2) * cosine_grid(nodes).weights
+    return np.block([[T + on_roll, T], [T, T + drum * on_drum]])
+
+
+@pytest.mark.parametrize("drum", [0.0, 0.1, 1.0, 10.0])
+@pytest.mark.parametrize("web", [0.1, 1.0, 10.0])
+def test_both_faces_together_have_positive_minors_too(web: float, drum: float) -> None:
+    # Table 1's nip has web = 11; a stiff web makes the minors small, not negative
+    assert smallest_minor(both_faces(7, web, drum)) > POSITIVE
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("drum", [0.0, 1.0])
+def test_exactly_one_state_of_both_faces_carries_the_winding_force(drum: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    A, n = both_faces(6, 11.0, drum), 4
+    on_drum = np.repeat([0.0, 1.0], n)
+    weights = on_drum * np.tile(cosine_grid(6).weights, 2)
+    problem = replace(
+        one_face(A, rng),
+        pressure=rng.uniform(0.1, 1.0, n),
+        through_pressure=np.zeros((2 * n, n)),
+        pressure_response=np.zeros((n, 2 * n)),
+        faces=2,
+        creep=on_drum,
+        resultant=weights,
+    )
+    bound = float(weights @ problem.bound_offset)
+    problem = replace(problem, force=rng.uniform(-0.9, 0.9) * bound)
+    found = solutions(problem)
+    assert len(found) == 1
+    np.testing.assert_allclose(solve_stick_slip(problem).traction, found[0], rtol=0, atol=1e-10)
