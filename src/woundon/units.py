@@ -109,7 +109,7 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise _fault(field, value, "is not a number", unit)
     if not isinstance(value, str):
-        return float(value)
+        return _as_float(value, unit, field)
     match = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
     if match is None:
         raise _fault(field, value, "is not a number with a unit", unit)
@@ -121,6 +121,13 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
             return float(number)
         raise _fault(field, value, "has no unit", unit)
     return float(Fraction(number) * _factor(text, unit, field, value))
+
+
+def _as_float(value: float, unit: str, field: str) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        raise _fault(field, f"{str(value)[:9]}...", "is not a finite number", unit) from None
 
 
 def _factor(text: str, unit: str, field: str, value: str) -> Fraction:

@@ -21,10 +21,12 @@ so that, for a given state, everything is one linear system
       resultant                 [ g          0 ]          [  F           ]
 
 This is a mixed complementarity problem.  With one face and the interlacing collocation points of
-:mod:`.grid` its matrix is a P-matrix (docs, theory), for which block pivoting with a single-pivot
-safeguard ends at the unique solution after finitely many steps (Judice and Pires 1994; the single
-pivots are Murty's).  What the theory does not cover (two faces, strong coupling with the pressure)
-is reached by following a path in the friction coefficient from nearly frictionless contact.
+:mod:`.grid` its matrix for given xi is a P-matrix (docs, theory), for which block pivoting with a
+single-pivot safeguard ends at the unique solution after finitely many steps (Judice and Pires 1994;
+the single pivots are Murty's).  The resultant grows with xi.  So two steps suffice:
+
+    1. block pivoting on the whole system, xi among the unknowns: 1 to 10 systems nearly always;
+    2. where that wanders, regula falsi on xi with block pivoting inside: slower, and safe.
 """
 
 from __future__ import annotations
@@ -112,10 +114,6 @@ class StickSlip:
         """mu p0 for all faces, (m,)."""
         return self.friction * np.tile(self.pressure, self.faces)
 
-    def with_friction(self, share: float) -> StickSlip:
-        """Return the problem with friction and resultant force scaled by ``share``."""
-        return replace(self, friction=share * self.friction, force=share * self.force)
-
     @cached_property
     def scale(self) -> float:
         """Slip per traction; slipping rows are multiplied by it to balance the system."""
@@ -192,9 +190,7 @@ class StickSlipSolution:
         return np.where(which, asked, self.state)
 
 
-def solve_stick_slip(
-    problem: StickSlip, start: Array | None = None, limit: int = 400
-) -> StickSlipSolution:
+def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSlipSolution:
     """Find the state in which every law holds.
 
     Parameters
@@ -202,8 +198,6 @@ def solve_stick_slip(
     problem : StickSlip
     start : (m,) int array, optional
         State to begin with; all in stick by default.
-    limit : int
-        Largest number of linear systems per leg of the path.
 
     Returns
     -------
@@ -215,8 +209,10 @@ def solve_stick_slip(
     direct = _pivot(problem, start, limit=60)
     if direct.ending is Ending.SOLVED:
         return direct
-    followed = _follow_friction(problem, limit)
-    return replace(followed, solves=followed.solves + direct.solves)
+    if problem.creep is None:
+        return direct
+    bracketed = _bracket_creep(problem, start)
+    return replace(bracketed, solves=bracketed.solves + direct.solves)
 
 
 def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
@@ -256,44 +252,46 @@ def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array
     return state
 
 
-def _follow_friction(problem: StickSlip, limit: int) -> StickSlipSolution:
-    """Follow the solution from nearly frictionless contact, where stick is a few points only."""
-    share, ratio, total = 1e-4, 4.0, 0
-    solution = _pivot(problem.with_friction(share), _frictionless_state(problem), limit)
-    total += solution.solves
-    while solution.ending is Ending.SOLVED:
-        if share == 1.0:
-            return replace(solution, solves=total)
-        target = min(1.0, share * ratio)
-        trial = _pivot(problem.with_friction(target), solution.state, 40)
-        total += trial.solves
-        if trial.ending is Ending.SOLVED:
-            share, solution, ratio = target, trial, min(4.0, ratio**1.5)
-        elif ratio < 1 + 1e-7:
-            return replace(trial, solves=total)
-        else:
-            ratio = ratio**0.5
-    return replace(solution, solves=total)
+def _bracket_creep(problem: StickSlip, start: Array) -> StickSlipSolution:
+    """Find the creep that carries the resultant, by regula falsi on a monotone function.
 
-
-def _frictionless_state(problem: StickSlip) -> Array:
-    """State as friction vanishes: everything slips as the frictionless contact does.
-
-    The rigid slip is where the vanishing bounds just carry the resultant: a weighted median.
+    For a given creep the problem is solved by pivoting; the resultant grows with the creep, from
+    full slip one way to full slip the other, so a bracket exists whenever a steady state does.
     """
-    slip = problem.stick_offset.copy()
-    state = np.sign(slip).astype(np.int8)
-    if problem.creep is None or problem.resultant is None:
-        return state
-    held = np.nonzero(problem.creep)[0]
-    asked = -slip[held] / problem.creep[held]  # the rigid slip at which each node turns
-    order = np.argsort(asked)
-    weight = problem.resultant[held] * np.maximum(problem.bound_offset[held], 0.0)
-    # nodes before the turning one in this order slip forward, those behind it backward
-    forward = np.cumsum(weight[order])
-    k = int(np.searchsorted(2 * forward - forward[-1], problem.force))
-    k = min(k, held.size - 1)
-    xi = asked[order[k]]
-    state[held] = np.sign(slip[held] + problem.creep[held] * xi).astype(np.int8)
-    state[held[order[k]]] = 0
-    return state
+    assert problem.creep is not None and problem.resultant is not None
+    state, solves = start, 0
+
+    def solve_for(creep: float) -> tuple[StickSlipSolution, float]:
+        nonlocal state, solves
+        given = replace(
+            problem, creep=None, resultant=None, offset=problem.offset + problem.creep * creep
+        )
+        solution = _pivot(given, state, limit=400)
+        state, solves = solution.state, solves + solution.solves
+        return solution, float(problem.resultant @ solution.traction) - problem.force
+
+    reach = float(np.max(np.abs(problem.stick_offset)))
+    ends = []
+    for sign in (-1.0, 1.0):
+        for width in reach * 2.0 ** np.arange(40):
+            solution, excess = solve_for(sign * width)
+            if solution.ending is not Ending.SOLVED or sign * excess > 0:
+                break
+        if solution.ending is not Ending.SOLVED:
+            return replace(solution, solves=solves)
+        ends.append([sign * width, excess])
+    for _ in range(200):
+        (low, f_low), (high, f_high) = ends
+        solution, excess = solve_for((low * f_high - high * f_low) / (f_high - f_low))
+        if solution.ending is not Ending.SOLVED:
+            return replace(solution, solves=solves)
+        # the resultant is piecewise linear in the creep: the right piece's state solves the whole
+        exact = _pivot(problem, state, limit=6)
+        solves += exact.solves
+        if exact.ending is Ending.SOLVED:
+            return replace(exact, solves=solves)
+        side = int(excess > 0)
+        creep = (low * f_high - high * f_low) / (f_high - f_low)
+        ends[side] = [creep, excess]
+        ends[1 - side][1] /= 2  # Illinois: keep the other end from standing still
+    return replace(exact, ending=Ending.LIMIT, solves=solves)

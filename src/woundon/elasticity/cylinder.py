@@ -30,19 +30,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, log, pi, sqrt
+from math import ceil, log, log1p, log2, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from .fourier import HarmonicSum
 from .half_plane import coefficients
-from .kernels import SurfaceKernels
+from .kernels import Kernel, SurfaceKernels
 
 __all__ = ["Sequences", "asymptotic_compliance", "sequences", "surface_compliance",
            "surface_kernels"]
 
 Array = np.ndarray
+Stiffness = tuple[float, float, float, float]  # A_rr, A_tt, A_rt, G
 
 MAX_TERMS = 1 << 18
 TOLERANCE = 1e-12  # of the sums, relative to their leading term
@@ -78,8 +79,15 @@ def sequences(
     and chi_1 c sin(n theta) along +theta; a traction f sin(n theta) by -gamma_2 f cos(n theta) and
     chi_2 f sin(n theta).
     """
-    Y = radius * surface_compliance(n, log(radius / core_radius), A_rr, A_tt, A_rt, G)
+    Y = radius * surface_compliance(n, _depth(radius, core_radius), A_rr, A_tt, A_rt, G)
     return Sequences(Y[0, 0], -Y[0, 1], -Y[1, 0], Y[1, 1])
+
+
+def _depth(radius: float, core_radius: float) -> float:
+    """Return ln(R/R0), accurate for thin layers too."""
+    if 2 * core_radius > radius:
+        return -log1p(-(radius - core_radius) / radius)
+    return log(radius / core_radius)
 
 
 def surface_compliance(
@@ -114,10 +122,13 @@ class _Layer:
         return sqrt(self.D * min(self.A_rr, self.G))
 
     def roots(self, n: Array) -> tuple[Array, Array]:
-        """Return lambda_1 + lambda_3 and lambda_1 lambda_3, growing roots of thesis eq. (43)."""
+        """Return lambda_1 + lambda_3 and lambda_1 lambda_3, growing roots of thesis eq. (43).
+
+        For n = 0 their difference and minus their product: the even functions below stay right.
+        """
         A_rr, A_tt, A_rt, G = self.A_rr, self.A_tt, self.A_rt, self.G
         s = sqrt(A_rr * A_tt)
-        product = s / A_rr * np.abs(n * n - 1)
+        product = s / A_rr * (n * n - 1)
         # mu_n + sqrt(kappa_n) of (45), written as a sum of positive terms
         steep = n * n * (s - A_rt) * (s + A_rt + 2 * G) + G * (sqrt(A_rr) - sqrt(A_tt)) ** 2
         return np.sqrt(steep / (A_rr * G)), product
@@ -127,14 +138,14 @@ class _Layer:
         total, product = self.roots(n)
         slowest = np.minimum(total / 2, product / np.maximum(total, 1e-300))
         slowest[n < 2] = 0.0  # torsion and translation reach the core at any depth
-        return np.minimum(depth, 40 / np.maximum(slowest, 1e-300))
+        return np.minimum(depth, 20 / np.maximum(slowest, 1e-300))
 
     def compliance(self, n: Array, depth: float) -> Array:
         """Return Y_n [1/Pa], shape (2, 2, n)."""
         steps = self.reach(n, depth)
         m = np.maximum(n, 1.0)
         size = max(self.A_rt / self.A_rr, 1.0, sqrt(self.D / min(self.A_rr, self.G)))
-        doublings = max(0, ceil(log(4 * (2 * size * m * steps).max()) / log(2)))
+        doublings = max(0, ceil(log2(8 * size * (m * steps).max())))
         E, Q, H = self.thin(n, steps / 2**doublings)
         for _ in range(doublings):
             E, Q, H = _double(E, Q, H)
@@ -158,8 +169,6 @@ class _Layer:
         total, product = self.roots(n)
         c = (product * h * h) ** 2
         b = (total * h) ** 2 - 2 * product * h * h
-        if np.any(n < 1):
-            b = np.where(n < 1, (1 + self.A_tt / self.A_rr) * h * h, b)
         # e^M = f0 + f1 M + f2 M^2 + f3 M^3, as M^4 = b M^2 - c
         alpha, beta = np.ones_like(h), np.zeros_like(h)
         f0, f1, f2, f3 = (np.zeros_like(h) for _ in range(4))
@@ -270,45 +279,38 @@ def surface_kernels(
     return _kernels(*map(float, (radius, core_radius, A_rr, A_tt, A_rt, G)))
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=16)
 def _kernels(
     R: float, R0: float, A_rr: float, A_tt: float, A_rt: float, G: float
 ) -> SurfaceKernels:
     stiffness = A_rr, A_tt, A_rt, G
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
     J = _closed_powers(tail)
-    depth = log(R / R0)
+    depth = _depth(R, R0)
     N = _terms(depth, tail, J, stiffness)
     n = np.arange(N + 1.0)
     Y = surface_compliance(n, depth, *stiffness)
     mean, Y, n = Y[..., 0] / 2, Y[..., 1:], n[1:]
+    # sums of Y, of n Y, and of the strain's (1, n) Y: first their powers of 1/n, then the terms
+    still, moved = tail[: J + 1], tail[1 : J + 2]
+    stretch, sums = still[:, 0] + moved[:, 1], Y[0] + n * Y[1]
 
-    def displacement(i: int, j: int) -> tuple[Array, Array]:
-        return tail[: J + 1, i, j], Y[i, j]
-
-    def gradient(i: int, j: int) -> tuple[Array, Array]:
-        return tail[1 : J + 2, i, j], n * Y[i, j]
-
-    def strain(i: int) -> tuple[Array, Array]:
-        return tail[: J + 1, 0, i] + tail[1 : J + 2, 1, i], Y[0, i] + n * Y[1, i]
-
-    def kernel(odd, scale, coefficients, constant=0.0):
-        a, c = coefficients
+    def kernel(odd: bool, scale: float, a: Array, c: Array, constant: float = 0.0) -> Kernel:
         return HarmonicSum(odd, R, scale, constant, a, c - _powers(a, n)).kernel()
 
-    coupling = kernel(True, -1 / pi, displacement(0, 1))
-    rest = np.abs(n * Y - _powers(tail[1 : J + 2], n))
+    coupling = kernel(True, -1 / pi, still[:, 0, 1], Y[0, 1])
+    slope = 1 / (pi * R)
     return SurfaceKernels(
-        normal_p=kernel(False, -1 / pi, displacement(0, 0), mean[0, 0]),
+        normal_p=kernel(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
         normal_q=coupling,
         tangent_p=coupling,
-        tangent_q=kernel(False, 1 / pi, displacement(1, 1), mean[1, 1]),
-        slope_p=kernel(True, 1 / (pi * R), gradient(0, 0)),
-        slope_q=kernel(False, -1 / (pi * R), gradient(0, 1)),
-        strain_p=kernel(False, -1 / (pi * R), strain(0), mean[0, 0]),
-        strain_q=kernel(True, -1 / (pi * R), strain(1)),
+        tangent_q=kernel(False, 1 / pi, still[:, 1, 1], Y[1, 1], mean[1, 1]),
+        slope_p=kernel(True, slope, moved[:, 0, 0], n * Y[0, 0]),
+        slope_q=kernel(False, -slope, moved[:, 0, 1], n * Y[0, 1]),
+        strain_p=kernel(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
+        strain_q=kernel(True, -slope, stretch[:, 1], sums[1]),
         reach=pi * R,
-        truncation_error=_truncation_error(rest, tail, J, depth, stiffness),
+        truncation_error=_truncation_error(n * Y - _powers(moved, n), tail, depth, stiffness, J),
         terms=N,
     )
 
@@ -330,7 +332,7 @@ def _closed_powers(tail: Array) -> int:
     return 1
 
 
-def _decay(depth: float, stiffness: tuple[float, float, float, float]) -> float:
+def _decay(depth: float, stiffness: Stiffness) -> float:
     """Return kappa: the core's echo dies as exp(-2 kappa n)."""
     total, product = (float(v) for v in _Layer(*stiffness).roots(np.array(1e8)))
     spread = total * total / 4 - product
@@ -338,7 +340,7 @@ def _decay(depth: float, stiffness: tuple[float, float, float, float]) -> float:
     return slowest / 1e8 * depth
 
 
-def _terms(depth: float, tail: Array, J: int, stiffness) -> int:
+def _terms(depth: float, tail: Array, J: int, stiffness: Stiffness) -> int:
     """Return the number of harmonics to sum: until the echo and the first power left out die."""
     echo = 20 / _decay(depth, stiffness)
     size = np.abs(tail).max(axis=(1, 2))
@@ -346,13 +348,14 @@ def _terms(depth: float, tail: Array, J: int, stiffness) -> int:
     return int(min(max(echo, power, 32), MAX_TERMS))
 
 
-def _truncation_error(rest: Array, tail: Array, J: int, depth: float, stiffness) -> float:
-    """Estimate the sums' missing part from the last terms, relative to the leading one.
+def _truncation_error(
+    rest: Array, tail: Array, depth: float, stiffness: Stiffness, J: int
+) -> float:
+    """Estimate the missing part of the derivatives' sums from their last terms.
 
-    ``rest`` holds the last terms of the derivatives' sums, so that this compares with their
-    size at the distance of the layer's thickness or the radius.
+    It is measured by the derivatives' size at the distance of the layer's thickness (or radius).
     """
     N = rest.shape[-1]
-    last = rest[..., -max(4, N // 16) :].max() / np.abs(tail[1]).max()
+    last = rest[..., -max(4, N // 16) :]
     beyond = max(N / J, 0.5 / _decay(depth, stiffness))
-    return float(last * beyond * min(depth, 1.0))
+    return float(np.abs(last).max() / np.abs(tail[1]).max() * beyond * min(depth, 1.0))

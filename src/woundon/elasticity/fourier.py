@@ -61,11 +61,11 @@ def _zeta(s: int) -> float:
         if s % 2 == 0:
             return 0.0
         m = 1 - s
-        return 2 * (2 * pi) ** -m * (-1) ** (m // 2) * factorial(m - 1) * _zeta(m)
+        return 2 * (2 * pi) ** -m * (-1.0) ** (m // 2) * factorial(m - 1) * _zeta(m)
     # Euler-Maclaurin after N terms; the first term left out is below 1e-17 for s >= 2
     N = 20
-    head = sum(k**-s for k in range(N - 1, 0, -1))
-    tail = N ** (1 - s) / (s - 1) + 0.5 * float(N) ** -s
+    head = sum(float(k) ** -s for k in range(N - 1, 0, -1))
+    tail = float(N) ** (1 - s) / (s - 1) + 0.5 * float(N) ** -s
     rising = float(s)
     for m, bernoulli in enumerate((1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66), start=1):
         tail += bernoulli / factorial(2 * m) * rising * float(N) ** (1 - s - 2 * m)
@@ -121,7 +121,7 @@ class HarmonicSum:
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[0] - 1, out=i)
         x -= i
-        c = coefficients[i]
+        c = coefficients.take(i, axis=0)
         y = c[..., 5] * x
         for k in (4, 3, 2, 1):
             y += c[..., k]
@@ -144,9 +144,10 @@ class HarmonicSum:
     def _logs(self) -> list[float]:
         """Coefficients of theta^(j-1) ln(theta), j = 2, 4, ... (odd) or 3, 5, ... (even)."""
         orders = range(2 if self.odd else 3, self.tail.size, 2)
-        return [self.scale * self.tail[j] * self._part(polylogarithm(j).log) for j in orders]
+        weights = np.array([polylogarithm(j).log for j in orders])
+        return list(self.scale * self.tail[orders.start :: 2] * self._part(weights))
 
-    def _part(self, z: complex | Array) -> float | Array:
+    def _part(self, z: Array) -> Array:
         return z.imag if self.odd else z.real
 
     @cached_property
