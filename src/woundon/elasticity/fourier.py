@@ -131,8 +131,8 @@ class HarmonicSum:
         if logs:
             square = theta * theta
             weight = logs[-1] * square
-            for k in logs[-2::-1]:
-                weight += k
+            for log_k in logs[-2::-1]:
+                weight += log_k
                 weight *= square
             if self.odd:
                 weight /= np.maximum(theta, 1e-150)

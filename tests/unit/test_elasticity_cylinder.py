@@ -1,0 +1,242 @@
+"""The cylinder's influence functions against plain summation, quadrature and one another."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from woundon.elasticity import cylinder, half_plane
+from woundon.elasticity.cylinder import sequences, surface_kernels
+from woundon.elasticity.kernels import Kernel, SurfaceKernels
+
+Stiffness = tuple[float, float, float, float]
+PAPER: Stiffness = (20e6, 3e9, 5e6, 10e6)
+COMPLEX: Stiffness = (20e6, 30e6, 5e6, 30e6)
+
+
+def isotropic(E: float, nu: float) -> Stiffness:
+    """Return A_rr, A_tt, A_rt, G of plane strain."""
+    direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    return direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu))
+
+
+BODIES: dict[str, tuple[float, float, Stiffness]] = {
+    "thick roll": (0.3, 0.05, PAPER),
+    "roll without a core": (0.3, 1e-3, PAPER),
+    "complex roots": (0.2, 0.1, COMPLEX),
+    "cover, 20 mm": (0.5, 0.48, isotropic(10e6, 0.1)),
+    "rubber cover, 20 mm": (0.5, 0.48, isotropic(10e6, 0.4999)),
+    "thin cover, R/200": (1.0, 0.995, isotropic(10e6, 0.45)),
+}
+NAMES = [f"{quantity}_{load}" for quantity in ("normal", "tangent", "slope", "strain")
+         for load in "pq"]
+
+
+def whole(kernel: Kernel, t: np.ndarray) -> np.ndarray:
+    """Return the kernel with its singular parts, away from t = 0."""
+    assert kernel.smooth is not None
+    near = kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
+    return near + kernel.smooth(t)
+
+
+def kernels(body: tuple[float, float, Stiffness]) -> SurfaceKernels:
+    """Return the kernels of a body."""
+    R, R0, stiffness = body
+    return surface_kernels(R, R0, *stiffness, reach=0.1 * R)
+
+
+@lru_cache(maxsize=4)
+def faded_sequences(
+    body: tuple[float, float, Stiffness], terms: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sequences, n = 1 ... terms, faded out smoothly over the last three quarters.
+
+    The fading (a smooth step, all its derivatives vanish at either end) makes the plain sums
+    converge faster than any power of terms * t/R, without any closed form.
+    """
+    R, R0, stiffness = body
+    n = np.arange(1, terms + 1)
+    x = np.clip((n / terms - 0.25) / 0.75, 1e-3, 1 - 1e-3)
+    fade = 1 / (1 + np.exp(np.clip(1 / (1 - x) - 1 / x, -700, 700)))
+    fade[n <= terms // 4] = 1.0
+    return n, np.array(sequences(n, R, R0, *stiffness)) * fade
+
+
+def plain_sums(body: tuple[float, float, Stiffness], t: float) -> dict[str, float]:
+    """Sum the terms of thesis eq. (59) and its derivatives at the distance t: 30 000 or more."""
+    R, R0, stiffness = body
+    n, (g1, g2, c1, c2) = faded_sequences(body, max(30_000, round(1500 * R / (R - R0))))
+    zero = sequences(np.array(0), R, R0, *stiffness)
+    c, s = np.cos(n * t / R), np.sin(n * t / R)
+    return {
+        "normal_p": -(zero.gamma_1 / 2 + g1 @ c) / (pi * R),
+        "normal_q": g2 @ s / (pi * R),
+        "tangent_p": c1 @ s / (pi * R),
+        "tangent_q": (zero.chi_2 / 2 + c2 @ c) / (pi * R),
+        "slope_p": (n * g1) @ s / (pi * R**2),
+        "slope_q": (n * g2) @ c / (pi * R**2),
+        "strain_p": -(zero.gamma_1 / 2 + (g1 - n * c1) @ c) / (pi * R**2),
+        "strain_q": (g2 - n * c2) @ s / (pi * R**2),
+    }
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_plain_summation(body: tuple[float, float, Stiffness]) -> None:
+    """Each kernel equals its plainly summed series, near, far and on the other side."""
+    R, R0, stiffness = body
+    scale = max(half_plane.coefficients(*stiffness)) / pi
+    k = kernels(body)
+    zero = float(sequences(np.array(0), R, R0, *stiffness).chi_2) / R
+    for t in (0.5 * (R - R0), 1.7 * (R - R0), 0.5 * pi * R, -0.9 * pi * R, pi * R):
+        expected = plain_sums(body, t)
+        for name in NAMES:
+            derivative = name.split("_")[0] in ("slope", "strain")
+            size = scale / (R - R0) if derivative else scale
+            # 1e-9 of the half-plane at the distance of the thickness, or the rounding of the
+            # plain sum (3e5 terms of that size at worst) and of a large torsional constant
+            tolerance = 1e-9 * size + 1e-14 * zero * (not derivative)
+            found = float(whole(getattr(k, name), np.array(t)))
+            assert found == pytest.approx(expected[name], abs=tolerance), (name, t)
+
+
+@pytest.mark.parametrize("name", ["foam", "rubber"])
+def test_cover_of_a_thousandth(name: str) -> None:
+    """A cover of R/1000 is a plane layer a thousandth thick: kernels agree to that order.
+
+    Half a thickness away, against the Fourier integral of the layer's compliance; halving the
+    cover halves the difference.
+    """
+    nu = {"foam": 0.1, "rubber": 0.49999}[name]
+    E, kap = 10e6, 3 - 4 * nu
+
+    def beyond_half_plane(k: float) -> float:  # L - 1, of x = k h
+        decay = np.exp(-2 * k)
+        half_up = kap * (1 - decay**2) - 4 * k * decay
+        half_down = kap * (1 + decay**2) + (1 + kap**2 + 4 * k**2) * decay
+        return float(half_up / half_down - 1)
+
+    t = 0.5  # in thicknesses
+    plane = 1 / t + quad(lambda k: beyond_half_plane(k) * np.sin(k * t), 0, 40, limit=200)[0]
+    expected = 2 * (1 - nu**2) / (pi * E) * plane
+    errors = []
+    for h in (2e-3, 1e-3):
+        k = surface_kernels(1.0, 1 - h, *isotropic(E, nu), reach=0.1)
+        assert k.truncation_error < 1e-10
+        errors.append(float(whole(k.slope_p, np.array(t * h))) * h / expected - 1)
+    assert abs(errors[1]) < 2e-3
+    assert errors[1] / errors[0] == pytest.approx(0.5, abs=0.02)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_gradients_are_derivatives(body: tuple[float, float, Stiffness]) -> None:
+    """The integral of slope is v's rise; that of strain - v/R is u's."""
+    R, R0, stiffness = body
+    k = kernels(body)
+    a, b = 0.3 * (R - R0), 0.9 * (R - R0)
+    scale = max(half_plane.coefficients(*stiffness)) / pi
+    for load in "pq":
+        v, u, slope, strain = (
+            getattr(k, f"{q}_{load}") for q in ("normal", "tangent", "slope", "strain")
+        )
+        x, weight = np.polynomial.legendre.leggauss(40)
+        t, weight = (a + b) / 2 + (b - a) / 2 * x, weight * (b - a) / 2
+        ends = np.array([a, b])
+        rise_v, rise_u = np.diff(whole(v, ends))[0], np.diff(whole(u, ends))[0]
+        # the tables' errors; u_q carries the torsional constant, up to 1e5 times the rest
+        rounding = 1e-14 * np.abs(whole(u, ends)).max()
+        assert weight @ whole(slope, t) == pytest.approx(rise_v, abs=1e-9 * scale)
+        stretch = weight @ (whole(strain, t) - whole(v, t) / R)
+        assert stretch == pytest.approx(rise_u, abs=1e-9 * scale + rounding)
+
+
+def test_singular_parts() -> None:
+    """The strongest singularity is the half-plane's; curvature adds a weaker one to each kernel."""
+    R, stiffness = 0.3, PAPER
+    k = surface_kernels(R, 0.05, *stiffness, reach=0.1)
+    flat = half_plane.surface_kernels(*stiffness)
+    for name in NAMES:
+        curved, plane = getattr(k, name), getattr(flat, name)
+        assert curved.inverse == pytest.approx(plane.inverse, rel=1e-14, abs=0)
+        assert curved.delta == pytest.approx(plane.delta, rel=1e-14, abs=0)
+        if plane.log or plane.sign:
+            assert curved.log == pytest.approx(plane.log, rel=1e-14, abs=0)
+            assert curved.sign == pytest.approx(plane.sign, rel=1e-14, abs=0)
+    # next order, by hand from the sequences at one large n of a body without a core:
+    # n^2 gamma_1/R - n C -> the coefficient of sin(n t)/n in slope_p
+    n, C = 1e5, half_plane.coefficients(*stiffness).C
+    second = float(sequences(np.array(n), 1.0, 1e-3, *stiffness).gamma_1) * n**2 - n * C
+    # next order at this n is 1e-5 of it; n^2 times rounding is 1e-6
+    assert k.slope_p.sign == pytest.approx(second / (2 * R), rel=1e-4)
+
+
+def test_betti_between_kernels() -> None:
+    """A pressure pulls tangentially what a traction lifts: u_p(t) = v_q(t)."""
+    k = kernels(BODIES["complex roots"])
+    t = np.linspace(-0.6, 0.6, 40)
+    np.testing.assert_array_equal(whole(k.tangent_p, t), whole(k.normal_q, t))
+
+
+@pytest.mark.parametrize("body", [BODIES["thick roll"], BODIES["cover, 20 mm"]])
+def test_truncation_error_is_honest(
+    body: tuple[float, float, Stiffness], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With far too few terms the reported error bounds the true one, and not absurdly."""
+    R, R0, stiffness = body
+    best = kernels(body)
+    monkeypatch.setattr(cylinder, "MAX_TERMS", best.terms // 4)
+    cylinder._kernels.cache_clear()
+    rough = kernels(body)
+    cylinder._kernels.cache_clear()
+    t = np.linspace(-R, R, 2001)
+    unit = half_plane.coefficients(*stiffness).C / pi / min(R - R0, R)
+    assert rough.terms == best.terms // 4
+    true = max(
+        np.abs(getattr(rough, f"{q}_{load}").smooth(t) - getattr(best, f"{q}_{load}").smooth(t))
+        .max() / unit
+        for q in ("slope", "strain") for load in "pq"
+    )
+    assert true < 3 * rough.truncation_error
+    assert rough.truncation_error < 1e3 * true
+
+
+def test_number_of_terms_follows_the_geometry() -> None:
+    """Thick bodies need tens of terms, thin covers 20/(thickness in radii)."""
+    counts = [
+        surface_kernels(1.0, R0, *isotropic(1e7, 0.3), reach=0.1).terms
+        for R0 in (0.1, 0.9, 0.99, 0.999)
+    ]
+    assert counts[0] < 100
+    assert counts == sorted(counts)
+    assert counts[-1] == pytest.approx(20 / 1e-3, rel=0.01)
+    assert all(
+        surface_kernels(*body[:2], *body[2], reach=0.1).truncation_error < 1e-11
+        for body in BODIES.values()
+    )
+
+
+def test_reach() -> None:
+    """Every reach has the same answer, computed once; beyond the half turn there is none."""
+    first = surface_kernels(0.3, 0.05, *PAPER, reach=1e-3)
+    assert surface_kernels(0.3, 0.05, *PAPER, reach=0.3 * pi) is first
+    assert first.reach == pytest.approx(0.3 * pi)
+    with pytest.raises(ValueError, match="beyond half the circumference"):
+        surface_kernels(0.3, 0.05, *PAPER, reach=0.95)
+    with pytest.raises(ValueError, match="beyond half the circumference"):
+        surface_kernels(0.3, 0.05, *PAPER, reach=float("nan"))
+
+
+def test_smooth_is_tiny_when_the_body_is_large() -> None:
+    """As R grows with everything else kept, the kernels become the half-plane's."""
+    t = np.array([-3e-3, 1e-3, 5e-3])
+    flat = half_plane.surface_kernels(*PAPER)
+    errors = []
+    for R in (1.0, 10.0, 100.0):
+        k = surface_kernels(R, 0.3 * R, *PAPER, reach=0.01)
+        errors.append(np.abs(whole(k.slope_p, t) - flat.slope_p.inverse / t).max())
+    # the first correction is of relative size t/R
+    assert errors[0] / errors[1] == pytest.approx(10, rel=0.05)
+    assert errors[1] / errors[2] == pytest.approx(10, rel=0.05)

@@ -1,0 +1,87 @@
+"""Fourier sums: closed parts against mpmath's polylogarithm, tables against the sums themselves."""
+
+from __future__ import annotations
+
+from math import pi
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from woundon.elasticity.fourier import HarmonicSum, polylogarithm
+from woundon.elasticity.kernels import Kernel
+
+R = 0.4
+
+
+def whole(kernel: Kernel, t: np.ndarray) -> np.ndarray:
+    """Return the kernel with its singular parts, away from t = 0."""
+    assert kernel.smooth is not None
+    near = kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
+    return near + kernel.smooth(t)
+
+
+@pytest.mark.parametrize("j", range(8))
+def test_polylogarithm(j: int) -> None:
+    """The expansion equals mpmath's Li_j on the unit circle, up to the half turn."""
+    P = polylogarithm(j)
+    for theta in (1e-3, 0.3, 2.0, pi):
+        found = P.pole / theta + P.log * theta ** (j - 1) * np.log(theta)
+        found += P.power @ theta ** np.arange(P.power.size)
+        expected = complex(mp.polylog(j, mp.expj(theta)))
+        # 60 powers of (1/2), and rounding of the largest term
+        assert found == pytest.approx(expected, abs=1e-14 * max(1, abs(expected)))
+
+
+@pytest.mark.parametrize("odd", [False, True], ids=["cos", "sin"])
+def test_powers_and_rest_add_up(odd: bool) -> None:
+    """A sum of powers n^-j and a dying rest equals its polylogarithms and plain harmonics."""
+    tail = np.array([0.7, -1.3, 2.0, 0.4, -0.9, 1.1, 0.3])
+    n = np.arange(1, 61)
+    rest = 5 * np.exp(-0.5 * n)
+    kernel = HarmonicSum(odd, R, 3.0, 0.0 if odd else 0.25, tail, rest).kernel()
+    for theta in (0.01, 0.5, 2.2, pi):
+        closed = complex(mp.fsum(a * mp.polylog(j, mp.expj(theta)) for j, a in enumerate(tail)))
+        both = closed + rest @ np.exp(1j * n * theta)
+        expected = 3.0 * (both.imag if odd else 0.25 + both.real)
+        for sign in (1, -1):
+            found = whole(kernel, np.array([sign * theta * R]))
+            # the quintics' error at a step of 2 pi/256: (0.0245/0.5)^6/64 of 5/0.5
+            assert found == pytest.approx(expected * (sign if odd else 1), abs=1e-8)
+
+
+@pytest.mark.parametrize("odd", [False, True], ids=["cos", "sin"])
+def test_table_is_of_sixth_order(odd: bool) -> None:
+    """Between the knots the quintics err by step^6: 64 times less when the table doubles."""
+    n = np.arange(1, 401)
+    waves = np.exp(-0.12 * n)
+    theta = np.linspace(0.0, 0.6, 3001)
+    trig = np.sin if odd else np.cos
+    exact = trig(np.outer(theta, n)) @ waves
+    errors = []
+    for terms in (200, 400):  # tables of 1024 and 2048 points
+        sums = HarmonicSum(odd, R, 1.0, 0.0, np.zeros(2), waves[:terms])
+        errors.append(np.abs(sums(theta * R) - exact).max())
+    assert 50 < errors[0] / errors[1] < 75
+
+
+def test_smooth_keeps_shape_and_parity() -> None:
+    """Any shape goes, 0-d included; odd sums vanish at 0, even ones are continuous there."""
+    tail, rest = np.array([1.0, 1.0, 1.0, 1.0]), np.ones(4)
+    t = np.linspace(-1, 1, 12).reshape(3, 4)
+    for odd in (False, True):
+        f = HarmonicSum(odd, R, 1.0, 0.0, tail, rest)
+        assert f(t).shape == (3, 4)
+        assert f(np.float64(0.3)).shape == ()
+        np.testing.assert_array_equal(f(-t), -f(t) if odd else f(t))
+    assert HarmonicSum(True, R, 1.0, 0.0, tail, rest)(np.array(0.0)) == 0
+    even = HarmonicSum(False, R, 1.0, 0.0, tail, rest)
+    assert even(np.array(0.0)) == pytest.approx(even(np.array(1e-12)), abs=1e-11)
+
+
+def test_regular_at_zero() -> None:
+    """The smooth part of an odd sum starts as t ln t; nothing stronger is left in it."""
+    f = HarmonicSum(True, R, 1.0, 0.0, np.array([1.0, 1.0, 1.0]), np.zeros(1))
+    t = R * np.logspace(-12, -3, 10)
+    bounded = f(t) / (t / R * np.log(t / R))
+    assert np.all(np.abs(bounded) < 2)
