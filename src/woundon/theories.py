@@ -5,7 +5,7 @@ their material (a :class:`~woundon.bodies.Cylinder` loses its core, a :class:`~w
 has no compliance at all), and the web between roll and drum is left out unless a formula names it.
 
 With the half-plane's coefficients A, B, C of thesis eq. (30) summed over the two bodies, the
-surfaces under the pressure p(x) and the traction q(x) on the upper body (-q(x) on the lower) obey
+surfaces under the pressure p(x) and the traction q(x) on the upper body (-q(x) on the lower) obey::
 
     (C/pi) int p(s)/(x-s) ds - D q(x) = x/R        gap closed: 1/R = 1/R1 + 1/R2
     (B/pi) int q(s)/(x-s) ds + D p(x) = -xi        stick; xi > 0: the lower surface is the faster
@@ -114,7 +114,7 @@ class Hertz:
 
 
 def hertz(problem: NipProblem | RollerProblem) -> Hertz:
-    """Return the frictionless, orthotropic Hertz contact of the two bodies.
+    """Return the frictionless, orthotropic Hertz contact of the two bodies::
 
         a = 2 sqrt(P R/(pi E*)),   p(x) = 2P/(pi a^2) sqrt(a^2 - x^2),   E_i = 2/C_i
 
@@ -175,7 +175,7 @@ def jalkanen(problem: NipProblem, approach: float) -> float:
 
 
 def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
-    """Return NIT [N/m] as the friction of both faces over the dual-slip zone, Hertzian pressure.
+    """Return NIT [N/m] as the friction of both faces over the dual-slip zone, Hertzian pressure::
 
         NIT(s_d) = (mu+ + mu-) int_y^a p dx,   y = a (1 - 2 |s_d|)
                  = (mu+ + mu-) P/(2 pi) [pi - 4 (1-2s) sqrt(s (1-s)) - 2 arcsin(1-2s)],  s = |s_d|
@@ -257,7 +257,7 @@ class PartialSlip:
 
 
 def carter(problem: RollerProblem) -> PartialSlip:
-    """Return Carter's tractive rolling of two elastically similar rollers.
+    """Return Carter's tractive rolling of two elastically similar rollers::
 
         c/a = sqrt(1 - |Q|/(mu P)),   |xi| = (B/C) mu (a - c)/R
         q = mu p0 [sqrt(1 - x^2/a^2) - (c/a) sqrt(1 - (x + a - c)^2/c^2)]
@@ -324,7 +324,7 @@ _REVERSAL = sqrt((1 + sqrt(1 - _DOTTIE**2)) / 2)
 
 
 def bentall_johnson_frictionless(problem: RollerProblem) -> float:
-    """Return the creepage xi [1] of free rolling (Q = 0) of dissimilar rollers as mu -> 0.
+    """Return the creepage xi [1] of free rolling (Q = 0) of dissimilar rollers as mu -> 0::
 
         xi = -0.914772 D p0 = -0.457386 kappa a/R,   kappa = 2 D/C
 
@@ -380,7 +380,7 @@ class FullStick:
 
 
 def bentall_johnson_stick(problem: RollerProblem) -> FullStick:
-    """Return the free rolling (Q = 0) of dissimilar rollers that stick everywhere.
+    """Return the free rolling (Q = 0) of dissimilar rollers that stick everywhere::
 
         p + i sqrt(B/C) q = K sqrt(a^2 - x^2) ((a+x)/(a-x))^(i eta)
         K = cosh(pi eta)/(R C),  a^2 = 2 P R C/(pi (1 + 4 eta^2)),  xi = -2 eta sqrt(B/C) a/R
