@@ -32,8 +32,9 @@ BODIES: dict[str, tuple[float, float, Stiffness]] = {
     "rubber cover, 20 mm": (0.5, 0.48, isotropic(10e6, 0.4999)),
     "thin cover, R/200": (1.0, 0.995, isotropic(10e6, 0.45)),
 }
-NAMES = [f"{quantity}_{load}" for quantity in ("normal", "tangent", "slope", "strain")
-         for load in "pq"]
+NAMES = [
+    f"{quantity}_{load}" for quantity in ("normal", "tangent", "slope", "strain") for load in "pq"
+]
 
 
 def whole(kernel: Kernel, t: np.ndarray) -> np.ndarray:
@@ -195,9 +196,12 @@ def test_truncation_error_is_honest(
     unit = half_plane.coefficients(*stiffness).C / pi / min(R - R0, R)
     assert rough.terms == best.terms // 4
     true = max(
-        np.abs(getattr(rough, f"{q}_{load}").smooth(t) - getattr(best, f"{q}_{load}").smooth(t))
-        .max() / unit
-        for q in ("slope", "strain") for load in "pq"
+        np.abs(
+            getattr(rough, f"{q}_{load}").smooth(t) - getattr(best, f"{q}_{load}").smooth(t)
+        ).max()
+        / unit
+        for q in ("slope", "strain")
+        for load in "pq"
     )
     assert true < 3 * rough.truncation_error
     assert rough.truncation_error < 1e3 * true
@@ -227,6 +231,30 @@ def test_reach() -> None:
         surface_kernels(0.3, 0.05, *PAPER, reach=0.95)
     with pytest.raises(ValueError, match="beyond half the circumference"):
         surface_kernels(0.3, 0.05, *PAPER, reach=float("nan"))
+
+
+@pytest.mark.parametrize("wide", [2.0, 5.0, 20.0])
+def test_length_tells_the_degree(wide: float) -> None:
+    """Chebyshev interpolation in x and s on [-a, a] needs 20/asinh(length/a) points.
+
+    A contact 2a wide on a cover of thickness a/2, a/5, a/20, with real and with double roots.
+    """
+    R, h = 1.0, 1e-3
+    a = wide * h
+    for stiffness in (PAPER, isotropic(1e7, 0.3)):
+        k = surface_kernels(R, R - h, *stiffness, reach=2 * a)
+        points = max(24, round(20 / np.arcsinh(k.length / a)))
+        t = np.cos(pi * (np.arange(points) + 0.5) / points)
+        x = np.linspace(-1, 1, 200)
+        vandermonde = np.polynomial.chebyshev.chebvander
+        weights = np.linalg.solve(vandermonde(t, points - 1).T, vandermonde(x, points - 1).T)
+        for name in ("slope_p", "slope_q", "strain_p", "strain_q"):
+            smooth = getattr(k, name).smooth
+            found = weights.T @ smooth(a * (t[:, None] - t)) @ weights
+            error = np.abs(found - smooth(a * (x[:, None] - x))).max()
+            lead = max(abs(k.slope_p.inverse), abs(k.strain_q.inverse)) / a
+            # exp(-20) times (a/length)^2 to ^3 of a double pole; kinks add (a/R)^2/points
+            assert error < 3e-5 * lead
 
 
 def test_smooth_is_tiny_when_the_body_is_large() -> None:

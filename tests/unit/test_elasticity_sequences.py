@@ -206,11 +206,14 @@ def test_coinciding_roots_are_no_exception() -> None:
     A_rr, A_tt, A_rt = 20e6, 80e6, 10e6
     n, s = 6, sqrt(20e6 * 80e6)
     # mu_n = sqrt(kappa_n): the discriminant of (43) vanishes; linear in G
-    G = (s**2 - A_rt**2) * n**2 / (
-        2 * A_rt * n**2 - A_rr - A_tt + 2 * s * (n**2 - 1.0)
+    G = (s**2 - A_rt**2) * n**2 / (2 * A_rt * n**2 - A_rr - A_tt + 2 * s * (n**2 - 1.0))
+    roots = np.roots(
+        [
+            A_rr * G,
+            -(A_rr * (G + n**2 * A_tt) - A_rt * (A_rt + 2 * G) * n**2 + A_tt * G),
+            A_tt * G * (n**2 - 1.0) ** 2,
+        ]
     )
-    roots = np.roots([A_rr * G, -(A_rr * (G + n**2 * A_tt) - A_rt * (A_rt + 2 * G) * n**2
-                                  + A_tt * G), A_tt * G * (n**2 - 1.0) ** 2])
     assert abs(roots[0] - roots[1]) < 1e-6 * abs(roots[0])
     step = 1e-4
     below, at, above = (
@@ -239,8 +242,15 @@ def test_expansion_in_inverse_powers() -> None:
 modulus = st.floats(1e6, 1e10)
 
 
-@given(A_rr=modulus, A_tt=modulus, share=st.floats(0, 0.99), G=modulus,
-       ratio=st.floats(1e-3, 0.9995), n=st.integers(0, 2000), size=st.floats(1e-2, 50))
+@given(
+    A_rr=modulus,
+    A_tt=modulus,
+    share=st.floats(0, 0.99),
+    G=modulus,
+    ratio=st.floats(1e-3, 0.9995),
+    n=st.integers(0, 2000),
+    size=st.floats(1e-2, 50),
+)
 def test_compliance_is_symmetric_and_positive(
     A_rr: float, A_tt: float, share: float, G: float, ratio: float, n: int, size: float
 ) -> None:

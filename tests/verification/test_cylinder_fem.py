@@ -94,10 +94,13 @@ def energy(u: Any, w: Any, x: Any) -> Any:
 
 def mesh(level: int) -> MeshQuad:
     """Return a tensor grid of [0, pi] x [R0, R], finer at the patch, halved ``level`` times."""
-    theta = np.concatenate((
-        np.linspace(0, BETA, 4), np.linspace(BETA, 3 * BETA, 5)[1:],
-        np.linspace(3 * BETA, pi, 6)[1:],
-    ))
+    theta = np.concatenate(
+        (
+            np.linspace(0, BETA, 4),
+            np.linspace(BETA, 3 * BETA, 5)[1:],
+            np.linspace(3 * BETA, pi, 6)[1:],
+        )
+    )
     r = R - (R - R0) * np.linspace(1, 0, 5) ** 1.5
     for _ in range(level):
         theta, r = (np.sort(np.append(s, (s[1:] + s[:-1]) / 2)) for s in (theta, r))
@@ -108,7 +111,9 @@ def finite_elements(load: str, level: int) -> tuple[FacetBasis, Array]:
     """Return the surface's facet basis and the solved displacements."""
     basis = Basis(mesh(level), ElementVector(ElementQuad2()), intorder=5)
     surface = FacetBasis(
-        basis.mesh, basis.elem, facets=basis.mesh.facets_satisfying(lambda x: x[1] > R - 1e-9),
+        basis.mesh,
+        basis.elem,
+        facets=basis.mesh.facets_satisfying(lambda x: x[1] > R - 1e-9),
         intorder=9,
     )
 
@@ -131,10 +136,12 @@ def errors(load: str, level: int) -> Array:
     found = Surface(field[0], field[1], (field[0] + grad(field)[1][0]) / R)
     theta = basis.global_coordinates()[0]
     exact = [e.reshape(theta.shape) for e in series(load, theta.ravel())]
-    return np.array([
-        np.sqrt(((f - e) ** 2 * basis.dx).sum() / (e**2 * basis.dx).sum())
-        for f, e in zip(found, exact, strict=True)
-    ])
+    return np.array(
+        [
+            np.sqrt(((f - e) ** 2 * basis.dx).sum() / (e**2 * basis.dx).sum())
+            for f, e in zip(found, exact, strict=True)
+        ]
+    )
 
 
 @pytest.mark.parametrize("load", ["pressure", "traction"])
@@ -152,13 +159,14 @@ def test_elements_converge_to_the_series(load: str) -> None:
 
 def convolved(kernel: Kernel, at: float) -> float:
     """Integrate a kernel against the patch at the angle ``at`` by adaptive quadrature."""
-    assert kernel.smooth is not None
+    smooth = kernel.smooth
+    assert smooth is not None
 
     def shape(s: float) -> float:
         return float(patch(np.array(s / R)))
 
     def near(t: float) -> float:
-        return kernel.sign * np.sign(t) + float(kernel.smooth(np.array(t)))
+        return kernel.sign * np.sign(t) + float(smooth(np.array(t)))
 
     x, edge, total = at * R, BETA * R, kernel.delta * shape(at * R)
     if abs(x) < edge:
@@ -168,9 +176,17 @@ def convolved(kernel: Kernel, at: float) -> float:
             total += quad(lambda s: shape(s) * near(x - s), a, b)[0]
             total += kernel.log * quad(shape, a, b, weight=end, wvar=(0.0, 0.0))[0]
         return total
-    return total + quad(
-        lambda s: shape(s) * (kernel.inverse / (x - s) + kernel.log * np.log(abs(x - s))
-                              + near(x - s)), -edge, edge)[0]
+    return (
+        total
+        + quad(
+            lambda s: (
+                shape(s)
+                * (kernel.inverse / (x - s) + kernel.log * np.log(abs(x - s)) + near(x - s))
+            ),
+            -edge,
+            edge,
+        )[0]
+    )
 
 
 @pytest.mark.parametrize("at", [0.0, 0.17, -0.25, 0.8, pi / 2])

@@ -39,8 +39,13 @@ from .fourier import HarmonicSum
 from .half_plane import coefficients
 from .kernels import Kernel, SurfaceKernels
 
-__all__ = ["Sequences", "asymptotic_compliance", "sequences", "surface_compliance",
-           "surface_kernels"]
+__all__ = [
+    "Sequences",
+    "asymptotic_compliance",
+    "sequences",
+    "surface_compliance",
+    "surface_kernels",
+]
 
 Array = np.ndarray
 Stiffness = tuple[float, float, float, float]  # A_rr, A_tt, A_rt, G
@@ -216,9 +221,7 @@ def _double(E: Array, Q: Array, H: Array) -> tuple[Array, Array, Array]:
     return E_next, Q + _mul(A, _mul(_mul(S, Q), At)), H + _mul(At, _mul(H, SA))
 
 
-def asymptotic_compliance(
-    orders: int, A_rr: float, A_tt: float, A_rt: float, G: float
-) -> Array:
+def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G: float) -> Array:
     """Return Y_j [1/Pa], shape (orders+1, 2, 2): Y_n = sum_j Y_j/n^j far from any core; Y_0 = 0.
 
     Notes
@@ -310,6 +313,7 @@ def _kernels(
         strain_p=kernel(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
         strain_q=kernel(True, -slope, stretch[:, 1], sums[1]),
         reach=pi * R,
+        length=R * min(1.0, 2 * _decay(depth, stiffness)),
         truncation_error=_truncation_error(n * Y - _powers(moved, n), tail, depth, stiffness, J),
         terms=N,
     )

@@ -32,7 +32,7 @@ Array = np.ndarray
 POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at its largest angle pi
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Polylogarithm:
     """Li_j(e^{i theta}) = pole/theta + log theta^(j-1) ln(theta) + sum_k power[k] theta^k."""
 
@@ -73,7 +73,7 @@ def _zeta(s: int) -> float:
     return head + tail
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HarmonicSum:
     """scale * [mean + sum_n (a_0 + a_1/n + ... + rest_n) trig(n t/radius)].
 
@@ -207,7 +207,13 @@ def _quintics(values: Array) -> Array:
     turn = D - d - s
     bend = Half - half
     return np.stack(
-        (f, d, half, 10 * rise - 4 * turn + bend, -15 * rise + 7 * turn - 2 * bend,
-         6 * rise - 3 * turn + bend),
+        (
+            f,
+            d,
+            half,
+            10 * rise - 4 * turn + bend,
+            -15 * rise + 7 * turn - 2 * bend,
+            6 * rise - 3 * turn + bend,
+        ),
         axis=-1,
     )

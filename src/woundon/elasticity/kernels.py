@@ -8,7 +8,8 @@ functions is a sum
     k(t) = inverse / t  +  delta * Dirac(t)  +  log * ln|t|  +  sign * sgn(t)  +  smooth(t)
 
 whose first four parts are integrated in closed form against the traction elements and whose smooth
-rest is integrated by interpolation.  The half-plane has no smooth rest.
+rest is integrated by interpolation.  The half-plane has no smooth rest.  A curved body's rest is
+smooth on either side of t = 0 and bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
 """
 
 from __future__ import annotations
@@ -62,6 +63,10 @@ class SurfaceKernels:
         Tangential surface strain; v/R + du/dx on a cylinder, du/dx on a half-plane [1 per N/m].
     reach : float
         Largest |t| at which the smooth parts hold [m].
+    length : float
+        Length on which the smooth parts vary [m]: they behave as functions with poles at
+        t = +- i length.  Polynomials interpolating them in x and s on [-a, a] need a degree of
+        about 20/asinh(length/a) to leave 1e-5 of the leading part.
     truncation_error : float
         Estimated error of the summed series relative to the half-plane coefficients.
     terms : int
@@ -79,6 +84,7 @@ class SurfaceKernels:
     strain_p: Kernel = field(default_factory=Kernel)
     strain_q: Kernel = field(default_factory=Kernel)
     reach: float = np.inf
+    length: float = np.inf
     truncation_error: float = 0.0
     terms: int = 0
     deforms: bool = True
