@@ -37,9 +37,11 @@ source_suffix = {".md": "myst-nb"}
 
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
 myst_heading_anchors = 3
+numfig = True  # equations are numbered by page: (3.1)
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
+nb_merge_streams = True
 
 autodoc_typehints = "none"  # the docstrings give types with units and shapes
 autodoc_member_order = "bysource"

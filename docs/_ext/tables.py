@@ -10,6 +10,54 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+# symbol and sign of what the program names; the descriptions give name, unit and meaning
+_SYMBOLS = {
+    "thickness": "$2h$",
+    "roll_friction": r"$\mu^+$",
+    "drum_friction": r"$\mu^-$",
+    "friction": r"$\mu$",
+    "nip_load": "$P$",
+    "load": "$P$",
+    "winding_force": "$F$",
+    "web_tension": r"$T_\mathrm{in}$",
+    "tangential_load": "$Q$",
+    "creepage": r"$\xi$",
+    "radius": "$R$",
+    "core_radius": "$R_0$",
+    "radial": "$A_{rr}$",
+    "tangential": "$A_{tt}$",
+    "cross": "$A_{rt}$",
+    "shear": "$G$",
+    "youngs_modulus": "$E$",
+    "poissons_ratio": r"$\nu$",
+}
+_SIGNS = {
+    "nip_load": "> 0 presses",
+    "load": "> 0 presses",
+    "winding_force": "> 0 the drum brakes",
+    "web_tension": "> 0 pulls",
+    "nip_induced_tension": "> 0 tauter behind the nip",
+    "wound_on_tension": "> 0 pulls",
+    "approach": "> 0 closer",
+    "offset": "> 0 along +x",
+    "drum_creep": "> 0 unstrained web faster than drum",
+    "pressure": "> 0 presses",
+    "roll_traction": "> 0 drags the roll along +x",
+    "drum_traction": "> 0 drags the drum along +x",
+    "roll_slip": "> 0 web faster",
+    "drum_slip": "> 0 web faster",
+    "roll_zone": "+1 web faster",
+    "drum_zone": "+1 web faster",
+    "leading_roll": "> 0 web faster",
+    "trailing_roll": "> 0 web faster",
+    "dual": "> 0 web faster",
+    "creepage": "> 0 lower surface faster",
+    "tangential_load": "> 0 drags the upper roller along +x",
+    "traction": "> 0 drags the upper roller along +x",
+    "slip": "> 0 lower surface faster",
+    "zone": "+1 lower surface faster",
+}
+
 _GREEK = "delta|Delta|xi|mu|theta|eta"
 
 
@@ -38,8 +86,12 @@ class Quantities(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         table = import_module("woundon.quantities").QUANTITIES
-        rows = [(_tex(q.symbol), f"`{n}`", _unit(q.unit), q.description) for n, q in table.items()]
-        return self.parse_text_to_nodes(_table(("symbol", "name", "SI unit", "meaning"), rows))
+        rows = [
+            (_tex(q.symbol), f"`{name}`", _unit(q.unit), q.description, _SIGNS.get(name, ""))
+            for name, q in table.items()
+        ]
+        header = ("symbol", "name", "SI unit", "meaning", "sign")
+        return self.parse_text_to_nodes(_table(header, rows))
 
 
 class Fields(SphinxDirective):
@@ -56,9 +108,12 @@ class Fields(SphinxDirective):
                 continue
             extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
             default = "required" if info.is_required() else f"`{info.default}`"
+            unit = _unit(str(extra.get("unit", "")))
             about = info.description or _type_name(info.annotation)
-            rows.append((f"`{field}`", _unit(str(extra.get("unit", ""))), about, default))
-        return self.parse_text_to_nodes(_table(("name", "SI unit", "meaning", "default"), rows))
+            sign = _SIGNS.get(field, "")
+            rows.append((_SYMBOLS.get(field, ""), f"`{field}`", unit, about, sign, default))
+        header = ("symbol", "name", "SI unit", "meaning", "sign", "default")
+        return self.parse_text_to_nodes(_table(header, rows))
 
 
 def _type_name(annotation: Any) -> str:

@@ -205,3 +205,16 @@ def test_exactly_one_state_of_both_faces_carries_the_winding_force(drum: float, 
     found = solutions(problem)
     assert len(found) == 1
     np.testing.assert_allclose(solve_stick_slip(problem).traction, found[0], rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("web", [0.1, 11.0, 100.0])
+@pytest.mark.parametrize("drum", [0.0, 0.1, 10.0])
+def test_no_drum_traction_falls_with_the_creep_whatever_sticks(web: float, drum: float) -> None:
+    # so that the resultant grows with the creep, on which the bracketing of the creep relies
+    rng, A, n = np.random.default_rng(5), both_faces(20, web, drum), 18
+    for _ in range(200):
+        stuck = np.sort(rng.choice(2 * n, rng.integers(1, 2 * n), replace=False))
+        on_drum = stuck >= n
+        growth = np.linalg.solve(A[np.ix_(stuck, stuck)], on_drum.astype(float))
+        # rounding, by the condition of a stiff web's matrix
+        assert growth[on_drum].min(initial=0.0) >= -1e-9 * np.abs(growth).max()
