@@ -53,7 +53,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         # loads of the problem
         "nip_load": _line_load("P", "nip load"),
         "winding_force": _line_load("F", "winding force, integral of the drum traction"),
-        "web_tension": _line_load("T", "tension of the web along the nip"),
+        "incoming_tension": _line_load("T_in", "web tension before the nip"),
         # scalars of a nip
         "nip_induced_tension": _line_load("NIT", "nip-induced tension"),
         "nip_induced_tension_error": _line_load(
@@ -63,7 +63,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "half_width": _length("a", "half-width of the nip"),
         "nip_width": _length("2a", "nip width"),
         "approach": _length("delta", "approach of the centres of roll and drum"),
-        "offset": _length("Delta", "offset of the contact centre from the line of centres"),
+        "offset": _length("Delta", "shift of the contact centre from the line of centres"),
         "drum_creep": _strain("xi-", "creep of web and drum"),
         "peak_pressure": _stress("p_max", "largest pressure"),
         # arrays along the nip
@@ -73,6 +73,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "drum_traction": _stress("q-", "traction of the web on the drum"),
         "roll_slip": _strain("v+", "slip of the web against the roll, > 0: web faster"),
         "drum_slip": _strain("v-", "slip of the web against the drum, > 0: web faster"),
+        "web_tension": _line_load("T", "web tension along the nip"),
         "roll_zone": Quantity(
             "z+", "1", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"
         ),
@@ -80,9 +81,9 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
             "z-", "1", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"
         ),
         # signed slip lengths over the nip width
-        "leading_roll": _strain("s_l+", "slip length at the roll's leading edge over nip width"),
-        "trailing_roll": _strain("s_t+", "slip length at the roll's trailing edge over nip width"),
-        "dual": _strain("s_d", "length of slip at both roll and drum over nip width"),
+        "leading_roll": _strain("s_l+", "slip length at the roll's leading edge / nip width"),
+        "trailing_roll": _strain("s_t+", "slip length at the roll's trailing edge / nip width"),
+        "dual": _strain("s_d", "length of slip at both roll and drum / nip width"),
         # two rollers
         "creepage": _strain("xi", "creepage of the upper roller against the lower"),
         "tangential_load": _line_load("Q", "tangential load on the upper roller"),

@@ -116,6 +116,8 @@ def _to_record(result: Result) -> dict[str, Any]:
         "problem": result.problem.model_dump(),
     }
     values = {f.name: getattr(result, f.name) for f in fields(result) if f.name != "problem"}
+    if isinstance(result, NipResult):
+        values["wound_on_tension"] = result.wound_on_tension
     return record | {name: _plain(value) for name, value in values.items()}
 
 
@@ -149,6 +151,8 @@ def _restored(name: str, value: Any) -> Any:
         return tuple(value)
     if isinstance(value, list):
         array = np.asarray(value)
+        if array.dtype.kind == "i":  # zones
+            array = array.astype(np.int8)
         array.setflags(write=False)
         return array
     return nan if value is None else value

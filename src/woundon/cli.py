@@ -1,0 +1,169 @@
+"""The command line: parse, call, show.  Everything heavy is imported by the command that uses it.
+
+Exit codes: 0 done, 2 bad input (one line a fault), 3 not solved to tolerance.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import __version__
+from .errors import InvalidProblem, NotConverged
+
+if TYPE_CHECKING:
+    from .results import NipResult
+
+__all__ = ["main"]
+
+BAD_INPUT = 2
+NOT_CONVERGED = 3
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit code."""
+    # a second BLAS thread makes matrices of this size slower, and must be set before NumPy loads
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    try:
+        return int(commands.main(args, "woundon", standalone_mode=False) or 0)
+    except InvalidProblem as fault:
+        return _refuse(str(fault).splitlines(), BAD_INPUT)
+    except NotConverged as fault:
+        return _refuse([f"not converged: {fault}"], NOT_CONVERGED)
+    except click.ClickException as fault:
+        return _refuse([fault.format_message()], BAD_INPUT)
+    except click.Abort:
+        return 130
+    except BrokenPipeError:
+        # the reader (head, less) has left; nobody is there to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as fault:
+        where = f"{fault.filename}: " if fault.filename else ""
+        return _refuse([f"{where}{fault.strerror or fault}"], BAD_INPUT)
+
+
+def _refuse(lines: Sequence[str], code: int) -> int:
+    for line in lines:
+        click.secho(f"error: {line}", fg="red", err=True)
+    return code
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="woundon")
+def commands() -> None:
+    """Winding mechanics: what the winding nip does to a paper or film web."""
+
+
+@commands.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="FIELD=VALUE",
+    help='Change a field, e.g. --set nip_load="3.5 kN/m"; repeatable, nested: web.thickness.',
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+@click.option("--save", type=click.Path(path_type=Path), help="Save as .nc, .json or .csv.")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
+@click.option("--scheme", default="graded", show_default=True, help="graded or thesis.")
+@click.option("--algorithm", default="pivoting", help="pivoting (default) or panagiotopoulos.")
+@click.option("--nodes", type=int, help="Number of nodes along the nip.")
+@click.option("--rtol", type=float, help="Refine until the tension's relative error is below.")
+def nip(
+    case: Path,
+    settings: tuple[str, ...],
+    as_json: bool,
+    save: Path | None,
+    plot: Path | None,
+    **options: Any,
+) -> None:
+    """Solve the winding nip of a case file ('woundon new' writes one)."""
+    from .casefile import load_case
+
+    problem = load_case(case, settings)
+    _check_outputs(save, plot)
+    result = _solved(problem, options)
+    if save:
+        result.save(save)
+    if plot:
+        result.plot(plot)
+    if as_json:
+        from .resultfile import result_to_json
+
+        click.echo(result_to_json(result), nl=False)
+    else:
+        _show(result)
+
+
+def _check_outputs(save: Path | None, plot: Path | None) -> None:
+    """Refuse unusable output paths before anything is solved."""
+    if save:
+        from .resultfile import writer_for
+
+        writer_for(save)
+    if plot:
+        from .plots import check_format
+
+        check_format(plot)
+    for path in filter(None, (save, plot)):
+        if not path.parent.is_dir():
+            raise InvalidProblem([(str(path), f"the folder {str(path.parent)!r} does not exist")])
+
+
+def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
+    import warnings
+
+    from .errors import ValidityWarning
+    from .nip import solve_nip
+
+    with warnings.catch_warnings():
+        # the result carries them too, and the report shows them
+        warnings.simplefilter("ignore", ValidityWarning)
+        return solve_nip(problem, **options)
+
+
+def _show(result: NipResult) -> None:
+    from rich.console import Console
+
+    from .report import print_report
+
+    console = Console(highlight=False)
+    # lines are never folded: what a pipe or a log gets is the same text
+    console.width = max(console.width, 100)
+    print_report(result, console)
+
+
+@commands.command()
+def new() -> None:
+    """Print a commented case file to start from: woundon new > case.toml."""
+    from .casefile import template
+
+    click.echo(template(), nl=False)
+
+
+@commands.command()
+def materials() -> None:
+    """List the named materials with their values and sources."""
+    from .materials import MATERIALS
+
+    for name, (material, source) in MATERIALS.items():
+        click.secho(name, bold=True)
+        values = material.model_dump(exclude={"kind"}).items()
+        click.echo(f"  {{ {', '.join(f'{field} = {_shown(value)}' for field, value in values)} }}")
+        click.secho(f"  {source}", dim=True)
+
+
+def _shown(value: float) -> str:
+    """Return a modulus or a pure number as a case file would have it."""
+    for factor, unit in ((1e9, "GPa"), (1e6, "MPa")):
+        if value >= factor:
+            return f'"{value / factor:g} {unit}"'
+    return f"{value:g}"
