@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Protocol
 
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from .description import Description
+from .description import Description, Number
 from .elasticity import half_plane
 from .elasticity.kernels import SurfaceKernels
 from .errors import InvalidProblem
-from .materials import Material, material
+from .materials import Material
 
 __all__ = ["AnyBody", "Body", "Cylinder", "HalfPlane", "Rigid"]
 
@@ -42,10 +42,6 @@ def _radius(what: str) -> Any:
     return Field(description=what, gt=1e-4, le=100.0, json_schema_extra={"unit": "m"})
 
 
-def _named(value: Any) -> Any:
-    return material(value) if isinstance(value, str) else value
-
-
 class Rigid(Description):
     """A rigid cylinder: it has a radius and does not deform.
 
@@ -55,8 +51,8 @@ class Rigid(Description):
         R [m].
     """
 
-    kind: Literal["rigid"] = "rigid"
-    radius: float = _radius("outer radius R")
+    kind: Literal["rigid"] = Field(default="rigid", repr=False)
+    radius: Number = _radius("outer radius R")
 
     @property
     def curvature(self) -> float:
@@ -78,11 +74,9 @@ class HalfPlane(Description):
     material : Orthotropic or Isotropic
     """
 
-    kind: Literal["half_plane"] = "half_plane"
-    radius: float = _radius("outer radius R")
+    kind: Literal["half_plane"] = Field(default="half_plane", repr=False)
+    radius: Number = _radius("outer radius R")
     material: Material
-
-    _named = field_validator("material", mode="before")(_named)
 
     @property
     def curvature(self) -> float:
@@ -109,22 +103,21 @@ class Cylinder(Description):
         For a core that is not smaller than the cylinder, or a layer thinner than R/2000.
     """
 
-    kind: Literal["cylinder"] = "cylinder"
-    radius: float = _radius("outer radius R")
-    core_radius: float = Field(
+    kind: Literal["cylinder"] = Field(default="cylinder", repr=False)
+    radius: Number = _radius("outer radius R")
+    core_radius: Number = Field(
         description="radius R0 of the rigid core", gt=0, json_schema_extra={"unit": "m"}
     )
     material: Material
-
-    _named = field_validator("material", mode="before")(_named)
 
     @model_validator(mode="after")
     def _core_inside(self) -> Cylinder:
         limit = self.radius * (1 - 1 / 2000)
         if self.core_radius > limit:
-            raise InvalidProblem(
-                [("core_radius", f"{self.core_radius:g} is out of range: must be > 0 and <= "
-                  f"0.9995 * radius = {limit:g} [m]")]
+            raise InvalidProblem.at(
+                "core_radius",
+                f"{self.core_radius:.10g} is out of range; must be > 0 and <= "
+                f"0.9995 * radius = {limit:.10g} [m]",
             )
         return self
 
@@ -152,8 +145,9 @@ def _kind_of(value: Any) -> str | None:
     if not isinstance(value, dict):
         return getattr(value, "kind", None)
     if "kind" in value:
-        return str(value["kind"]).replace("-", "_")
-    if "core_radius" in value:
+        return str(value["kind"])
+    # part of the name, so that a misspelt one still leads to the right list of fields
+    if any("core" in str(name) for name in value):
         return "cylinder"
     return "half_plane" if "material" in value else "rigid"
 

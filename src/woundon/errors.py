@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Self
 
 __all__ = ["InvalidProblem", "NoSteadyState", "NotConverged", "ValidityWarning"]
 
@@ -24,7 +24,12 @@ class InvalidProblem(ValueError):
         )
         super().__init__("\n".join(f"{f}: {t}" if f else t for f, t in self.faults))
 
-    def under(self, prefix: str) -> InvalidProblem:
+    @classmethod
+    def at(cls, field: str, text: str) -> Self:
+        """Return the error of a single field."""
+        return cls([(field, text)])
+
+    def under(self, prefix: str) -> Self:
         """Return the same faults with ``prefix`` before every field."""
         return type(self)(
             (".".join(part for part in (prefix, f) if part), t) for f, t in self.faults
@@ -47,8 +52,21 @@ class ValidityWarning(UserWarning):
     """A solved case lies where the linear, small-strain, plane model no longer holds."""
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
+def nearest(word: Any, known: Iterable[str]) -> str:
+    """Return the known name that a misspelt ``word`` is most like, '' if it is like none."""
+    by_lower = {name.lower(): name for name in sorted(known)}
+    near = difflib.get_close_matches(str(word).lower(), by_lower, n=1, cutoff=0.55)
+    return by_lower[near[0]] if near else ""
+
+
+def did_you_mean(word: Any, known: Iterable[str]) -> str:
     """Return ``'; did you mean ...?'`` for a misspelt ``word``, or the list of known names."""
     known = sorted(known)
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.55)
-    return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"
+    near = nearest(word, known)
+    return f"; did you mean {near!r}?" if near else f"; known: {', '.join(known)}"
+
+
+def one_of(words: Iterable[str], last: str = "or") -> str:
+    """Return 'a, b or c'."""
+    *heads, tail = words
+    return f"{', '.join(heads)} {last} {tail}" if heads else tail

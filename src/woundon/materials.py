@@ -15,9 +15,9 @@ from functools import cached_property
 from math import sqrt
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from .description import Description
+from .description import Description, Number, shown
 from .errors import InvalidProblem, did_you_mean
 
 __all__ = ["Isotropic", "Material", "NamedMaterial", "Orthotropic", "Stiffness", "material"]
@@ -54,19 +54,20 @@ class Orthotropic(Description):
         For a modulus out of range, or a cross stiffness that makes the energy indefinite.
     """
 
-    kind: Literal["orthotropic"] = "orthotropic"
-    radial: float = _modulus("A_rr, direct stiffness through the thickness", gt=0)
-    tangential: float = _modulus("A_tt, direct stiffness along the web", gt=0)
-    cross: float = _modulus("A_rt, cross stiffness", ge=0)
-    shear: float = _modulus("G_rt, shear modulus", gt=0)
+    kind: Literal["orthotropic"] = Field(default="orthotropic", repr=False)
+    radial: Number = _modulus("A_rr, direct stiffness through the thickness", gt=0)
+    tangential: Number = _modulus("A_tt, direct stiffness along the web", gt=0)
+    cross: Number = _modulus("A_rt, cross stiffness", ge=0)
+    shear: Number = _modulus("G_rt, shear modulus", gt=0)
 
     @model_validator(mode="after")
     def _positive_energy(self) -> Orthotropic:
-        limit = sqrt(self.radial * self.tangential)
+        limit = sqrt(self.radial) * sqrt(self.tangential)
         if self.cross >= limit * (1 - 1e-9):
-            raise InvalidProblem(
-                [("cross", f"{self.cross:g} is out of range: must be >= 0 and < "
-                  f"sqrt(radial * tangential) = {limit:g} [Pa]")]
+            raise InvalidProblem.at(
+                "cross",
+                f"{self.cross:.10g} is out of range; must be >= 0 and < "
+                f"sqrt(radial * tangential) = {limit:.10g} [Pa]",
             )
         return self
 
@@ -92,9 +93,9 @@ class Isotropic(Description):
         For values out of range.
     """
 
-    kind: Literal["isotropic"] = "isotropic"
-    youngs_modulus: float = _modulus("E, Young's modulus", gt=0)
-    poissons_ratio: float = Field(
+    kind: Literal["isotropic"] = Field(default="isotropic", repr=False)
+    youngs_modulus: Number = _modulus("E, Young's modulus", gt=0)
+    poissons_ratio: Number = Field(
         description="nu, Poisson's ratio", ge=0, lt=0.5, json_schema_extra={"unit": "1"}
     )
 
@@ -112,13 +113,25 @@ def _kind_of(value: Any) -> str | None:
         return getattr(value, "kind", None)
     if "kind" in value:
         return str(value["kind"])
-    isotropic = {"youngs_modulus", "poissons_ratio"}
-    return "isotropic" if isotropic & value.keys() else "orthotropic"
+    # parts of names, so that a misspelt one still leads to the right list of fields
+    isotropic = any(part in str(name) for name in value for part in ("young", "poisson"))
+    return "isotropic" if isotropic else "orthotropic"
 
 
+def _named(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    try:
+        return material(value)
+    except InvalidProblem as fault:
+        raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
+
+
+# a material itself, a table of its fields, or the name of one
 Material = Annotated[
     Annotated[Orthotropic, Tag("orthotropic")] | Annotated[Isotropic, Tag("isotropic")],
     Discriminator(_kind_of),
+    BeforeValidator(_named),
 ]
 
 
@@ -168,8 +181,8 @@ def material(name: str) -> Orthotropic | Isotropic:
     InvalidProblem
         For an unknown name, with the nearest known one.
     """
-    if name not in MATERIALS:
-        raise InvalidProblem(
-            [("material", f"{name!r} is no named material{did_you_mean(name, MATERIALS)}")]
+    if not isinstance(name, str) or name not in MATERIALS:
+        raise InvalidProblem.at(
+            "material", f"{shown(name)} is no named material{did_you_mean(name, MATERIALS)}"
         )
     return MATERIALS[name].material

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from .bodies import AnyBody, Rigid
-from .description import Description
+from .description import Description, Number
 from .errors import InvalidProblem, NoSteadyState
-from .materials import Material, material
+from .materials import Material
 
 __all__ = ["NipProblem", "RollerProblem", "Web"]
 
@@ -33,14 +33,10 @@ class Web(Description):
         The web's own plane-strain stiffness.
     """
 
-    thickness: float = Field(
+    thickness: Number = Field(
         description="web thickness 2h", ge=1e-7, le=1e-2, json_schema_extra={"unit": "m"}
     )
     material: Material
-
-    _named = field_validator("material", mode="before")(
-        lambda value: material(value) if isinstance(value, str) else value
-    )
 
 
 class NipProblem(Description):
@@ -72,21 +68,24 @@ class NipProblem(Description):
     web: Web
     roll: AnyBody
     drum: AnyBody
-    roll_friction: float = _friction("mu+, friction between the layers")
-    drum_friction: float = _friction("mu-, friction between web and drum")
-    nip_load: float = _line_load("nip load P", gt=0, le=1e7)
-    winding_force: float = _line_load("winding force F", default=0.0)
-    web_tension: float = _line_load("web tension T_in before the nip", default=0.0, ge=0, le=1e6)
+    roll_friction: Number = _friction("mu+, friction between the layers")
+    drum_friction: Number = _friction("mu-, friction between web and drum")
+    nip_load: Number = _line_load("nip load P", gt=0, le=1e7)
+    winding_force: Number = _line_load("winding force F", default=0.0)
+    web_tension: Number = _line_load("web tension T_in before the nip", default=0.0, ge=0, le=1e6)
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> NipProblem:
         if isinstance(self.roll, Rigid) and isinstance(self.drum, Rigid):
-            raise InvalidProblem([("roll", "roll and drum are both rigid; one must deform")])
+            raise InvalidProblem.at(
+                "roll", "roll and drum are both Rigid; one must be HalfPlane or Cylinder"
+            )
         limit = self.drum_friction * self.nip_load
         if abs(self.winding_force) >= limit:
-            raise NoSteadyState(
-                [("winding_force", f"{self.winding_force:g} is out of range: |winding_force| must "
-                  f"be < drum_friction * nip_load = {limit:g} [N/m], or the drum slides")]
+            raise NoSteadyState.at(
+                "winding_force",
+                f"{self.winding_force:.10g} is out of range; |winding_force| "
+                f"must be < drum_friction * nip_load = {limit:.10g} [N/m], or the drum slides",
             )
         return self
 
@@ -119,10 +118,10 @@ class RollerProblem(Description):
 
     upper: AnyBody
     lower: AnyBody
-    load: float = _line_load("load P", gt=0, le=1e9)
-    friction: float = _friction("mu, friction between the rollers")
-    tangential_load: float | None = _line_load("tangential load Q", default=None)
-    creepage: float | None = Field(
+    load: Number = _line_load("load P", gt=0, le=1e9)
+    friction: Number = _friction("mu, friction between the rollers")
+    tangential_load: Number | None = _line_load("tangential load Q", default=None)
+    creepage: Number | None = Field(
         default=None, description="creepage xi", gt=-0.5, lt=0.5, json_schema_extra={"unit": "1"}
     )
     motion: Literal["rolling", "static"] = "rolling"
@@ -130,15 +129,27 @@ class RollerProblem(Description):
     @model_validator(mode="after")
     def _has_a_state(self) -> RollerProblem:
         if isinstance(self.upper, Rigid) and isinstance(self.lower, Rigid):
-            raise InvalidProblem([("upper", "both rollers are rigid; one must deform")])
+            raise InvalidProblem.at(
+                "upper", "upper and lower are both Rigid; one must be HalfPlane or Cylinder"
+            )
         if self.creepage is not None and self.tangential_load is not None:
-            raise InvalidProblem([("creepage", "give tangential_load or creepage, not both")])
+            raise InvalidProblem.at(
+                "creepage",
+                f"{self.creepage:.10g} is given beside tangential_load = "
+                f"{self.tangential_load:.10g}; must be one of the two",
+            )
         if self.creepage is not None and self.motion == "static":
-            raise InvalidProblem([("creepage", "a static contact has no creepage")])
+            raise InvalidProblem.at(
+                "creepage",
+                f"{self.creepage:.10g} is given, but motion = 'static' has none; "
+                "must be left out, or motion = 'rolling'",
+            )
         limit = self.friction * self.load
         if abs(self.tangential_load or 0.0) >= limit:
-            raise NoSteadyState(
-                [("tangential_load", f"{self.tangential_load:g} is out of range: |tangential_load| "
-                  f"must be < friction * load = {limit:g} [N/m], or the rollers slide")]
+            raise NoSteadyState.at(
+                "tangential_load",
+                f"{self.tangential_load:.10g} is out of range; "
+                f"|tangential_load| must be < friction * load = {limit:.10g} [N/m], "
+                "or the rollers slide",
             )
         return self
