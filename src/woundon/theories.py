@@ -84,9 +84,6 @@ def _ellipse(x: ArrayLike, centre: float, half_width: float) -> Array:
     return np.sqrt(np.maximum((1 - t) * (1 + t), 0.0))
 
 
-# ---- without friction -----------------------------------------------------------------------
-
-
 @dataclass(frozen=True, slots=True)
 class Hertz:
     """Frictionless contact of two orthotropic half-planes.
@@ -131,9 +128,6 @@ def hertz(problem: NipProblem | RollerProblem) -> Hertz:
 
 def _load(problem: NipProblem | RollerProblem) -> float:
     return problem.nip_load if isinstance(problem, NipProblem) else problem.load
-
-
-# ---- rival theories of the nip-induced tension -------------------------------------------------
 
 
 def friction_limit(problem: NipProblem) -> float:
@@ -213,9 +207,6 @@ def capstan(tension: float, friction: float, angle: float) -> float:
     Source: thesis eq. (179), leading term.
     """
     return tension * exp(friction * angle)
-
-
-# ---- two rollers -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
