@@ -201,5 +201,8 @@ def _helped(field: str, text: str) -> tuple[str, str]:
     """Mend the text for the slip that TOML invites: a loose field below a [section]."""
     *heads, leaf = field.split(".")
     if heads and leaf in NipProblem.model_fields and text.startswith("no such field"):
-        return field, f"no such field in [{'.'.join(heads)}]; write {leaf} above the first [section]"
+        return (
+            field,
+            f"no such field in [{'.'.join(heads)}]; write {leaf} above the first [section]",
+        )
     return field, text

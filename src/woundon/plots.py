@@ -30,7 +30,7 @@ _ROLL_BOUND, _DRUM_BOUND = "#DDDDDD", "#B5B5B5"
 _ZONES = {Zone.BACKWARD: "#E69F00", Zone.STICK: "#F0F0F0", Zone.FORWARD: "#56B4E9"}
 _ZONE_HATCH = {Zone.BACKWARD: "\\\\\\\\", Zone.STICK: "", Zone.FORWARD: "////"}
 
-_STYLE = {
+_STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.linewidth": 0.8,
@@ -122,7 +122,7 @@ def save_figure(figure: Figure, path: str | Path) -> None:
 
 
 def _shown(name: str, values: Array) -> Array:
-    return np.asarray(QUANTITIES[name].shown(values))  # type: ignore[arg-type]
+    return values * QUANTITIES[name].per_si
 
 
 def _axis_label(symbol: str, name: str) -> str:
@@ -186,7 +186,11 @@ def _draw_zones(axes: Axes, result: NipResult) -> None:
     axes.grid(visible=False)
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel(_axis_label("Position along the nip $x$", "x"))
-    words = {Zone.STICK: "stick", Zone.FORWARD: "slip, web faster", Zone.BACKWARD: "slip, web slower"}
+    words = {
+        Zone.STICK: "stick",
+        Zone.FORWARD: "slip, web faster",
+        Zone.BACKWARD: "slip, web slower",
+    }
     _legend(
         axes,
         [

@@ -129,7 +129,7 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, tuple):
         return list(value)
-    if isinstance(value, tuple(_PARTS.values())):
+    if isinstance(value, (SlipRatios, Residuals)):
         return {f.name: _plain(getattr(value, f.name)) for f in fields(value)}
     return float(value) if np.isfinite(value) else None
 
@@ -228,7 +228,7 @@ def _record_of_netcdf(content: bytes) -> dict[str, Any]:
 
     with xarray.open_dataset(io.BytesIO(content), engine="scipy") as data:
         record: dict[str, Any] = {
-            name: variable.values.tolist() for name, variable in data.variables.items()
+            str(name): variable.values.tolist() for name, variable in data.variables.items()
         }
         record |= data.attrs
     laws = record.pop("law")

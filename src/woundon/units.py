@@ -84,7 +84,7 @@ def _registry() -> Any:
     import pint
 
     # exact fractions: "66 um" is 66e-6 to the last bit, not 6.599999999999999e-05
-    registry = pint.UnitRegistry(None, non_int_type=Fraction)
+    registry: Any = pint.UnitRegistry(None, non_int_type=Fraction)
     registry.load_definitions(_DEFINITIONS.strip().splitlines())
     return registry
 
