@@ -109,7 +109,7 @@ def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem
     kind: type[InvalidProblem] = InvalidProblem
     for item in report.errors():
         # nested descriptions validate themselves: only a field, never a path, is ours to name
-        path = str(item["loc"][0]) if item["loc"] else ""
+        path = (str(item["loc"][0]) or "''") if item["loc"] else ""
         inner = item.get("ctx", {}).get("error")
         if isinstance(inner, InvalidProblem):
             faults += inner.under(path).faults
@@ -163,8 +163,13 @@ def _no_such_field(name: str, model: type[BaseModel]) -> str:
     if owners:
         return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
                 f"known: {', '.join(own)}")  # fmt: skip
-    # the symbol of the formulas ("P"), or a word of the description ("friction")
-    told = [k for k, f in own.items() if name in str(f.description).replace(",", "").split()]
+    # the symbol of the formulas ("P"), a word of the description, a part of the name ("friction")
+    told = [
+        known
+        for known, field in own.items()
+        if name in str(field.description).replace(",", "").split()
+        or (len(name) > 2 and name.lower() in known)
+    ]
     if told:
         return f"no such field; did you mean {one_of(map(repr, told))}?"
     return f"no such field{did_you_mean(name, own)}"

@@ -1,0 +1,655 @@
+"""Wrong input of every kind: each refused with field, value and what is admissible.
+
+The texts are written out, because they are what a mill engineer sees: a change of one is a change
+of the program.  Three doors, one answer: Python, the case file, the command line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from decimal import Decimal
+from math import inf, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.cli import main
+
+BODY = "Rigid, HalfPlane or Cylinder (or a table of its fields)"
+MATERIAL = (
+    "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
+)
+LOAD = "> 0 and <= 1e+07 [N/m]"
+NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_tension, winding_force"
+MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
+
+
+def nip(**changes: Any) -> wo.NipProblem:
+    """Return the newsprint case of the thesis's Table 2 with some fields given anew."""
+    fields: dict[str, Any] = {
+        "web": wo.Web(thickness=66e-6, material="newsprint"),
+        "roll": wo.Cylinder(radius=0.1, core_radius=0.0445, material="newsprint"),
+        "drum": wo.Rigid(radius=0.0762),
+        "roll_friction": 0.19,
+        "drum_friction": 0.2,
+        "nip_load": 3502.0,
+        "web_tension": 350.0,
+    }
+    return wo.NipProblem(**fields | changes)
+
+
+def rollers(**changes: Any) -> wo.RollerProblem:
+    """Return Carter's case of two steel rollers with some fields given anew."""
+    body = wo.HalfPlane(radius=0.25, material="steel")
+    fields = {"upper": body, "lower": body, "load": 89e3, "friction": 0.5}
+    return wo.RollerProblem(**fields | changes)
+
+
+def refusal(make: Callable[..., Any], *args: Any, **fields: Any) -> str:
+    """Return the text with which a call is refused."""
+    with pytest.raises(wo.InvalidProblem) as caught:
+        make(*args, **fields)
+    assert "pydantic" not in str(caught.value)
+    assert caught.value.__cause__ is None  # nothing of pydantic's in the traceback either
+    return str(caught.value)
+
+
+# ---- numbers that are none, or out of range ---------------------------------------------------
+
+LOADS: list[tuple[Any, str]] = [
+    (-1, f"-1 is out of range; must be {LOAD}"),
+    (0, f"0 is out of range; must be {LOAD}"),
+    (-0.0, f"-0 is out of range; must be {LOAD}"),
+    (1e8, f"100000000 is out of range; must be {LOAD}"),
+    (nan, f"nan is not a finite number; must be {LOAD}"),
+    (inf, f"inf is not a finite number; must be {LOAD}"),
+    (-inf, f"-inf is not a finite number; must be {LOAD}"),
+    (10**400, f"inf is not a finite number; must be {LOAD}"),
+    (np.float64(-3.5), f"-3.5 is out of range; must be {LOAD}"),
+    (np.float32(nan), f"nan is not a finite number; must be {LOAD}"),
+    (np.array(-2), f"-2 is out of range; must be {LOAD}"),
+    (True, f"True is not a number; must be {LOAD}"),
+    (np.bool_(True), f"np.True_ is not a number; must be {LOAD}"),
+    (None, f"None is not a number; must be {LOAD}"),
+    ("5", f"'5' is not a number; must be {LOAD} (units are read in case files only)"),
+    ("3 kN/m", f"'3 kN/m' is not a number; must be {LOAD} (units are read in case files only)"),
+    (b"5", f"b'5' is not a number; must be {LOAD}"),
+    ([1], f"[1] is not a number; must be {LOAD}"),
+    ((), f"() is not a number; must be {LOAD}"),
+    ({}, f"{{}} is not a number; must be {LOAD}"),
+    (3 + 0j, f"(3+0j) is not a number; must be {LOAD}"),
+    (Decimal(3), f"Decimal('3') is not a number; must be {LOAD}"),
+    (np.array([3.0]), f"array([3.]) is not a number; must be {LOAD}"),
+    (np.array("5"), f"array('5', dtype='<U1') is not a number; must be {LOAD}"),
+    (np.array(True), f"array(True) is not a number; must be {LOAD}"),
+    (np.ma.masked, f"masked is not a number; must be {LOAD}"),
+    (list(range(99)), f"[0, 1, 2, 3, 4, 5, ...] is not a number; must be {LOAD}"),
+]
+
+
+@pytest.mark.parametrize(("value", "text"), LOADS, ids=lambda v: repr(v)[:24])
+def test_a_number_that_is_none(value: Any, text: str) -> None:
+    assert refusal(nip, nip_load=value) == f"nip_load: {text}"
+
+
+ORTHOTROPIC = {"radial": 20e6, "tangential": 3e9, "cross": 5e6, "shear": 10e6}
+CYLINDER = {"radius": 0.1, "core_radius": 0.05, "material": "steel"}
+MODULUS = "> 0 and <= 1e+14 [Pa]"
+THICKNESS = "thickness: {} is out of range; must be >= 1e-07 and <= 0.01 [m]"
+RADIUS = "radius: {} is out of range; must be > 0.0001 and <= 100 [m]"
+
+RANGES: list[tuple[Any, dict[str, Any], dict[str, Any], str]] = [
+    # (description, its fields, the bad ones, the text)
+    (wo.Orthotropic, ORTHOTROPIC, {"radial": 0}, f"radial: 0 is out of range; must be {MODULUS}"),
+    (
+        wo.Orthotropic, ORTHOTROPIC, {"tangential": -3e9},
+        f"tangential: -3000000000 is out of range; must be {MODULUS}",
+    ),
+    (
+        wo.Orthotropic, ORTHOTROPIC, {"cross": -1},
+        "cross: -1 is out of range; must be >= 0 and <= 1e+14 [Pa]",
+    ),
+    (
+        wo.Orthotropic, ORTHOTROPIC, {"shear": 1e15},
+        f"shear: 1e+15 is out of range; must be {MODULUS}",
+    ),
+    (
+        wo.Orthotropic, ORTHOTROPIC | {"radial": 1e6, "tangential": 1e8}, {"cross": 1e7},
+        "cross: 10000000 is out of range; must be >= 0 and < "
+        "sqrt(radial * tangential) = 10000000 [Pa]",
+    ),
+    (
+        # the product of the two would underflow
+        wo.Orthotropic, ORTHOTROPIC | {"radial": 1e-200, "tangential": 1e-200}, {"cross": 1e-100},
+        "cross: 1e-100 is out of range; must be >= 0 and < "
+        "sqrt(radial * tangential) = 1e-200 [Pa]",
+    ),
+    (
+        wo.Isotropic, {"youngs_modulus": 1e9}, {"poissons_ratio": 0.5},
+        "poissons_ratio: 0.5 is out of range; must be >= 0 and < 0.5",
+    ),
+    (
+        wo.Isotropic, {"youngs_modulus": 1e9}, {"poissons_ratio": -0.1},
+        "poissons_ratio: -0.1 is out of range; must be >= 0 and < 0.5",
+    ),
+    (
+        wo.Isotropic, {"youngs_modulus": 1e9}, {"poissons_ratio": 30},
+        "poissons_ratio: 30 is out of range; must be >= 0 and < 0.5 "
+        "(plain numbers are SI: 30 % is 0.3)",
+    ),
+    (
+        wo.Isotropic, {"poissons_ratio": 0.3}, {"youngs_modulus": 0},
+        f"youngs_modulus: 0 is out of range; must be {MODULUS}",
+    ),
+    (
+        wo.Web, {"material": "paper"}, {"thickness": 66},
+        THICKNESS.format(66) + " (plain numbers are SI: 66 um is 6.6e-05)",
+    ),
+    (
+        wo.Web, {"material": "paper"}, {"thickness": 3},
+        THICKNESS.format(3) + " (plain numbers are SI: 3 mm is 0.003, 3 um is 3e-06)",
+    ),
+    (wo.Web, {"material": "paper"}, {"thickness": 0}, THICKNESS.format(0)),
+    (wo.Web, {"material": "paper"}, {"thickness": -66e-6}, THICKNESS.format("-6.6e-05")),
+    (wo.Web, {"material": "paper"}, {"thickness": 0.02}, THICKNESS.format(0.02)),
+    (
+        wo.Rigid, {}, {"radius": 762},
+        RADIUS.format(762) + " (plain numbers are SI: 762 mm is 0.762, 762 um is 0.000762)",
+    ),
+    (wo.Rigid, {}, {"radius": 0}, RADIUS.format(0)),
+    (wo.HalfPlane, {"material": "steel"}, {"radius": -0.1}, RADIUS.format(-0.1)),
+    (wo.Cylinder, CYLINDER, {"radius": 1e-9}, RADIUS.format("1e-09")),
+    (
+        wo.Cylinder, CYLINDER, {"core_radius": 0.1},
+        "core_radius: 0.1 is out of range; must be > 0 and <= 0.9995 * radius = 0.09995 [m]",
+    ),
+    (
+        wo.Cylinder, CYLINDER, {"core_radius": 76},
+        "core_radius: 76 is out of range; must be > 0 and <= 0.9995 * radius = 0.09995 [m]",
+    ),
+    (wo.Cylinder, CYLINDER, {"core_radius": 0}, "core_radius: 0 is out of range; must be > 0 [m]"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("model", "fields", "bad", "text"), RANGES, ids=lambda v: str(v)[:40] if v is not str else None
+)
+def test_a_value_out_of_range(
+    model: Any, fields: dict[str, Any], bad: dict[str, Any], text: str
+) -> None:
+    assert refusal(model, **fields | bad) == text
+
+
+SLIDES = "|winding_force| must be < drum_friction * nip_load = 700.4 [N/m], or the drum slides"
+FRICTION = "friction: {} is out of range; must be > 0 and <= 10"
+
+PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
+    (nip, {"winding_force": 701}, f"winding_force: 701 is out of range; {SLIDES}"),
+    (nip, {"winding_force": 0.2 * 3502}, f"winding_force: 700.4 is out of range; {SLIDES}"),
+    (nip, {"winding_force": -1e9}, f"winding_force: -1000000000 is out of range; {SLIDES}"),
+    (
+        nip, {"winding_force": inf},
+        "winding_force: inf is not a finite number; must be a finite number [N/m]",
+    ),
+    (
+        nip, {"winding_force": None},
+        "winding_force: None is not a number; must be a finite number [N/m]",
+    ),
+    (
+        nip, {"web_tension": -1},
+        "web_tension: -1 is out of range; must be >= 0 and <= 1e+06 [N/m]",
+    ),
+    (nip, {"roll_friction": 0}, "roll_" + FRICTION.format(0)),
+    (nip, {"drum_friction": -0.2}, "drum_" + FRICTION.format(-0.2)),
+    (
+        nip, {"drum_friction": 20},
+        "drum_" + FRICTION.format(20) + " (plain numbers are SI: 20 % is 0.2)",
+    ),
+    (
+        nip, {"roll": wo.Rigid(radius=0.1)},
+        "roll: roll and drum are both Rigid; one must be HalfPlane or Cylinder",
+    ),
+    (
+        rollers, {"upper": wo.Rigid(radius=0.1), "lower": wo.Rigid(radius=0.1)},
+        "upper: upper and lower are both Rigid; one must be HalfPlane or Cylinder",
+    ),
+    (
+        rollers, {"creepage": 1e-4, "tangential_load": 5.0},
+        "creepage: 0.0001 is given beside tangential_load = 5; must be one of the two",
+    ),
+    (
+        rollers, {"creepage": 1e-4, "motion": "static"},
+        "creepage: 0.0001 is given, but motion = 'static' has none; "
+        "must be left out, or motion = 'rolling'",
+    ),
+    (
+        rollers, {"creepage": -0.5},
+        "creepage: -0.5 is out of range; must be > -0.5 and < 0.5",
+    ),
+    (
+        rollers, {"tangential_load": -44500},
+        "tangential_load: -44500 is out of range; |tangential_load| must be < "
+        "friction * load = 44500 [N/m], or the rollers slide",
+    ),
+    (rollers, {"load": 0}, "load: 0 is out of range; must be > 0 and <= 1e+09 [N/m]"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("make", "bad", "text"), PROBLEMS)
+def test_a_load_case_that_cannot_be(
+    make: Callable[..., Any], bad: dict[str, Any], text: str
+) -> None:
+    assert refusal(make, **bad) == text
+
+
+@pytest.mark.parametrize(
+    ("make", "bad"), [(nip, {"winding_force": -701.0}), (rollers, {"tangential_load": 44500.0})]
+)
+def test_sliding_is_told_apart(make: Callable[..., Any], bad: dict[str, Any]) -> None:
+    with pytest.raises(wo.NoSteadyState):
+        make(**bad)
+    with pytest.raises(wo.NoSteadyState):
+        make().replace(**bad)
+
+
+# ---- names --------------------------------------------------------------------------------------
+
+NAMES: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
+    (nip, {"nip_laod": 1.0}, "nip_laod: no such field; did you mean 'nip_load'?"),
+    (nip, {"Nip_Load": 1.0}, "Nip_Load: no such field; did you mean 'nip_load'?"),
+    (nip, {"tension": 1.0}, "tension: no such field; did you mean 'web_tension'?"),
+    # the letters of the formulas
+    (nip, {"P": 1.0}, "P: no such field; did you mean 'nip_load'?"),
+    (nip, {"T_in": 1.0}, "T_in: no such field; did you mean 'web_tension'?"),
+    (
+        nip, {"friction": 0.2},
+        "friction: no such field; did you mean 'roll_friction' or 'drum_friction'?",
+    ),
+    (nip, {"xyzzy": 1.0}, f"xyzzy: no such field; known: {NIP_FIELDS}"),
+    (nip, {"self": 1.0}, f"self: no such field; known: {NIP_FIELDS}"),
+    (nip, {"": 1.0}, f"'': no such field; known: {NIP_FIELDS}"),
+    (nip, {"kind": "nip"}, f"kind: no such field; known: {NIP_FIELDS}"),
+    (
+        wo.Rigid, {"radius": 1.0, "core_radius": 0.5},
+        "core_radius: no such field in Rigid, but in Cylinder; known: radius",
+    ),
+    (
+        wo.Rigid, {"radius": 1.0, "material": "steel"},
+        "material: no such field in Rigid, but in HalfPlane and Cylinder; known: radius",
+    ),
+    (
+        wo.Isotropic, {"youngs_modulus": 1e9, "nu": 0.3},
+        "poissons_ratio: missing; must be >= 0 and < 0.5\n"
+        "nu: no such field; did you mean 'poissons_ratio'?",
+    ),
+    (wo.Web, {"thickness": 66e-6}, f"material: missing; must be {MATERIAL}"),
+    (wo.Cylinder, {**CYLINDER, "radius": None}, "radius: None is not a number; "
+     "must be > 0.0001 and <= 100 [m]"),
+    (rollers, {"motion": "roling"}, "motion: 'roling' is unknown; must be 'rolling' or 'static'; "
+     "did you mean 'rolling'?"),
+    (rollers, {"motion": 5}, "motion: 5 is unknown; must be 'rolling' or 'static'"),
+    (rollers, {"motion": None}, "motion: None is unknown; must be 'rolling' or 'static'"),
+    (wo.Rigid, {"kind": "cylinder", "radius": 1.0}, "kind: 'cylinder' is not the kind of this one; "
+     "must be 'rigid' (for another kind give the whole description)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("make", "bad", "text"), NAMES)
+def test_a_wrong_name(make: Callable[..., Any], bad: dict[str, Any], text: str) -> None:
+    assert refusal(make, **bad) == text
+
+
+def test_an_empty_problem_names_all_that_is_missing() -> None:
+    assert refusal(wo.NipProblem).splitlines() == [
+        "web: missing; must be Web (or a table of its fields)",
+        f"roll: missing; must be {BODY}",
+        f"drum: missing; must be {BODY}",
+        "roll_friction: missing; must be > 0 and <= 10",
+        "drum_friction: missing; must be > 0 and <= 10",
+        f"nip_load: missing; must be {LOAD}",
+    ]
+
+
+# ---- one thing in the place of another ----------------------------------------------------------
+
+PLACES: list[tuple[dict[str, Any], str]] = [
+    ({"web": 66e-6}, "web: 6.6e-05 is out of place; must be Web (or a table of its fields)"),
+    ({"web": None}, "web: None is out of place; must be Web (or a table of its fields)"),
+    (
+        {"web": "newsprint"},
+        "web: 'newsprint' is out of place; must be Web (or a table of its fields)",
+    ),
+    (
+        {"web": wo.Rigid(radius=1)},
+        "web: Rigid(radius=1.0) is out of place; must be Web (or a table of its fields)",
+    ),
+    ({"drum": None}, f"drum: None is out of place; must be {BODY}"),
+    ({"drum": "rigid"}, f"drum: 'rigid' is out of place; must be {BODY}"),
+    ({"drum": [1, 2]}, f"drum: [1, 2] is out of place; must be {BODY}"),
+    (
+        {"drum": wo.Rigid},
+        f"drum: <class 'woundon.bodies.Rigid'> is out of place; must be {BODY}",
+    ),
+    (
+        {"drum": wo.material("steel")},
+        f"drum: Isotropic(youngs_m...poissons_ratio=0.3) is out of place; must be {BODY}",
+    ),
+    ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 100 [m]"),
+    (
+        {"drum": {"kind": "rigd", "radius": 1}},
+        "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
+        "did you mean 'rigid'?",
+    ),
+    (
+        {"drum": {"kind": "half-plane", "radius": 1}},
+        "drum.kind: 'half-plane' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
+        "did you mean 'half_plane'?",
+    ),
+    (
+        {"drum": {"kind": None, "radius": 1}},
+        "drum.kind: None is unknown; must be 'rigid', 'half_plane' or 'cylinder'",
+    ),
+    # a field that happens to be called like a kind
+    ({"drum": {"radius": 1, "rigid": 3}}, "drum.rigid: no such field; known: radius"),
+    ({"drum": wo.HalfPlane}, f"drum: <class 'woundon.bodies.HalfPlane'> is out of place; "
+     f"must be {BODY}"),
+    (
+        {"drum": {"radius": 1, "core_raduis": 0.5, "material": "steel"}},
+        "drum.core_radius: missing; must be > 0 [m]\n"
+        "drum.core_raduis: no such field; did you mean 'core_radius'?",
+    ),
+    (
+        {"web": {"thickness": 66e-6, "material": "newsprnt"}},
+        "web.material: 'newsprnt' is no named material; did you mean 'newsprint'?",
+    ),
+    (
+        {"web": {"thickness": 66e-6, "material": ""}},
+        f"web.material: '' is no named material; known: {MATERIALS}",
+    ),
+    (
+        {"web": {"thickness": 66e-6, "material": 5}},
+        f"web.material: 5 is out of place; must be {MATERIAL}",
+    ),
+    (
+        {"web": {"thickness": 66e-6, "material": wo.Rigid(radius=1)}},
+        f"web.material: Rigid(radius=1.0) is out of place; must be {MATERIAL}",
+    ),
+    (
+        {"web": {"thickness": 66e-6, "material": {"kind": "wood"}}},
+        "web.material.kind: 'wood' is unknown; must be 'orthotropic' or 'isotropic'",
+    ),
+    (
+        {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
+        "web.thickness: '66 um' is not a number; must be >= 1e-07 and <= 0.01 [m] "
+        "(units are read in case files only)\n"
+        "web.material.radial: -1 is out of range; must be > 0 and <= 1e+14 [Pa]\n"
+        "web.material.shaer: no such field; did you mean 'shear'?",
+    ),
+    (
+        {"web": {"thickness": 66e-6, "material": {"young": 1e9, "poissons_ratio": 0.3}}},
+        "web.material.youngs_modulus: missing; must be > 0 and <= 1e+14 [Pa]\n"
+        "web.material.young: no such field; did you mean 'youngs_modulus'?",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("bad", "text"), PLACES)
+def test_one_thing_in_the_place_of_another(bad: dict[str, Any], text: str) -> None:
+    assert refusal(nip, **bad) == text
+
+
+@pytest.mark.parametrize("name", ["stel", "", 5, None, ["steel"]])
+def test_an_unknown_material(name: Any) -> None:
+    hint = "did you mean 'steel'?" if name in ("stel", ["steel"]) else f"known: {MATERIALS}"
+    assert refusal(wo.material, name) == f"material: {name!r} is no named material; {hint}"
+
+
+# ---- variants -----------------------------------------------------------------------------------
+
+VARIANTS: list[tuple[dict[str, Any], str]] = [
+    ({"nip_laod": 1}, "nip_laod: no such field; did you mean 'nip_load'?"),
+    ({"web.thicknes": 1}, "web.thicknes: no such field; did you mean 'thickness'?"),
+    ({"webb.thickness": 1}, "webb.thickness: no such field; did you mean 'web'?"),
+    ({"web.material.shaer": 1}, "web.material.shaer: no such field; did you mean 'shear'?"),
+    (
+        {"web.material.shear": -1},
+        "web.material.shear: -1 is out of range; must be > 0 and <= 1e+14 [Pa]",
+    ),
+    (
+        {"web.material.shear.x": 1},
+        "web.material.shear.x: shear has no fields of its own",
+    ),
+    ({"nip_load.x": 1}, "nip_load.x: nip_load has no fields of its own"),
+    ({"web.": 1}, "web.: no field is named behind the dot"),
+    ({".web": 1}, f".web: no such field; known: {NIP_FIELDS}"),
+    ({"": 1}, f"'': no such field; known: {NIP_FIELDS}"),
+    ({"web..thickness": 1}, "web..thickness: no such field; known: material, thickness"),
+    (
+        {"roll.core_radius": 0.2},
+        "roll.core_radius: 0.2 is out of range; must be > 0 and <= 0.9995 * radius = 0.09995 [m]",
+    ),
+    (
+        {"drum.core_radius": 0.05},
+        "drum.core_radius: no such field in Rigid, but in Cylinder; known: radius",
+    ),
+    (
+        {"roll.kind": "rigid"},
+        "roll.kind: 'rigid' is not the kind of this one; must be 'cylinder' "
+        "(for another kind give the whole description)",
+    ),
+    ({"roll.material": "stel"}, "roll.material: 'stel' is no named material; "
+     "did you mean 'steel'?"),
+    # all at once
+    (
+        {"web.thicknes": 1, "rolll": 2, "roll.radius": True},
+        "rolll: no such field; did you mean 'roll'?\n"
+        "web.thicknes: no such field; did you mean 'thickness'?\n"
+        "roll.radius: True is not a number; must be > 0.0001 and <= 100 [m]",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "text"), VARIANTS)
+def test_a_variant_that_cannot_be(changes: dict[str, Any], text: str) -> None:
+    assert refusal(nip().replace, **changes) == text
+
+
+# ---- options ------------------------------------------------------------------------------------
+
+OPTIONS: list[tuple[dict[str, Any], str]] = [
+    ({"nodes": 3}, r"nodes: 3 .*whole number, 7 to 4000"),
+    ({"nodes": 4001}, r"nodes: 4001 .*whole number, 7 to 4000"),
+    ({"nodes": True}, r"nodes: True .*whole number, 7 to 4000"),
+    ({"nodes": "65"}, r"nodes: '65' .*whole number, 7 to 4000"),
+    ({"nodes": 65.5}, r"nodes: 65.5 .*whole number, 7 to 4000"),
+    ({"nodes": nan}, r"nodes: nan .*whole number, 7 to 4000"),
+    ({"rtol": 0}, r"rtol: 0 .*>= 1e-10 and <= 0.1"),
+    ({"rtol": 1}, r"rtol: 1 .*>= 1e-10 and <= 0.1"),
+    ({"rtol": nan}, r"rtol: nan .*>= 1e-10 and <= 0.1"),
+    ({"rtol": "1e-3"}, r"rtol: '1e-3' .*>= 1e-10 and <= 0.1"),
+    ({"rtol": -1e-3}, r"rtol: -0.001 .*>= 1e-10 and <= 0.1"),
+    ({"scheme": "grded"}, r"scheme: 'grded' is unknown.*did you mean 'graded'"),
+    ({"scheme": None}, r"scheme: None is unknown.*graded.*thesis"),
+    ({"algorithm": "pivot"}, r"algorithm: 'pivot' is unknown.*did you mean 'pivoting'"),
+    ({"algorithm": 5}, r"algorithm: 5 is unknown.*panagiotopoulos.*pivoting"),
+]
+
+
+@pytest.mark.parametrize(("options", "text"), OPTIONS)
+def test_an_option_out_of_range(options: dict[str, Any], text: str) -> None:
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.solve_nip(nip(), **options)
+
+
+@pytest.mark.parametrize("nodes", [3, True, "65", 4001, 101.0])
+def test_rollers_check_their_nodes(nodes: Any) -> None:
+    with pytest.raises(wo.InvalidProblem, match=r"nodes: .*whole number, 7 to 4000"):
+        wo.solve_rollers(rollers(), nodes=nodes)
+
+
+# ---- the case file, and the command line in front of it -----------------------------------------
+
+CASE = """
+schema = 1
+nip_load = "3502 N/m"
+winding_force = "0 N/m"
+web_tension = "350 N/m"
+roll_friction = 0.19
+drum_friction = 0.20
+
+[web]
+thickness = "66 um"
+material = "newsprint"
+
+[roll]
+kind = "cylinder"
+radius = "100 mm"
+core_radius = "44.5 mm"
+
+[roll.material]
+radial = "27 MPa"
+tangential = "3.38 GPa"
+cross = "5 MPa"
+shear = "10 MPa"
+
+[drum]
+kind = "rigid"
+radius = "76.2 mm"
+"""
+RANGE = r"> 0 and <= 1e\+07 \[N/m\]"
+# (what to replace in CASE, by what, fragments of the answer)
+CASES: list[tuple[str, str, str]] = [
+    ('"3502 N/m"', "-5", rf"nip_load: -5 .*{RANGE}"),
+    ('"3502 N/m"', '"-5 kN/m"', rf"nip_load: -5000 .*{RANGE}"),
+    ('"3502 N/m"', "0", rf"nip_load: 0 .*{RANGE}"),
+    ('"3502 N/m"', "nan", rf"nip_load: nan .*finite.*{RANGE}"),
+    ('"3502 N/m"', "inf", rf"nip_load: inf .*finite.*{RANGE}"),
+    ('"3502 N/m"', '"1e999 N/m"', r"nip_load: '1e999 N/m' .*finite.*N/m"),
+    ('"3502 N/m"', "1" + "0" * 400, r"nip_load: .*finite"),
+    ('"3502 N/m"', "true", r"nip_load: True .*not a number.*N/m"),
+    ('"3502 N/m"', "[1, 2]", r"nip_load: \[1, 2\] .*not a number.*N/m"),
+    ('"3502 N/m"', "{ a = 1 }", rf"nip_load: \{{'a': 1\}} .*not a number.*{RANGE}"),
+    ('"3502 N/m"', "1979-05-27", r"nip_load: .*1979.*not a number.*N/m"),
+    ('"3502 N/m"', '"3502"', r"nip_load: '3502' .*no unit.*N/m"),
+    ('"3502 N/m"', '"abc"', r"nip_load: 'abc' .*not a number.*N/m"),
+    ('"3502 N/m"', '"3.5 kN"', r"nip_load: '3.5 kN' .*dimension.*N/m"),
+    ('"3502 N/m"', '"35 furlong"', r"nip_load: '35 furlong' .*unknown unit 'furlong'.*N/m"),
+    ('"3502 N/m"', '"3.5 kn/m"', r"nip_load: '3.5 kn/m' .*did you mean 'kN'"),
+    ('"66 um"', "66", r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\].*66 um is 6.6e-05"),
+    ('"66 um"', '"66 m"', r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\]"),
+    ('"66 um"', '"0,066 mm"', r"web\.thickness: '0,066 mm' .*66 um"),
+    ("0.20", "20", r"drum_friction: 20 .*> 0 and <= 10.*20 % is 0.2"),
+    ("0.20", '"20 um"', r"drum_friction: '20 um' .*dimension.*plain number"),
+    ('"0 N/m"', '"1 kN/m"', r"winding_force: 1000 .*drum_friction \* nip_load = 700.4 \[N/m\]"),
+    ('"5 MPa"', '"500 MPa"', r"roll\.material\.cross: 500000000 .*sqrt\(radial"),
+    ('"44.5 mm"', '"100 mm"', r"roll\.core_radius: 0.1 .*0.9995 \* radius"),
+    ('= "rigid"', '= "rigd"', r"drum\.kind: 'rigd' .*did you mean 'rigid'"),
+    ('= "newsprint"', '= "newsprnt"', r"web\.material: 'newsprnt' .*did you mean 'newsprint'"),
+    ("nip_load =", "nip_laod =", r"nip_laod: no such field; did you mean 'nip_load'"),
+    ("thickness =", "thicknes =", r"web\.thicknes: no such field; did you mean 'thickness'"),
+    ("shear =", "shaer =", r"roll\.material\.shaer: no such field; did you mean 'shear'"),
+    ("core_radius = ", "core_raduis = ", r"roll\.core_raduis: .*did you mean 'core_radius'"),
+    ("[drum]", "[durm]", r"durm: no such field; did you mean 'drum'"),
+    ("nip_load =", "# ", r"nip_load: missing.*> 0"),
+    ("[web]", "[[web]]", r"web: .*must be Web"),
+    ("schema = 1", "schema = 2", r"schema: 2 .*schema = 1"),
+    ("schema = 1", "schema = true", r"schema: True .*schema = 1"),
+    ("schema = 1", "", r"schema: missing.*schema = 1"),
+    ("[web]", "[web", r"case\.toml: .*TOML.*line \d+"),
+    ("[roll]", "[web]", r"case\.toml: .*TOML.*twice.*line \d+"),
+]
+
+
+def refused_by_command(capsys: pytest.CaptureFixture[str], *args: str) -> str:
+    """Return what the command line says; it must end with code 2 and without a traceback."""
+    assert main(["nip", *args]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "Traceback" not in said.err
+    assert all(line.startswith("error: ") for line in said.err.splitlines())
+    return said.err
+
+
+@pytest.mark.parametrize(("old", "new", "text"), CASES)
+def test_a_bad_case_file(
+    old: str, new: str, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "case.toml"
+    assert old in CASE
+    case.write_text(CASE.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.load_case(case)
+    said = refused_by_command(capsys, str(case))
+    assert re.search(text, said)
+
+
+FILES: list[tuple[bytes, str]] = [
+    (b"", "is empty"),
+    (b"# nothing but a comment\n", "is empty"),
+    (b"nip_load = = 5", "TOML"),
+    (bytes(range(256)), "UTF-8"),
+    (b"\x00\x01\x02", "TOML"),
+    (b"\x89PNG\r\n\x1a\n", "UTF-8"),
+]
+
+
+@pytest.mark.parametrize(("content", "text"), FILES)
+def test_a_file_that_is_no_case(
+    content: bytes, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "case.toml"
+    case.write_bytes(content)
+    said = refused_by_command(capsys, str(case))
+    assert str(case) in said
+    assert text in said
+
+
+def test_a_file_that_cannot_be_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    missing = tmp_path / "nope.toml"
+    assert f"{missing}: cannot be read: No such file" in refused_by_command(capsys, str(missing))
+    assert "Is a directory" in refused_by_command(capsys, str(tmp_path))
+    assert "CASE" in refused_by_command(capsys)
+
+
+COMMANDS: list[tuple[list[str], str]] = [
+    (["--set", "nip_load"], "nip_load"),
+    (["--set", "=5"], "=5"),
+    (["--set", "nip_load="], "nip_load="),
+    (["--set", "nip_laod=5"], "nip_laod: no such field; did you mean 'nip_load'?"),
+    (["--set", "web.thicknes=5"], "web.thicknes: no such field; did you mean 'thickness'?"),
+    (["--set", "nip_load.x=5"], "nip_load.x: nip_load has no fields of its own"),
+    (["--set", "nip_load=-5"], "nip_load: -5 is out of range"),
+    (["--set", "nip_load=nan"], "nip_load: nan is not a finite number"),
+    (["--set", "nip_load=1e999"], "nip_load: inf is not a finite number"),
+    (["--set", "nip_load=True"], "nip_load: 'True' is not a number"),
+    (["--set", "nip_load=3.5 kN"], "nip_load: '3.5 kN' has the wrong dimension"),
+    (["--set", "web.material=steeel"], "web.material: 'steeel' is no named material"),
+    (["--set", "winding_force=701 N/m"], "winding_force: 701 is out of range"),
+    (["--nodes", "3"], "nodes: 3"),
+    (["--nodes", "abc"], "'abc'"),
+    (["--rtol", "2"], "rtol: 2"),
+    (["--scheme", "grded"], "did you mean 'graded'"),
+    (["--algorithm", "x"], "'x' is unknown"),
+    (["--save", "x.xyz"], ".nc"),
+    (["--plot", "x.xyz"], ".png"),
+    (["--save", "no/such/folder/x.nc"], "folder"),
+    (["--colour", "red"], "--colour"),
+]
+
+
+@pytest.mark.parametrize(("args", "text"), COMMANDS, ids=lambda v: " ".join(v)[:30])
+def test_a_bad_command(
+    args: list[str],
+    text: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(CASE, encoding="utf-8")
+    assert text in refused_by_command(capsys, "case.toml", *args)
+    assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]  # nothing was written

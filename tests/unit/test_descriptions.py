@@ -1,0 +1,249 @@
+"""Descriptions as values: immutable, equal by content, picklable, readable, varied by replace."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import FrozenInstanceError
+from fractions import Fraction
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.errors import did_you_mean, nearest, one_of
+
+
+def nip(**changes: Any) -> wo.NipProblem:
+    """Return the newsprint case of the thesis's Table 2."""
+    problem = wo.NipProblem(
+        web=wo.Web(thickness=66e-6, material="newsprint"),
+        roll=wo.Cylinder(radius=0.1, core_radius=0.0445, material="newsprint"),
+        drum=wo.Rigid(radius=0.0762),
+        roll_friction=0.19,
+        drum_friction=0.2,
+        nip_load=3502.0,
+        web_tension=350.0,
+    )
+    return problem.replace(**changes)
+
+
+def rollers() -> wo.RollerProblem:
+    """Return two steel rollers."""
+    body = wo.HalfPlane(radius=0.25, material="steel")
+    return wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5, tangential_load=8.4e3)
+
+
+DESCRIPTIONS = [
+    wo.material("steel"),
+    wo.material("newsprint"),
+    wo.Web(thickness=66e-6, material="paper"),
+    wo.Rigid(radius=0.3),
+    wo.HalfPlane(radius=0.3, material="steel"),
+    wo.Cylinder(radius=0.3, core_radius=0.05, material="rubber"),
+    nip(),
+    rollers(),
+]
+each = pytest.mark.parametrize("value", DESCRIPTIONS, ids=lambda d: type(d).__name__)
+
+
+# ---- values -------------------------------------------------------------------------------------
+
+
+@each
+def test_it_does_not_change(value: Any) -> None:
+    name = next(iter(type(value).model_fields))
+    before = copy.deepcopy(value)
+    with pytest.raises(FrozenInstanceError, match=rf"does not change.*replace\({name}="):
+        setattr(value, name, getattr(value, name))
+    with pytest.raises(FrozenInstanceError, match="does not change"):
+        value.note = "mine"
+    with pytest.raises(FrozenInstanceError, match=f"does not change; {name} stays"):
+        delattr(value, name)
+    assert value == before
+
+
+@each
+def test_copies_are_equal_and_hash_alike(value: Any) -> None:
+    copies = [copy.copy(value), copy.deepcopy(value), value.model_copy(), value.replace()]
+    copies += [pickle.loads(pickle.dumps(value, level)) for level in range(2, 6)]
+    assert all(other == value and hash(other) == hash(value) for other in copies)
+    assert len({value, *copies}) == 1
+
+
+@each
+def test_its_repr_builds_it_again(value: Any) -> None:
+    names = {name: getattr(wo, name) for name in wo.__all__}
+    assert eval(repr(value), names) == value
+    assert "kind" not in repr(value)
+
+
+@each
+def test_its_fields_build_it_again(value: Any) -> None:
+    assert type(value)(**value.model_dump()) == value
+
+
+def test_equality_is_by_content() -> None:
+    problem = nip()
+    assert problem == nip(nip_load=3502)
+    assert problem == nip(winding_force=-0.0)
+    assert problem != nip(nip_load=3502.0000001)
+    assert problem != nip(**{"web.material.shear": 11e6})
+    steel = wo.material("steel")
+    assert wo.HalfPlane(radius=0.3, material=steel) != wo.Cylinder(
+        radius=0.3, core_radius=0.1, material=steel
+    )
+    # what is remembered after first use is no part of the value
+    used, fresh = wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3), wo.material("steel")
+    assert used.stiffness != fresh.stiffness
+    assert used == wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3)
+    assert hash(used) == hash(wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3))
+    assert used != "steel"
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        3500,
+        Fraction(7000, 2),
+        np.float64(3500),
+        np.float32(3500),
+        np.float16(3500),
+        np.int64(3500),
+        np.uint16(3500),
+        np.array(3500),
+        np.array(3500.0, dtype=np.float32),
+        np.ma.array(3500.0, mask=False),
+        np.longdouble(3500),
+    ],
+    ids=lambda n: f"{type(n).__name__} {getattr(n, 'dtype', '')}",
+)
+def test_numbers_of_any_make_become_plain_ones(number: Any) -> None:
+    problem = nip(nip_load=number)
+    assert type(problem.nip_load) is float
+    assert problem.nip_load == 3500.0
+
+
+def test_tables_stand_for_descriptions() -> None:
+    stiffness = {"radial": 27e6, "tangential": 3.38e9, "cross": 5e6, "shear": 10e6}
+    problem = wo.NipProblem(
+        web={"thickness": 66e-6, "material": stiffness},
+        roll={"kind": "cylinder", "radius": 0.1, "core_radius": 0.0445, "material": "newsprint"},
+        drum={"radius": 0.0762},
+        roll_friction=0.19,
+        drum_friction=0.2,
+        nip_load=3502.0,
+        web_tension=350.0,
+    )
+    assert problem == nip()
+
+
+# ---- variants -----------------------------------------------------------------------------------
+
+
+def test_replace_leaves_the_original_and_shares_what_stays() -> None:
+    problem = nip()
+    variant = problem.replace(nip_load=5e3, **{"web.thickness": 57e-6, "roll.material.shear": 2e7})
+    assert (variant.nip_load, variant.web.thickness) == (5e3, 57e-6)
+    assert variant.roll.material.stiffness.shear == 2e7
+    assert variant.web.material.stiffness.shear == 1e7  # the roll's alone was changed
+    assert problem == nip()
+    back = variant.replace(nip_load=3502, **{"web.thickness": 66e-6, "roll.material.shear": 1e7})
+    assert back == problem
+
+
+def test_replace_gives_a_whole_body_a_table_or_a_name() -> None:
+    cover = wo.Cylinder(radius=0.0762, core_radius=0.0562, material="soft-cover")
+    problem = nip(drum=cover)
+    assert problem.drum == cover
+    assert nip(drum=cover.model_dump()) == problem
+    assert nip(**{"roll.material": "steel"}).roll.material == wo.material("steel")
+    # first the body, then its field, in whatever order they are written
+    assert nip(**{"drum.radius": 0.08, "drum": cover}) == nip(drum=cover.replace(radius=0.08))
+
+
+def test_replace_checks_what_belongs_together() -> None:
+    problem = nip(winding_force=600.0)
+    with pytest.raises(wo.NoSteadyState):
+        problem.replace(nip_load=2000.0)
+    assert problem.replace(nip_load=2000.0, winding_force=-100.0).nip_load == 2000.0
+
+
+def test_pydantics_own_copy_cannot_make_an_invalid_description() -> None:
+    with pytest.raises(wo.InvalidProblem, match="nip_load: -5 is out of range"):
+        nip().model_copy(update={"nip_load": -5})
+    assert nip().model_copy(update={"nip_load": 5}).nip_load == 5.0
+    assert nip().model_copy(deep=True) == nip()
+
+
+# ---- results and errors on their way between processes ------------------------------------------
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two results agree in every field."""
+    return all(
+        np.array_equal(getattr(a, name), getattr(b, name), equal_nan=True)
+        if isinstance(getattr(a, name), np.ndarray | float)
+        else getattr(a, name) == getattr(b, name)
+        for name in vars(a)
+    )
+
+
+@pytest.mark.parametrize("solved", ["nip", "rollers"])
+def test_results_survive_pickling_and_copying(solved: str) -> None:
+    result = wo.solve_nip(nip(), nodes=13) if solved == "nip" else wo.solve_rollers(rollers())
+    for other in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result), copy.copy(result)):
+        assert type(other) is type(result)
+        assert same(other, result)
+
+
+@pytest.mark.parametrize("kind", [wo.InvalidProblem, wo.NoSteadyState])
+def test_errors_survive_pickling_with_their_faults(kind: type[wo.InvalidProblem]) -> None:
+    error = kind([("web.thickness", "66 is out of range"), ("", "odd")]).under("case")
+    other = pickle.loads(pickle.dumps(error))
+    assert type(other) is kind
+    assert other.faults == (("case.web.thickness", "66 is out of range"), ("case", "odd"))
+    assert str(other) == str(error) == "case.web.thickness: 66 is out of range\ncase: odd"
+
+
+def test_not_converged_carries_its_best_result_through_pickling() -> None:
+    best = wo.solve_nip(nip(), nodes=13)
+    other = pickle.loads(pickle.dumps(wo.NotConverged("too hard", best)))
+    assert str(other) == "too hard"
+    assert same(other.best, best)
+
+
+def test_problems_go_to_other_processes() -> None:
+    # spawn: nothing is inherited, all is pickled; a function of this file could not be found there
+    problems = [nip(nip_load=load) for load in (2000.0, 3000.0)]
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        results = list(pool.map(wo.solve_nip, problems))
+    for problem, result in zip(problems, results, strict=True):
+        assert result.problem == problem
+        assert result.nip_induced_tension == wo.solve_nip(problem).nip_induced_tension
+
+
+# ---- words --------------------------------------------------------------------------------------
+
+
+def test_hints() -> None:
+    known = ["nip_load", "web", "Web_Tension"]
+    assert did_you_mean("nip_laod", known) == "; did you mean 'nip_load'?"
+    assert did_you_mean("NIP_LOAD", known) == "; did you mean 'nip_load'?"
+    assert did_you_mean("web_tensoin", known) == "; did you mean 'Web_Tension'?"
+    assert did_you_mean("xyz", known) == "; known: Web_Tension, nip_load, web"
+    assert did_you_mean(5, known) == "; known: Web_Tension, nip_load, web"
+    assert nearest(None, known) == ""
+    assert one_of(["a"]) == "a"
+    assert one_of(["a", "b", "c"]) == "a, b or c"
+    assert one_of(["a", "b"], "and") == "a and b"
+
+
+def test_unknown_public_names_are_plain_attribute_errors() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'NipProblm'"):
+        wo.NipProblm  # noqa: B018
+    assert set(wo.__all__) <= set(dir(wo))
+    assert all(hasattr(wo, name) for name in wo.__all__)
