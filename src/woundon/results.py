@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
 from typing import Any
 
@@ -138,6 +138,10 @@ class NipResult:
     def nodes(self) -> int:
         """Number of nodes M."""
         return self.x.size
+
+    def with_warnings(self, warnings: tuple[str, ...]) -> NipResult:
+        """Return the same result with other warnings."""
+        return replace(self, warnings=warnings)
 
     def plot(self, path: Any = None) -> Any:
         """Draw tractions with friction bounds, slip speeds and web tension (as thesis Fig. 15)."""

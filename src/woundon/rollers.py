@@ -206,6 +206,6 @@ def _solve_on(
         radius = 1 / (1 / problem.upper.radius + 1 / problem.lower.radius)
         guess = hertz_half_width(problem.load, radius, (problem.upper, problem.lower))
     try:
-        return width_for_load(evaluate, problem.load, guess, rtol=1e-11)
+        return width_for_load(evaluate, problem.load, guess, rtol=1e-11)[0]
     except WidthNotFound as stop:
         raise NotConverged(str(stop)) from None

@@ -12,14 +12,15 @@ thesis   even nodes; slope and strain as backward differences of the nodal displ
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
+from math import asinh
 from typing import Protocol
 
 import numpy as np
 
 from .grid import Grid, KernelParts, cosine_grid, uniform_grid
 
-__all__ = ["Discretisation", "Response", "discretisation", "on_grid"]
+__all__ = ["Discretisation", "Response", "discretisation", "interpolation_rank", "on_grid"]
 
 Array = np.ndarray
 
@@ -43,6 +44,13 @@ class Kernels(Protocol):
     def strain_p(self) -> KernelParts: ...
     @property
     def strain_q(self) -> KernelParts: ...
+    @property
+    def length(self) -> float: ...
+
+
+def interpolation_rank(length: float, a: float) -> int:
+    """Return the interpolation points that resolve kernels varying on ``length`` over [-a, a]."""
+    return int(min(max(24, round(20 / asinh(length / a))), 600))
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,12 +130,12 @@ class Discretisation:
         a : float
             Half width [m].
         """
-        put = self.grid.integrate
+        put = partial(self.grid.integrate, rank=interpolation_rank(kernels.length, a))
         if self.scheme == "graded":
             cells = slice(0, -1)
             return Response(
-                put(kernels.slope_p, a, cells),
-                put(kernels.slope_q, a, cells),
+                put(kernels.slope_p, a, rows=cells),
+                put(kernels.slope_q, a, rows=cells),
                 put(kernels.strain_p, a),
                 put(kernels.strain_q, a),
             )

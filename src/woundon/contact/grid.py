@@ -51,13 +51,10 @@ class Grid:
         Increasing from -1 to 1.
     points : (K,) array
         Where kernels are evaluated; by convention the last one is the trailing edge 1.
-    rank : int
-        Interpolation points a direction for the smooth part of a kernel.
     """
 
     nodes: Array
     points: Array
-    rank: int = 24
 
     @property
     def unknowns(self) -> int:
@@ -128,18 +125,25 @@ class Grid:
         inside = (part >= 0) & (part < 1)
         return self._hats(np.where(inside, 1.0, 0.0), np.where(inside, part, 0.0))
 
+    def interpolation(self, rank: int) -> tuple[Array, Array, Array]:
+        """Return Chebyshev points (r,), Lagrange values at the points (K, r), hat moments (r, n)."""
+        made = self._made.get(rank)
+        if made is None:
+            made = self._made[rank] = self._interpolate(rank)
+        return made
+
     @cached_property
-    def _interpolation(self) -> tuple[Array, Array, Array]:
-        """Chebyshev points t; Lagrange values at the points (K, r); moments over the hats (r, n)."""
-        r = self.rank
+    def _made(self) -> dict[int, tuple[Array, Array, Array]]:
+        return {}
+
+    def _interpolate(self, r: int) -> tuple[Array, Array, Array]:
         t = -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
-        orders = np.arange(r)
-        transform = np.cos(np.outer(orders, np.arccos(t))) * (2 / r)  # values -> coefficients
+        transform = np.cos(np.outer(np.arange(r), np.arccos(t))) * (2 / r)  # to coefficients
         transform[0] /= 2
         chebyshev = np.polynomial.chebyshev.chebvander
         at_points = chebyshev(self.points, r - 1) @ transform
-        # moments of T_j over the hats: Gauss points on each cell (degree of hat * T_j is r)
-        g, w = np.polynomial.legendre.leggauss(min(r // 2 + 2, 12))
+        # moments of T_j over the hats; the cells are much shorter than the polynomials' waves
+        g, w = np.polynomial.legendre.leggauss(8)
         part = (g + 1) / 2
         s = self.nodes[:-1, None] + self.cells[:, None] * part
         polynomials = chebyshev(s.ravel(), r - 1).T.reshape(r, self.cells.size, g.size)
@@ -148,7 +152,9 @@ class Grid:
         first = (polynomials * (measure * part)).sum(-1)
         return t, at_points, transform.T @ self._hats(zeroth, first)
 
-    def integrate(self, kernel: KernelParts, scale: float, rows: slice = slice(None)) -> Array:
+    def integrate(
+        self, kernel: KernelParts, scale: float, rows: slice = slice(None), rank: int = 24
+    ) -> Array:
         """Integrate a kernel against the hats of the grid scaled by ``scale`` (the half width a).
 
         Parameters
@@ -158,6 +164,8 @@ class Grid:
             a [m].
         rows : slice
             Which points; all by default.
+        rank : int
+            Interpolation points a direction for the smooth part, at least 24.
 
         Returns
         -------
@@ -174,7 +182,7 @@ class Grid:
         if kernel.sign:
             out += kernel.sign * scale * self.sign[rows]
         if kernel.smooth is not None:
-            t, at_points, moments = self._interpolation
+            t, at_points, moments = self.interpolation(rank)
             core = kernel.smooth(scale * (t[:, None] - t[None, :]))
             out += scale * (at_points[rows] @ (core @ moments))
         return out
@@ -185,51 +193,48 @@ def _midpoints_and_edge(middle: Array) -> Array:
 
 
 @lru_cache(maxsize=32)
-def cosine_grid(nodes: int, rank: int = 24) -> Grid:
+def cosine_grid(nodes: int) -> Grid:
     """Return the edge-graded grid x = -cos(theta) with points at the middle of each theta cell."""
     theta = np.pi * np.arange(2 * nodes - 1) / (2 * nodes - 2)
     # sine of the distance to the middle: exactly antisymmetric, so mirrored problems mirror
     x = np.sin(theta - np.pi / 2)
     x = (x - x[::-1]) / 2
-    return Grid(x[0::2], _midpoints_and_edge(x[1::2]), rank)
+    return Grid(x[0::2], _midpoints_and_edge(x[1::2]))
 
 
 @lru_cache(maxsize=32)
-def uniform_grid(nodes: int, rank: int = 24) -> Grid:
+def uniform_grid(nodes: int) -> Grid:
     """Return the evenly spaced grid of the thesis (eq. 108); points are all its nodes."""
     x = np.linspace(-1.0, 1.0, nodes)
     x = (x - x[::-1]) / 2
-    return Grid(x, x, rank)
+    return Grid(x, x)
 
 
-def segmented_grid(borders: Array, nodes: int, rank: int = 24) -> Grid:
+def segmented_grid(borders: Array, nodes: int) -> Grid:
     """Return a grid graded towards both ends and towards given zone borders.
 
     Parameters
     ----------
     borders : (b,) array
-        Increasing, inside (-1, 1); borders nearer than 1e-3 to another or to an end are dropped.
+        Increasing, inside (-1, 1); borders nearer than 2e-4 to another or to an end are dropped.
     nodes : int
-        About how many nodes; cells go to the segments by the root of their length, at least four
+        About how many nodes; cells go to the segments by the root of their length, at least six
         each, because a traction that leaves a border like the root of the distance needs as many
         cells in a short segment as in a long one.
-    rank : int
-        See :class:`Grid`.
     """
     ends = [-1.0]
     for border in borders:
-        if min(border - ends[-1], 1.0 - border) > 1e-3:
+        if min(border - ends[-1], 1.0 - border) > 2e-4:
             ends.append(float(border))
     ends.append(1.0)
     share = np.sqrt(np.diff(ends))
-    cells = np.maximum(4, np.rint(share / share.sum() * (nodes - 1)).astype(int))
-    x, y = [], []
+    cells = np.maximum(6, np.rint(share / share.sum() * (nodes - 1)).astype(int))
+    x = []
     for left, right, count in zip(ends, ends[1:], cells, strict=False):
-        theta = np.pi * np.arange(2 * count) / (2 * count)
-        both = (left + right) / 2 - (right - left) / 2 * np.cos(theta)
-        x.append(both[0::2])
-        y.append(both[1::2])
-    return Grid(np.append(np.concatenate(x), 1.0), _midpoints_and_edge(np.concatenate(y)), rank)
+        t = np.arange(2 * count) / (2 * count)
+        x.append(left + (right - left) * t**2 / (t**2 + (1 - t) ** 2))
+    both = np.concatenate(x)
+    return Grid(np.append(both[0::2], 1.0), _midpoints_and_edge(both[1::2]))
 
 
 def zone_borders(nodes: Array, zones: Array) -> Array:

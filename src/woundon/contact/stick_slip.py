@@ -211,7 +211,7 @@ def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSli
         return direct
     if problem.creep is None:
         return direct
-    bracketed = _bracket_creep(problem, start)
+    bracketed = _bracket_creep(problem, direct.state, direct.creep)
     return replace(bracketed, solves=bracketed.solves + direct.solves)
 
 
@@ -252,46 +252,60 @@ def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array
     return state
 
 
-def _bracket_creep(problem: StickSlip, start: Array) -> StickSlipSolution:
+def _bracket_creep(problem: StickSlip, start: Array, guess: float) -> StickSlipSolution:
     """Find the creep that carries the resultant, by regula falsi on a monotone function.
 
     For a given creep the problem is solved by pivoting; the resultant grows with the creep, from
     full slip one way to full slip the other, so a bracket exists whenever a steady state does.
     """
-    assert problem.creep is not None and problem.resultant is not None
-    state, solves = start, 0
+    search = _CreepSearch(problem, start)
+    reach = float(np.max(np.abs(problem.stick_offset)))
+    step, creep = 1e-3 * reach, guess if np.isfinite(guess) else 0.0
+    excess = search.excess(creep)
+    ends = [(creep, excess), (creep, excess)]
+    while ends[0][1] * ends[1][1] > 0 and search.alive and step < 1e9 * reach:
+        creep -= np.copysign(step, excess)
+        step *= 2
+        ends = [ends[1], (creep, search.excess(creep))]
+    ends.sort()
+    for _ in range(200):
+        if not search.alive:
+            break
+        # the resultant is piecewise linear in the creep: the right piece's state solves the whole
+        exact = search.whole()
+        if exact.ending is Ending.SOLVED:
+            return replace(exact, solves=search.solves)
+        (low, f_low), (high, f_high) = ends
+        creep = (low * f_high - high * f_low) / (f_high - f_low) if f_high > f_low else low
+        excess = search.excess(creep)
+        # Illinois: halve the value kept, or the other end would stand still
+        ends = [(low, f_low / 2), (creep, excess)] if excess > 0 else [(creep, excess), (high, f_high / 2)]
+    return replace(search.last, ending=Ending.LIMIT, solves=search.solves)
 
-    def solve_for(creep: float) -> tuple[StickSlipSolution, float]:
-        nonlocal state, solves
+
+class _CreepSearch:
+    """Solves for given creeps, each from the state of the one before."""
+
+    def __init__(self, problem: StickSlip, start: Array) -> None:
+        self.problem, self.state, self.solves = problem, start, 0
+        self.limit = 200 + 4 * start.size
+        self.alive = True
+        self.last: StickSlipSolution = StickSlipSolution.failed(problem, start)
+
+    def excess(self, creep: float) -> float:
+        """Return the resultant less the prescribed one."""
+        problem = self.problem
+        assert problem.creep is not None and problem.resultant is not None
         given = replace(
             problem, creep=None, resultant=None, offset=problem.offset + problem.creep * creep
         )
-        solution = _pivot(given, state, limit=400)
-        state, solves = solution.state, solves + solution.solves
-        return solution, float(problem.resultant @ solution.traction) - problem.force
+        self.last = _pivot(given, self.state, self.limit)
+        self.state, self.solves = self.last.state, self.solves + self.last.solves
+        self.alive = self.last.ending is Ending.SOLVED
+        return float(problem.resultant @ self.last.traction) - problem.force
 
-    reach = float(np.max(np.abs(problem.stick_offset)))
-    ends = []
-    for sign in (-1.0, 1.0):
-        for width in reach * 2.0 ** np.arange(40):
-            solution, excess = solve_for(sign * width)
-            if solution.ending is not Ending.SOLVED or sign * excess > 0:
-                break
-        if solution.ending is not Ending.SOLVED:
-            return replace(solution, solves=solves)
-        ends.append([sign * width, excess])
-    for _ in range(200):
-        (low, f_low), (high, f_high) = ends
-        solution, excess = solve_for((low * f_high - high * f_low) / (f_high - f_low))
-        if solution.ending is not Ending.SOLVED:
-            return replace(solution, solves=solves)
-        # the resultant is piecewise linear in the creep: the right piece's state solves the whole
-        exact = _pivot(problem, state, limit=6)
-        solves += exact.solves
-        if exact.ending is Ending.SOLVED:
-            return replace(exact, solves=solves)
-        side = int(excess > 0)
-        creep = (low * f_high - high * f_low) / (f_high - f_low)
-        ends[side] = [creep, excess]
-        ends[1 - side][1] /= 2  # Illinois: keep the other end from standing still
-    return replace(exact, ending=Ending.LIMIT, solves=solves)
+    def whole(self) -> StickSlipSolution:
+        """Try the whole system from the state found last."""
+        solution = _pivot(self.problem, self.state, limit=6)
+        self.solves += solution.solves
+        return solution

@@ -16,8 +16,12 @@ class WidthNotFound(ArithmeticError):
 
 
 def width_for_load(
-    evaluate: Callable[[float], tuple[T, float]], load: float, guess: float, rtol: float
-) -> T:
+    evaluate: Callable[[float], tuple[T, float]],
+    load: float,
+    guess: float,
+    rtol: float,
+    power: float = 2.0,
+) -> tuple[T, float]:
     """Find the half width a whose contact carries ``load``, by a secant on ln P against ln a.
 
     The load grows with the width like a power between 2 (half-planes) and 5 (a thin incompressible
@@ -33,23 +37,26 @@ def width_for_load(
         First a [m].
     rtol : float
         Accepted relative difference of the loads.
+    power : float
+        First guess of d ln P/d ln a.
 
     Returns
     -------
-    The state of the last evaluation.
+    state, power
+        The state of the last evaluation, and the power that was found: a start for a finer grid.
 
     Raises
     ------
     WidthNotFound
         After 60 evaluations.
     """
-    ln_a, power = log(guess), 2.0
+    ln_a = log(guess)
     last: tuple[float, float] | None = None
     for _ in range(60):
         state, carried = evaluate(exp(ln_a))
         miss = log(carried / load) if carried > 0 else -2.0
         if abs(miss) <= rtol:
-            return state
+            return state, power
         if last is not None and abs(ln_a - last[0]) > 1e-12:
             power = min(max((miss - last[1]) / (ln_a - last[0]), 0.7), 12.0)
         last = (ln_a, miss)

@@ -1,0 +1,94 @@
+"""Where a solved case leaves the model: linear, small-strain, two-dimensional, a taut web.
+
+Each warning is a sentence with its numbers.  The limits are where the neglected terms reach about
+a tenth of those kept; a warning is data, not an error: the solved equations hold all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .bodies import Cylinder, Rigid
+from .results import NipResult, Zone
+
+__all__ = ["nip_warnings"]
+
+LARGE_STRAIN = 0.1  # quadratic terms of the strain are then a tenth of the linear ones
+WIDE_NIP = 0.2  # of the smaller radius: the parabola for the circle is then off by 1 %
+FEW_NODES = 4
+SERIES_ERROR = 1e-4
+
+
+def nip_warnings(result: NipResult) -> tuple[str, ...]:
+    """Return where a solved nip leaves the model's validity, with numbers."""
+    found = (*_geometry(result), *_strain(result), *_web(result), *_numerics(result))
+    return found
+
+
+def _geometry(r: NipResult) -> Iterator[str]:
+    radius = min(r.problem.roll.radius, r.problem.drum.radius)
+    if r.half_width > WIDE_NIP * radius:
+        yield (
+            f"the half width {r.half_width * 1e3:.3g} mm is {r.half_width / radius:.0%} of the "
+            f"smaller radius: the gap is no parabola any more"
+        )
+    for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
+        if isinstance(body, Cylinder) and r.approach > LARGE_STRAIN * body.thickness:
+            yield (
+                f"the approach {r.approach * 1e3:.3g} mm is {r.approach / body.thickness:.0%} of "
+                f"the {name}'s elastic layer, {body.thickness * 1e3:.3g} mm: strains are not small"
+            )
+
+
+def _strain(r: NipResult) -> Iterator[str]:
+    peak = float(np.max(r.pressure))
+    for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
+        if not isinstance(body, Rigid):
+            modulus = min(body.material.stiffness.rr, body.material.stiffness.tt)
+            if peak > LARGE_STRAIN * modulus:
+                yield (
+                    f"the peak pressure {peak / 1e6:.3g} MPa is {peak / modulus:.0%} of the "
+                    f"{name}'s stiffness {modulus / 1e6:.3g} MPa: the material is not linear there"
+                )
+            shear = float(np.max(np.abs(r.roll_traction if name == "roll" else r.drum_traction)))
+            if shear > LARGE_STRAIN * body.material.stiffness.shear:
+                yield (
+                    f"the {name}'s surface shear strain is {shear / body.material.stiffness.shear:.0%}"
+                    f" at a traction of {shear / 1e6:.3g} MPa: strains are not small"
+                )
+    web = r.problem.web.material.stiffness
+    if peak > LARGE_STRAIN * web.rr:
+        yield (
+            f"the peak pressure {peak / 1e6:.3g} MPa is {peak / web.rr:.0%} of the web's radial "
+            f"stiffness {web.rr / 1e6:.3g} MPa: the web's thickness changes too much"
+        )
+
+
+def _web(r: NipResult) -> Iterator[str]:
+    slackest = float(np.min(r.web_tension))
+    if slackest < 0:
+        at = float(r.x[int(np.argmin(r.web_tension))])
+        yield (
+            f"the web is slack: its tension falls to {slackest:.4g} N/m at x = {at * 1e3:.3g} mm; "
+            f"at least {r.problem.web_tension - slackest:.4g} N/m of web tension are needed"
+        )
+
+
+def _numerics(r: NipResult) -> Iterator[str]:
+    for name, zones in (("roll", r.roll_zone), ("drum", r.drum_zone)):
+        borders = np.nonzero(np.diff(zones[1:-1]))[0]
+        ends = np.concatenate([[-1], borders, [zones.size - 3]])
+        short = [int(k) for k in np.argsort(np.diff(ends)) if np.diff(ends)[k] < FEW_NODES]
+        for k in short[:1]:
+            count, zone = int(np.diff(ends)[k]), Zone(int(zones[1:-1][ends[k + 1]]))
+            yield (
+                f"{count} {'node' if count == 1 else 'nodes'} in a {zone.name.lower()} zone of the "
+                f"{name}; use nodes={2 * r.nodes - 1}"
+            )
+    if r.series_error > SERIES_ERROR:
+        yield (
+            f"the series of an elastic layer is truncated with an error of {r.series_error:.2g} "
+            f"after {r.series_terms} terms"
+        )
