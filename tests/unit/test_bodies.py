@@ -1,0 +1,145 @@
+"""Bodies: what each answers, how a table is told to be one, and that they agree where they must."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+import woundon as wo
+from woundon.bodies import AnyBody
+from woundon.elasticity.kernels import SurfaceKernels
+
+STEEL = wo.material("steel")
+made = TypeAdapter(AnyBody).validate_python
+
+KERNELS = [f"{q}_{load}" for q in ("normal", "tangent", "slope", "strain") for load in "pq"]
+
+
+def test_a_rigid_body_has_a_radius_and_nothing_else() -> None:
+    body = wo.Rigid(radius=0.3)
+    assert (body.radius, body.curvature) == (0.3, 0.0)
+    kernels = body.surface(0.01)
+    assert not kernels.deforms
+    assert kernels.terms == 0
+    assert kernels == SurfaceKernels.zero()
+
+
+def test_a_half_planes_strain_has_no_curvature_and_its_answer_no_radius() -> None:
+    near, far = (wo.HalfPlane(radius=R, material=STEEL) for R in (0.1, 50.0))
+    assert near.curvature == far.curvature == 0.0
+    assert near.surface(1e-3) == far.surface(10.0)
+    # Hertz: slope C/pi of ln|t| with C = 2 (1 - nu^2)/E
+    C = 2 * (1 - 0.3**2) / 206e9
+    assert near.surface(1e-3).slope_p.inverse == pytest.approx(C / pi, rel=1e-14)
+    assert near.surface(1e-3).normal_p.log == pytest.approx(C / pi, rel=1e-14)
+
+
+def test_a_cylinder_is_a_half_plane_up_close() -> None:
+    cylinder = wo.Cylinder(radius=0.3, core_radius=0.05, material="paper")
+    half_plane = wo.HalfPlane(radius=0.3, material="paper")
+    assert cylinder.curvature == pytest.approx(1 / 0.3)
+    assert cylinder.thickness == pytest.approx(0.25)
+    near, limit = cylinder.surface(0.01), half_plane.surface(0.01)
+    assert near.deforms
+    assert near.terms > 0
+    assert near.truncation_error < 1e-9
+    for name in KERNELS:
+        k, h = getattr(near, name), getattr(limit, name)
+        # the singular parts of the leading order are those of the half-plane, others are absent
+        assert k.inverse == pytest.approx(h.inverse, rel=1e-12, abs=1e-25)
+        assert k.delta == pytest.approx(h.delta, rel=1e-12, abs=1e-25)
+        if h.log or h.sign:
+            assert k.log == pytest.approx(h.log, rel=1e-12, abs=1e-25)
+            assert k.sign == pytest.approx(h.sign, rel=1e-12, abs=1e-25)
+
+
+def test_slope_and_strain_are_what_the_displacements_say() -> None:
+    # dv/dx and v/R + du/dx by central differences: their error is h^2 f'''/6 ~ (h/t)^2/3 relative
+    body = wo.Cylinder(radius=0.3, core_radius=0.05, material="paper")
+    kernels = body.surface(0.05)
+
+    def value(name: str, t: np.ndarray) -> np.ndarray:
+        k = getattr(kernels, name)
+        return k.inverse / t + k.log * np.log(np.abs(t)) + k.sign * np.sign(t) + k.smooth(t)
+
+    t, h = np.array([-0.04, -0.01, -0.002, 0.003, 0.02, 0.05]), 1e-6
+    for load in "pq":
+        slope = (value(f"normal_{load}", t + h) - value(f"normal_{load}", t - h)) / (2 * h)
+        strain = (value(f"tangent_{load}", t + h) - value(f"tangent_{load}", t - h)) / (2 * h)
+        strain += body.curvature * value(f"normal_{load}", t)
+        for name, differenced in ((f"slope_{load}", slope), (f"strain_{load}", strain)):
+            exact = value(name, t)
+            np.testing.assert_allclose(differenced, exact, rtol=1e-6, atol=1e-6 * abs(exact).max())
+
+
+def test_the_shell_of_a_cover_is_the_core() -> None:
+    cover = wo.Cylinder(radius=0.5, core_radius=0.48, material="soft-cover")
+    assert cover.thickness == pytest.approx(0.02)
+    # a thin layer on its shell moves less than a thick one
+    thick = wo.Cylinder(radius=0.5, core_radius=0.3, material="soft-cover")
+    t = np.array([1e-3])
+    thin_moves, thick_moves = (
+        float((b.surface(0.01).normal_p.log * np.log(t) + b.surface(0.01).normal_p.smooth(t))[0])
+        for b in (cover, thick)
+    )
+    assert thick_moves < thin_moves < 0  # inwards under pressure
+
+
+TABLES: list[tuple[dict[str, Any], type]] = [
+    ({"radius": 0.3}, wo.Rigid),
+    ({"kind": "rigid", "radius": 0.3}, wo.Rigid),
+    ({"radius": 0.3, "material": "steel"}, wo.HalfPlane),
+    ({"kind": "half_plane", "radius": 0.3, "material": "steel"}, wo.HalfPlane),
+    ({"radius": 0.3, "core_radius": 0.1, "material": "steel"}, wo.Cylinder),
+    ({"kind": "cylinder", "radius": 0.3, "core_radius": 0.1, "material": "paper"}, wo.Cylinder),
+]
+
+
+@pytest.mark.parametrize(("table", "kind"), TABLES)
+def test_a_table_tells_its_kind_by_its_fields(table: dict[str, Any], kind: type) -> None:
+    body = made(table)
+    assert type(body) is kind
+    assert made(body) is body
+    assert made(body.model_dump()) == body
+
+
+@pytest.mark.parametrize(
+    "material",
+    [
+        "steel",
+        STEEL,
+        {"youngs_modulus": 206e9, "poissons_ratio": 0.3},
+        {"kind": "isotropic", "youngs_modulus": 206e9, "poissons_ratio": 0.3},
+    ],
+    ids=["name", "itself", "table", "table of a kind"],
+)
+def test_a_material_is_given_by_itself_a_name_or_a_table(material: Any) -> None:
+    for body in (
+        wo.HalfPlane(radius=0.3, material=material),
+        wo.Cylinder(radius=0.3, core_radius=0.1, material=material),
+        wo.Web(thickness=66e-6, material=material),
+    ):
+        assert body.material == STEEL
+
+
+def test_the_thinnest_layer_is_the_1_in_2000th() -> None:
+    wo.Cylinder(radius=1.0, core_radius=0.9995, material="steel")
+    with pytest.raises(wo.InvalidProblem, match=r"core_radius: 0\.99951 is out of range"):
+        wo.Cylinder(radius=1.0, core_radius=0.99951, material="steel")
+
+
+def test_describing_needs_no_scipy() -> None:
+    # a command that only checks a case, or lists materials, starts without the heavy libraries
+    code = (
+        "import sys, woundon as wo;"
+        "wo.Cylinder(radius=1, core_radius=.5, material='steel');"
+        "wo.NipProblem; wo.RollerProblem;"
+        "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'pint', 'xarray')))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
