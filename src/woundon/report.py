@@ -43,9 +43,9 @@ def _table(title: str) -> Table:
     table = Table(
         title=title, title_justify="left", title_style="bold", box=None, show_header=False
     )
-    table.add_column(min_width=50)
+    table.add_column(min_width=53)
     table.add_column(min_width=6, style="dim")
-    table.add_column(justify="right", min_width=9)
+    table.add_column(justify="right", min_width=10)
     table.add_column(style="dim")
     return table
 

@@ -1,0 +1,98 @@
+"""Units at the edge: right to the last bit, or refused with field, value and what is due."""
+
+from __future__ import annotations
+
+import pytest
+
+from woundon.errors import InvalidProblem
+from woundon.units import known_units, parse
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("66 um", "m", 66e-6),
+        ("66um", "m", 66e-6),
+        ("66 \N{MICRO SIGN}m", "m", 66e-6),
+        ("66 \N{GREEK SMALL LETTER MU}m", "m", 66e-6),
+        ("2.6 mil", "m", 2.6 * 25.4e-6),
+        ("3 in", "m", 0.0762),
+        ("3.38 GPa", "Pa", 3.38e9),
+        ("2 N/mm2", "Pa", 2e6),
+        ("2 N/mm²", "Pa", 2e6),
+        ("2 N mm^-2", "Pa", 2e6),
+        ("-400 N/m", "N/m", -400.0),
+        ("3.5 kN/m", "N/m", 3500.0),
+        ("1e3 N/m", "N/m", 1000.0),
+        (".5 N/m", "N/m", 0.5),
+        ("80 gsm", "kg/m**2", 0.08),
+        ("3000 ft/min", "m/s", 15.24),
+        ("3000 fpm", "m/s", 15.24),
+        ("3 min", "s", 180.0),
+        ("19 %", "1", 0.19),
+        ("0.19", "1", 0.19),
+        (3502, "N/m", 3502.0),
+        (66e-6, "m", 66e-6),
+    ],
+)
+def test_read_to_the_last_bit(text, unit, value):
+    # conversion is by exact fractions, so the nearest double must come out
+    assert parse(text, unit) == pytest.approx(value, rel=2.3e-16)
+
+
+def test_mill_units():
+    # definitions: 1 lbf = 4.4482216152605 N and 1 in = 25.4 mm exactly
+    pli = 4.4482216152605 / 0.0254
+    assert parse("17 pli", "N/m") == pytest.approx(17 * pli, rel=4e-16)  # two roundings here
+    assert parse("17 pli", "N/m") == parse("17 lbf/in", "N/m")
+    assert round(parse("17 pli", "N/m")) == 2977
+    # 1 psi = 6894.757293168 Pa (NIST SP 811 gives 6.894757 E+03)
+    assert parse("1 psi", "Pa") == pytest.approx(6894.757293168, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "said"),
+    [
+        ("17 plx", "N/m", "unknown unit 'plx'; expected a value in N/m*did you mean 'pli'?"),
+        ("17 mpa", "Pa", "unknown unit 'mpa'*did you mean 'MPa'?"),
+        ("17 N", "N/m", "wrong dimension; expected a value in N/m"),
+        ("17 N m", "N/m", "wrong dimension"),
+        ("0.2 N", "1", "wrong dimension; expected a plain number"),
+        ("350", "N/m", "has no unit; expected a value in N/m, e.g. '3.5 kN/m'"),
+        ("heavy", "N/m", "is not a number with a unit"),
+        ("", "N/m", "is not a number with a unit"),
+        ("nan", "N/m", "is not a number with a unit"),
+        ("inf N/m", "N/m", "is not a number with a unit"),
+        ("1e999 N/m", "N/m", "is not a finite number"),
+        (10**400, "N/m", "is not a finite number"),
+        ("3 N//m", "N/m", "unreadable unit 'N//m'"),
+        ("3 (N/m", "N/m", "unreadable unit"),
+        ("3 N/m/2", "N/m", "unreadable unit"),
+        ("3 m**9**9**9**9", "m", "unreadable unit"),
+        ("3 m; import os", "m", "unreadable unit"),
+        ("3 " + "m " * 99, "m", "is not a number with a unit"),
+        (True, "N/m", "is not a number"),
+        (None, "N/m", "is not a number"),
+        ([3], "N/m", "is not a number"),
+    ],
+)
+def test_refused_with_field_value_and_unit(value, unit, said):
+    with pytest.raises(InvalidProblem) as refusal:
+        parse(value, unit, "web.thickness")
+    ((field, text),) = refusal.value.faults
+    assert field == "web.thickness"
+    assert (str(value)[:9] if isinstance(value, int) else repr(value)) in text
+    for part in said.split("*"):
+        assert part in text
+
+
+def test_every_known_unit_is_of_a_dimension_that_is_used():
+    used = ("m", "N/m", "N", "Pa", "1", "s", "m/s", "kg", "kg/m**2")
+
+    def fits(name: str, unit: str) -> bool:
+        try:
+            return parse(f"1 {name}", unit) > 0
+        except InvalidProblem:
+            return False
+
+    assert [name for name in known_units() if not any(fits(name, unit) for unit in used)] == []
