@@ -88,7 +88,8 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "creepage": _strain("xi", "creepage, surface speed of the lower roller less the upper's"),
         "tangential_load": _line_load("Q", "tangential load on the upper roller"),
         "traction": _stress("q", "traction on the upper roller"),
-        "slip": Quantity("v", "1", "slip, lower surface against the upper; static: a length in m"),
+        "slip": _strain("v", "slip speed, > 0: lower surface faster"),
+        "static_slip": Quantity("v", "m", "slip of static rollers, > 0: lower surface along +x"),
         "zone": Quantity(
             "z", "1", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower"
         ),
