@@ -99,10 +99,9 @@ class NipEquations:
         """Assemble the equations for the half width ``a`` [m] and solve the normal problem."""
         web = compliance(*problem.web.material.stiffness[:3])
         n = disc.unknowns
-        h2 = problem.web.thickness
         roll = surface_response(problem.roll, disc, a)
         drum = surface_response(problem.drum, disc, a)
-        slope_p = (-h2 * web.c22 / a) * disc.slope
+        slope_p = (-problem.web.thickness * web.c22 / a) * disc.slope
         slope_q = np.empty((n + 1, 2 * n))
         slope_q[:, :n] = slope_q[:, n:] = web.c12 * disc.value
         for body, face in ((roll, slice(0, n)), (drum, slice(n, 2 * n))):
@@ -115,6 +114,19 @@ class NipEquations:
             problem, disc, a, web, roll, drum, slope_p, slope_q, gap,
             solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
         )  # fmt: skip
+
+    @staticmethod
+    def frictionless_load(problem: NipProblem, disc: Discretisation, a: float) -> float:
+        """Return the load that a frictionless contact of half width ``a`` carries [N/m]."""
+        web = compliance(*problem.web.material.stiffness[:3])
+        slope_p = (-problem.web.thickness * web.c22 / a) * disc.slope
+        for body in (problem.roll, problem.drum):
+            kernels = body.surface(2 * a)
+            if kernels.deforms:
+                slope_p = slope_p + disc.pressure_slope(kernels, a)
+        gap = disc.middle * (a / contact_radius(problem))
+        pressure = solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
+        return float(a * disc.grid.weights @ pressure)
 
     @property
     def load_weights(self) -> Array:

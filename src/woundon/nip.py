@@ -236,8 +236,7 @@ class _Solver:
         """Return the half width that carries the nip load without friction, and its power."""
 
         def evaluate(a: float) -> tuple[float, float]:
-            equations = NipEquations.at(self.problem, disc, a)
-            return a, float(equations.load_weights @ equations.pressure)
+            return a, NipEquations.frictionless_load(self.problem, disc, a)
 
         return self._width(evaluate, half_width_guess(self.problem), 1e-2, 2.0)
 

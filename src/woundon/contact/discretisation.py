@@ -119,6 +119,14 @@ class Discretisation:
             return share * self.grid.weights
         return np.where(nodes < cells, self.grid.weights, 0.0)
 
+    def pressure_slope(self, kernels: Kernels, a: float) -> Array:
+        """Return the slope in each cell by nodal pressures alone, (N, n)."""
+        rank = interpolation_rank(kernels.length, a)
+        if self.scheme == "graded":
+            return self.grid.integrate(kernels.slope_p, a, slice(0, -1), rank)
+        displacement = self.grid.integrate(kernels.normal_p, a, rank=rank)
+        return np.diff(displacement, axis=0) / (a * self.grid.cells[:, None])
+
     def response(self, kernels: Kernels, curvature: float, a: float) -> Response:
         """Return the response of a body's surface on the grid scaled by the half width a [m].
 

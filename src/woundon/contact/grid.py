@@ -125,19 +125,19 @@ class Grid:
         inside = (part >= 0) & (part < 1)
         return self._hats(np.where(inside, 1.0, 0.0), np.where(inside, part, 0.0))
 
-    def interpolation(self, rank: int) -> tuple[Array, Array, Array]:
-        """Return Chebyshev points (r,), Lagrange values at the points (K, r), hat moments (r, n)."""
+    def interpolation(self, rank: int) -> tuple[Array, Array]:
+        """Return Lagrange polynomials at the points (K, r) and their moments over the hats (r, n)."""
         made = self._made.get(rank)
         if made is None:
             made = self._made[rank] = self._interpolate(rank)
         return made
 
     @cached_property
-    def _made(self) -> dict[int, tuple[Array, Array, Array]]:
+    def _made(self) -> dict[int, tuple[Array, Array]]:
         return {}
 
-    def _interpolate(self, r: int) -> tuple[Array, Array, Array]:
-        t = -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
+    def _interpolate(self, r: int) -> tuple[Array, Array]:
+        t = _chebyshev_points(r)
         transform = np.cos(np.outer(np.arange(r), np.arccos(t))) * (2 / r)  # to coefficients
         transform[0] /= 2
         chebyshev = np.polynomial.chebyshev.chebvander
@@ -150,7 +150,7 @@ class Grid:
         measure = self.cells[:, None] * w / 2
         zeroth = (polynomials * measure).sum(-1)
         first = (polynomials * (measure * part)).sum(-1)
-        return t, at_points, transform.T @ self._hats(zeroth, first)
+        return at_points, transform.T @ self._hats(zeroth, first)
 
     def integrate(
         self, kernel: KernelParts, scale: float, rows: slice = slice(None), rank: int = 24
@@ -182,10 +182,28 @@ class Grid:
         if kernel.sign:
             out += kernel.sign * scale * self.sign[rows]
         if kernel.smooth is not None:
-            t, at_points, moments = self.interpolation(rank)
-            core = kernel.smooth(scale * (t[:, None] - t[None, :]))
+            at_points, moments = self.interpolation(rank)
+            distance, where = _distances(rank)
+            core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
         return out
+
+
+def _chebyshev_points(r: int) -> Array:
+    return -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
+
+
+@lru_cache(maxsize=32)
+def _distances(r: int) -> tuple[Array, Array]:
+    """Return the different distances between r Chebyshev points, and which belongs to each pair.
+
+    The points are symmetric, so t_i - t_j comes back as t_(r-1-j) - t_(r-1-i): half are new.
+    """
+    i, j = np.divmod(np.arange(r * r), r)
+    twin = np.minimum(r * i + j, r * (r - 1 - j) + (r - 1 - i))
+    kept, where = np.unique(twin, return_inverse=True)
+    t = _chebyshev_points(r)
+    return t[kept // r] - t[kept % r], where.reshape(r, r)
 
 
 def _midpoints_and_edge(middle: Array) -> Array:
