@@ -85,11 +85,14 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "trailing_roll": _strain("s_t+", "slip length at the roll's trailing edge / nip width"),
         "dual": _strain("s_d", "length of slip at both roll and drum / nip width"),
         # two rollers
-        "creepage": _strain("xi", "creepage of the upper roller against the lower"),
+        "creepage": _strain("xi", "creepage, surface speed of the lower roller less the upper's"),
         "tangential_load": _line_load("Q", "tangential load on the upper roller"),
         "traction": _stress("q", "traction on the upper roller"),
-        "slip": _strain("v", "slip of the upper surface against the lower"),
-        "zone": Quantity("z", "1", "zone: 0 stick, 1 slip forward, -1 slip backward"),
+        "slip": _strain("v", "slip speed, > 0: lower surface faster"),
+        "static_slip": Quantity("v", "m", "slip of static rollers, > 0: lower surface along +x"),
+        "zone": Quantity(
+            "z", "1", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower"
+        ),
         # how it was solved
         "iterations": Quantity("n_it", "1", "linear stick-slip systems solved"),
         "series_terms": Quantity("n_s", "1", "Fourier terms summed"),

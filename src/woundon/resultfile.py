@@ -22,7 +22,7 @@ import numpy as np
 from . import __version__
 from .errors import InvalidProblem
 from .problems import NipProblem, RollerProblem
-from .quantities import QUANTITIES
+from .quantities import QUANTITIES, Quantity
 from .results import NipResult, Residuals, RollerResult, SlipRatios
 
 if TYPE_CHECKING:
@@ -161,7 +161,7 @@ def _restored(name: str, value: Any) -> Any:
 def result_to_json(result: Result) -> str:
     """Return the complete result as JSON text, SI units, with a table of the units."""
     record = _to_record(result)
-    record["units"] = {name: QUANTITIES[name].unit for name in record if name in QUANTITIES}
+    record["units"] = {name: _quantity(result, name).unit for name in record if name in QUANTITIES}
     return json.dumps(record, indent=1, allow_nan=False) + "\n"
 
 
@@ -172,7 +172,7 @@ def _csv(result: Result) -> bytes:
     arrays = [f.name for f in fields(result) if isinstance(getattr(result, f.name), np.ndarray)]
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow([f"{name} [{QUANTITIES[name].unit}]" for name in arrays])
+    table.writerow([f"{name} [{_quantity(result, name).unit}]" for name in arrays])
     table.writerows(zip(*(getattr(result, name).tolist() for name in arrays), strict=True))
     return text.getvalue().encode("utf-8")
 
@@ -192,13 +192,21 @@ def result_to_dataset(result: Result) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     for name, value in record.items():
         if isinstance(value, list) and name in QUANTITIES:
-            variables[name] = ("x", np.asarray(value), _labels(name))
+            variables[name] = ("x", np.asarray(value), _labels(_quantity(result, name)))
         elif name in QUANTITIES:
-            variables[name] = ((), nan if value is None else value, _labels(name))
+            variables[name] = (
+                (),
+                nan if value is None else value,
+                _labels(_quantity(result, name)),
+            )
         elif name == "slip_ratios":
             for part, inner in value.items():
-                variables[f"slip_ratio_{part}"] = ((), inner, _labels(part))
-    variables["residual"] = ("law", list(record["residuals"].values()), _labels("residual"))
+                variables[f"slip_ratio_{part}"] = ((), inner, _labels(_quantity(result, part)))
+    variables["residual"] = (
+        "law",
+        list(record["residuals"].values()),
+        _labels(_quantity(result, "residual")),
+    )
     coordinates = {"x": variables.pop("x"), "law": list(record["residuals"])}
     texts = {name: record[name] for name in record if isinstance(record[name], str)}
     attributes = texts | {
@@ -209,8 +217,14 @@ def result_to_dataset(result: Result) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def _labels(name: str) -> dict[str, str]:
-    quantity = QUANTITIES[name]
+def _quantity(result: Result, name: str) -> Quantity:
+    """Return what a field means: static rollers slip by a length, rolling ones at a speed."""
+    if name == "slip" and isinstance(result, RollerResult) and result.problem.motion == "static":
+        name = "static_slip"
+    return QUANTITIES[name]
+
+
+def _labels(quantity: Quantity) -> dict[str, str]:
     return {
         "units": quantity.unit,
         "long_name": quantity.description,

@@ -245,16 +245,18 @@ def test_the_same_result_gives_the_same_bytes(result, tmp_path, ending):
     assert one.read_bytes() == other.read_bytes()
 
 
-def test_rollers_come_back_too(tmp_path):
-    steel = wo.material("steel")
-    roller = wo.HalfPlane(radius=0.25, material=steel)
+@pytest.mark.parametrize(("motion", "unit"), [("rolling", "1"), ("static", "m")])
+def test_rollers_come_back_too(tmp_path, motion, unit):
+    roller = wo.HalfPlane(radius=0.25, material="steel")
     pair = wo.RollerProblem(
-        upper=roller, lower=roller, load=89e3, tangential_load=8.4e3, friction=0.5
+        upper=roller, lower=roller, load=89e3, tangential_load=8.4e3, friction=0.5, motion=motion
     )
     solved = wo.solve_rollers(pair, nodes=25)
     for ending in ("nc", "json"):
         casefile.save_result(solved, tmp_path / f"pair.{ending}")
         assert_same(solved, wo.load_result(tmp_path / f"pair.{ending}"))
+    with xarray.open_dataset(tmp_path / "pair.nc") as data:
+        assert data.slip.attrs["units"] == unit
 
 
 def test_netcdf_is_labelled(result, tmp_path):

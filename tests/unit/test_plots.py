@@ -86,5 +86,5 @@ def test_global_style_is_left_alone(result):
 
 
 def test_unknown_ending_is_refused(result, tmp_path):
-    with pytest.raises(wo.InvalidProblem, match="'.gif' names no format"):
+    with pytest.raises(wo.InvalidProblem, match=r"'.gif' names no format"):
         result.plot(tmp_path / "nip.gif")
