@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -126,8 +127,10 @@ def _checked(scheme: str, nodes: int | None, rtol: float | None, algorithm: str)
         text = f"{nodes!r} is out of range: must be a whole number, 7 to 4000"
         raise InvalidProblem([("nodes", text)])
     if rtol is not None:
-        if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.floating)) or not (
-            1e-10 <= rtol <= 0.1
+        if (
+            isinstance(rtol, bool)
+            or not isinstance(rtol, (int, float, np.floating))
+            or not (1e-10 <= rtol <= 0.1)
         ):
             text = f"{rtol!r} is out of range: must be >= 1e-10 and <= 0.1"
             raise InvalidProblem([("rtol", text)])
@@ -193,7 +196,7 @@ class _Level(_Start):
     @property
     def nip_induced_tension(self) -> float:
         total = self.state.roll_traction + self.state.drum_traction
-        return float(self.equations.load_weights @ total)
+        return float(self.equations.matrices.weights @ total)
 
 
 class _Solver:
@@ -227,7 +230,7 @@ class _Solver:
                 )
             zones = solution.state
             state = equations.state(replace(solution, solves=self.solves))
-            return (equations, state), float(equations.load_weights @ state.pressure)
+            return (equations, state), float(equations.matrices.weights @ state.pressure)
 
         (equations, state), power = self._width(evaluate, guess, load_rtol, power)
         return _Level(equations, state, power)
@@ -267,7 +270,7 @@ def _refined(
 
 def _extrapolated(tensions: list[float]) -> tuple[float, float]:
     """Extrapolate NIT of order two to zero cells; its error is what that last changed."""
-    values = [b + (b - a) / 3 for a, b in zip(tensions, tensions[1:], strict=False)]
+    values = [b + (b - a) / 3 for a, b in pairwise(tensions)]
     if len(values) < 3:
         return tensions[-1], ERROR_WEIGHTS[0] * abs(tensions[-1] - tensions[-2])
     return values[-1], abs(values[-1] - values[-2])

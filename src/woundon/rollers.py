@@ -168,13 +168,19 @@ def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
     NotConverged
         If stick and slip or the half width were not found.
     """
-    if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not 7 <= nodes <= 4000:
-        raise InvalidProblem([("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")])
+    if (
+        isinstance(nodes, bool)
+        or not isinstance(nodes, (int, np.integer))
+        or not 7 <= nodes <= 4000
+    ):
+        raise InvalidProblem(
+            [("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")]
+        )
     disc = discretisation("graded", int(nodes))
     equations, solution = _solve_on(problem, disc, None)
     solves = solution.solves
     for _ in range(REFITS):
-        # the traction leaves a border like the root of the distance: put nodes where the borders are
+        # the traction leaves a border like the root of the distance: nodes go there
         x, zones = equations.disc.grid.nodes, solution.state
         if not np.any(np.diff(zones)):
             break

@@ -53,10 +53,11 @@ def _strain(r: NipResult) -> Iterator[str]:
                     f"{name}'s stiffness {modulus / 1e6:.3g} MPa: the material is not linear there"
                 )
             shear = float(np.max(np.abs(r.roll_traction if name == "roll" else r.drum_traction)))
-            if shear > LARGE_STRAIN * body.material.stiffness.shear:
+            angle = shear / body.material.stiffness.shear
+            if angle > LARGE_STRAIN:
                 yield (
-                    f"the {name}'s surface shear strain is {shear / body.material.stiffness.shear:.0%}"
-                    f" at a traction of {shear / 1e6:.3g} MPa: strains are not small"
+                    f"the {name}'s surface shear strain is {angle:.0%} "
+                    f"at a traction of {shear / 1e6:.3g} MPa: strains are not small"
                 )
     web = r.problem.web.material.stiffness
     if peak > LARGE_STRAIN * web.rr:

@@ -115,7 +115,9 @@ class Discretisation:
         cells, nodes = np.arange(self.unknowns + 1)[:, None], np.arange(self.unknowns)[None, :]
         if self.scheme == "thesis-printed":
             # eq. (121): 1/6 of the own node's hat, 5/6 of the one before, all of the others
-            share = np.select([nodes == cells, nodes == cells - 1, nodes < cells], [1 / 6, 5 / 6, 1])
+            share = np.select(
+                [nodes == cells, nodes == cells - 1, nodes < cells], [1 / 6, 5 / 6, 1]
+            )
             return share * self.grid.weights
         return np.where(nodes < cells, self.grid.weights, 0.0)
 

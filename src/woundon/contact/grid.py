@@ -30,15 +30,29 @@ class KernelParts(Protocol):
     """What a kernel is made of: inverse/t + delta*Dirac + log*ln|t| + sign*sgn(t) + smooth(t)."""
 
     @property
-    def inverse(self) -> float: ...
+    def inverse(self) -> float:
+        """Coefficient of 1/t."""
+        ...
+
     @property
-    def delta(self) -> float: ...
+    def delta(self) -> float:
+        """Coefficient of Dirac(t)."""
+        ...
+
     @property
-    def log(self) -> float: ...
+    def log(self) -> float:
+        """Coefficient of ln|t|."""
+        ...
+
     @property
-    def sign(self) -> float: ...
+    def sign(self) -> float:
+        """Coefficient of sgn(t)."""
+        ...
+
     @property
-    def smooth(self) -> Callable[[Array], Array] | None: ...
+    def smooth(self) -> Callable[[Array], Array] | None:
+        """The rest."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +96,7 @@ class Grid:
 
     @cached_property
     def inverse(self) -> Array:
-        """Principal values of int psi_m(s)/(y - s) ds, (K, n); not for points on interior nodes."""
+        """Principal values of int psi_m(s)/(y - s) ds, (K, n); no point on an interior node."""
         # with z = h/(y - x_left): int ds/(y-s) = -ln|1-z|,  int (s-x_left)/h/(y-s) ds = -ln|1-z|/z-1
         with np.errstate(divide="ignore", invalid="ignore"):
             z = self.cells / self.distance
@@ -91,8 +105,14 @@ class Grid:
         # far away the logarithm cancels, so it is expanded
         far = np.abs(z) < 2e-2
         zf = z[far]
-        first[far] = zf * (1 / 2 + zf * (1 / 3 + zf * (1 / 4 + zf * (1 / 5 + zf * (
-            1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))))
+        first[far] = zf * (
+            1 / 2
+            + zf
+            * (
+                1 / 3
+                + zf * (1 / 4 + zf * (1 / 5 + zf * (1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))
+            )
+        )
         zeroth[far] = zf * (1 + first[far])
         # at the contact's own ends the hats vanish with the distance: only the finite rests stay
         starts, ends = self.distance == 0, z == 1
@@ -126,7 +146,7 @@ class Grid:
         return self._hats(np.where(inside, 1.0, 0.0), np.where(inside, part, 0.0))
 
     def interpolation(self, rank: int) -> tuple[Array, Array]:
-        """Return Lagrange polynomials at the points (K, r) and their moments over the hats (r, n)."""
+        """Return Lagrange polynomials at the points (K, r) and their hat moments (r, n)."""
         made = self._made.get(rank)
         if made is None:
             made = self._made[rank] = self._interpolate(rank)

@@ -254,7 +254,7 @@ def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
 
 
 def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array) -> Array:
-    """Leave a node in stick where a resultant is prescribed: without one nothing holds the creep."""
+    """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
     if problem.creep is None:
         return state
     held = np.nonzero(problem.creep)[0]
@@ -295,7 +295,11 @@ def _bracket_creep(problem: StickSlip, start: Array, guess: float) -> StickSlipS
         creep = (low * f_high - high * f_low) / (f_high - f_low) if f_high > f_low else low
         excess = search.excess(creep)
         # Illinois: halve the value kept, or the other end would stand still
-        ends = [(low, f_low / 2), (creep, excess)] if excess > 0 else [(creep, excess), (high, f_high / 2)]
+        ends = (
+            [(low, f_low / 2), (creep, excess)]
+            if excess > 0
+            else [(creep, excess), (high, f_high / 2)]
+        )
     return replace(search.last, ending=Ending.LIMIT, solves=search.solves)
 
 
@@ -311,7 +315,8 @@ class _CreepSearch:
     def excess(self, creep: float) -> float:
         """Return the resultant less the prescribed one."""
         problem = self.problem
-        assert problem.creep is not None and problem.resultant is not None
+        assert problem.creep is not None
+        assert problem.resultant is not None
         given = replace(
             problem, creep=None, resultant=None, offset=problem.offset + problem.creep * creep
         )
