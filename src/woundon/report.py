@@ -34,8 +34,9 @@ def print_report(result: NipResult, console: Console) -> None:
     console.print(_main_table(result, "+-" if ascii_only else "±"))
     console.print(_zones(result, _ASCII_MARKS if ascii_only else _MARKS))
     console.print(_rivals(result))
-    for warning in result.warnings:
-        console.print(Text(f"warning: {warning}", style="bold yellow"))
+    for number, warning in enumerate(result.warnings):
+        gap = "" if number else "\n"
+        console.print(Text(f"{gap}warning: {warning}", style="bold yellow"))
     console.print(Text(_certificate(result), style="green"))
 
 

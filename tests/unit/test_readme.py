@@ -1,21 +1,22 @@
 """The README says what the program does: its Python block and its command are run and compared.
 
-To renew the README after a change of the program, copy what the failing test shows.
+After a change of the program, ``python tests/unit/test_readme.py`` renews answers and picture.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
-
-import pytest
-
-from woundon import cli
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMAND = "./run nip examples/newsprint_table2.toml"
+PICTURE = "docs/_static/nip_newsprint.png"
 
 
 def blocks(language: str) -> list[str]:
@@ -29,11 +30,26 @@ def same_on_any_machine(text: str) -> str:
     return "\n".join(line.rstrip() for line in text.strip().splitlines())
 
 
-def test_python_block_prints_what_the_readme_says():
+def answer_in_python() -> str:
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         exec(compile(blocks("python")[0], "README.md", "exec"), {})
-    assert same_on_any_machine(said.getvalue()) == same_on_any_machine(blocks("text")[0])
+    return said.getvalue()
+
+
+def answer_on_the_command_line(*more: str) -> str:
+    command = [sys.executable, "-m", "woundon", *COMMAND.split()[1:], *more]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "PYTHONIOENCODING": "utf-8",
+    }
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True)
+    return done.stdout.decode("utf-8")
+
+
+def test_python_block_prints_what_the_readme_says():
+    assert same_on_any_machine(answer_in_python()) == same_on_any_machine(blocks("text")[0])
 
 
 def test_python_block_is_about_ten_lines():
@@ -41,15 +57,10 @@ def test_python_block_is_about_ten_lines():
     assert len(lines) <= 13
 
 
-def test_command_prints_what_the_readme_says(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-):
-    command = "./run nip examples/newsprint_table2.toml"
-    assert f"\n{command}\n" in README
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setenv("PYTHONIOENCODING", "utf-8")
-    assert cli.main(command.split()[1:]) == 0
-    assert same_on_any_machine(capsys.readouterr().out) == same_on_any_machine(blocks("text")[1])
+def test_command_prints_what_the_readme_says():
+    assert f"\n{COMMAND}\n" in README
+    answer = answer_on_the_command_line()
+    assert same_on_any_machine(answer) == same_on_any_machine(blocks("text")[1])
 
 
 def test_pictures_and_files_that_the_readme_names_exist():
@@ -57,3 +68,18 @@ def test_pictures_and_files_that_the_readme_names_exist():
     paths = [a or b for a, b in named]
     assert paths
     assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
+def renew() -> None:
+    answers = iter([answer_in_python(), answer_on_the_command_line("--plot", PICTURE)])
+
+    def renewed(_: re.Match[str]) -> str:
+        lines = [line.rstrip() for line in next(answers).strip("\n").splitlines()]
+        return "\n".join(["```text", *lines, "```"])
+
+    text = re.sub(r"^```text\n.*?^```$", renewed, README, flags=re.MULTILINE | re.DOTALL)
+    (ROOT / "README.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    renew()
