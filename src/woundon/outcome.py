@@ -55,7 +55,7 @@ def nip_result(
         offset=state.shift * contact_radius(problem),
         drum_creep=_drum_creep(equations, state),
         x=x,
-        points=a * equations.disc.grid.points[:-1],
+        slip_x=a * np.append(equations.disc.middle[:1], equations.disc.middle),
         pressure=pressure,
         roll_traction=q_roll,
         drum_traction=q_drum,

@@ -158,9 +158,9 @@ def _draw_tractions(axes: Axes, result: NipResult) -> None:
 
 
 def _draw_slips(axes: Axes, result: NipResult) -> None:
-    x = _shown("x", result.x)
-    (roll,) = axes.plot(x, _shown("roll_slip", result.roll_slip), color=_ROLL)
-    (drum,) = axes.plot(x, _shown("drum_slip", result.drum_slip), "--", color=_DRUM)
+    x, slip_x = _shown("x", result.x), _shown("slip_x", result.slip_x)
+    (roll,) = axes.plot(slip_x, _shown("roll_slip", result.roll_slip), color=_ROLL)
+    (drum,) = axes.plot(slip_x, _shown("drum_slip", result.drum_slip), "--", color=_DRUM)
     axes.set_ylabel(_axis_label("Relative slip speed $v$", "roll_slip"))
     tension_axes = axes.twinx()
     (tension,) = tension_axes.plot(x, result.web_tension, "-.", color=_TENSION)

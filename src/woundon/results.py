@@ -119,9 +119,8 @@ class NipResult:
         xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
     x : (M,) array
         Nodes [m], from -a to a.
-    points : array
-        Collocation points of slope and slip [m], one inside each cell; in the thesis's scheme the
-        nodes themselves.
+    slip_x : (M,) array
+        Where the slips are taken [m]: the middle of the cell before each node.
     pressure, roll_traction, drum_traction : (M,) arrays
         p, q+, q- [Pa]; q is the traction of the web on the body along +x.
     roll_slip, drum_slip : (M,) arrays
@@ -152,7 +151,7 @@ class NipResult:
     offset: float
     drum_creep: float
     x: Array
-    points: Array
+    slip_x: Array
     pressure: Array
     roll_traction: Array
     drum_traction: Array

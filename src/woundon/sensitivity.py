@@ -10,10 +10,10 @@ u = (p, Delta/R*, q, xi, ln a):
     [ 0           0       w-               0      F        ]    winding force      1
     [ w           0       0                0      P        ]    nip load           1
 
-An output J(u, theta) then changes by dJ/dtheta = J_theta - lambda . R_theta, where
-R_u^T lambda = J_u: one factorisation and one back-substitution an output serve all parameters.  R_theta is the
-equations' own change at fixed u, a central difference of assembled matrices; nothing is solved
-again.
+An output J(u, theta) then changes by dJ/dtheta = J_theta - lambda . R_theta with lambda from
+R_u^T lambda = J_u: one factorisation and one back-substitution an output serve all parameters.
+R_theta is the equations' own change at fixed u, a central difference of assembled matrices;
+nothing is solved again.
 """
 
 from __future__ import annotations
@@ -230,4 +230,4 @@ def _discretisation(result: NipResult) -> Discretisation:
     if result.scheme != "graded":
         return discretisation(result.scheme, result.nodes)
     a = result.half_width
-    return Discretisation(Grid(result.x / a, np.append(result.points / a, 1.0)), "graded")
+    return Discretisation(Grid(result.x / a, np.append(result.slip_x[1:] / a, 1.0)), "graded")

@@ -97,7 +97,8 @@ class Grid:
     @cached_property
     def inverse(self) -> Array:
         """Principal values of int psi_m(s)/(y - s) ds, (K, n); no point on an interior node."""
-        # with z = h/(y - x_left): int ds/(y-s) = -ln|1-z|,  int (s-x_left)/h/(y-s) ds = -ln|1-z|/z-1
+        # with z = h/(y - x_left) the cell's integrals of 1/(y - s) and of (s - x_left)/h/(y - s)
+        # are -ln|1-z| and -ln|1-z|/z - 1
         with np.errstate(divide="ignore", invalid="ignore"):
             z = self.cells / self.distance
             zeroth = -np.log(np.abs(1 - z))
