@@ -21,7 +21,7 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from .assembly import NipEquations, NipState, half_width_guess
+from .assembly import NipEquations, NipState, contact_radius, half_width_guess
 from .contact.discretisation import Discretisation, discretisation, on_grid
 from .contact.grid import segmented_grid, zone_borders
 from .contact.panagiotopoulos import panagiotopoulos
@@ -241,13 +241,17 @@ class _Solver:
         def evaluate(a: float) -> tuple[float, float]:
             return a, NipEquations.frictionless_load(self.problem, disc, a)
 
-        return self._width(evaluate, half_width_guess(self.problem), 1e-2, 2.0)
+        problem = self.problem
+        bodies = (problem.roll, problem.drum)
+        guess = half_width_guess(problem.nip_load, contact_radius(problem), bodies)
+        return self._width(evaluate, guess, 1e-2, 2.0)
 
     def _width(
         self, evaluate: Callable[[float], tuple[T, float]], guess: float, rtol: float, power: float
     ) -> tuple[T, float]:
         try:
-            return width_for_load(evaluate, self.problem.nip_load, guess, rtol, power)
+            widest = min(self.problem.roll.radius, self.problem.drum.radius)
+            return width_for_load(evaluate, self.problem.nip_load, guess, rtol, power, widest)
         except WidthNotFound as stop:
             raise NotConverged(str(stop)) from None
 
