@@ -70,7 +70,7 @@ def _rows(table: Table) -> Iterable[tuple[Any, ...]]:
 
 def _header(table: Table, name: str) -> str:
     label = table.labels.get(name)
-    return name if label is None else f"{name} [{label.unit}]"
+    return name if label is None or not label.unit else f"{name} [{label.unit}]"
 
 
 def _netcdf(table: Table, path: Path) -> None:

@@ -33,7 +33,7 @@ def field_label(base: Description, path: str) -> Label:
         field = model.model_fields.get(leaf)
         if field is not None and leaf != "kind":
             extra = field.json_schema_extra
-            unit = str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
+            unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
             return Label(unit, field.description or path.replace(".", " "))
     known = sorted({name for model in models for name in model.model_fields} - {"kind"})
     hint = did_you_mean(leaf, known) if known else f"; {path.rpartition('.')[0]} has no fields"

@@ -30,7 +30,7 @@ class Answer(NamedTuple):
 
 
 class Label(NamedTuple):
-    """What an axis, a column or a variable says of itself; ``unit`` is "1" for a pure number."""
+    """What a column says of itself; ``unit`` is "1" for a pure number, "" for what is no number."""
 
     unit: str
     description: str

@@ -112,8 +112,8 @@ class Table:
         label = self.labels.get(name)
         if label is None:
             return {}
-        about = {"units": label.unit, "long_name": label.description}
-        return about | ({"symbol": label.symbol} if label.symbol else {})
+        about = {"units": label.unit, "long_name": label.description, "symbol": label.symbol}
+        return {key: text for key, text in about.items() if text}
 
 
 def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:
