@@ -92,13 +92,13 @@ def solve_nip(
     """
     M = _checked(scheme, nodes, rtol, algorithm)
     solver = _Solver(problem, algorithm)
-    level: _Start | None = None if start is None else _Start.of(start, problem.nip_load)
+    begin = None if start is None else _Start.of(start, problem.nip_load)
     tensions: list[float] = []
     for count in _grids(scheme, M, algorithm)[-2 if start else 0 :]:
         load_rtol = LOAD_RTOL if count == M else COARSE_LOAD_RTOL
-        level = solver.solve(discretisation(scheme, count), level, load_rtol)
+        level = solver.solve(discretisation(scheme, count), begin, load_rtol)
+        begin = level.start
         tensions.append(level.nip_induced_tension)
-    assert isinstance(level, _Level)
     error = _estimated_error(tensions) if scheme == "graded" else float("nan")
     tension = tensions[-1]
     if rtol is not None:
@@ -181,22 +181,23 @@ class _Start:
         return np.concatenate([self.zones[:n][nearest], self.zones[n:][nearest]])
 
 
-class _Level(_Start):
-    """A solved grid."""
-
-    def __init__(self, equations: NipEquations, state: NipState, power: float) -> None:
-        nodes = equations.disc.grid.nodes[1:-1]
-        super().__init__(state.half_width, nodes, state.solution.state, power)
-        object.__setattr__(self, "equations", equations)
-        object.__setattr__(self, "state", state)
+@dataclass(frozen=True, eq=False)
+class _Level:
+    """A solved grid, and the power d ln P/d ln a found on the way."""
 
     equations: NipEquations
     state: NipState
+    power: float
 
     @property
     def nip_induced_tension(self) -> float:
         total = self.state.roll_traction + self.state.drum_traction
         return float(self.equations.matrices.weights @ total)
+
+    @property
+    def start(self) -> _Start:
+        nodes = self.equations.disc.grid.nodes[1:-1]
+        return _Start(self.state.half_width, nodes, self.state.solution.state, self.power)
 
 
 class _Solver:
@@ -266,7 +267,7 @@ def _refined(
     while not error <= rtol * solver.tension_scale(tension) and 2 * nodes - 1 <= MOST_NODES:
         nodes = 2 * nodes - 1
         for _ in range(2):  # the second grid is fitted to what the first one found
-            level = solver.solve(on_grid(segmented_grid(_borders(level), nodes)), level)
+            level = solver.solve(on_grid(segmented_grid(_borders(level), nodes)), level.start)
         fitted.append(level.nip_induced_tension)
         tension, error = _extrapolated(tensions[-1:] + fitted)
     return level, tension, error
