@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
+
 __all__ = ["Answer", "Label", "Model"]
 
 
@@ -50,6 +52,17 @@ class Model(Protocol):
 
         Whatever it raises is the reason why the case failed.
         """
+        ...
+
+    @property
+    def free_inputs(self) -> frozenset[str]:
+        """Inputs that only shift outputs: a case that differs in them alone starts from, and costs
+        no more than, its neighbour.
+        """
+        ...
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        """Return exact derivatives of a solved case's outputs, (outputs, names), None without."""
         ...
 
     def label(self, name: str) -> Label:

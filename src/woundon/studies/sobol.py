@@ -66,6 +66,19 @@ class SobolIndices:
             {"output": list(self.outputs), "input": list(self.inputs), "end": ["low", "high"]},
         )
 
+    def lines(self) -> list[str]:
+        """Return the indices as lines of text, by output, the strongest input first."""
+        out = []
+        for k, output in enumerate(self.outputs):
+            out.append(f"{output}: share of the variance, alone / with interactions")
+            for j in np.argsort(-self.total_order[k]):
+                ends = self.total_interval[:, k, j]
+                out.append(
+                    f"  {self.inputs[j]:<28} {self.first_order[k, j]:6.3f} / "
+                    f"{self.total_order[k, j]:.3f}  (95 %: {ends[0]:.3f} to {ends[1]:.3f})"
+                )
+        return out
+
     def plot(self, path: Any = None) -> Any:
         """Draw the indices as bars."""
         from .plots import plot_indices
