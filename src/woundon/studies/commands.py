@@ -59,7 +59,7 @@ def sweep(
         check_export(target)
     began = time.perf_counter()
     table = _stoppable(
-        out, sweep_table, told.problem, told.over, told.outputs, tie=told.tie, **told.design,
+        sweep_table, told.problem, told.over, told.outputs, tie=told.tie, **told.design,
         **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers, chunk=chunk,
         progress=True,
     )  # fmt: skip
@@ -72,12 +72,13 @@ def sweep(
     _written([*targets, *figures])
 
 
-def _stoppable(out: Path, run: Any, *args: Any, **kwargs: Any) -> Any:
+def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
     """Run; after Ctrl-C say how to go on."""
     try:
         return run(*args, **kwargs)
     except KeyboardInterrupt:
-        click.echo(f"stopped; what was solved is in {out}, --resume goes on from there", err=True)
+        text = f"stopped; what was solved is in {kwargs['out']}, --resume goes on from there"
+        click.echo(text, err=True)
         raise click.Abort from None
 
 
@@ -127,7 +128,7 @@ def sensitivity(
     if samples is not None:
         drawn["samples"] = samples
     indices = _stoppable(
-        out, global_sensitivity, told.problem, told.over, told.outputs, tie=told.tie, **drawn,
+        global_sensitivity, told.problem, told.over, told.outputs, tie=told.tie, **drawn,
         **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
         progress=True,
     )  # fmt: skip

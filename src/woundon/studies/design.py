@@ -77,7 +77,7 @@ class Column:
 
     @cached_property
     def labels(self) -> Array:
-        """The values as a table or an axis shows them: numbers as they are, things by their text."""
+        """The values as tables and axes show them: numbers as they are, things by their text."""
         if isinstance(self.values, np.ndarray):
             return self.values
         return np.array([v if isinstance(v, str) else repr(v) for v in self.values], dtype=object)
@@ -236,7 +236,8 @@ def _checked_samples(kind: str, samples: int | None) -> int:
         raise InvalidProblem([("samples", f"{samples!r} is no number of cases, at least 2")])
     power = int(log2(samples))
     if kind == "sobol" and samples != 2**power:
-        text = f"{samples} is no power of 2, as Sobol points ask for: {2**power} or {2 ** (power + 1)}"
+        near = f"{2**power} or {2 ** (power + 1)}"
+        text = f"{samples} is no power of 2, as Sobol points ask for: {near}"
         raise InvalidProblem([("samples", text)])
     return int(samples)
 
@@ -248,4 +249,3 @@ def _drawn(kind: str, inputs: int, samples: int, seed: int) -> Array:
     if kind == "sobol":
         return np.asarray(qmc.Sobol(inputs, rng=seed).random_base2(int(log2(samples))))
     return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
-

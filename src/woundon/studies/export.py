@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidProblem
+from .store import write_parquet
 from .table import Table
 
 __all__ = ["check_export", "export"]
@@ -104,10 +105,8 @@ def _excel(table: Table, path: Path) -> None:
 def _parquet(table: Table, path: Path) -> None:
     import duckdb
 
-    rows = table.columns()
-    target = str(path).replace("'", "''")
     with duckdb.connect() as connection:
-        connection.execute(f"COPY (SELECT * FROM rows) TO '{target}' (FORMAT parquet)")
+        write_parquet(connection, table.columns(), path)
 
 
 _WRITERS: dict[str, Callable[[Table, Path], None]] = {

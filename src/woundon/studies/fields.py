@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -64,7 +64,7 @@ def get_field(base: Description, path: str) -> Any:
     return value
 
 
-def follow(problem: Description, tie: dict[str, str]) -> Any:
+def follow(problem: Description, tie: Mapping[str, str]) -> Any:
     """Return the problem with each tied field given the value of the field it follows."""
     if not tie:
         return problem

@@ -68,10 +68,12 @@ def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
     p = len(fit.names)
     for j in range(p):
         for k in range(j):
-            if abs(fit.correlation[j, k]) > 0.9:
-                yield f"correlation of {fit.names[k]} and {fit.names[j]}: {fit.correlation[j, k]:.4f}"
+            r = fit.correlation[j, k]
+            if abs(r) > 0.9:
+                yield f"correlation of {fit.names[k]} and {fit.names[j]}: {r:.4f}"
     if p == 1:
-        yield f"+10 % of {fit.names[0]} changes the fitted values by {fit.effects[0]:.3g}{unit} (RMS)"
+        change = f"{fit.effects[0]:.3g}{unit} (RMS)"
+        yield f"+10 % of {fit.names[0]} changes the fitted values by {change}"
         return
     leading = int(np.argmax(np.abs(fit.direction)))
     alone = fit.effects[leading]

@@ -162,7 +162,8 @@ def _read(path: Path) -> dict[str, list[Any]]:
             raise InvalidProblem([(str(path), text)])
     if len(set(header)) < len(header):
         raise InvalidProblem([(str(path), "two columns have the same header")])
-    return {name: list(cells) for name, cells in zip(header, zip(*rows[1:]), strict=True) if name}
+    columns = ([row[k] for row in rows[1:]] for k in range(len(header)))
+    return {name: cells for name, cells in zip(header, columns, strict=True) if name}
 
 
 def _csv_rows(path: Path) -> list[list[Any]]:

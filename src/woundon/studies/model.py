@@ -56,9 +56,7 @@ class Model(Protocol):
 
     @property
     def free_inputs(self) -> frozenset[str]:
-        """Inputs that only shift outputs: a case that differs in them alone starts from, and costs
-        no more than, its neighbour.
-        """
+        """Inputs that only shift outputs: a neighbour that differs in them alone is free."""
         ...
 
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:

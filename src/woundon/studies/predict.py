@@ -86,7 +86,7 @@ class Predictor:
             rows = [()] * len(next(iter(measured.outputs.values())))
         held = [n for n in names if n not in model.free_inputs]
         distinct = sorted(set(rows), key=lambda row: [row[names.index(n)] for n in held])
-        self.cases: list[Mapping[str, Any]] = [dict(zip(names, row, strict=True)) for row in distinct]
+        self.cases: list[Mapping[str, Any]] = [dict(zip(names, r, strict=True)) for r in distinct]
         self.follows = [
             k > 0 and all(case[n] == self.cases[k - 1][n] for n in held)
             for k, case in enumerate(self.cases)
@@ -127,7 +127,7 @@ class Predictor:
         return (self.values(u) - self.measured) / self.deviation
 
     def jacobian(self, u: Array) -> Array:
-        """Return the residuals' derivatives with respect to u, (m, p): exact where there are any."""
+        """Return the residuals' derivatives with respect to u, (m, p): exact where they exist."""
         exact = self._exact(u)
         columns = exact if exact is not None else self._differences(u)
         return columns / self.deviation[:, None]

@@ -92,7 +92,7 @@ class _Walk:
         self.points: list[tuple[float, float, Array]] = [(float(u[j]), S, u)]
 
     def end(self, limit: float, step: float) -> float | None:
-        """Return where S passes ``limit``, walking from the minimum; None if a bound comes first."""
+        """Return where S passes ``limit``, coming from the minimum; None if a bound comes first."""
         from scipy.optimize import brentq
 
         low, high = self.predictor.parameters[self.j].ends
@@ -100,7 +100,7 @@ class _Walk:
         while True:
             outer = min(max(inner + step, low), high)
             S, u = self._refitted(outer, near)
-            if not S <= limit:
+            if not np.isfinite(S) or limit < S:
                 break
             if outer in (low, high):
                 return None
@@ -134,15 +134,20 @@ class _Walk:
             u[others], u[j] = part, at
             return u
 
+        def residuals(part: Array) -> Array:
+            return predictor.residuals(whole(part))
+
+        def jacobian(part: Array) -> Array:
+            return predictor.jacobian(whole(part))[:, others]
+
         best = whole(near[others])
         r = predictor.residuals(best)
         if others and np.isfinite(r).all():
             ends = np.transpose([predictor.parameters[k].ends for k in others])
             inside = np.clip(near[others], ends[0] + 1e-9, ends[1] - 1e-9)
             found = least_squares(
-                lambda part: predictor.residuals(whole(part)), inside,
-                lambda part: predictor.jacobian(whole(part))[:, others], (ends[0], ends[1]),
-                x_scale="jac", ftol=1e-6, xtol=1e-6, max_nfev=20,
+                residuals, inside, jacobian, (ends[0], ends[1]), x_scale="jac", ftol=1e-6,
+                xtol=1e-6, max_nfev=20,
             )  # fmt: skip
             best, r = whole(found.x), found.fun
         S = float(r @ r)

@@ -101,7 +101,7 @@ class Pool:
                 yield from self._one_by_one(model, list(running.values()))
 
     def _one_by_one(self, model: Model, suspects: list[Chunk]) -> Iterator[Block]:
-        """Solve the chunks that were under way when a worker died: what kills it now is to blame."""
+        """Solve what was under way when a worker died: the chunk that kills one now is to blame."""
         while suspects:
             try:
                 with _processes(1, model) as pool:
@@ -116,7 +116,7 @@ class Pool:
 def _drained(
     pool: Any, model: Model, todo: list[Chunk], running: dict[Future[Block], Chunk], ahead: int
 ) -> Iterator[Block]:
-    """Keep ``ahead`` chunks submitted until none is left; ``running`` holds those not yet yielded."""
+    """Keep ``ahead`` chunks submitted until none is left; ``running`` are those not yet yielded."""
     while todo or running:
         while todo and len(running) < ahead:
             chunk = todo.pop()

@@ -116,7 +116,8 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
     points = np.concatenate([A, B, *mixed])
     drawn = [Range(name, given) for name, given in ranges.items()]
-    return Design("table", tuple(Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(drawn)))
+    columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(drawn))
+    return Design("table", tuple(columns))
 
 
 def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
@@ -130,8 +131,8 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
     if table.failed.size:
         reason, count = failures(table.failure)[0]
         raise InvalidProblem(
-            [("over", f"Sobol's indices need every case, and {table.failed.size} of "
-              f"{table.design.size} failed, {count} of them like this: {reason}; narrow the ranges")]
+            [("over", f"narrow the ranges: Sobol's indices need every case, and "
+              f"{table.failed.size} of {table.design.size} failed, {count} like this: {reason}")]
         )  # fmt: skip
     inputs, outputs = table.design.names, tuple(table.outputs)
     values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
@@ -141,9 +142,8 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
         _indices(values[:, :, rng.integers(samples, size=samples)], samples)
         for _ in range(RESAMPLES)
     ]
-    low, high = np.quantile(np.array(draws), [0.025, 0.975], axis=0)
-    intervals = (np.stack([low[k], high[k]]) for k in (0, 1))
-    return SobolIndices(inputs, outputs, first, total, *intervals, table)
+    ends = np.quantile(np.array(draws), [0.025, 0.975], axis=0)  # (end, order, output, input)
+    return SobolIndices(inputs, outputs, first, total, ends[:, 0], ends[:, 1], table)
 
 
 def _indices(values: Array, samples: int) -> tuple[Array, Array]:

@@ -22,7 +22,7 @@ from ..errors import InvalidProblem
 from .design import Design
 from .evaluate import Block
 
-__all__ = ["Store"]
+__all__ = ["Store", "write_parquet"]
 
 FORMAT = "woundon-study"
 SCHEMA = 1
@@ -90,8 +90,7 @@ class Store:
         rows |= {"failure": block.failure, "warnings": block.warnings}
         path = self.parts / f"{block.number:06d}.parquet"
         aside = path.with_name(f".{path.name}.{os.getpid()}.part")
-        target = str(aside).replace("'", "''")
-        self.connection.execute(f"COPY (SELECT * FROM rows) TO '{target}' (FORMAT parquet)")
+        write_parquet(self.connection, rows, aside)
         os.replace(aside, path)
 
     def blocks(self) -> Iterator[Block]:
@@ -106,8 +105,14 @@ class Store:
         ).fetchnumpy()
         columns = {name: np.ma.filled(found[name], np.nan) for name in self.outputs}
         values = np.column_stack(list(columns.values()))
-        texts = (np.asarray(found[name], dtype=object) for name in ("failure", "warnings"))
-        yield Block(0, np.asarray(found["case"], dtype=np.intp), values, *texts)
+        failure, warnings = (np.asarray(found[n], dtype=object) for n in ("failure", "warnings"))
+        yield Block(0, np.asarray(found["case"], dtype=np.intp), values, failure, warnings)
+
+
+def write_parquet(connection: Any, rows: Mapping[str, np.ndarray], path: Path) -> None:
+    """Write columns to a Parquet file; DuckDB finds ``rows`` by its name."""
+    target = str(path).replace("'", "''")
+    connection.execute(f"COPY (SELECT * FROM rows) TO '{target}' (FORMAT parquet)")
 
 
 def _digest(manifest: Mapping[str, Any]) -> str:

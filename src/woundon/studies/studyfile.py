@@ -148,7 +148,8 @@ def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any
     low, high = (parse(given[end], unit, f"{where}.{end}") for end in ("from", "to"))
     spacing = given.get("spacing", "linear")
     if spacing not in _SPACING:
-        raise InvalidProblem([(f"{where}.spacing", f"{spacing!r} is unknown; must be linear or log")])
+        text = f"{spacing!r} is unknown; must be linear or log"
+        raise InvalidProblem([(f"{where}.spacing", text)])
     if drawn:
         return (low, high, "log") if spacing == "log" else (low, high)
     count = given["count"]
