@@ -26,7 +26,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from .bodies import Body
+from .bodies import Body, Cylinder
 from .contact.discretisation import Discretisation, Response
 from .contact.normal import solve_normal
 from .contact.stick_slip import StickSlip, StickSlipSolution
@@ -39,7 +39,6 @@ __all__ = [
     "NipState",
     "contact_radius",
     "half_width_guess",
-    "hertz_half_width",
     "surface_response",
 ]
 
@@ -51,15 +50,16 @@ def contact_radius(problem: NipProblem) -> float:
     return 1 / (1 / problem.roll.radius + 1 / problem.drum.radius)
 
 
-def half_width_guess(problem: NipProblem) -> float:
-    """Return the half width of Hertz's theory for two half-planes [m] (thesis eq. 103)."""
-    return hertz_half_width(problem.nip_load, contact_radius(problem), (problem.roll, problem.drum))
+def half_width_guess(load: float, radius: float, bodies: Iterable[Body]) -> float:
+    """Return a half width to start from [m]: Hertz's, or less where a layer is thin.
 
-
-def hertz_half_width(load: float, radius: float, bodies: Iterable[Body]) -> float:
-    """Return a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101-103) [m]."""
+    Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
+    to 103), is an upper bound; on a layer much thinner than a it is far off.
+    """
+    bodies = tuple(bodies)
     C = pi * sum(body.surface(0.01 * body.radius).slope_p.inverse for body in bodies)
-    return sqrt(2 * C * load * radius / pi)
+    layers = [4 * body.thickness for body in bodies if isinstance(body, Cylinder)]
+    return min(sqrt(2 * C * load * radius / pi), *layers, 0.3 * radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,11 +169,15 @@ class NipEquations:
         nodes = np.r_[0:n, n + 1 : 2 * n + 1]
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
+        # F in proportion to the load that this half width carries: a steady state at any width
+        share = problem.winding_force / problem.nip_load
+        carried = share * (made.weights @ self.pressure_response)
         return StickSlip(
             made.direct[nodes], made.through_pressure[nodes], np.zeros(2 * n),
             self.pressure, self.pressure_response, friction, faces=2,
             creep=np.concatenate([zero, one]),
-            resultant=np.concatenate([zero, made.weights]), force=problem.winding_force,
+            resultant=np.concatenate([zero, made.weights]) - carried,
+            force=share * float(made.weights @ self.pressure),
         )  # fmt: skip
 
     def state(self, solution: StickSlipSolution) -> NipState:

@@ -17,7 +17,7 @@ from math import nan
 
 import numpy as np
 
-from .assembly import hertz_half_width, surface_response
+from .assembly import half_width_guess, surface_response
 from .contact.certificate import certify
 from .contact.discretisation import Discretisation, Response, discretisation, on_grid
 from .contact.grid import Grid, segmented_grid, zone_borders
@@ -209,9 +209,28 @@ def _solve_on(
         return state, float(equations.weights @ equations.pressure(solution))
 
     if guess is None:
-        radius = 1 / (1 / problem.upper.radius + 1 / problem.lower.radius)
-        guess = hertz_half_width(problem.load, radius, (problem.upper, problem.lower))
+        guess = _frictionless_width(problem, disc)
     try:
-        return width_for_load(evaluate, problem.load, guess, rtol=1e-11)[0]
+        return width_for_load(evaluate, problem.load, guess, rtol=1e-11, widest=_widest(problem))[0]
     except WidthNotFound as stop:
         raise NotConverged(str(stop)) from None
+
+
+def _frictionless_width(problem: RollerProblem, disc: Discretisation) -> float:
+    """Return nearly the half width at which a frictionless contact carries the load [m]."""
+    bodies = (problem.upper, problem.lower)
+
+    def evaluate(a: float) -> tuple[float, float]:
+        equations = _RollerEquations(problem, disc, a)
+        return a, float(equations.weights @ equations.normal[:-1, 0])
+
+    radius = 1 / (1 / problem.upper.radius + 1 / problem.lower.radius)
+    guess = half_width_guess(problem.load, radius, bodies)
+    try:
+        return width_for_load(evaluate, problem.load, guess, rtol=1e-2, widest=_widest(problem))[0]
+    except WidthNotFound as stop:
+        raise NotConverged(str(stop)) from None
+
+
+def _widest(problem: RollerProblem) -> float:
+    return min(problem.upper.radius, problem.lower.radius)

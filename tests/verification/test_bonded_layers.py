@@ -114,11 +114,6 @@ def test_a_thin_compressible_layer_is_a_bed_of_springs(nu: float) -> None:
         assert peak == pytest.approx(1, abs=0.4 / a_h)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    raises=wo.NotConverged,
-    reason="solve_rollers starts from Hertz's width, 10 times the layer's and more",
-)
 @pytest.mark.parametrize(("nu", "a_h"), [(0.45, 40.0), (0.3, 80.0)])
 def test_the_thinnest_layers(nu: float, a_h: float) -> None:
     width, peak = press_thin(nu, a_h)

@@ -63,29 +63,9 @@ NIPS = {
     ),
     "equal friction": Nip(paper_nip(roll_friction=0.3, drum_friction=0.3), 115.0613),
 }
-# 65 nodes leave 1.3e-3 to 7.7e-3 here; rtol=1e-3 below brings them home
-COARSE = {
-    "soft cover, driven",
-    "rubber cover",
-    "thin rubber cover",
-    "cellular cover",
-    "rough layers, driven",
-    "rigid roll, soft cover",
-}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(
-            name,
-            marks=pytest.mark.xfail(strict=True, reason="65 nodes are too few here: use rtol")
-            if name in COARSE
-            else (),
-        )
-        for name in NIPS
-    ],
-)
+@pytest.mark.parametrize("name", NIPS)
 def test_the_default_is_within_a_thousandth(name: str) -> None:
     result = wo.solve_nip(NIPS[name].problem)
     assert abs(NIPS[name].error(result.nip_induced_tension)) <= 1e-3
