@@ -44,9 +44,7 @@ class Curve:
 
 def force_curves() -> list[Curve]:
     """Return the five winding forces of sec. 4.3 to 4.5."""
-    return [
-        Curve(k, f"$F = {F:.0f}$ N/m", winding_force=F) for k, F in enumerate(WINDING_FORCES)
-    ]
+    return [Curve(k, f"$F = {F:.0f}$ N/m", winding_force=F) for k, F in enumerate(WINDING_FORCES)]
 
 
 def blank(

@@ -32,7 +32,9 @@ def figures(scheme: Scheme = "graded") -> tuple[Figure, ...]:
 
 def _pattern(r: NipResult) -> tuple[Verdict, ...]:
     roll = zone_runs(r.x, r.roll_zone)
-    drum = [run for run in zone_runs(r.x, r.drum_zone) if run[2] - run[1] > SHORT * 2 * r.half_width]
+    drum = [
+        run for run in zone_runs(r.x, r.drum_zone) if run[2] - run[1] > SHORT * 2 * r.half_width
+    ]
     lengths = zone_lengths(r)
     shortest = min(right - left for _, left, right in zone_runs(r.x, r.drum_zone))
     return (

@@ -108,7 +108,10 @@ def _increasing() -> Verdict:
     steps = np.diff([dual_slip(problem, float(s)) for s in ratios])
     return Verdict(
         "NIT by the dual slip ratio alone, eq. (173), grows with it",
-        float(steps.min()), 0.0, unit="N/m", note="smallest step of 1/200",
+        float(steps.min()),
+        0.0,
+        unit="N/m",
+        note="smallest step of 1/200",
     )
 
 

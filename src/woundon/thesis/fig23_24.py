@@ -61,7 +61,9 @@ def _variation(values: Array, lowest: float) -> float:
 def _tension_verdicts(NIT: Array) -> tuple[Verdict, ...]:
     soft = MODULI < 1.01e10
     fits = [
-        np.corrcoef(np.log(MODULI[soft]), curve[soft])[0, 1] ** 2 for panel in NIT for curve in panel
+        np.corrcoef(np.log(MODULI[soft]), curve[soft])[0, 1] ** 2
+        for panel in NIT
+        for curve in panel
     ]
     by_ratio = np.diff(NIT[..., MODULI < 0.99e10], axis=1)
     few, many = by_ratio[:, 0].mean(), by_ratio[:, -1].mean()

@@ -38,10 +38,13 @@ def figures(scheme: Scheme = "graded") -> tuple[Figure, ...]:
     hard, soft = solved(paper_nip(), scheme, FINE), solved(_soft(1900.0), scheme, FINE)
     heavier = solved(_soft(FALL_LOAD), scheme, FINE)
     title = "Tractions, slips and web tension in the nip, soft drum cover"
-    verdicts = (*_tractions(hard, soft), *_pattern(soft), *_edges(soft, heavier), *_tension(soft, heavier))
-    return (
-        Figure("fig25", title, scheme, profiles([({}, soft)]), verdicts, lambda: _draw(soft)),
+    verdicts = (
+        *_tractions(hard, soft),
+        *_pattern(soft),
+        *_edges(soft, heavier),
+        *_tension(soft, heavier),
     )
+    return (Figure("fig25", title, scheme, profiles([({}, soft)]), verdicts, lambda: _draw(soft)),)
 
 
 def _tractions(hard: NipResult, soft: NipResult) -> tuple[Verdict, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from math import inf
 from typing import TYPE_CHECKING, Literal
 
@@ -12,10 +13,18 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
-__all__ = ["Figure", "Scheme", "Table", "Verdict"]
+__all__ = ["Figure", "Outcome", "Scheme", "Table", "Verdict"]
 
 Array = np.ndarray
 Scheme = Literal["graded", "thesis"]
+
+
+class Outcome(Enum):
+    """What has become of a statement; the value is how it is said."""
+
+    HOLDS = "holds"
+    FAILS = "does not hold"
+    UNTESTED = "cannot be tested"
 
 
 @dataclass(frozen=True)
@@ -26,30 +35,47 @@ class Verdict:
     ----------
     statement : str
         What the text says, in other words.
-    value : float
-        What was computed, in ``unit``.
+    value : float or None
+        What was computed, in ``unit``; None if the statement cannot be tested.
     low, high : float
         The range in which the statement holds, ends included.
     unit : str
     note : str
-        What the number is, or why the statement does not hold.
+        What the number is, why the statement does not hold, or why it cannot be tested.
+    logical : bool
+        Whether the number stands for yes (1) or no (0).
     """
 
     statement: str
-    value: float
+    value: float | None
     low: float = -inf
     high: float = inf
     unit: str = ""
     note: str = ""
+    logical: bool = False
+
+    @classmethod
+    def whether(cls, statement: str, fact: bool, note: str = "") -> Verdict:
+        """Return the verdict on a statement that is right or wrong, without a number."""
+        return cls(statement, float(fact), 1.0, 1.0, note=note, logical=True)
+
+    @classmethod
+    def untested(cls, statement: str, note: str) -> Verdict:
+        """Return the verdict on a statement that cannot be tested, and say why."""
+        return cls(statement, None, note=note)
 
     @property
-    def holds(self) -> bool:
-        """Whether the number lies in the range; not if it is nan."""
-        return self.low <= self.value <= self.high
+    def outcome(self) -> Outcome:
+        """Whether the number lies in the range; nan does not."""
+        if self.value is None:
+            return Outcome.UNTESTED
+        return Outcome.HOLDS if self.low <= self.value <= self.high else Outcome.FAILS
 
     @property
     def expected(self) -> str:
         """The range as text, e.g. ``at most 3 %``."""
+        if self.logical:
+            return "yes"
         if self.low == self.high:
             return self._with_unit(f"{self.low:.4g}")
         if self.high == inf:
@@ -61,7 +87,13 @@ class Verdict:
     @property
     def measured(self) -> str:
         """The number as text."""
-        return self._with_unit(f"{self.value:.3g}" if abs(self.value) < 100 else f"{self.value:.1f}")
+        if self.value is None:
+            return "-"
+        if self.logical:
+            return "yes" if self.value == 1 else "no"
+        return self._with_unit(
+            f"{self.value:.3g}" if abs(self.value) < 100 else f"{self.value:.1f}"
+        )
 
     def _with_unit(self, text: str) -> str:
         return f"{text} {self.unit}".strip()
@@ -136,6 +168,8 @@ class Figure:
         Makes the matplotlib figure; None for a table.
     text : str
         A table as the thesis has it, or what there is to say about the figure's case.
+    one_scheme : bool
+        Whether the choice of scheme makes no difference: measured data, closed forms.
     """
 
     name: str
@@ -145,8 +179,14 @@ class Figure:
     verdicts: tuple[Verdict, ...]
     draw: Callable[[], Drawing] | None = None
     text: str = ""
+    one_scheme: bool = False
 
     @property
-    def holds(self) -> bool:
-        """Whether every statement holds."""
-        return all(verdict.holds for verdict in self.verdicts)
+    def label(self) -> str:
+        """The name as the thesis writes it: ``Fig. 16``, ``Table 3``."""
+        kind, number = ("Fig.", self.name[3:]) if self.name[0] == "f" else ("Table", self.name[5:])
+        return f"{kind} {number}"
+
+    def count(self, outcome: Outcome) -> int:
+        """Count the statements with this outcome."""
+        return sum(verdict.outcome is outcome for verdict in self.verdicts)

@@ -20,6 +20,7 @@ Array = np.ndarray
 
 WINDING_FORCES = (-500.0, -400.0, -200.0, 0.0, 100.0)  # F of thesis sec. 4.3 to 4.5 [N/m]
 NODES = 129  # NIT to about 0.1 N/m
+THESIS_NODES = 200
 FINE = 257  # zone borders to 0.6 % of the nip width or better
 
 _UNITS = {
@@ -37,14 +38,18 @@ _OUTPUTS: dict[str, Callable[[NipResult], float]] = {
 }
 
 
-def solved(problem: NipProblem, scheme: Scheme, nodes: int = NODES) -> NipResult:
-    """Solve a nip accurately with so many nodes, or as the thesis did, with M = 200."""
+def solved(
+    problem: NipProblem, scheme: Scheme, nodes: int = NODES, start: NipResult | None = None
+) -> NipResult:
+    """Solve a nip accurately with so many nodes, or as the thesis did, with M = 200.
+
+    ``start`` is a solved neighbour; the answer does not depend on it.
+    """
     with warnings.catch_warnings():
         # the thesis's soft covers leave the model's validity; the gallery says where
         warnings.simplefilter("ignore", ValidityWarning)
-        if scheme == "thesis":
-            return solve_nip(problem, scheme="thesis")
-        return solve_nip(problem, nodes=nodes)
+        count = THESIS_NODES if scheme == "thesis" else nodes
+        return solve_nip(problem, scheme=scheme, nodes=count, start=start)
 
 
 def sweep(
@@ -62,9 +67,12 @@ def sweep(
     """
     rows: list[list[float]] = []
     names: tuple[str, ...] = ()
+    curve: list[float] = []  # all parameters but the last: they change where a new curve begins
+    result: NipResult | None = None
     for parameters, problem in cases:
-        names = tuple(parameters)
-        result = solved(problem, scheme, nodes)
+        names, before = tuple(parameters), curve
+        curve = list(parameters.values())[:-1]
+        result = solved(problem, scheme, nodes, result if curve == before else None)
         rows.append([*parameters.values(), *(of(result) for of in _OUTPUTS.values())])
     header = (*(f"{name} [{_UNITS[name]}]" for name in names), *_OUTPUTS)
     return Table(header, np.array(rows))
