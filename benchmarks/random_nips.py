@@ -55,9 +55,7 @@ def _drum(draw: _Draw, radius: float) -> wo.Rigid | wo.HalfPlane | wo.Cylinder:
     """Return one of three kinds; all draw the same numbers, so that seeds stay comparable."""
     kind = draw.random.integers(3)
     thickness = draw.log(5e-3, 40e-3)
-    cover = wo.Isotropic(
-        youngs_modulus=draw.log(5e5, 3e9), poissons_ratio=draw.even(0.0, 0.495)
-    )
+    cover = wo.Isotropic(youngs_modulus=draw.log(5e5, 3e9), poissons_ratio=draw.even(0.0, 0.495))
     if kind == 0:
         return wo.Rigid(radius=radius)
     if kind == 1:

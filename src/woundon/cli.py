@@ -15,9 +15,10 @@ import click
 
 from . import __version__
 from .errors import InvalidProblem, NotConverged
+from .studies import commands as study_commands
 
 if TYPE_CHECKING:
-    from .results import NipResult
+    from .results import NipResult, Sensitivity
 
 __all__ = ["main"]
 
@@ -71,6 +72,7 @@ def commands() -> None:
     help='Change a field, e.g. --set nip_load="3.5 kN/m"; repeatable, nested: web.thickness.',
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+@click.option("--sensitivity", is_flag=True, help="Tell what the outputs depend on most.")
 @click.option("--save", type=click.Path(path_type=Path), help="Save as .nc, .json or .csv.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
 @click.option("--scheme", default="graded", show_default=True, help="graded or thesis.")
@@ -81,6 +83,7 @@ def nip(
     case: Path,
     settings: tuple[str, ...],
     as_json: bool,
+    sensitivity: bool,
     save: Path | None,
     plot: Path | None,
     **options: Any,
@@ -95,12 +98,13 @@ def nip(
         result.save(save)
     if plot:
         result.plot(plot)
+    slopes = result.sensitivity() if sensitivity else None
     if as_json:
         from .resultfile import result_to_json
 
-        click.echo(result_to_json(result), nl=False)
+        click.echo(result_to_json(result, slopes), nl=False)
     else:
-        _show(result)
+        _show(result, slopes)
 
 
 def _check_outputs(save: Path | None, plot: Path | None) -> None:
@@ -130,15 +134,17 @@ def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
         return solve_nip(problem, **options)
 
 
-def _show(result: NipResult) -> None:
+def _show(result: NipResult, sensitivity: Sensitivity | None) -> None:
     from rich.console import Console
 
-    from .report import print_report
+    from .report import print_report, print_sensitivity
 
     console = Console(highlight=False)
     # lines are never folded: what a pipe or a log gets is the same text
     console.width = max(console.width, 100)
     print_report(result, console)
+    if sensitivity:
+        print_sensitivity(sensitivity, console)
 
 
 @commands.command()
@@ -199,3 +205,7 @@ def _shown(value: float) -> str:
         if value >= factor:
             return f'"{value / factor:g} {unit}"'
     return f"{value:g}"
+
+
+for _command in (study_commands.sweep, study_commands.fit, study_commands.sensitivity):
+    commands.add_command(_command)
