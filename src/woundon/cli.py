@@ -19,6 +19,7 @@ from .studies import commands as study_commands
 
 if TYPE_CHECKING:
     from .results import NipResult, Sensitivity
+    from .thesis.frame import Scheme
 
 __all__ = ["main"]
 
@@ -166,7 +167,7 @@ def _show(result: NipResult, sensitivity: Sensitivity | None) -> None:
 )
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
 def thesis(
-    names: tuple[str, ...], everything: bool, out: Path, scheme: str, jobs: int | None
+    names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
 ) -> None:
     """Recompute figures and tables of the thesis (fig16, table3, ...) and test what it says."""
     from .thesis.publication import publish
@@ -174,7 +175,9 @@ def thesis(
     from .thesis.show import show
 
     if bool(names) == everything:
-        raise click.UsageError(f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}")
+        raise click.UsageError(
+            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
+        )
     wanted = NAMES if everything else chosen(names)
     show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
 

@@ -1,4 +1,4 @@
-"""Thesis Figs. 16 to 18, sec. 4.3: NIT, nip width and slip zones against nip load and winding force."""
+"""Thesis Figs. 16 to 18, sec. 4.3: NIT, nip width, slip zones against nip load, winding force."""
 
 from __future__ import annotations
 

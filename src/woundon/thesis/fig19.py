@@ -82,7 +82,7 @@ def _trends(table: Table) -> tuple[Verdict, ...]:
     steps: list[float] = []
     for i, P in enumerate(NIP_LOADS):
         for j, F in enumerate(WINDING_FORCES):
-            mu, NIT = _curve(table, P, F, 0.4)
+            _, NIT = _curve(table, P, F, 0.4)
             falls[i, j] = NIT[0] - NIT[-1]
             steps.append(float(np.max(np.diff(NIT))))
     return (

@@ -73,13 +73,13 @@ def _trends(table: Table, body: str) -> tuple[Verdict, ...]:
             high=0.0, unit="N/m", note="largest step",
         ),
         Verdict(
-            f"it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
+            "it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
             "0.5 m on", 100 * float(np.max(late)), high=25.0, unit="%", note="largest",
         ),
         Verdict(
             "which is negligible", 100 * float(np.max(1 - NIT[:, 3:, -1] / NIT[:, 3:, half])),
             high=5.0, unit="%", note="fall of NIT from 0.5 to 1 m, largest for F >= 0; the power "
-            "law below asks for as much, since the relative radius still grows by a fifth to a third",
+            "law of Fig. 22 asks for as much: the relative radius grows by a fifth to a third",
         ),
         Verdict(
             f"the lower the winding force, the less the {body}'s radius matters",

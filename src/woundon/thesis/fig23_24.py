@@ -114,8 +114,9 @@ def _width_verdicts(width: Array, NIT: Array) -> tuple[Verdict, ...]:
             unit="%", note="largest range",
         ),
         Verdict(
-            "so that it settles earlier than NIT does", _variation(width, 1e9) / _variation(NIT, 1e9),
-            high=0.5, note="ratio of the ranges above 1 GPa",
+            "so that it settles earlier than NIT does",
+            _variation(width, 1e9) / _variation(NIT, 1e9), high=0.5,
+            note="ratio of the ranges above 1 GPa",
         ),
     )  # fmt: skip
 

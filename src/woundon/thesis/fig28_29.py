@@ -1,4 +1,4 @@
-"""Thesis Figs. 28 and 29, sec. 4.7: NIT and dual slip ratio against the paper's elastic constants."""
+"""Thesis Figs. 28 and 29, sec. 4.7: NIT and dual slip ratio against the paper's moduli."""
 
 from __future__ import annotations
 

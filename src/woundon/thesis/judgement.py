@@ -1,4 +1,4 @@
-"""A figure with its verdicts in words; where a statement fails, what the other scheme says to it."""
+"""A figure with its verdicts in words, and where one fails, what the other scheme says to it."""
 
 from __future__ import annotations
 
@@ -33,12 +33,11 @@ class Judged:
     def tally(self) -> str:
         """How many statements hold, do not, and cannot be tested."""
         figure = self.figure
-        counts = ", ".join(
-            f"{figure.count(outcome)} {_PLURAL[outcome]}"
-            for outcome in Outcome
-            if figure.count(outcome)
-        )
-        return f"{len(figure.verdicts)} statements: {counts}"
+        counts = [(figure.count(outcome), outcome) for outcome in Outcome]
+        words = [
+            f"{n} {outcome.value if n == 1 else _PLURAL[outcome]}" for n, outcome in counts if n
+        ]
+        return f"{len(figure.verdicts)} statements: {', '.join(words)}"
 
     def lines(self) -> list[str]:
         """Return a sentence for each statement."""
@@ -86,11 +85,17 @@ _PLURAL = {
     Outcome.FAILS: "do not hold",
     Outcome.UNTESTED: "cannot be tested",
 }
+_SYMBOLS = ("x", "v", "p", "q")
 
 
 def _sentence(note: str) -> str:
     text = note.strip()
-    return text and f"{text[0].upper()}{text[1:]}" + ("" if text[-1] in ".:?!" else ".")
+    if not text:
+        return ""
+    # words take a capital, symbols such as s_r2 do not
+    first = text.split()[0].strip(",.;:")
+    start = text[0].upper() if first.isalpha() and first not in _SYMBOLS else text[0]
+    return start + text[1:] + ("" if text[-1] in ".?!" else ".")
 
 
 def judged(module: str, names: tuple[str, ...], scheme: Scheme) -> tuple[Judged, ...]:

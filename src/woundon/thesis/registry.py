@@ -16,6 +16,8 @@ __all__ = ["NAMES", "chosen", "figures", "modules"]
 _MODULES = {
     "fig15": "fig15",
     "fig16": "fig16_18",
+    "fig17": "fig16_18",
+    "fig18": "fig16_18",
     "table3": "table3",
     "table4": "table4",
 }
