@@ -178,14 +178,16 @@ class NipEquations:
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
         n, made, problem = self.disc.unknowns, self.matrices, self.problem
         # a node belongs with the cell before it; the last cell belongs to no unknown
-        nodes = np.r_[0:n, n + 1 : 2 * n + 1]
+        roll, drum = slice(0, n), slice(n + 1, 2 * n + 1)
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
         # F in proportion to the load that this half width carries: a steady state at any width
         share = problem.winding_force / problem.nip_load
         carried = share * (made.weights @ self.pressure_response)
         return StickSlip(
-            made.direct[nodes], made.through_pressure[nodes], np.zeros(2 * n),
+            np.concatenate([made.direct[roll], made.direct[drum]]),
+            np.concatenate([made.through_pressure[roll], made.through_pressure[drum]]),
+            np.zeros(2 * n),
             self.pressure, self.pressure_response, friction, faces=2,
             creep=np.concatenate([zero, one]),
             resultant=np.concatenate([zero, made.weights]) - carried,

@@ -121,7 +121,8 @@ class StickSlip:
     @cached_property
     def scale(self) -> float:
         """Slip per traction; slipping rows are multiplied by it to balance the system."""
-        return float(np.max(np.abs(self.stick_matrix)))
+        matrix = self.stick_matrix
+        return float(max(matrix.max(), -matrix.min()))
 
     def system(self, state: Array) -> tuple[Array, Array]:
         """Return matrix and right side of one state, slipping rows balanced by ``scale``."""

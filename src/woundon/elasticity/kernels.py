@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -90,6 +91,7 @@ class SurfaceKernels:
     deforms: bool = True
 
     @classmethod
+    @cache
     def zero(cls) -> SurfaceKernels:
         """Return the response of a body that does not deform."""
         return cls(deforms=False)
