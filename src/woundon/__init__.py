@@ -23,11 +23,14 @@ _HOME = {
     "ValidityWarning": "errors",
     "Web": "problems",
     "Zone": "results",
+    "fit": "studies.nip",
+    "global_sensitivity": "studies.nip",
     "load_case": "casefile",
     "load_result": "casefile",
     "material": "materials",
     "solve_nip": "nip",
     "solve_rollers": "rollers",
+    "sweep": "studies.nip",
     "theories": "",
 }
 
@@ -43,6 +46,7 @@ if TYPE_CHECKING:
     from .problems import NipProblem, RollerProblem, Web
     from .results import NipResult, RollerResult, Zone
     from .rollers import solve_rollers
+    from .studies.nip import fit, global_sensitivity, sweep
 
 
 def __getattr__(name: str) -> Any:

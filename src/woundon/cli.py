@@ -15,6 +15,7 @@ import click
 
 from . import __version__
 from .errors import InvalidProblem, NotConverged
+from .studies import commands as study_commands
 
 if TYPE_CHECKING:
     from .results import NipResult
@@ -167,3 +168,7 @@ def _shown(value: float) -> str:
         if value >= factor:
             return f'"{value / factor:g} {unit}"'
     return f"{value:g}"
+
+
+for _command in (study_commands.sweep, study_commands.fit, study_commands.sensitivity):
+    commands.add_command(_command)
