@@ -265,10 +265,22 @@ def test_a_semi_ellipse_on_a_segmented_grid() -> None:
     np.testing.assert_allclose((grid.inverse @ p)[inside], pi * grid.points[inside], atol=5e-3)
 
 
-def test_zone_borders_lie_half_way_between_nodes() -> None:
+def test_zone_borders_lie_where_the_slack_goes_to_zero_like_a_root() -> None:
+    nodes = np.array([-1.0, -0.5, -0.1, 0.1, 0.3, 0.7, 0.8, 1.0])
+    zones = np.array([1, 0, 0, -1, -1, -1])
+    x, left, right = nodes[1:-1], -0.3, 0.15
+    behind, before = (np.sqrt(np.clip(d, 0, None)) for d in (x - left, right - x))
+    assert zone_borders(nodes, zones, behind)[0] == pytest.approx(left, abs=1e-12)
+    assert zone_borders(nodes, zones, before)[1] == pytest.approx(right, abs=1e-12)
+    # where the slack is not of that kind the border still lies between its two nodes
+    np.testing.assert_allclose(zone_borders(nodes, zones, np.cos(9 * x)), [-0.3, 0.2], atol=0.21)
+
+
+def test_zone_borders_lie_half_way_without_two_sticking_nodes() -> None:
     nodes = np.array([-1.0, -0.5, -0.1, 0.1, 0.7, 1.0])
-    assert zone_borders(nodes, np.array([0, 0, 1, -1])).tolist() == pytest.approx([0.0, 0.4])
-    assert zone_borders(nodes, np.array([1, 1, 1, 1])).size == 0
+    zones, slack = np.array([0, 1, 1, -1]), np.array([0.1, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(zone_borders(nodes, zones, slack), [-0.3, 0.4], rtol=1e-12)
+    assert zone_borders(nodes, np.array([1, 1, 1, 1]), 0 * slack).size == 0
 
 
 # ---- both schemes -------------------------------------------------------------------------------

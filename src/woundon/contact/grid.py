@@ -278,7 +278,7 @@ def segmented_grid(borders: Array, nodes: int) -> Grid:
     return Grid(np.append(both[0::2], 1.0), _midpoints_and_edge(both[1::2]))
 
 
-def zone_borders(nodes: Array, zones: Array, slack: Array | None = None) -> Array:
+def zone_borders(nodes: Array, zones: Array, slack: Array) -> Array:
     """Return where zones change on a face.
 
     Parameters
@@ -287,14 +287,13 @@ def zone_borders(nodes: Array, zones: Array, slack: Array | None = None) -> Arra
         All nodes, ends included.
     zones : (M-2,) int array
         States of the interior nodes.
-    slack : (M-2,) array, optional
+    slack : (M-2,) array
         Bound less traction of each node.  It goes to a border of the stick zone like the root of
-        the distance, which tells the border between the nodes; half-way between them without.
+        the distance, which tells the border between the nodes; half-way between them where two
+        sticking nodes are not at hand.
     """
     x, k = nodes[1:-1], np.nonzero(np.diff(zones))[0]
     borders = (x[k] + x[k + 1]) / 2
-    if slack is None:
-        return borders
     for i, left in enumerate(k):
         # last stick node before the border, and the one before it, counted away from the border
         near, far = (left, left - 1) if zones[left] == 0 else (left + 1, left + 2)
