@@ -12,7 +12,7 @@ grows; the pressure is taken to be there before the tangential load.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import nan
 
 import numpy as np
@@ -208,35 +208,52 @@ def _solve_fitted(problem: RollerProblem, nodes: int) -> RollerResult:
     """
     quarter, half = max((nodes + 3) // 4, min(nodes, 13)), max((nodes + 1) // 2, min(nodes, 13))
     sizes = (quarter, quarter, half, nodes)
-    disc = discretisation("graded", quarter)
-    zones: Array | None = None
-    guess: float | None = None
+    before: _Solved | None = None
     levels: list[RollerResult] = []
-    for k in range(len(sizes)):
-        load_rtol = 1e-11 if k == len(sizes) - 1 else 1e-6
-        equations, solution = _solve_on(problem, disc, zones, guess, load_rtol)
-        levels.append(equations.result(solution))
-        old, guess = equations.disc.grid.nodes, equations.a
-        if k + 1 < len(sizes):
-            slack = solution.bound - np.abs(solution.traction)
-            borders = zone_borders(old, solution.state, slack)
-            # without borders the edges are all there is to grade towards
-            disc = (
-                on_grid(segmented_grid(borders, sizes[k + 1]))
-                if borders.size
-                else discretisation("graded", sizes[k + 1])
-            )
-            zones = _zones_on(disc.grid.nodes[1:-1], old[1:-1], solution.state)
+    for k, size in enumerate(sizes):
+        last = k + 1 == len(sizes)
+        disc = _fitted_grid(before, size)
+        try:
+            before = _solve_on(problem, disc, before, 1e-11 if last else 1e-6)
+        except NotConverged:
+            if last:
+                raise
+            continue  # too coarse for a layer much thinner than the contact
+        levels.append(before.equations.result(before.solution))
+    change = _traction_change(levels[-2], levels[-1]) if len(levels) > 1 else nan
     return replace(
         levels[-1],
-        traction_error=_traction_change(levels[-2], levels[-1]) / 2,
+        traction_error=change / 2,
         iterations=sum(level.iterations for level in levels),
     )
 
 
-def _zones_on(nodes: Array, old: Array, zones: Array) -> Array:
-    """Carry zones over to other interior nodes: each takes those of the nearest old one."""
-    return zones[np.searchsorted((old[1:] + old[:-1]) / 2, nodes)]
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A solved grid, from which a finer one starts."""
+
+    equations: _RollerEquations
+    solution: StickSlipSolution
+
+    @property
+    def nodes(self) -> Array:
+        return self.equations.disc.grid.nodes
+
+    def zones_on(self, nodes: Array) -> Array:
+        """Carry zones over to other interior nodes: each takes those of the nearest old one."""
+        old = self.nodes[1:-1]
+        return self.solution.state[np.searchsorted((old[1:] + old[:-1]) / 2, nodes)]
+
+
+def _fitted_grid(before: _Solved | None, nodes: int) -> Discretisation:
+    """Return a grid fitted to the zone borders found before; to the edges where there are none."""
+    if before is not None:
+        solution = before.solution
+        slack = solution.bound - np.abs(solution.traction)
+        borders = zone_borders(before.nodes, solution.state, slack)
+        if borders.size:
+            return on_grid(segmented_grid(borders, nodes))
+    return discretisation("graded", nodes)
 
 
 def _traction_change(coarse: RollerResult, fine: RollerResult) -> float:
@@ -250,16 +267,13 @@ def _traction_change(coarse: RollerResult, fine: RollerResult) -> float:
 
 
 def _solve_on(
-    problem: RollerProblem,
-    disc: Discretisation,
-    zones: Array | None,
-    guess: float | None,
-    load_rtol: float,
-) -> tuple[_RollerEquations, StickSlipSolution]:
+    problem: RollerProblem, disc: Discretisation, before: _Solved | None, load_rtol: float
+) -> _Solved:
     """Solve on one grid: stick and slip for a half width, inside the iteration on the width."""
+    zones = None if before is None else before.zones_on(disc.grid.nodes[1:-1])
     solves = 0
 
-    def evaluate(a: float) -> tuple[tuple[_RollerEquations, StickSlipSolution], float]:
+    def evaluate(a: float) -> tuple[_Solved, float]:
         nonlocal zones, solves
         equations = _RollerEquations(problem, disc, a)
         solution = solve_stick_slip(equations.stick_slip, zones)
@@ -267,11 +281,10 @@ def _solve_on(
         if solution.ending is not Ending.SOLVED:
             raise NotConverged(f"stick and slip not found: {solution.ending.value}")
         zones = solution.state
-        state = (equations, replace(solution, solves=solves))
-        return state, float(equations.weights @ equations.pressure(solution))
+        found = _Solved(equations, replace(solution, solves=solves))
+        return found, float(equations.weights @ equations.pressure(solution))
 
-    if guess is None:
-        guess = _frictionless_width(problem, disc)
+    guess = _frictionless_width(problem, disc) if before is None else before.equations.a
     try:
         return width_for_load(evaluate, problem.load, guess, load_rtol, widest=_widest(problem))[0]
     except WidthNotFound as stop:
