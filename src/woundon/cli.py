@@ -19,6 +19,7 @@ from .studies import commands as study_commands
 
 if TYPE_CHECKING:
     from .results import NipResult, Sensitivity
+    from .thesis.frame import Scheme
 
 __all__ = ["main"]
 
@@ -145,6 +146,40 @@ def _show(result: NipResult, sensitivity: Sensitivity | None) -> None:
     print_report(result, console)
     if sensitivity:
         print_sensitivity(sensitivity, console)
+
+
+@commands.command()
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--all", "everything", is_flag=True, help="Every figure and table.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("thesis"),
+    show_default=True,
+    help="Folder for PNG, SVG, CSV and the verdict.",
+)
+@click.option(
+    "--scheme",
+    type=click.Choice(["graded", "thesis"]),
+    default="graded",
+    show_default=True,
+    help="Accurate, or as the thesis solved it.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
+def thesis(
+    names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
+) -> None:
+    """Recompute figures and tables of the thesis (fig16, table3, ...) and test what it says."""
+    from .thesis.publication import publish
+    from .thesis.registry import NAMES, chosen
+    from .thesis.show import show
+
+    if bool(names) == everything:
+        raise click.UsageError(
+            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
+        )
+    wanted = NAMES if everything else chosen(names)
+    show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
 
 
 @commands.command()
