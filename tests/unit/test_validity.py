@@ -98,10 +98,11 @@ def test_a_surface_sheared_far() -> None:
 
 
 def test_a_surface_stretched_far() -> None:
-    # an incompressible cover has nowhere to go but along the drum
-    result = solved(paper_nip(drum=cover(0.02, isotropic(1e6, 0.49)), nip_load=15e3))
+    # the web drags a thin soft cover along: squeezed before the nip's end, stretched behind
+    soft = cover(0.005, isotropic(1e6, 0.45))
+    result = solved(paper_nip(drum=soft, nip_load=8e3, drum_friction=0.8, winding_force=4e3))
     strain, at = the(result, f"the drum's surface strain is {PERCENT} at x = {NUMBER} mm: .*")
-    assert 0.1 < strain < 0.5
+    assert strain == pytest.approx(-0.2, abs=0.01)
     assert abs(at) < 1e3 * result.half_width
 
 
