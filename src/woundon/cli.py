@@ -18,7 +18,8 @@ from .errors import InvalidProblem, NotConverged
 from .studies import commands as study_commands
 
 if TYPE_CHECKING:
-    from .results import NipResult
+    from .results import NipResult, Sensitivity
+    from .thesis.frame import Scheme
 
 __all__ = ["main"]
 
@@ -72,6 +73,7 @@ def commands() -> None:
     help='Change a field, e.g. --set nip_load="3.5 kN/m"; repeatable, nested: web.thickness.',
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+@click.option("--sensitivity", is_flag=True, help="Tell what the outputs depend on most.")
 @click.option("--save", type=click.Path(path_type=Path), help="Save as .nc, .json or .csv.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
 @click.option("--scheme", default="graded", show_default=True, help="graded or thesis.")
@@ -82,6 +84,7 @@ def nip(
     case: Path,
     settings: tuple[str, ...],
     as_json: bool,
+    sensitivity: bool,
     save: Path | None,
     plot: Path | None,
     **options: Any,
@@ -96,12 +99,13 @@ def nip(
         result.save(save)
     if plot:
         result.plot(plot)
+    slopes = result.sensitivity() if sensitivity else None
     if as_json:
         from .resultfile import result_to_json
 
-        click.echo(result_to_json(result), nl=False)
+        click.echo(result_to_json(result, slopes), nl=False)
     else:
-        _show(result)
+        _show(result, slopes)
 
 
 def _check_outputs(save: Path | None, plot: Path | None) -> None:
@@ -131,15 +135,51 @@ def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
         return solve_nip(problem, **options)
 
 
-def _show(result: NipResult) -> None:
+def _show(result: NipResult, sensitivity: Sensitivity | None) -> None:
     from rich.console import Console
 
-    from .report import print_report
+    from .report import print_report, print_sensitivity
 
     console = Console(highlight=False)
     # lines are never folded: what a pipe or a log gets is the same text
     console.width = max(console.width, 100)
     print_report(result, console)
+    if sensitivity:
+        print_sensitivity(sensitivity, console)
+
+
+@commands.command()
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--all", "everything", is_flag=True, help="Every figure and table.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("thesis"),
+    show_default=True,
+    help="Folder for PNG, SVG, CSV and the verdict.",
+)
+@click.option(
+    "--scheme",
+    type=click.Choice(["graded", "thesis"]),
+    default="graded",
+    show_default=True,
+    help="Accurate, or as the thesis solved it.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
+def thesis(
+    names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
+) -> None:
+    """Recompute figures and tables of the thesis (fig16, table3, ...) and test what it says."""
+    from .thesis.publication import publish
+    from .thesis.registry import NAMES, chosen
+    from .thesis.show import show
+
+    if bool(names) == everything:
+        raise click.UsageError(
+            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
+        )
+    wanted = NAMES if everything else chosen(names)
+    show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
 
 
 @commands.command()
