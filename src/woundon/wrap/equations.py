@@ -1,0 +1,331 @@
+r"""The equations of the nip with the web wrapped on the roll behind it and on the drum before it.
+
+The web is a wire: it carries its tension T along curved surfaces and weighs on them,
+
+    dT/ds = q+ + q-          p+ = p- + T kappa        (thesis eq. 139)
+
+where p+ presses the roll, p- the drum, and kappa is the web's curvature, centre on the roll's side:
+that of the deformed roll where the web touches it, minus that of the drum where it touches only the
+drum.  Along the web, from the drum's arc through the nip to the far side of the roll:
+
+                       drum's arc            nip                        roll's arc
+    pressures     p- = T kappa2, p+ = 0   p+ - p- = T kappa1        p+ = T kappa1, p- = 0
+    geometry                              indentation (82)'
+    slip at drum  eps - eps2 + xi-        the same
+    slip at roll                          eps - eps1 - [eps - eps1](far)   the same   (thesis eq. 96)
+
+with eps = c11 T/(2h) - c12 p+ everywhere.  p+ begins with zero at the leading edge, or, where the
+roll bulges more than the drum, p- does; at the trailing edge p+ goes over into the hoop pressure
+while p- ends with a jump.
+
+T kappa is the only product of unknowns.  It is linearised about a known (T0, kappa0),
+
+    T kappa  ~  T0 kappa + kappa0 (T - T0),
+
+which leaves, as in the plain nip, a linear normal problem for z = (p+, p-, Delta/R*), z = z0 + Z q,
+and a stick-slip problem in q = (q+, q-).  A few such Newton steps, taken together with those for
+the half width, settle it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import lapack
+
+from ..assembly import contact_radius
+from ..bodies import Rigid
+from ..contact.stick_slip import StickSlip, StickSlipSolution
+from ..elasticity.strip import Compliance, compliance
+from ..problems import NipProblem
+from .face import Face, face
+from .grid import WrapGrid
+
+
+__all__ = ["Loads", "WrapEquations", "WrapState"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Loads:
+    """How the web is wrapped.
+
+    Attributes
+    ----------
+    roll_arc, drum_arc : bool
+        Whether there is an arc behind the nip and one before it.
+    friction : float
+        mu+ behind the nip.
+    """
+
+    roll_arc: bool
+    drum_arc: bool
+    friction: float
+
+
+@dataclass(frozen=True, eq=False)
+class WrapState:
+    """A solved contact; arrays over all nodes, zero where a face has none."""
+
+    half_width: float
+    solution: StickSlipSolution
+    roll_pressure: Array
+    drum_pressure: Array
+    roll_traction: Array
+    drum_traction: Array
+    tension: Array
+    bend: Array  # kappa [1/m]
+    shift: float  # Delta/R*
+
+
+@dataclass(frozen=True, eq=False)
+class WrapEquations:
+    """The equations for one half width, linearised about a tension and a curvature.
+
+    Columns of z are p+ on the nodes from the leading edge to the far side, p- on those from the
+    drum's arc (or inside the leading edge) to inside the trailing edge, and the shift; columns of q
+    are q+ and q- on the same nodes less the outermost ones.
+
+    Attributes
+    ----------
+    tension, bend : (N+1,) arrays
+        T0 [N/m] and kappa0 [1/m].
+    """
+
+    problem: NipProblem
+    loads: Loads
+    grid: WrapGrid
+    half_width: float
+    tension: Array
+    bend: Array
+
+    @cached_property
+    def web(self) -> Compliance:
+        """The web's compliances."""
+        return compliance(*self.problem.web.material.stiffness[:3])
+
+    @cached_property
+    def roll(self) -> Face:
+        """The roll's matrices."""
+        grid = self.grid
+        return face(self.problem.roll, grid, grid.first, grid.size - 1, grid.last, self.half_width)
+
+    @cached_property
+    def drum(self) -> Face:
+        """The drum's matrices."""
+        grid = self.grid
+        return face(self.problem.drum, grid, 0, grid.last, grid.first, self.half_width)
+
+    # ---- which node each column belongs to -----------------------------------------------------
+
+    @cached_property
+    def roll_nodes(self) -> Array:
+        """Nodes of p+."""
+        return np.arange(self.grid.first, self.grid.size)
+
+    @cached_property
+    def drum_nodes(self) -> Array:
+        """Nodes of p-."""
+        return np.arange(0 if self.loads.drum_arc else 1, self.grid.last)
+
+    @cached_property
+    def roll_q(self) -> Array:
+        """Nodes of q+."""
+        return np.arange(self.grid.first + 1, self.grid.size - 1)
+
+    @cached_property
+    def drum_q(self) -> Array:
+        """Nodes of q-."""
+        return np.arange(1, self.grid.last)
+
+    @cached_property
+    def columns(self) -> Array:
+        """Nodes of q."""
+        return np.concatenate([self.roll_q, self.drum_q])
+
+    # ---- linear maps from z and q --------------------------------------------------------------
+
+    @cached_property
+    def tension_q(self) -> Array:
+        """T at the nodes less T_in, (N+1, m)."""
+        return self.half_width * self.grid.to_nodes[:, self.columns]
+
+    @cached_property
+    def drum_p(self) -> slice:
+        """Columns of the drum's matrices that belong to p-."""
+        return slice(self.drum_nodes[0], self.grid.last)
+
+    def curvature(self) -> tuple[Array, Array, Array]:
+        """Return kappa at the nodes as constant (N+1,), by z (N+1, k) and by q (N+1, m).
+
+        The web bends with the roll behind the nip, with the drum before it and inside it.  There
+        the surfaces differ by the web's change of thickness; that they share the drum's curvature
+        is exact for a rigid drum.  Inside a nip of a rigid roll the web bends with the roll.
+        """
+        grid, roll, drum = self.grid, self.roll, self.drum
+        n_p, n_q, first = self.roll_nodes.size, self.roll_q.size, grid.first
+        constant = np.empty(grid.size)
+        by_z = np.zeros((grid.size, n_p + self.drum_nodes.size + 1))
+        by_q = np.zeros((grid.size, self.columns.size))
+        turn = first + 1 if isinstance(self.problem.roll, Rigid) else grid.last
+        behind, before, own = slice(turn, None), slice(0, turn), slice(turn - first, None)
+        constant[behind] = roll.bend[own]
+        by_z[behind, :n_p] = roll.bend_p[own]
+        by_q[behind, :n_q] = roll.bend_q[own, 1:-1]
+        constant[before] = -drum.bend[before]
+        by_z[before, n_p:-1] = -drum.bend_p[before, self.drum_p]
+        by_q[before, n_q:] = -drum.bend_q[before, 1:-1]
+        return constant, by_z, by_q
+
+    def indentation(self) -> tuple[Array, Array, Array]:
+        """Return the gap's slope in the nip's cells (M,) and what closes it, by z and by q."""
+        problem, grid, web, a = self.problem, self.grid, self.web, self.half_width
+        n_p, n_q = self.roll_nodes.size, self.roll_q.size
+        cells = slice(grid.first, grid.last)  # in the row of all cells
+        own = slice(0, grid.last - grid.first)  # among the roll's
+        gap = grid.points[cells] * (a / contact_radius(problem))
+        by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
+        by_q = web.c12 * grid.value[cells][:, self.columns]
+        by_z[:, :n_p] = self.roll.slope_p[own]
+        thinner = problem.web.thickness * web.c22 / (a * grid.cells[cells])
+        k = np.arange(gap.size)
+        by_z[k, k] += thinner
+        by_z[k, k + 1] -= thinner
+        by_z[:, n_p:-1] += self.drum.slope_p[cells, self.drum_p]
+        by_z[:, -1] = 1.0
+        by_q[:, :n_q] += self.roll.slope_q[own, 1:-1]
+        by_q[:, n_q:] += self.drum.slope_q[cells, 1:-1]
+        return gap, by_z, by_q
+
+    def weight(self) -> tuple[Array, Array, Array]:
+        """Return T kappa at the nodes, linearised: constant, by z and by q."""
+        constant, by_z, by_q = self.curvature()
+        T, bend = self.tension, self.bend
+        by_q = T[:, None] * by_q + bend[:, None] * self.tension_q
+        constant = T * constant + bend * (self.problem.web_tension - T)
+        return constant, T[:, None] * by_z, by_q
+
+    def balance(self) -> tuple[Array, Array, Array]:
+        """Return the web's normal balance p+ - p- - T kappa = 0, one row a node: constant, z, q."""
+        grid = self.grid
+        n_p, k = self.roll_nodes.size, self.roll_nodes.size + self.drum_nodes.size + 1
+        pressures = np.zeros((grid.size, k))
+        pressures[self.roll_nodes, np.arange(n_p)] = 1.0
+        pressures[self.drum_nodes, n_p + np.arange(self.drum_nodes.size)] = -1.0
+        weighs = self.weighs
+        if not weighs.any():
+            return np.zeros(grid.size), pressures, np.zeros((grid.size, self.columns.size))
+        constant, by_z, by_q = self.weight()
+        return (
+            -constant * weighs,
+            pressures - by_z * weighs[:, None],
+            -by_q * weighs[:, None],
+        )
+
+    @cached_property
+    def weighs(self) -> Array:
+        """Nodes at which the web's weight T kappa acts, (N+1,) bool."""
+        grid, loads = self.grid, self.loads
+        weighs = np.full(grid.size, loads.roll_arc)  # without: one pressure on both faces
+        # p+ begins with zero at the leading edge, but may set in suddenly on a rigid roll
+        weighs[: grid.first + 1] = loads.drum_arc
+        weighs[grid.first] |= loads.roll_arc and isinstance(self.problem.roll, Rigid)
+        return weighs
+
+    # ---- the two problems ----------------------------------------------------------------------
+
+    @cached_property
+    def normal(self) -> tuple[Array, Array]:
+        """Return z0 (k,) and Z (k, m) of z = z0 + Z q."""
+        gap, closing_z, closing_q = self.indentation()
+        constant, by_z, by_q = self.balance()
+        scale = float(np.max(np.abs(closing_z[:, :-1])))
+        k = closing_z.shape[1]
+        matrix, right = np.zeros((k, k), order="F"), np.zeros((k, 1 + by_q.shape[1]), order="F")
+        M, N = gap.size, gap.size + constant.size
+        matrix[:M], right[:M, 0], right[:M, 1:] = closing_z / scale, gap / scale, -closing_q / scale
+        matrix[M:N], right[M:N, 0], right[M:N, 1:] = by_z, -constant, -by_q
+        if self.loads.drum_arc:
+            matrix[N, 0] = 1.0  # p+ begins with zero where the web comes off the drum's arc
+        matrix[:M, -1] = 1.0
+        _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
+        if info != 0:
+            raise ArithmeticError("the normal problem is singular")
+        solved[-1] *= scale
+        return solved[:, 0], solved[:, 1:]
+
+    def strains(self) -> tuple[Array, Array]:
+        """Return the slips v+ and v- of all unknowns by z (m, k) and by q (m, m)."""
+        grid, web, problem = self.grid, self.web, self.problem
+        n_p, n_q, m = self.roll_nodes.size, self.roll_q.size, self.columns.size
+        cells = self.columns - 1  # each node belongs with the cell before it
+        to_cells = grid.to_points[cells][:, self.columns] - grid.weights[self.columns]
+        by_q = (self.half_width * web.c11 / problem.web.thickness) * to_cells
+        by_z = np.zeros((m, n_p + self.drum_nodes.size + 1))
+        by_z[:, :n_p] = -web.c12 * grid.value[cells][:, self.roll_nodes]
+        by_z[:n_q, n_p - 1] += web.c12  # at the far side, the reference of v+
+        by_z[:n_q, :n_p] -= self.roll.strain_p[: n_q] - self.roll.strain_p[-1]
+        by_q[:n_q, :n_q] -= (self.roll.strain_q[:n_q] - self.roll.strain_q[-1])[:, 1:-1]
+        by_z[n_q:, n_p:-1] -= self.drum.strain_p[: m - n_q, self.drum_p]
+        by_q[n_q:, n_q:] -= self.drum.strain_q[: m - n_q, 1:-1]
+        return by_z, by_q
+
+    def stick_slip(self) -> StickSlip:
+        """Return the stick-slip problem of both faces; every node has a pressure of its own."""
+        problem, grid = self.problem, self.grid
+        z, by_q = self.normal
+        slip_z, slip_q = self.strains()
+        n_q, m = self.roll_q.size, self.columns.size
+        own = self.own_pressure
+        rest = np.setdiff1d(np.arange(z.size), own)  # pressures that bound no traction
+        friction = np.full(m, problem.drum_friction)
+        friction[:n_q] = np.where(
+            self.roll_q < grid.last, problem.roll_friction, self.loads.friction
+        )
+        creep = np.zeros(m)
+        creep[n_q:] = 1.0
+        resultant = creep * (self.half_width * grid.weights[self.columns])
+        return StickSlip(
+            slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own], slip_z[:, rest] @ z[rest],
+            z[own], by_q[own], friction, faces=1,
+            creep=creep, resultant=resultant, force=problem.winding_force,
+        )  # fmt: skip
+
+    @cached_property
+    def own_pressure(self) -> Array:
+        """Entries of z that bound each traction, (m,)."""
+        n_p = self.roll_nodes.size
+        return np.concatenate(
+            [self.roll_q - self.roll_nodes[0], n_p + self.drum_q - self.drum_nodes[0]]
+        )
+
+    def state(self, solution: StickSlipSolution) -> WrapState:
+        """Return the state that belongs to solved tractions."""
+        z0, by_q = self.normal
+        q, n_p, n_q, size = solution.traction, self.roll_nodes.size, self.roll_q.size, self.grid.size
+        z = z0 + by_q @ q
+        fields = np.zeros((4, size))
+        fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
+        fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
+        constant, bend_z, bend_q = self.curvature()
+        return WrapState(
+            self.half_width, solution, *fields,
+            self.problem.web_tension + self.tension_q @ q,
+            constant + bend_z @ z + bend_q @ q,
+            float(z[-1]),
+        )  # fmt: skip
+
+    def nip_load(self, state: WrapState) -> float:
+        """Return the integral of p- over the nip [N/m]."""
+        grid = self.grid
+        nip = slice(grid.first, grid.last + 1)
+        return float(self.half_width * np.trapezoid(state.drum_pressure[nip], grid.nodes[nip]))
+
+    def imbalance(self, state: WrapState) -> float:
+        """Return the largest violation of p+ - p- = T kappa over the largest pressure."""
+        miss = state.roll_pressure - state.drum_pressure
+        miss -= np.where(self.weighs, state.tension * state.bend, 0.0)
+        return float(np.max(np.abs(miss)) / np.max(state.roll_pressure))
