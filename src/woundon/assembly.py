@@ -26,14 +26,21 @@ from math import pi, sqrt
 
 import numpy as np
 
-from .bodies import Body
+from .bodies import Body, Cylinder
 from .contact.discretisation import Discretisation, Response
 from .contact.normal import solve_normal
 from .contact.stick_slip import StickSlip, StickSlipSolution
-from .elasticity.strip import Compliance, compliance
+from .elasticity.strip import compliance
 from .problems import NipProblem
 
-__all__ = ["NipEquations", "NipState", "contact_radius", "half_width_guess", "hertz_half_width", "surface_response"]
+__all__ = [
+    "NipEquations",
+    "NipMatrices",
+    "NipState",
+    "contact_radius",
+    "half_width_guess",
+    "surface_response",
+]
 
 Array = np.ndarray
 
@@ -43,17 +50,16 @@ def contact_radius(problem: NipProblem) -> float:
     return 1 / (1 / problem.roll.radius + 1 / problem.drum.radius)
 
 
-def half_width_guess(problem: NipProblem) -> float:
-    """Return the half width of Hertz's theory for two half-planes [m] (thesis eq. 103)."""
-    return hertz_half_width(
-        problem.nip_load, contact_radius(problem), (problem.roll, problem.drum)
-    )
+def half_width_guess(load: float, radius: float, bodies: Iterable[Body]) -> float:
+    """Return a half width to start from [m]: Hertz's, or less where a layer is thin.
 
-
-def hertz_half_width(load: float, radius: float, bodies: Iterable[Body]) -> float:
-    """Return a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101-103) [m]."""
+    Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
+    to 103), is an upper bound; on a layer much thinner than a it is far off.
+    """
+    bodies = tuple(bodies)
     C = pi * sum(body.surface(0.01 * body.radius).slope_p.inverse for body in bodies)
-    return sqrt(2 * C * load * radius / pi)
+    layers = [4 * body.thickness for body in bodies if isinstance(body, Cylinder)]
+    return min(sqrt(2 * C * load * radius / pi), *layers, 0.3 * radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,101 +83,114 @@ class NipState:
 
 
 @dataclass(frozen=True, eq=False)
+class NipMatrices:
+    """Every matrix of the nip's equations for one half width a, nothing solved yet.
+
+    N cells, n = N - 1 unknown nodes; tractions are stacked (q+, q-).
+    """
+
+    half_width: float
+    slope_p: Array  # (N, n)
+    slope_q: Array  # (N, 2n)
+    gap: Array  # (N,) slope of the gap, x/R*
+    direct: Array  # (2n + 2, 2n): slips by tractions in all cells, roll's N first
+    through_pressure: Array  # (2n + 2, n)
+    weights: Array  # (n,) integrate a traction over the nip [m]
+
+    @classmethod
+    def at(cls, problem: NipProblem, disc: Discretisation, a: float) -> NipMatrices:
+        """Assemble for the half width ``a`` [m]."""
+        web = compliance(*problem.web.material.stiffness[:3])
+        n, N = disc.unknowns, disc.unknowns + 1
+        weights = a * disc.grid.weights
+        slope_p = (-problem.web.thickness * web.c22 / a) * disc.slope
+        slope_q = np.empty((N, 2 * n))
+        slope_q[:, :n] = slope_q[:, n:] = web.c12 * disc.value
+        # the web: its tension between the point and the trailing edge, and its squeezing
+        direct = np.empty((2 * N, 2 * n))
+        stretch = (web.c11 / problem.web.thickness) * (a * disc.upstream - weights)
+        direct[:N, :n] = direct[:N, n:] = direct[N:, :n] = direct[N:, n:] = stretch
+        through = np.empty((2 * N, n))
+        through[:N] = through[N:] = -web.c12 * disc.value
+        for body, cells, nodes, edge in (
+            (problem.roll, slice(0, N), slice(0, n), 1.0),
+            (problem.drum, slice(N, 2 * N), slice(n, 2 * n), 0.0),
+        ):
+            response = surface_response(body, disc, a)
+            if response is not None:
+                slope_p = slope_p + response.slope_p
+                slope_q[:, nodes] += response.slope_q
+                # the wound-on condition refers the roll's strain to the trailing edge
+                direct[cells, nodes] -= response.strain_q[:-1] - edge * response.strain_q[-1]
+                through[cells] -= response.strain_p[:-1] - edge * response.strain_p[-1]
+        gap = disc.middle * (a / contact_radius(problem))
+        return cls(a, slope_p, slope_q, gap, direct, through, weights)
+
+
+@dataclass(frozen=True, eq=False)
 class NipEquations:
-    """The equations of a nip for one half width a; made by :meth:`at`."""
+    """The equations of a nip for one half width, the normal problem solved; made by :meth:`at`."""
 
     problem: NipProblem
     disc: Discretisation
-    half_width: float
-    web: Compliance
-    roll: Response | None
-    drum: Response | None
-    slope_p: Array  # (N, n)
-    slope_q: Array  # (N, 2n)
-    gap: Array  # (N,) slope of the gap x/R*
+    matrices: NipMatrices
     pressure: Array  # (n,) p0
     pressure_response: Array  # (n, 2n) K
-    shift: float
+    shift: float  # Delta/R*
     shift_response: Array  # (2n,)
 
     @classmethod
     def at(cls, problem: NipProblem, disc: Discretisation, a: float) -> NipEquations:
         """Assemble the equations for the half width ``a`` [m] and solve the normal problem."""
-        web = compliance(*problem.web.material.stiffness[:3])
-        n = disc.unknowns
-        h2 = problem.web.thickness
-        roll = surface_response(problem.roll, disc, a)
-        drum = surface_response(problem.drum, disc, a)
-        slope_p = (-h2 * web.c22 / a) * disc.slope
-        slope_q = np.empty((n + 1, 2 * n))
-        slope_q[:, :n] = slope_q[:, n:] = web.c12 * disc.value
-        for body, face in ((roll, slice(0, n)), (drum, slice(n, 2 * n))):
-            if body is not None:
-                slope_p = slope_p + body.slope_p
-                slope_q[:, face] += body.slope_q
-        gap = disc.middle * (a / contact_radius(problem))
-        solved = solve_normal(slope_p, gap, slope_q)
+        made = NipMatrices.at(problem, disc, a)
+        solved = solve_normal(made.slope_p, made.gap, made.slope_q)
         return cls(
-            problem, disc, a, web, roll, drum, slope_p, slope_q, gap,
+            problem, disc, made,
             solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
         )  # fmt: skip
 
-    @property
-    def load_weights(self) -> Array:
-        """Weights that integrate a traction over the nip, (n,) [m]."""
-        return self.half_width * self.disc.grid.weights
+    @staticmethod
+    def frictionless_load(problem: NipProblem, disc: Discretisation, a: float) -> float:
+        """Return the load that a frictionless contact of half width ``a`` carries [N/m]."""
+        web = compliance(*problem.web.material.stiffness[:3])
+        slope_p = (-problem.web.thickness * web.c22 / a) * disc.slope
+        for body in (problem.roll, problem.drum):
+            kernels = body.surface(2 * a)
+            if kernels.deforms:
+                slope_p = slope_p + disc.pressure_slope(kernels, a)
+        gap = disc.middle * (a / contact_radius(problem))
+        pressure = solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
+        return float(a * disc.grid.weights @ pressure)
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
-        n = self.disc.unknowns
-        web, problem = self.web, self.problem
-        weights = self.load_weights
-        tension = (web.c11 / problem.web.thickness) * (
-            self.half_width * self.disc.upstream[:-1] - weights
-        )
-        direct = np.empty((2 * n, 2 * n))
-        direct[:n, :n] = direct[:n, n:] = direct[n:, :n] = direct[n:, n:] = tension
-        through = np.empty((2 * n, n))
-        through[:n] = through[n:] = -web.c12 * self.disc.value[:-1]
-        if self.roll is not None:
-            direct[:n, :n] -= self.roll.strain_q[:n] - self.roll.strain_q[-1]
-            through[:n] -= self.roll.strain_p[:n] - self.roll.strain_p[-1]
-        if self.drum is not None:
-            direct[n:, n:] -= self.drum.strain_q[:n]
-            through[n:] -= self.drum.strain_p[:n]
+        n, made, problem = self.disc.unknowns, self.matrices, self.problem
+        # a node belongs with the cell before it; the last cell belongs to no unknown
+        nodes = np.r_[0:n, n + 1 : 2 * n + 1]
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
         return StickSlip(
-            direct, through, np.zeros(2 * n), self.pressure, self.pressure_response,
-            friction, faces=2, creep=np.concatenate([zero, one]),
-            resultant=np.concatenate([zero, weights]), force=problem.winding_force,
+            made.direct[nodes], made.through_pressure[nodes], np.zeros(2 * n),
+            self.pressure, self.pressure_response, friction, faces=2,
+            creep=np.concatenate([zero, one]),
+            resultant=np.concatenate([zero, made.weights]), force=problem.winding_force,
         )  # fmt: skip
 
     def state(self, solution: StickSlipSolution) -> NipState:
         """Return the state that belongs to solved tractions."""
         q = solution.traction
         return NipState(
-            self.half_width, solution,
+            self.matrices.half_width, solution,
             self.pressure + self.pressure_response @ q,
             self.shift + float(self.shift_response @ q),
         )  # fmt: skip
 
     def last_slips(self, state: NipState) -> tuple[float, float]:
         """Return v+ and v- in the last cell, which belongs to no unknown."""
-        n = self.disc.unknowns
-        p, total = state.pressure, state.roll_traction + state.drum_traction
-        lumped = self.half_width * (self.disc.upstream[-1] @ total)
-        whole = float(self.load_weights @ total)
-        strain = self.web.c11 / self.problem.web.thickness * (lumped - whole)
-        strain -= self.web.c12 * float(self.disc.value[-1] @ p)
-        roll = drum = 0.0
-        if self.roll is not None:
-            at, edge = (self.roll.strain_p[k] @ p + self.roll.strain_q[k] @ state.roll_traction
-                        for k in (n, -1))  # fmt: skip
-            roll = float(at - edge)
-        if self.drum is not None:
-            drum = float(self.drum.strain_p[n] @ p + self.drum.strain_q[n] @ state.drum_traction)
-        return strain - roll, strain - drum + state.solution.creep
+        last = [self.disc.unknowns, -1]
+        slips = self.matrices.direct[last] @ state.solution.traction
+        slips += self.matrices.through_pressure[last] @ state.pressure
+        return float(slips[0]), float(slips[1]) + state.solution.creep
 
 
 def surface_response(body: Body, disc: Discretisation, a: float) -> Response | None:

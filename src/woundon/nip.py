@@ -16,11 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal, TypeVar
 
 import numpy as np
 
-from .assembly import NipEquations, NipState, half_width_guess
+from .assembly import NipEquations, NipState, contact_radius, half_width_guess
 from .contact.discretisation import Discretisation, discretisation, on_grid
 from .contact.grid import segmented_grid, zone_borders
 from .contact.panagiotopoulos import panagiotopoulos
@@ -39,7 +40,11 @@ Scheme = Literal["graded", "thesis", "thesis-printed"]
 Algorithm = Literal["pivoting", "panagiotopoulos"]
 
 DEFAULT_NODES = {"graded": 65, "thesis": 200, "thesis-printed": 200}
+DEFAULT_RTOL = 1e-3  # where neither nodes nor rtol are given: double 65 nodes until below it, ...
+DEFAULT_MOST_NODES = 257  # ... but not beyond these; the error is told in any case
 MOST_NODES = 1100  # of the grids that rtol asks for
+LOAD_RTOL = 1e-10  # how nearly the pressure carries the nip load; the certificate allows 1e-8
+COARSE_LOAD_RTOL = 1e-6  # on grids that only start finer ones and tell the error
 ACCEPTED_RESIDUAL = 1e-8
 # NIT's error is estimated as a weighted sum of its last two changes under doubling of the grid.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -54,6 +59,7 @@ def solve_nip(
     nodes: int | None = None,
     rtol: float | None = None,
     algorithm: Algorithm = "pivoting",
+    start: NipResult | None = None,
 ) -> NipResult:
     """Solve the winding nip: where the web sticks and slips, and what tension the nip adds.
 
@@ -65,12 +71,16 @@ def solve_nip(
         backward differences (thesis sec. 3.4) with the web tension lumped; ``thesis-printed`` with
         the web's coefficients (121) as printed.
     nodes : int, optional
-        Number M of nodes, 7 to 4000; 65 by default (200 for the thesis's scheme).
+        Number M of nodes, 7 to 4000.  By default 65, doubled up to 257 until the estimated error
+        of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
         Refine until the estimated error of NIT is below ``rtol`` times the larger of |NIT| and 1 %
         of mu+ P; 1e-10 to 0.1; graded scheme only.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
+    start : NipResult, optional
+        A solved neighbouring case; its half width and zones start this one, which saves the
+        coarsest grids.  The answer does not depend on it.
 
     Returns
     -------
@@ -85,14 +95,21 @@ def solve_nip(
     """
     M = _checked(scheme, nodes, rtol, algorithm)
     solver = _Solver(problem, algorithm)
-    level: _Level | None = None
+    begin = None if start is None else _Start.of(start, problem.nip_load)
     tensions: list[float] = []
-    for count in _grids(scheme, M, algorithm):
-        level = solver.solve(discretisation(scheme, count), level)
+    for count in _grids(scheme, M, algorithm)[-2 if start else 0 :]:
+        load_rtol = LOAD_RTOL if count == M else COARSE_LOAD_RTOL
+        level = solver.solve(discretisation(scheme, count), begin, load_rtol)
+        begin = level.start
         tensions.append(level.nip_induced_tension)
-    assert level is not None
     error = _estimated_error(tensions) if scheme == "graded" else float("nan")
     tension = tensions[-1]
+    if scheme == "graded" and nodes is None and rtol is None:
+        while M < DEFAULT_MOST_NODES and not error <= DEFAULT_RTOL * solver.tension_scale(tension):
+            M = 2 * M - 1
+            level = solver.solve(discretisation(scheme, M), level.start)
+            tensions.append(level.nip_induced_tension)
+            tension, error = tensions[-1], _estimated_error(tensions)
     if rtol is not None:
         level, tension, error = _refined(solver, level, tensions, rtol)
     result = nip_result(level.equations, level.state, scheme, algorithm, tension, error)
@@ -119,8 +136,10 @@ def _checked(scheme: str, nodes: int | None, rtol: float | None, algorithm: str)
         text = f"{nodes!r} is out of range: must be a whole number, 7 to 4000"
         raise InvalidProblem([("nodes", text)])
     if rtol is not None:
-        if isinstance(rtol, bool) or not isinstance(rtol, (int, float, np.floating)) or not (
-            1e-10 <= rtol <= 0.1
+        if (
+            isinstance(rtol, bool)
+            or not isinstance(rtol, (int, float, np.floating))
+            or not (1e-10 <= rtol <= 0.1)
         ):
             text = f"{rtol!r} is out of range: must be >= 1e-10 and <= 0.1"
             raise InvalidProblem([("rtol", text)])
@@ -143,7 +162,32 @@ def _estimated_error(tensions: list[float]) -> float:
     changes = np.abs(np.diff(tensions))[::-1]
     if changes.size == 0:
         return float("nan")
+    if changes.size == 1:
+        return float(changes[0])
     return float(sum(w * c for w, c in zip(ERROR_WEIGHTS, changes, strict=False)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """What one grid hands to the next: half width, nodes with their zones, d ln P/d ln a."""
+
+    half_width: float
+    nodes: Array  # interior ones, in units of the half width
+    zones: Array  # of the roll, then of the drum
+    power: float = 2.0
+
+    @classmethod
+    def of(cls, result: NipResult, nip_load: float) -> _Start:
+        """Start from another case's result; the width of a Hertzian nip goes by the load's root."""
+        zones = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
+        a = result.half_width
+        return cls(a * (nip_load / result.problem.nip_load) ** 0.5, result.x[1:-1] / a, zones)
+
+    def zones_on(self, nodes: Array) -> Array:
+        """Carry the zones over to other interior nodes: each takes those of the nearest old one."""
+        nearest = np.searchsorted((self.nodes[1:] + self.nodes[:-1]) / 2, nodes)
+        n = self.nodes.size
+        return np.concatenate([self.zones[:n][nearest], self.zones[n:][nearest]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +201,12 @@ class _Level:
     @property
     def nip_induced_tension(self) -> float:
         total = self.state.roll_traction + self.state.drum_traction
-        return float(self.equations.load_weights @ total)
+        return float(self.equations.matrices.weights @ total)
+
+    @property
+    def start(self) -> _Start:
+        nodes = self.equations.disc.grid.nodes[1:-1]
+        return _Start(self.state.half_width, nodes, self.state.solution.state, self.power)
 
 
 class _Solver:
@@ -170,13 +219,15 @@ class _Solver:
         """Return what relative errors of NIT are measured by [N/m]."""
         return max(abs(tension), 0.01 * self.problem.roll_friction * self.problem.nip_load)
 
-    def solve(self, disc: Discretisation, start: _Level | None) -> _Level:
+    def solve(
+        self, disc: Discretisation, start: _Start | None, load_rtol: float = LOAD_RTOL
+    ) -> _Level:
         """Find stick and slip for a half width, inside the iteration on the half width."""
-        zones = None if start is None else _carried_over(start, disc)
+        zones = None if start is None else start.zones_on(disc.grid.nodes[1:-1])
         if start is None:
             guess, power = self._frictionless(disc)
         else:
-            guess, power = start.state.half_width, start.power
+            guess, power = start.half_width, start.power
 
         def evaluate(a: float) -> tuple[tuple[NipEquations, NipState], float]:
             nonlocal zones
@@ -189,35 +240,30 @@ class _Solver:
                 )
             zones = solution.state
             state = equations.state(replace(solution, solves=self.solves))
-            return (equations, state), float(equations.load_weights @ state.pressure)
+            return (equations, state), float(equations.matrices.weights @ state.pressure)
 
-        (equations, state), power = self._width(evaluate, guess, 1e-11, power)
+        (equations, state), power = self._width(evaluate, guess, load_rtol, power)
         return _Level(equations, state, power)
 
     def _frictionless(self, disc: Discretisation) -> tuple[float, float]:
         """Return the half width that carries the nip load without friction, and its power."""
 
         def evaluate(a: float) -> tuple[float, float]:
-            equations = NipEquations.at(self.problem, disc, a)
-            return a, float(equations.load_weights @ equations.pressure)
+            return a, NipEquations.frictionless_load(self.problem, disc, a)
 
-        return self._width(evaluate, half_width_guess(self.problem), 1e-2, 2.0)
+        problem = self.problem
+        bodies = (problem.roll, problem.drum)
+        guess = half_width_guess(problem.nip_load, contact_radius(problem), bodies)
+        return self._width(evaluate, guess, 1e-2, 2.0)
 
     def _width(
         self, evaluate: Callable[[float], tuple[T, float]], guess: float, rtol: float, power: float
     ) -> tuple[T, float]:
         try:
-            return width_for_load(evaluate, self.problem.nip_load, guess, rtol, power)
+            widest = min(self.problem.roll.radius, self.problem.drum.radius)
+            return width_for_load(evaluate, self.problem.nip_load, guess, rtol, power, widest)
         except WidthNotFound as stop:
             raise NotConverged(str(stop)) from None
-
-
-def _carried_over(start: _Level, disc: Discretisation) -> Array:
-    """Carry zones over to another grid: every node takes those of the nearest old one."""
-    old = start.equations.disc.grid.nodes[1:-1]
-    nearest = np.searchsorted((old[1:] + old[:-1]) / 2, disc.grid.nodes[1:-1])
-    zones, n = start.state.solution.state, old.size
-    return np.concatenate([zones[:n][nearest], zones[n:][nearest]])
 
 
 def _refined(
@@ -230,7 +276,7 @@ def _refined(
     while not error <= rtol * solver.tension_scale(tension) and 2 * nodes - 1 <= MOST_NODES:
         nodes = 2 * nodes - 1
         for _ in range(2):  # the second grid is fitted to what the first one found
-            level = solver.solve(on_grid(segmented_grid(_borders(level), nodes)), level)
+            level = solver.solve(on_grid(segmented_grid(_borders(level), nodes)), level.start)
         fitted.append(level.nip_induced_tension)
         tension, error = _extrapolated(tensions[-1:] + fitted)
     return level, tension, error
@@ -238,7 +284,7 @@ def _refined(
 
 def _extrapolated(tensions: list[float]) -> tuple[float, float]:
     """Extrapolate NIT of order two to zero cells; its error is what that last changed."""
-    values = [b + (b - a) / 3 for a, b in zip(tensions, tensions[1:], strict=False)]
+    values = [b + (b - a) / 3 for a, b in pairwise(tensions)]
     if len(values) < 3:
         return tensions[-1], ERROR_WEIGHTS[0] * abs(tensions[-1] - tensions[-2])
     return values[-1], abs(values[-1] - values[-2])

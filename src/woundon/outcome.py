@@ -7,6 +7,7 @@ import numpy as np
 from .assembly import NipEquations, NipState, contact_radius
 from .contact.certificate import certify
 from .contact.discretisation import interpolation_rank
+from .elasticity.strip import compliance
 from .problems import NipProblem
 from .results import NipResult, Residuals, SlipRatios
 from .validity import nip_warnings
@@ -54,6 +55,7 @@ def nip_result(
         offset=state.shift * contact_radius(problem),
         drum_creep=_drum_creep(equations, state),
         x=x,
+        slip_x=a * np.append(equations.disc.middle[:1], equations.disc.middle),
         pressure=pressure,
         roll_traction=q_roll,
         drum_traction=q_drum,
@@ -80,21 +82,24 @@ def padded(values: Array) -> Array:
 
 def _whole(equations: NipEquations, state: NipState) -> float:
     """Return the integral of q+ + q-, the NIT of this grid [N/m]."""
-    return float(equations.load_weights @ (state.roll_traction + state.drum_traction))
+    return float(equations.matrices.weights @ (state.roll_traction + state.drum_traction))
 
 
 def _drum_creep(equations: NipEquations, state: NipState) -> float:
     """Return xi- (thesis eq. 93): the solved rigid slip holds the web's strain behind the nip."""
     problem: NipProblem = equations.problem
     T_out = problem.web_tension + _whole(equations, state)
-    return state.solution.creep - equations.web.c11 / problem.web.thickness * T_out
+    c11 = compliance(*problem.web.material.stiffness[:3]).c11
+    return state.solution.creep - c11 / problem.web.thickness * T_out
 
 
 def _approach(equations: NipEquations, state: NipState) -> float:
     """Return the mutual approach -delta > 0, from the indentation (82) at the trailing edge [m]."""
     problem, a = equations.problem, state.half_width
     put, edge = equations.disc.grid.integrate, slice(-1, None)
-    v = equations.web.c12 * (problem.web_tension + _whole(equations, state))
+    v = compliance(*problem.web.material.stiffness[:3]).c12 * (
+        problem.web_tension + _whole(equations, state)
+    )
     for body, q in ((problem.roll, state.roll_traction), (problem.drum, state.drum_traction)):
         kernels = body.surface(2 * a)
         if kernels.deforms:
@@ -130,10 +135,15 @@ def _slip_ratios(x: Array, roll: Array, drum: Array) -> SlipRatios:
 def _residuals(equations: NipEquations, state: NipState) -> Residuals:
     """Measure every law anew from the assembled equations."""
     problem, p, q = equations.problem, state.pressure, state.solution.traction
-    w, top = equations.load_weights, float(np.max(equations.gap))
-    indentation = equations.slope_p @ p + equations.slope_q @ q + state.shift - equations.gap
+    w, top = equations.matrices.weights, float(np.max(equations.matrices.gap))
+    indentation = (
+        equations.matrices.slope_p @ p
+        + equations.matrices.slope_q @ q
+        + state.shift
+        - equations.matrices.gap
+    )
     laws = certify(equations.stick_slip(), state.solution, slip_scale=top)
-    x = equations.half_width * equations.disc.grid.nodes
+    x = state.half_width * equations.disc.grid.nodes
     whole = float(np.trapezoid(padded(state.roll_traction + state.drum_traction), x))
     force = float(w @ state.drum_traction) - problem.winding_force
     return Residuals(

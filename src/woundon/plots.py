@@ -6,6 +6,7 @@ fixed metadata: the same result gives the same bytes.
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from .quantities import QUANTITIES
 from .results import NipResult, Zone
 from .zones import zone_runs
 
-__all__ = ["check_format", "plot_nip", "save_figure"]
+__all__ = ["check_format", "draw_slips", "draw_tractions", "plot_nip", "save_figure", "style"]
 
 Array = np.ndarray
 
@@ -52,6 +53,11 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
+def style() -> AbstractContextManager[None]:
+    """Return the context in which figures are made: woundon's style, the global one untouched."""
+    return mpl.rc_context(_STYLE)
+
+
 def plot_nip(result: NipResult, path: str | Path | None = None) -> Figure:
     """Draw the tractions with their friction bounds, the slip speeds and the web tension.
 
@@ -75,13 +81,13 @@ def plot_nip(result: NipResult, path: str | Path | None = None) -> Figure:
 
     Source: thesis Fig. 15.
     """
-    with mpl.rc_context(_STYLE):
+    with style():
         figure = Figure(figsize=(6.3, 6.6), layout="constrained")
         tractions, slips, zones = figure.subplots(
             3, 1, sharex=True, gridspec_kw={"height_ratios": [3.2, 2.8, 0.5]}
         )
-        _draw_tractions(tractions, result)
-        _draw_slips(slips, result)
+        draw_tractions(tractions, result)
+        draw_slips(slips, result)
         _draw_zones(zones, result)
         edge = 1.03 * QUANTITIES["x"].shown(result.half_width)
         zones.set_xlim(-edge, edge)
@@ -117,7 +123,7 @@ def save_figure(figure: Figure, path: str | Path) -> None:
         If the file cannot be written.
     """
     ending = check_format(path)
-    with mpl.rc_context(_STYLE):
+    with style():
         figure.savefig(path, format=ending[1:], metadata=_METADATA[ending])
 
 
@@ -137,7 +143,8 @@ def _legend(axes: Axes, handles: list[Any]) -> None:
     )  # fmt: skip
 
 
-def _draw_tractions(axes: Axes, result: NipResult) -> None:
+def draw_tractions(axes: Axes, result: NipResult) -> None:
+    """Draw q+ and q- over their shaded friction bounds [kPa], along x [mm]."""
     problem, x, p = result.problem, _shown("x", result.x), _shown("pressure", result.pressure)
     bounds = [
         (problem.roll_friction, _ROLL_BOUND, r"$\pm\mu^{+}p$"),
@@ -157,10 +164,11 @@ def _draw_tractions(axes: Axes, result: NipResult) -> None:
     axes.set_title("(a)", loc="right", fontsize=9)
 
 
-def _draw_slips(axes: Axes, result: NipResult) -> None:
-    x = _shown("x", result.x)
-    (roll,) = axes.plot(x, _shown("roll_slip", result.roll_slip), color=_ROLL)
-    (drum,) = axes.plot(x, _shown("drum_slip", result.drum_slip), "--", color=_DRUM)
+def draw_slips(axes: Axes, result: NipResult) -> None:
+    """Draw the slips v+ and v- [%] and, on the right, the web tension [N/m], along x [mm]."""
+    x, slip_x = _shown("x", result.x), _shown("slip_x", result.slip_x)
+    (roll,) = axes.plot(slip_x, _shown("roll_slip", result.roll_slip), color=_ROLL)
+    (drum,) = axes.plot(slip_x, _shown("drum_slip", result.drum_slip), "--", color=_DRUM)
     axes.set_ylabel(_axis_label("Relative slip speed $v$", "roll_slip"))
     tension_axes = axes.twinx()
     (tension,) = tension_axes.plot(x, result.web_tension, "-.", color=_TENSION)

@@ -71,6 +71,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "pressure": _stress("p", "pressure"),
         "roll_traction": _stress("q+", "traction of the web on the roll"),
         "drum_traction": _stress("q-", "traction of the web on the drum"),
+        "slip_x": _length("x_v", "where the slips are taken, the middle of the cell before a node"),
         "roll_slip": _strain("v+", "slip of the web against the roll, > 0: web faster"),
         "drum_slip": _strain("v-", "slip of the web against the drum, > 0: web faster"),
         "web_tension": _line_load("T", "web tension along the nip"),

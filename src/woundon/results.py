@@ -11,7 +11,7 @@ import numpy as np
 
 from .problems import NipProblem, RollerProblem
 
-__all__ = ["Ending", "NipResult", "Residuals", "RollerResult", "SlipRatios", "Zone"]
+__all__ = ["NipResult", "Residuals", "RollerResult", "Sensitivity", "SlipRatios", "Zone"]
 
 Array = np.ndarray
 
@@ -62,6 +62,43 @@ class SlipRatios:
 
 
 @dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """First derivatives of a nip's outputs at one problem.
+
+    Attributes
+    ----------
+    outputs : tuple of str
+        ``nip_induced_tension``, ``half_width``, ``drum_creep``.
+    parameters : tuple of str
+        Dotted names of the fields.
+    derivatives : (outputs, parameters) array
+        SI units of output per SI unit of field.
+    values, fields : (outputs,), (parameters,) arrays
+        Where they were taken.
+    zone_change : str
+        Empty, or the nodes that are about to change between stick and slip: there the
+        derivatives to both sides differ.
+    """
+
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    derivatives: Array
+    values: Array
+    fields: Array
+    zone_change: str = ""
+
+    def derivative(self, output: str, parameter: str) -> float:
+        """Return d output / d parameter."""
+        at = self.outputs.index(output), self.parameters.index(parameter)
+        return float(self.derivatives[at])
+
+    @property
+    def elasticities(self) -> Array:
+        """Percent of output per percent of field, (outputs, parameters); 0 for a field at 0."""
+        return self.derivatives * self.fields / self.values[:, None]
+
+
+@dataclass(frozen=True, eq=False)
 class NipResult:
     """The state of a winding nip.
 
@@ -82,6 +119,8 @@ class NipResult:
         xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
     x : (M,) array
         Nodes [m], from -a to a.
+    slip_x : (M,) array
+        Where the slips are taken [m]: the middle of the cell before each node.
     pressure, roll_traction, drum_traction : (M,) arrays
         p, q+, q- [Pa]; q is the traction of the web on the body along +x.
     roll_slip, drum_slip : (M,) arrays
@@ -112,6 +151,7 @@ class NipResult:
     offset: float
     drum_creep: float
     x: Array
+    slip_x: Array
     pressure: Array
     roll_traction: Array
     drum_traction: Array
@@ -142,6 +182,22 @@ class NipResult:
     def with_warnings(self, warnings: tuple[str, ...]) -> NipResult:
         """Return the same result with other warnings."""
         return replace(self, warnings=warnings)
+
+    def sensitivity(self, *parameters: str) -> Sensitivity:
+        """Return exact derivatives of NIT, half width and creep with respect to problem fields.
+
+        Parameters
+        ----------
+        parameters : str
+            Dotted names (``"roll.material.shear"``); every continuous field if none is given.
+
+        Returns
+        -------
+        Sensitivity
+        """
+        from .sensitivity import nip_sensitivity
+
+        return nip_sensitivity(self, parameters)
 
     def plot(self, path: Any = None) -> Any:
         """Draw tractions with friction bounds, slip speeds and web tension (as thesis Fig. 15)."""

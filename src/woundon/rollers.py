@@ -17,7 +17,7 @@ from math import nan
 
 import numpy as np
 
-from .assembly import hertz_half_width, surface_response
+from .assembly import half_width_guess, surface_response
 from .contact.certificate import certify
 from .contact.discretisation import Discretisation, Response, discretisation, on_grid
 from .contact.grid import Grid, segmented_grid, zone_borders
@@ -168,13 +168,19 @@ def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
     NotConverged
         If stick and slip or the half width were not found.
     """
-    if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not 7 <= nodes <= 4000:
-        raise InvalidProblem([("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")])
+    if (
+        isinstance(nodes, bool)
+        or not isinstance(nodes, (int, np.integer))
+        or not 7 <= nodes <= 4000
+    ):
+        raise InvalidProblem(
+            [("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")]
+        )
     disc = discretisation("graded", int(nodes))
     equations, solution = _solve_on(problem, disc, None)
     solves = solution.solves
     for _ in range(REFITS):
-        # the traction leaves a border like the root of the distance: put nodes where the borders are
+        # the traction leaves a border like the root of the distance: nodes go there
         x, zones = equations.disc.grid.nodes, solution.state
         if not np.any(np.diff(zones)):
             break
@@ -203,9 +209,28 @@ def _solve_on(
         return state, float(equations.weights @ equations.pressure(solution))
 
     if guess is None:
-        radius = 1 / (1 / problem.upper.radius + 1 / problem.lower.radius)
-        guess = hertz_half_width(problem.load, radius, (problem.upper, problem.lower))
+        guess = _frictionless_width(problem, disc)
     try:
-        return width_for_load(evaluate, problem.load, guess, rtol=1e-11)[0]
+        return width_for_load(evaluate, problem.load, guess, rtol=1e-11, widest=_widest(problem))[0]
     except WidthNotFound as stop:
         raise NotConverged(str(stop)) from None
+
+
+def _frictionless_width(problem: RollerProblem, disc: Discretisation) -> float:
+    """Return nearly the half width at which a frictionless contact carries the load [m]."""
+    bodies = (problem.upper, problem.lower)
+
+    def evaluate(a: float) -> tuple[float, float]:
+        equations = _RollerEquations(problem, disc, a)
+        return a, float(equations.weights @ equations.normal[:-1, 0])
+
+    radius = 1 / (1 / problem.upper.radius + 1 / problem.lower.radius)
+    guess = half_width_guess(problem.load, radius, bodies)
+    try:
+        return width_for_load(evaluate, problem.load, guess, rtol=1e-2, widest=_widest(problem))[0]
+    except WidthNotFound as stop:
+        raise NotConverged(str(stop)) from None
+
+
+def _widest(problem: RollerProblem) -> float:
+    return min(problem.upper.radius, problem.lower.radius)

@@ -36,8 +36,13 @@ def roll_strain(result: NipResult, s: Array) -> Array:
     a, roll = result.half_width, result.problem.roll
     if np.any(np.abs(s) < a * (1 - 1e-12)) or np.any(np.abs(s) > pi * roll.radius * (1 + 1e-12)):
         raise InvalidProblem(
-            [("s", f"must lie outside the nip, {a:.4g} [m], and within pi R = "
-              f"{pi * roll.radius:.4g} [m]")]
+            [
+                (
+                    "s",
+                    f"must lie outside the nip, {a:.4g} [m], and within pi R = "
+                    f"{pi * roll.radius:.4g} [m]",
+                )
+            ]
         )
     kernels = roll.surface(float(np.max(np.abs(s))) + a)
     grid = Grid(result.x / a, s / a)
@@ -48,7 +53,9 @@ def roll_strain(result: NipResult, s: Array) -> Array:
     ):
         strain += grid.integrate(replace(kernel, smooth=None), a) @ traction
         if kernel.smooth is not None:
-            strain += kernel.smooth(s[:, None] - result.x[None, 1:-1]) @ (a * grid.weights * traction)
+            strain += kernel.smooth(s[:, None] - result.x[None, 1:-1]) @ (
+                a * grid.weights * traction
+            )
     return strain
 
 

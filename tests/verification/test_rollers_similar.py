@@ -23,7 +23,7 @@ def pair(**fields: Any) -> wo.RollerProblem:
 
 
 def traction_error(result: wo.RollerResult, exact: theories.PartialSlip) -> float:
-    """Return the relative L2 error of the nodal tractions, each node with its share of the width."""
+    """Return the relative L2 error of the nodal tractions, each by its share of the width."""
     x, q = result.x, exact.traction(result.x)
     share = np.gradient(x) * np.where((x == x[0]) | (x == x[-1]), 0.5, 1.0)
     return float(np.sqrt(np.sum(share * (result.traction - q) ** 2) / np.sum(share * q**2)))
@@ -37,7 +37,7 @@ def order(nodes: list[int], errors: list[float]) -> float:
 
 
 def test_carter_reference_values() -> None:
-    """Steel, R = 0.25 m both, mu = 0.5, P = 89 kN/m, Q = 8.4 kN/m: published to 6 or more digits."""
+    """Steel, R = 0.25 m both, mu = 0.5, P = 89 kN/m, Q = 8.4 kN/m: published to 6 digits."""
     result = wo.solve_rollers(pair())  # the default number of nodes
     a = result.half_width
     assert a == pytest.approx(0.353759e-3, rel=1e-3)

@@ -32,9 +32,7 @@ def test_values_by_the_published_process(nodes: int) -> None:
     published = wo.solve_nip(PROBLEM, scheme="thesis", nodes=nodes, algorithm="panagiotopoulos")
     pivoting = wo.solve_nip(PROBLEM, scheme="thesis", nodes=nodes)
     # both solve the same linear system in the end, and the width to 1e-11
-    assert published.nip_induced_tension == pytest.approx(
-        pivoting.nip_induced_tension, rel=1e-9
-    )
+    assert published.nip_induced_tension == pytest.approx(pivoting.nip_induced_tension, rel=1e-9)
     np.testing.assert_array_equal(published.roll_zone, pivoting.roll_zone)
     np.testing.assert_array_equal(published.drum_zone, pivoting.drum_zone)
     assert published.residuals.largest <= 1e-8

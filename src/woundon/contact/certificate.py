@@ -36,7 +36,7 @@ def certify(problem: StickSlip, solution: StickSlipSolution, slip_scale: float) 
     v = problem.offset + problem.direct @ q + problem.through_pressure @ p
     if problem.creep is not None:
         v = v + problem.creep * solution.creep
-    bound = problem.friction * np.tile(p, problem.faces)
+    bound = problem.friction * problem.on_faces(p)
     unit = problem.friction * float(np.max(np.abs(p)))
     stuck = state == 0
 

@@ -115,9 +115,19 @@ class Discretisation:
         cells, nodes = np.arange(self.unknowns + 1)[:, None], np.arange(self.unknowns)[None, :]
         if self.scheme == "thesis-printed":
             # eq. (121): 1/6 of the own node's hat, 5/6 of the one before, all of the others
-            share = np.select([nodes == cells, nodes == cells - 1, nodes < cells], [1 / 6, 5 / 6, 1])
+            share = np.select(
+                [nodes == cells, nodes == cells - 1, nodes < cells], [1 / 6, 5 / 6, 1]
+            )
             return share * self.grid.weights
         return np.where(nodes < cells, self.grid.weights, 0.0)
+
+    def pressure_slope(self, kernels: Kernels, a: float) -> Array:
+        """Return the slope in each cell by nodal pressures alone, (N, n)."""
+        rank = interpolation_rank(kernels.length, a)
+        if self.scheme == "graded":
+            return self.grid.integrate(kernels.slope_p, a, slice(0, -1), rank)
+        displacement = self.grid.integrate(kernels.normal_p, a, rank=rank)
+        return np.diff(displacement, axis=0) / (a * self.grid.cells[:, None])
 
     def response(self, kernels: Kernels, curvature: float, a: float) -> Response:
         """Return the response of a body's surface on the grid scaled by the half width a [m].

@@ -30,15 +30,29 @@ class KernelParts(Protocol):
     """What a kernel is made of: inverse/t + delta*Dirac + log*ln|t| + sign*sgn(t) + smooth(t)."""
 
     @property
-    def inverse(self) -> float: ...
+    def inverse(self) -> float:
+        """Coefficient of 1/t."""
+        ...
+
     @property
-    def delta(self) -> float: ...
+    def delta(self) -> float:
+        """Coefficient of Dirac(t)."""
+        ...
+
     @property
-    def log(self) -> float: ...
+    def log(self) -> float:
+        """Coefficient of ln|t|."""
+        ...
+
     @property
-    def sign(self) -> float: ...
+    def sign(self) -> float:
+        """Coefficient of sgn(t)."""
+        ...
+
     @property
-    def smooth(self) -> Callable[[Array], Array] | None: ...
+    def smooth(self) -> Callable[[Array], Array] | None:
+        """The rest."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +96,9 @@ class Grid:
 
     @cached_property
     def inverse(self) -> Array:
-        """Principal values of int psi_m(s)/(y - s) ds, (K, n); not for points on interior nodes."""
-        # with z = h/(y - x_left): int ds/(y-s) = -ln|1-z|,  int (s-x_left)/h/(y-s) ds = -ln|1-z|/z-1
+        """Principal values of int psi_m(s)/(y - s) ds, (K, n); no point on an interior node."""
+        # with z = h/(y - x_left) the cell's integrals of 1/(y - s) and of (s - x_left)/h/(y - s)
+        # are -ln|1-z| and -ln|1-z|/z - 1
         with np.errstate(divide="ignore", invalid="ignore"):
             z = self.cells / self.distance
             zeroth = -np.log(np.abs(1 - z))
@@ -91,8 +106,14 @@ class Grid:
         # far away the logarithm cancels, so it is expanded
         far = np.abs(z) < 2e-2
         zf = z[far]
-        first[far] = zf * (1 / 2 + zf * (1 / 3 + zf * (1 / 4 + zf * (1 / 5 + zf * (
-            1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))))
+        first[far] = zf * (
+            1 / 2
+            + zf
+            * (
+                1 / 3
+                + zf * (1 / 4 + zf * (1 / 5 + zf * (1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))
+            )
+        )
         zeroth[far] = zf * (1 + first[far])
         # at the contact's own ends the hats vanish with the distance: only the finite rests stay
         starts, ends = self.distance == 0, z == 1
@@ -125,19 +146,19 @@ class Grid:
         inside = (part >= 0) & (part < 1)
         return self._hats(np.where(inside, 1.0, 0.0), np.where(inside, part, 0.0))
 
-    def interpolation(self, rank: int) -> tuple[Array, Array, Array]:
-        """Return Chebyshev points (r,), Lagrange values at the points (K, r), hat moments (r, n)."""
+    def interpolation(self, rank: int) -> tuple[Array, Array]:
+        """Return Lagrange polynomials at the points (K, r) and their hat moments (r, n)."""
         made = self._made.get(rank)
         if made is None:
             made = self._made[rank] = self._interpolate(rank)
         return made
 
     @cached_property
-    def _made(self) -> dict[int, tuple[Array, Array, Array]]:
+    def _made(self) -> dict[int, tuple[Array, Array]]:
         return {}
 
-    def _interpolate(self, r: int) -> tuple[Array, Array, Array]:
-        t = -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
+    def _interpolate(self, r: int) -> tuple[Array, Array]:
+        t = _chebyshev_points(r)
         transform = np.cos(np.outer(np.arange(r), np.arccos(t))) * (2 / r)  # to coefficients
         transform[0] /= 2
         chebyshev = np.polynomial.chebyshev.chebvander
@@ -150,7 +171,7 @@ class Grid:
         measure = self.cells[:, None] * w / 2
         zeroth = (polynomials * measure).sum(-1)
         first = (polynomials * (measure * part)).sum(-1)
-        return t, at_points, transform.T @ self._hats(zeroth, first)
+        return at_points, transform.T @ self._hats(zeroth, first)
 
     def integrate(
         self, kernel: KernelParts, scale: float, rows: slice = slice(None), rank: int = 24
@@ -182,10 +203,28 @@ class Grid:
         if kernel.sign:
             out += kernel.sign * scale * self.sign[rows]
         if kernel.smooth is not None:
-            t, at_points, moments = self.interpolation(rank)
-            core = kernel.smooth(scale * (t[:, None] - t[None, :]))
+            at_points, moments = self.interpolation(rank)
+            distance, where = _distances(rank)
+            core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
         return out
+
+
+def _chebyshev_points(r: int) -> Array:
+    return -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
+
+
+@lru_cache(maxsize=32)
+def _distances(r: int) -> tuple[Array, Array]:
+    """Return the different distances between r Chebyshev points, and which belongs to each pair.
+
+    The points are symmetric, so t_i - t_j comes back as t_(r-1-j) - t_(r-1-i): half are new.
+    """
+    i, j = np.divmod(np.arange(r * r), r)
+    twin = np.minimum(r * i + j, r * (r - 1 - j) + (r - 1 - i))
+    kept, where = np.unique(twin, return_inverse=True)
+    t = _chebyshev_points(r)
+    return t[kept // r] - t[kept % r], where.reshape(r, r)
 
 
 def _midpoints_and_edge(middle: Array) -> Array:

@@ -107,40 +107,56 @@ class StickSlip:
     @cached_property
     def bound_matrix(self) -> Array:
         """mu K for all faces, (m, m)."""
-        return self.friction[:, None] * np.tile(self.pressure_response, (self.faces, 1))
+        return self.friction[:, None] * self.on_faces(self.pressure_response)
 
     @cached_property
     def bound_offset(self) -> Array:
         """mu p0 for all faces, (m,)."""
-        return self.friction * np.tile(self.pressure, self.faces)
+        return self.friction * self.on_faces(self.pressure)
+
+    def on_faces(self, values: Array) -> Array:
+        """Return nodal values of the nip repeated for each face."""
+        return np.concatenate([values] * self.faces)
 
     @cached_property
     def scale(self) -> float:
         """Slip per traction; slipping rows are multiplied by it to balance the system."""
         return float(np.max(np.abs(self.stick_matrix)))
 
-    def solve(self, state: Array) -> StickSlipSolution:
-        """Solve the linear system of one state."""
+    def system(self, state: Array) -> tuple[Array, Array]:
+        """Return matrix and right side of one state, slipping rows balanced by ``scale``."""
         m, bordered, scale = state.size, self.creep is not None, self.scale
-        matrix = np.zeros((m + bordered, m + bordered), order="F")
-        right = np.zeros(m + bordered)
-        stuck = np.nonzero(state == 0)[0]
+        matrix = np.empty((m + bordered, m + bordered))
+        right = np.empty(m + bordered)
+        matrix[:m, :m] = self.stick_matrix
+        right[:m] = -self.stick_offset
         slips = np.nonzero(state)[0]
-        matrix[stuck, :m] = self.stick_matrix[stuck]
-        right[stuck] = -self.stick_offset[stuck]
         sign = scale * state[slips]
         matrix[slips, :m] = -sign[:, None] * self.bound_matrix[slips]
         matrix[slips, slips] += scale
         right[slips] = sign * self.bound_offset[slips]
         if self.creep is not None and self.resultant is not None:
             unit = scale / float(np.max(np.abs(self.resultant)))
-            matrix[stuck, m] = scale * self.creep[stuck]
+            matrix[:m, m] = scale * self.creep
+            matrix[slips, m] = 0.0
             matrix[m, :m] = unit * self.resultant
+            matrix[m, m] = 0.0
             right[m] = unit * self.force
-        _, _, unknown, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
-        if info != 0 or not np.isfinite(unknown).all():
+        return matrix, right
+
+    def solve(self, state: Array) -> StickSlipSolution:
+        """Solve the linear system of one state."""
+        m = state.size
+        matrix, right = self.system(state)
+        # rows are written contiguously, so LAPACK is handed the transpose
+        factor, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)
+        if info != 0:
             return StickSlipSolution.failed(self, state)
-        return self.evaluate(state, unknown[:m], scale * float(unknown[m]) if bordered else 0.0)
+        unknown, _ = lapack.dgetrs(factor, pivots, right, trans=1, overwrite_b=1)
+        if not np.isfinite(unknown).all():
+            return StickSlipSolution.failed(self, state)
+        creep = self.scale * float(unknown[m]) if self.creep is not None else 0.0
+        return self.evaluate(state, unknown[:m], creep)
 
     def evaluate(self, state: Array, traction: Array, creep: float) -> StickSlipSolution:
         """Evaluate slip and bound of given tractions."""
@@ -178,8 +194,8 @@ class StickSlipSolution:
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         stuck = self.state == 0
-        b_tol = TOLERANCE * float(np.max(np.abs(self.bound)))
-        v_tol = TOLERANCE * float(np.max(np.abs(self.slip)))
+        b_tol = TOLERANCE * max(self.bound.max(), -self.bound.min())
+        v_tol = TOLERANCE * max(self.slip.max(), -self.slip.min())
         return np.where(
             stuck, np.abs(self.traction) > self.bound + b_tol, self.state * self.slip < -v_tol
         )
@@ -238,7 +254,7 @@ def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
 
 
 def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array) -> Array:
-    """Leave a node in stick where a resultant is prescribed: without one nothing holds the creep."""
+    """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
     if problem.creep is None:
         return state
     held = np.nonzero(problem.creep)[0]
@@ -279,7 +295,11 @@ def _bracket_creep(problem: StickSlip, start: Array, guess: float) -> StickSlipS
         creep = (low * f_high - high * f_low) / (f_high - f_low) if f_high > f_low else low
         excess = search.excess(creep)
         # Illinois: halve the value kept, or the other end would stand still
-        ends = [(low, f_low / 2), (creep, excess)] if excess > 0 else [(creep, excess), (high, f_high / 2)]
+        ends = (
+            [(low, f_low / 2), (creep, excess)]
+            if excess > 0
+            else [(creep, excess), (high, f_high / 2)]
+        )
     return replace(search.last, ending=Ending.LIMIT, solves=search.solves)
 
 
@@ -295,7 +315,8 @@ class _CreepSearch:
     def excess(self, creep: float) -> float:
         """Return the resultant less the prescribed one."""
         problem = self.problem
-        assert problem.creep is not None and problem.resultant is not None
+        assert problem.creep is not None
+        assert problem.resultant is not None
         given = replace(
             problem, creep=None, resultant=None, offset=problem.offset + problem.creep * creep
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, log
+from math import exp, inf, log
 from typing import TypeVar
 
 __all__ = ["WidthNotFound", "width_for_load"]
@@ -21,6 +21,7 @@ def width_for_load(
     guess: float,
     rtol: float,
     power: float = 2.0,
+    widest: float = inf,
 ) -> tuple[T, float]:
     """Find the half width a whose contact carries ``load``, by a secant on ln P against ln a.
 
@@ -39,6 +40,8 @@ def width_for_load(
         Accepted relative difference of the loads.
     power : float
         First guess of d ln P/d ln a.
+    widest : float
+        Largest half width that makes sense [m].
 
     Returns
     -------
@@ -48,7 +51,7 @@ def width_for_load(
     Raises
     ------
     WidthNotFound
-        After 60 evaluations.
+        After 60 evaluations, or where the widest contact does not carry the load.
     """
     ln_a = log(guess)
     last: tuple[float, float] | None = None
@@ -59,6 +62,10 @@ def width_for_load(
             return state, power
         if last is not None and abs(ln_a - last[0]) > 1e-12:
             power = min(max((miss - last[1]) / (ln_a - last[0]), 0.7), 12.0)
+        if ln_a >= log(widest) and miss < 0:
+            raise WidthNotFound(
+                f"a contact as wide as {widest:.3g} m to either side carries {carried:.3g} N/m only"
+            )
         last = (ln_a, miss)
-        ln_a -= min(max(miss / power, -1.5), 1.5)
+        ln_a = min(ln_a - min(max(miss / power, -1.5), 1.5), log(widest))
     raise WidthNotFound(f"the half width did not settle: last {exp(ln_a):.6g} m, off by {miss:.2g}")

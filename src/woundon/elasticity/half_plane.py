@@ -11,6 +11,7 @@ print is garbled; checked against C = 2 (1 - nu^2)/E of an isotropic material).
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import pi, sqrt
 from typing import NamedTuple
 
@@ -47,6 +48,7 @@ def coefficients(A_rr: float, A_tt: float, A_rt: float, G: float) -> Coefficient
     return Coefficients(1 / (s + A_rt), sqrt(A_rr / G) * ratio, sqrt(A_tt / G) * ratio)
 
 
+@lru_cache(maxsize=64)
 def surface_kernels(A_rr: float, A_tt: float, A_rt: float, G: float) -> SurfaceKernels:
     """Return the half-plane's influence functions (thesis eq. 32); lengths in metres in ln."""
     A, B, C = coefficients(A_rr, A_tt, A_rt, G)

@@ -14,7 +14,7 @@ __all__ = ["WoundOnTension", "measured_tensions", "newsprint_nip", "paper_nip"]
 
 
 def paper_nip(**changes: Any) -> NipProblem:
-    """Return the nip of the thesis's Table 1: P = 1900 N/m, F = 100 N/m, hard drum.
+    """Return the nip of the thesis's Table 1: P = 1900 N/m, F = 100 N/m, T_in = 500 N/m, hard drum.
 
     ``changes`` are fields of :class:`~woundon.problems.NipProblem`, nested ones by dotted name.
 
@@ -22,7 +22,8 @@ def paper_nip(**changes: Any) -> NipProblem:
     -----
     Table 1 gives no web thickness and no core radius.  Fig. 30's tension drop of almost 100 N/m,
     2h (A_rt/A_rr) p_max, asks for 2h of 66 to 71 um; the core radius moves NIT by 0.02 % between
-    10 and 200 mm.  66 um and 50 mm are taken.
+    10 and 200 mm.  66 um and 50 mm are taken.  T_in is not given either and moves nothing (winding
+    theorem); 500 N/m keeps the web taut for every winding force of the thesis.
     """
     paper = material("paper")
     return NipProblem(
@@ -33,6 +34,7 @@ def paper_nip(**changes: Any) -> NipProblem:
         drum_friction=0.4,
         nip_load=1900.0,
         winding_force=100.0,
+        web_tension=500.0,
     ).replace(**changes)
 
 

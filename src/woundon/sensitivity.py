@@ -1,0 +1,233 @@
+r"""Exact sensitivities of a solved nip, by implicit differentiation of its equations.
+
+In a given state of stick and slip the converged nip is a root of R(u, theta) = 0 with the unknowns
+u = (p, Delta/R*, q, xi, ln a):
+
+      p           shift   q                xi     ln a
+    [ slope_p     1       slope_q          0      dR/dln a ]    indentation        N
+    [ S           0       D                e      dR/dln a ]    sticking nodes    2n
+    [ -s mu       0       1                0      0        ]    slipping nodes
+    [ 0           0       w-               0      F        ]    winding force      1
+    [ w           0       0                0      P        ]    nip load           1
+
+An output J(u, theta) then changes by dJ/dtheta = J_theta - lambda . R_theta with lambda from
+R_u^T lambda = J_u: one factorisation and one back-substitution an output serve all parameters.
+R_theta is the equations' own change at fixed u, a central difference of assembled matrices;
+nothing is solved again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from .assembly import NipMatrices
+from .bodies import Cylinder
+from .contact.discretisation import Discretisation, discretisation
+from .contact.grid import Grid
+from .description import Description
+from .elasticity.strip import compliance
+from .errors import InvalidProblem, did_you_mean
+from .problems import NipProblem
+from .results import NipResult, Sensitivity
+
+__all__ = ["continuous_fields", "nip_sensitivity"]
+
+Array = np.ndarray
+OUTPUTS = ("nip_induced_tension", "half_width", "drum_creep")
+STEP = 1e-4  # relative; central differences of smooth matrices are then good to 1e-8
+NEAR_CHANGE = 1e-6  # margin of a node's law, relative, below which a zone change is announced
+
+
+def continuous_fields(problem: Description, prefix: str = "") -> Iterator[tuple[str, float]]:
+    """Yield (dotted name, value) of every continuous field of a description."""
+    for name in type(problem).model_fields:
+        value = getattr(problem, name)
+        if isinstance(value, Description):
+            yield from continuous_fields(value, f"{prefix}{name}.")
+        elif isinstance(value, float):
+            yield f"{prefix}{name}", value
+
+
+def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
+    """Return derivatives of NIT, half width and creep; see :class:`Sensitivity`.
+
+    Parameters
+    ----------
+    result : NipResult
+        Of :func:`solve_nip`; on its own grid, in its own state.
+    parameters : tuple of str
+        Dotted names; all continuous fields if empty.
+
+    Raises
+    ------
+    InvalidProblem
+        For a name that is no continuous field.
+    """
+    known = dict(continuous_fields(result.problem))
+    for name in parameters:
+        if name not in known:
+            raise InvalidProblem([(name, f"no continuous field{did_you_mean(name, known)}")])
+    names = parameters or tuple(known)
+    equations = _Equations(result)
+    factor = lu_factor(equations.jacobian().T)
+    adjoint = lu_solve(factor, equations.output_gradients().T)  # (unknowns, outputs)
+    derivatives = np.empty((len(OUTPUTS), len(names)))
+    for k, name in enumerate(names):
+        change, explicit = equations.changes(name, known[name])
+        derivatives[:, k] = explicit - adjoint.T @ change
+    values = np.array([getattr(result, output) for output in OUTPUTS])
+    fields = np.array([known[name] for name in names])
+    return Sensitivity(
+        OUTPUTS, names, derivatives, values, fields, zone_change=equations.near_zone_change()
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Unknowns:
+    """A converged state: u of the module's text, and the states of the nodes."""
+
+    pressure: Array
+    shift: float
+    traction: Array
+    creep: float
+    half_width: float
+    zones: Array
+
+
+class _Equations:
+    """The residual R(u, theta) about a converged state."""
+
+    def __init__(self, result: NipResult) -> None:
+        problem, a = result.problem, result.half_width
+        self.result, self.problem, self.disc = result, problem, _discretisation(result)
+        self.n = self.disc.unknowns
+        self.here = NipMatrices.at(problem, self.disc, a)
+        traction = np.concatenate([result.roll_traction[1:-1], result.drum_traction[1:-1]])
+        whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
+        c11 = compliance(*problem.web.material.stiffness[:3]).c11
+        creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
+        radius = 1 / (1 / problem.roll.radius + 1 / problem.drum.radius)
+        zones = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
+        self.u = _Unknowns(result.pressure[1:-1], result.offset / radius, traction, creep, a, zones)
+        self.nodes = np.r_[0 : self.n, self.n + 1 : 2 * self.n + 1]
+
+    def residual(self, problem: NipProblem, made: NipMatrices) -> Array:
+        """Return R at the fixed unknowns, of another problem or half width."""
+        u, n = self.u, self.n
+        p, q = u.pressure, u.traction
+        indentation = made.slope_p @ p + made.slope_q @ q + u.shift - made.gap
+        slip = made.direct[self.nodes] @ q + made.through_pressure[self.nodes] @ p
+        slip[n:] += u.creep
+        friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
+        law = np.where(u.zones == 0, slip, q - u.zones * friction * np.tile(p, 2))
+        force = float(made.weights @ q[n:]) - problem.winding_force
+        load = float(made.weights @ p) - problem.nip_load
+        return np.concatenate([indentation, law, [force, load]])
+
+    def jacobian(self) -> Array:
+        """Return R_u, (3n + 3, 3n + 3)."""
+        n, made, u, problem = self.n, self.here, self.u, self.problem
+        size = 3 * n + 3
+        J = np.zeros((size, size))
+        rows, p, q = slice(0, n + 1), slice(0, n), slice(n + 1, 3 * n + 1)
+        J[rows, p], J[rows, n], J[rows, q] = made.slope_p, 1.0, made.slope_q
+        stuck = u.zones == 0
+        friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
+        law = np.zeros((2 * n, size))
+        law[:, p] = np.where(
+            stuck[:, None], made.through_pressure[self.nodes],
+            -(u.zones * friction)[:, None] * np.tile(np.eye(n), (2, 1)),
+        )  # fmt: skip
+        law[:, q] = np.where(stuck[:, None], made.direct[self.nodes], np.eye(2 * n))
+        law[n:, 3 * n + 1] = stuck[n:]
+        J[n + 1 : 3 * n + 1] = law
+        J[3 * n + 1, 2 * n + 1 : 3 * n + 1] = made.weights
+        J[3 * n + 2, p] = made.weights
+        J[:, -1] = self._by_width()
+        return J
+
+    def _by_width(self) -> Array:
+        """Return dR/dln a."""
+        a = self.u.half_width
+        near = [
+            self.residual(self.problem, NipMatrices.at(self.problem, self.disc, a * np.exp(s)))
+            for s in (STEP, -STEP)
+        ]
+        return (near[0] - near[1]) / (2 * STEP)
+
+    def output_gradients(self) -> Array:
+        """Return J_u of the outputs, (outputs, unknowns)."""
+        n, w, u = self.n, self.here.weights, self.u
+        gradients = np.zeros((len(OUTPUTS), 3 * n + 3))
+        gradients[0, n + 1 : 3 * n + 1] = np.tile(w, 2)
+        gradients[0, -1] = float(w @ (u.traction[:n] + u.traction[n:]))
+        gradients[1, -1] = u.half_width
+        # xi- = xi - c11 T_out/(2h)
+        stretch = compliance(*self.problem.web.material.stiffness[:3]).c11
+        gradients[2] = -stretch / self.problem.web.thickness * gradients[0]
+        gradients[2, 3 * n + 1] = 1.0
+        return gradients
+
+    def changes(self, name: str, value: float) -> tuple[Array, Array]:
+        """Return R_theta and the outputs' explicit J_theta for one field."""
+        step = STEP * self._size(name, value)
+        ends: list[tuple[float, Array, Array]] = []
+        for sign in (1.0, -1.0):
+            try:
+                problem = self.problem.replace(**{name: value + sign * step})
+            except InvalidProblem:
+                continue  # at the border of the admissible range: one-sided
+            made = NipMatrices.at(problem, self.disc, self.u.half_width)
+            ends.append((sign * step, self.residual(problem, made), self._outputs(problem)))
+        if len(ends) == 1:
+            ends.append((0.0, self.residual(self.problem, self.here), self._outputs(self.problem)))
+        (s1, r1, o1), (s0, r0, o0) = ends
+        return (r1 - r0) / (s1 - s0), (o1 - o0) / (s1 - s0)
+
+    def _size(self, name: str, value: float) -> float:
+        """Return the scale on which a field matters."""
+        head, _, rest = name.partition(".")
+        body = getattr(self.problem, head)
+        if isinstance(body, Cylinder) and rest in ("radius", "core_radius"):
+            return body.thickness  # the radii of a thin layer matter by their difference
+        if value != 0:
+            return abs(value)
+        if name in ("winding_force", "web_tension"):
+            return self.problem.drum_friction * self.problem.nip_load
+        return self.problem.web.material.stiffness.shear if name.endswith("cross") else 1.0
+
+    def _outputs(self, problem: NipProblem) -> Array:
+        """Return the outputs of another problem at the fixed unknowns."""
+        w, u, n = self.here.weights, self.u, self.n
+        NIT = float(w @ (u.traction[:n] + u.traction[n:]))
+        c11 = compliance(*problem.web.material.stiffness[:3]).c11
+        creep = u.creep - c11 / problem.web.thickness * (problem.web_tension + NIT)
+        return np.array([NIT, u.half_width, creep])
+
+    def near_zone_change(self) -> str:
+        """Name the nodes whose law is kept by a hair only."""
+        r, found = self.result, []
+        for face, friction, traction, slip, zones in (
+            ("roll", self.problem.roll_friction, r.roll_traction, r.roll_slip, r.roll_zone),
+            ("drum", self.problem.drum_friction, r.drum_traction, r.drum_slip, r.drum_zone),
+        ):
+            bound = friction * r.pressure
+            spare = np.where(
+                zones == 0,
+                (bound - np.abs(traction)) / bound.max(),
+                np.abs(slip) / max(float(np.max(np.abs(slip))), 1e-300),
+            )[1:-1]
+            found += [f"{face} node {k + 1}" for k in np.nonzero(spare < NEAR_CHANGE)[0]]
+        return ", ".join(found)
+
+
+def _discretisation(result: NipResult) -> Discretisation:
+    """Return the discretisation a result was solved on."""
+    if result.scheme != "graded":
+        return discretisation(result.scheme, result.nodes)
+    a = result.half_width
+    return Discretisation(Grid(result.x / a, np.append(result.slip_x[1:] / a, 1.0)), "graded")

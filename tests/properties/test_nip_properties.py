@@ -1,0 +1,232 @@
+"""What holds for every winding nip, on random admissible ones, to 1e-8.
+
+The program solves to 1e-11 of the load and 1e-11 of each law, so 1e-8 leaves room for conditioning.
+
+Of mirrors: the rolling direction is not reversible (friction remembers what comes from upstream),
+and the wound-on condition tells the roll from the drum, so a nip has no mirror of its own.  What
+holds is the mirror of its normal problem: without friction the pressure is even and does not ask
+which body is which.  The mirrors of two rollers are in test_roller_properties.py.
+"""
+
+from __future__ import annotations
+
+from math import log10, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import woundon as wo
+from woundon.elasticity import strip
+
+
+def between(low: float, high: float) -> st.SearchStrategy[float]:
+    """Draw evenly in the logarithm."""
+    return st.floats(log10(low), log10(high)).map(lambda exponent: 10.0**exponent)
+
+
+@st.composite
+def papers(draw: Any) -> wo.Orthotropic:
+    """Soft through the thickness, stiff along the web."""
+    radial, tangential = draw(between(2e6, 2e8)), draw(between(3e8, 1e10))
+    return wo.Orthotropic(
+        radial=radial,
+        tangential=tangential,
+        cross=draw(st.floats(0.0, 0.6)) * min(radial, sqrt(radial * tangential), 4e7),
+        shear=draw(between(1e6, 2e8)),
+    )
+
+
+@st.composite
+def drums(draw: Any) -> wo.Rigid | wo.HalfPlane | wo.Cylinder:
+    """Hard, half-plane, or covered with 2 to 40 mm, foam to nearly incompressible rubber."""
+    radius = draw(between(0.06, 1.0))
+    kind = draw(st.sampled_from(["rigid", "half-plane", "covered"]))
+    if kind == "rigid":
+        return wo.Rigid(radius=radius)
+    material = wo.Isotropic(
+        youngs_modulus=draw(between(5e5, 3e9)), poissons_ratio=draw(st.floats(0.0, 0.499))
+    )
+    if kind == "half-plane":
+        return wo.HalfPlane(radius=radius, material=material)
+    core = radius - draw(between(2e-3, 0.04))
+    return wo.Cylinder(radius=radius, core_radius=core, material=material)
+
+
+@st.composite
+def admissible_nips(draw: Any) -> wo.NipProblem:
+    """Any nip with a steady state, within and beyond what winders do."""
+    paper, radius = draw(papers()), draw(between(0.06, 1.0))
+    core = draw(st.floats(0.1, 0.9)) * radius
+    roll = draw(
+        st.sampled_from([
+            wo.HalfPlane(radius=radius, material=paper),
+            wo.Cylinder(radius=radius, core_radius=core, material=paper),
+        ])
+    )  # fmt: skip
+    nip_load, drum_friction = draw(between(100.0, 2e4)), draw(between(0.05, 0.8))
+    return wo.NipProblem(
+        web=wo.Web(thickness=draw(between(10e-6, 200e-6)), material=paper),
+        roll=roll,
+        drum=draw(drums()),
+        roll_friction=draw(between(0.05, 0.8)),
+        drum_friction=drum_friction,
+        nip_load=nip_load,
+        winding_force=draw(st.floats(-0.95, 0.95)) * drum_friction * nip_load,
+        web_tension=draw(st.floats(0.0, 1000.0)),
+    )
+
+
+def curves(result: wo.NipResult) -> dict[str, np.ndarray]:
+    """The state over x/a, tractions by the largest pressure, slips by the largest slip."""
+    top = np.max(result.pressure)
+    slip = np.max(np.abs([result.roll_slip, result.drum_slip]))
+    return {
+        "pressure": result.pressure / top,
+        "roll_traction": result.roll_traction / top,
+        "drum_traction": result.drum_traction / top,
+        "roll_slip": result.roll_slip / slip,
+        "drum_slip": result.drum_slip / slip,
+    }
+
+
+def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
+    for name, values in curves(one).items():
+        np.testing.assert_allclose(curves(other)[name], values, rtol=0, atol=1e-8, err_msg=name)
+    np.testing.assert_array_equal(one.roll_zone, other.roll_zone)
+    np.testing.assert_array_equal(one.drum_zone, other.drum_zone)
+
+
+# ---- laws ---------------------------------------------------------------------------------------
+
+
+@settings(max_examples=120)
+@given(admissible_nips())
+def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
+    """Checked on the returned curves, beside the certificate."""
+    result = wo.solve_nip(problem)
+    assert result.residuals.largest <= 1e-8
+    p, top = result.pressure, np.max(result.pressure)
+    assert np.all(p[1:-1] > 0)
+    for q, slip, zone, mu in (
+        (result.roll_traction, result.roll_slip, result.roll_zone, problem.roll_friction),
+        (result.drum_traction, result.drum_slip, result.drum_zone, problem.drum_friction),
+    ):
+        assert np.all(np.abs(q) <= mu * p + 1e-8 * mu * top)
+        slips = zone != wo.Zone.STICK
+        np.testing.assert_allclose(q[slips], (zone * mu * p)[slips], rtol=0, atol=1e-8 * mu * top)
+        inner = slice(1, -1)  # the end nodes repeat their neighbours' zone
+        unit = np.max(np.abs(slip)) or 1.0
+        assert np.all((zone * slip)[inner][slips[inner]] >= -1e-8 * unit)
+        assert np.all(np.abs(slip[inner][~slips[inner]]) <= 1e-8 * unit)
+
+
+@settings(max_examples=40)
+@given(admissible_nips())
+def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem) -> None:
+    """NIT = Q+ + F with |Q+| <= mu+ P, whatever the contact does."""
+    result = wo.solve_nip(problem)
+    P, F, T_in = problem.nip_load, problem.winding_force, problem.web_tension
+    x, NIT = result.x, result.nip_induced_tension
+    assert np.trapezoid(result.pressure, x) == pytest.approx(P, rel=1e-8)
+    assert np.trapezoid(result.drum_traction, x) == pytest.approx(F, abs=1e-8 * P)
+    total = np.trapezoid(result.roll_traction, x) + F
+    assert pytest.approx(total, abs=1e-8 * P) == NIT
+    assert abs(NIT - F) <= problem.roll_friction * P * (1 + 1e-8)
+    assert result.web_tension[0] == T_in
+    assert result.web_tension[-1] == pytest.approx(T_in + NIT, abs=1e-8 * P)
+    assert result.wound_on_tension == T_in + NIT
+
+
+# ---- the winding theorem ------------------------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(admissible_nips(), st.floats(0.0, 5000.0))
+def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
+    """T_in changes only the drum's creep and the approach, these exactly by eq. (171)."""
+    other = problem.replace(web_tension=T_in)
+    one, two = wo.solve_nip(problem), wo.solve_nip(other)
+    assert_same_state(one, two)
+    P, more = problem.nip_load, T_in - problem.web_tension
+    assert two.nip_induced_tension == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
+    assert two.half_width == pytest.approx(one.half_width, rel=1e-8)
+    assert two.offset == pytest.approx(one.offset, abs=1e-8 * one.half_width)
+    np.testing.assert_allclose(two.web_tension - one.web_tension, more, rtol=0, atol=1e-8 * P)
+    c = strip.compliance(*problem.web.material.stiffness[:3])
+    creep = -c.c11 / problem.web.thickness * more
+    assert two.drum_creep - one.drum_creep == pytest.approx(creep, rel=1e-8, abs=1e-12)
+    # c12 < 0: a tauter web is thinner, the centres come closer
+    thinner = -c.c12 * more
+    span = max(abs(one.approach), abs(two.approach), abs(thinner))
+    assert two.approach - one.approach == pytest.approx(thinner, abs=1e-8 * span)
+
+
+# ---- scaling ------------------------------------------------------------------------------------
+
+
+def scaled_body(body: Any, length: float, stress: float) -> Any:
+    fields = {"radius": body.radius * length}
+    if not isinstance(body, wo.Rigid):
+        fields["material"] = scaled_material(body.material, stress)
+    if isinstance(body, wo.Cylinder):
+        fields["core_radius"] = body.core_radius * length
+    return body.replace(**fields)
+
+
+def scaled_material(material: Any, stress: float) -> Any:
+    names = ("radial", "tangential", "cross", "shear", "youngs_modulus")
+    return material.replace(
+        **{name: getattr(material, name) * stress for name in names if hasattr(material, name)}
+    )
+
+
+def scaled(problem: wo.NipProblem, length: float, stress: float) -> wo.NipProblem:
+    load, web = length * stress, problem.web
+    return problem.replace(
+        web=wo.Web(
+            thickness=web.thickness * length, material=scaled_material(web.material, stress)
+        ),
+        roll=scaled_body(problem.roll, length, stress),
+        drum=scaled_body(problem.drum, length, stress),
+        nip_load=problem.nip_load * load,
+        winding_force=problem.winding_force * load,
+        web_tension=problem.web_tension * load,
+    )
+
+
+@settings(max_examples=40)
+@given(admissible_nips(), st.floats(0.3, 3.0), st.floats(0.1, 10.0))
+def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
+    """All lengths and loads by one factor, all moduli and loads by another: the same state."""
+    one, two = wo.solve_nip(problem), wo.solve_nip(scaled(problem, length, stress))
+    assert_same_state(one, two)
+    load, P = length * stress, problem.nip_load
+    assert two.nip_induced_tension / load == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
+    assert two.half_width / length == pytest.approx(one.half_width, rel=1e-8)
+    assert two.offset / length == pytest.approx(one.offset, abs=1e-8 * one.half_width)
+    assert two.drum_creep == pytest.approx(one.drum_creep, rel=1e-8, abs=1e-12)
+    if not (isinstance(problem.roll, wo.HalfPlane) or isinstance(problem.drum, wo.HalfPlane)):
+        # with a half-plane the approach holds up to a constant, which a change of unit shifts
+        assert two.approach / length == pytest.approx(one.approach, rel=1e-8, abs=1e-12)
+
+
+# ---- the mirror of the normal problem -----------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(admissible_nips())
+def test_without_friction_the_pressure_is_even_and_ignores_which_body_is_which(
+    problem: wo.NipProblem,
+) -> None:
+    # friction bends the pressure by less than its coefficient
+    smooth = problem.replace(roll_friction=1e-9, drum_friction=1e-9, winding_force=0.0)
+    one = wo.solve_nip(smooth)
+    two = wo.solve_nip(smooth.replace(roll=problem.drum, drum=problem.roll))
+    top = np.max(one.pressure)
+    np.testing.assert_allclose(one.pressure, one.pressure[::-1], rtol=0, atol=1e-8 * top)
+    np.testing.assert_allclose(one.pressure, two.pressure, rtol=0, atol=1e-8 * top)
+    assert one.offset == pytest.approx(0.0, abs=1e-8 * one.half_width)
+    assert two.half_width == pytest.approx(one.half_width, rel=1e-8)
