@@ -78,6 +78,8 @@ class WrapState:
     drum_traction: Array
     tension: Array
     bend: Array  # kappa [1/m]
+    roll_slip: Array  # nan where a face has no contact
+    drum_slip: Array
     shift: float  # Delta/R*
 
 
@@ -257,28 +259,31 @@ class WrapEquations:
         solved[-1] *= scale
         return solved[:, 0], solved[:, 1:]
 
-    def strains(self) -> tuple[Array, Array]:
-        """Return the slips v+ and v- of all unknowns by z (m, k) and by q (m, m)."""
-        grid, web, problem = self.grid, self.web, self.problem
-        n_p, n_q, m = self.roll_nodes.size, self.roll_q.size, self.columns.size
-        cells = self.columns - 1  # each node belongs with the cell before it
-        to_cells = grid.to_points[cells][:, self.columns] - grid.weights[self.columns]
-        by_q = (self.half_width * web.c11 / problem.web.thickness) * to_cells
-        by_z = np.zeros((m, n_p + self.drum_nodes.size + 1))
+    @cached_property
+    def slips(self) -> tuple[Array, Array]:
+        """Return v+ and v- less its creep in all cells of both faces, by z and by q."""
+        grid, web, roll, drum = self.grid, self.web, self.roll, self.drum
+        n_p, n_q = self.roll_nodes.size, self.roll_q.size
+        cells = np.concatenate([np.arange(grid.first, grid.size - 1), np.arange(grid.last)])
+        N = n_p - 1  # of the roll
+        stretch = grid.to_points[:, self.columns] - grid.weights[self.columns]
+        by_q = (self.half_width * web.c11 / self.problem.web.thickness) * stretch[cells]
+        by_z = np.zeros((cells.size, n_p + self.drum_nodes.size + 1))
         by_z[:, :n_p] = -web.c12 * grid.value[cells][:, self.roll_nodes]
-        by_z[:n_q, n_p - 1] += web.c12  # at the far side, the reference of v+
-        by_z[:n_q, :n_p] -= self.roll.strain_p[: n_q] - self.roll.strain_p[-1]
-        by_q[:n_q, :n_q] -= (self.roll.strain_q[:n_q] - self.roll.strain_q[-1])[:, 1:-1]
-        by_z[n_q:, n_p:-1] -= self.drum.strain_p[: m - n_q, self.drum_p]
-        by_q[n_q:, n_q:] -= self.drum.strain_q[: m - n_q, 1:-1]
+        by_z[:N, n_p - 1] += web.c12  # v+ is referred to the far side
+        by_z[:N, :n_p] -= roll.strain_p[:-1] - roll.strain_p[-1]
+        by_q[:N, :n_q] -= (roll.strain_q[:-1] - roll.strain_q[-1])[:, 1:-1]
+        by_z[N:, n_p:-1] -= drum.strain_p[:-1, self.drum_p]
+        by_q[N:, n_q:] -= drum.strain_q[:-1, 1:-1]
         return by_z, by_q
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; every node has a pressure of its own."""
         problem, grid = self.problem, self.grid
         z, by_q = self.normal
-        slip_z, slip_q = self.strains()
         n_q, m = self.roll_q.size, self.columns.size
+        # a node belongs with the cell before it; each face's last cell belongs to no unknown
+        slip_z, slip_q = (np.delete(part, [n_q, m + 1], axis=0) for part in self.slips)
         own = self.own_pressure
         rest = np.setdiff1d(np.arange(z.size), own)  # pressures that bound no traction
         friction = np.full(m, problem.drum_friction)
@@ -315,8 +320,19 @@ class WrapEquations:
             self.half_width, solution, *fields,
             self.problem.web_tension + self.tension_q @ q,
             constant + bend_z @ z + bend_q @ q,
+            *self._slips_at_nodes(z, q, solution.creep),
             float(z[-1]),
         )  # fmt: skip
+
+    def _slips_at_nodes(self, z: Array, q: Array, creep: float) -> Array:
+        """Return v+ and v- along all nodes, each that of the cell before it, (2, N+1)."""
+        grid, N = self.grid, self.roll_nodes.size - 1
+        by_z, by_q = self.slips
+        v = by_z @ z + by_q @ q
+        out = np.full((2, grid.size), np.nan)
+        out[0, grid.first + 1 :], out[1, 1 : grid.last + 1] = v[:N], v[N:] + creep
+        out[0, grid.first], out[1, 0] = out[0, grid.first + 1], out[1, 1]
+        return out
 
     def nip_load(self, state: WrapState) -> float:
         """Return the integral of p- over the nip [N/m]."""
@@ -324,8 +340,16 @@ class WrapEquations:
         nip = slice(grid.first, grid.last + 1)
         return float(self.half_width * np.trapezoid(state.drum_pressure[nip], grid.nodes[nip]))
 
+    def unknowns(self, state: WrapState) -> Array:
+        """Return z of a state, (k,)."""
+        return np.concatenate(
+            [state.roll_pressure[self.roll_nodes], state.drum_pressure[self.drum_nodes],
+             [state.shift]]
+        )  # fmt: skip
+
     def imbalance(self, state: WrapState) -> float:
-        """Return the largest violation of p+ - p- = T kappa over the largest pressure."""
-        miss = state.roll_pressure - state.drum_pressure
-        miss -= np.where(self.weighs, state.tension * state.bend, 0.0)
-        return float(np.max(np.abs(miss)) / np.max(state.roll_pressure))
+        """Return the largest violation of p+ - p- = T kappa over the largest T kappa."""
+        weight = np.where(self.weighs, state.tension * state.bend, 0.0)
+        miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
+        top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
+        return float(miss / top)

@@ -19,8 +19,9 @@ from math import inf, pi
 import numpy as np
 
 from ..bodies import Body
-from ..elasticity.kernels import Kernel, SurfaceKernels
-from .grid import OpenGrid, WrapGrid, integrate, nip_block
+from ..contact.grid import Grid
+from ..elasticity.kernels import SurfaceKernels
+from .grid import Influence, OpenGrid, WrapGrid
 
 __all__ = ["Face", "face"]
 
@@ -81,7 +82,7 @@ def face(body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float)
     if not kernels.deforms:
         none = np.zeros((n, n))
         return Face(start, none[1:], none[1:], none, none, bend, none, none, none[0], none[0])
-    return _Assembly(body, kernels, grid, start, stop, edge, a).face(bend)
+    return _Assembly(body, kernels, grid, start, stop, edge, a).face(start, bend)
 
 
 class _Assembly:
@@ -91,66 +92,62 @@ class _Assembly:
         self, body: Body, kernels: SurfaceKernels, grid: WrapGrid,
         start: int, stop: int, edge: int, a: float,
     ) -> None:  # fmt: skip
-        self.body, self.kernels, self.whole, self.a = body, kernels, grid, a
-        self.start, self.edge = start, edge - start
-        nodes = grid.nodes[start : stop + 1]
-        cells = np.diff(nodes)
-        self.nodes, self.cells = nodes, cells
+        self.body, self.kernels, self.a = body, kernels, a
+        self.edge, self.trailing = edge - start, grid.last - start
+        self.nodes = grid.nodes[start : stop + 1]
+        self.cells = np.diff(self.nodes)
         self.behind = stop > grid.last  # the arc lies behind the nip, not before it
         self.has_arc = self.behind or start < grid.first
-        beside = nodes[self.edge]
+        beside = self.nodes[self.edge]
         if self.has_arc:
-            beside += ASIDE * (cells[self.edge] if self.behind else -cells[self.edge - 1])
-        end = nodes[-1] - ASIDE * cells[-1]
-        self.points = np.concatenate([grid.points[start:stop], [beside, end]])
-        self.open = OpenGrid(nodes, self.points)
+            beside += ASIDE * (self.cells[self.edge] if self.behind else -self.cells[self.edge - 1])
+        self.end = self.nodes[-1] - ASIDE * self.cells[-1]
+        self.points = np.concatenate([grid.points[start:stop], [beside, self.end]])
         self.period = 2 * pi * body.radius if body.curvature else inf
+        rows = np.arange(grid.first - start, self.trailing)
+        columns = slice(grid.first - start + 1, self.trailing)
+        if not self.behind:  # the end is the nip's trailing edge
+            rows = np.append(rows, self.points.size - 1)
+        self.put = self.influence(self.points, grid.nip, rows, columns)
 
-    def put(self, kernel: Kernel) -> Array:
-        """Integrate against all hats: rows are the cells, a point beside the edge, the end."""
-        length = self.kernels.length
-        out = integrate(self.open, kernel, self.a, length, self.period)
-        nip = self.whole.nip
-        block = nip_block(nip, kernel, self.a, length)
-        rows = slice(self.whole.first - self.start, self.whole.last - self.start)
-        columns = slice(rows.start + 1, rows.stop)
-        out[rows, columns] = block[:-1]
-        if not self.behind:
-            out[-1, columns] = block[-1]
-        return out
+    def influence(
+        self, points: Array, nip: Grid | None, rows: Array, columns: slice
+    ) -> Influence:
+        """Return what integrates kernels at the points."""
+        grid = OpenGrid(self.nodes, points)
+        return Influence(grid, nip, rows, columns, self.a, self.kernels.length, self.period)
 
-    def face(self, bend: Array) -> Face:
+    def face(self, start: int, bend: Array) -> Face:
+        """Return the matrices; the last two points are the edge of the arc and the end."""
         k = self.kernels
         slope_p, slope_q = self.put(k.slope_p), self.put(k.slope_q)
-        strain_p, strain_q = (np.delete(self.put(x), -2, axis=0) for x in (k.strain_p, k.strain_q))
-        v_p, v_q = (self.deflection(s, x) for s, x in ((slope_p, k.normal_p), (slope_q, k.normal_q)))
-        trailing = self.whole.last - self.start
+        strain_p, strain_q = self.put(k.strain_p), self.put(k.strain_q)
+        last = self.influence(self.points[-1:], None, np.arange(0), slice(0))
+        v_p = self.deflection(slope_p, last(k.normal_p))
+        v_q = self.deflection(slope_q, last(k.normal_q))
+        rows = np.append(np.arange(self.cells.size), self.cells.size + 1)
         return Face(
-            self.start, slope_p[:-2], slope_q[:-2], strain_p, strain_q,
+            start, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
             bend, self.bending(slope_p, v_p), self.bending(slope_q, v_q),
-            v_p[trailing], v_q[trailing],
+            v_p[self.trailing], v_q[self.trailing],
         )  # fmt: skip
 
-    def deflection(self, slope: Array, normal: Kernel) -> Array:
+    def deflection(self, slope: Array, last: Array) -> Array:
         """Return v at the nodes: at the last one by its kernel, from there by the slopes."""
-        last = integrate(
-            OpenGrid(self.nodes, self.points[-1:]), normal, self.a, self.kernels.length, self.period
-        )
         steps = slope[:-2] * (self.a * self.cells[:, None])
         return np.vstack([last - np.cumsum(steps[::-1], axis=0)[::-1], last])
 
     def bending(self, slope: Array, v: Array) -> Array:
         """Return the change of curvature at the nodes; those without two neighbours copy one."""
-        y, cells = self.points[:-2], slope[:-2]
+        y, cells, flatter = self.points[:-2], slope[:-2], self.body.curvature**2
         out = np.empty_like(v)
-        out[1:-1] = -np.diff(cells, axis=0) / (self.a * np.diff(y)[:, None])
-        out[1:-1] -= self.body.curvature**2 * v[1:-1]
+        out[1:-1] = np.diff(cells, axis=0) * (-1 / (self.a * np.diff(y)[:, None]))
+        out[1:-1] -= flatter * v[1:-1]
         e, nodes = self.edge, self.nodes
         if self.has_arc:
             # half a cell turns from the edge to the first point of the arc; kappa is linear there
             k, near = (e, e + 1) if self.behind else (e - 1, e - 1)
-            half = (cells[k] - slope[-2]) / (self.a * (nodes[e] - y[k]))
-            half -= self.body.curvature**2 * v[e]
+            half = (cells[k] - slope[-2]) / (self.a * (nodes[e] - y[k])) - flatter * v[e]
             share = (y[k] - nodes[e]) / (nodes[near] - nodes[e]) / 2
             out[e] = (half - share * out[near]) / (1 - share)
         out[0], out[-1] = out[1], out[-2]

@@ -13,23 +13,20 @@ end on a finite traction, so its ends carry half hats; the nip's own hats are ke
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import pi
 
 import numpy as np
 
 from ..contact.discretisation import interpolation_rank
 from ..contact.grid import Grid, KernelParts
 
-__all__ = ["OpenGrid", "WrapGrid", "integrate", "wrap_grid"]
+__all__ = ["Influence", "OpenGrid", "WrapGrid", "wrap_grid"]
 
 Array = np.ndarray
 
 FINE = 0.2  # [a]: farther out cells grow like the distance from the nip, nearer like its root
 EVENNESS = 3.0  # a cell at the far side is at most 1/EVENNESS of an even one
-GAUSS = 2  # points a cell for the smooth parts of kernels; they vary on the radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,36 +147,92 @@ def _arc(length: float, cells: int, entry: bool) -> Array:
     return distance
 
 
-def integrate(
-    grid: OpenGrid, kernel: KernelParts, scale: float, length: float, period: float
-) -> Array:
-    """Integrate a kernel of a closed circle against all hats of a grid scaled by ``scale``.
+class Influence:
+    """Integrates kernels of a closed circle against all hats of a grid scaled by a half width.
+
+    What is singular is integrated in closed form, the smooth rest by Gauss's rule, few points a
+    cell, for it varies on the radius.  Points and hats inside the nip keep the plain nip's
+    integrals, so that without arcs nothing changes.
 
     Parameters
     ----------
     grid : OpenGrid
-    kernel : Kernel
+        Nodes of a face and the points where kernels are asked for.
+    nip : Grid
+    rows, columns : int array, slice
+        Which points are the nip's, in its order, and which hats lie wholly inside it.
     scale : float
         a [m].
     length : float
-        Length on which the kernel's smooth part varies [m].
+        Length on which the smooth parts vary [m].
     period : float
         Circumference [m]; inf for a half-plane.
-
-    Returns
-    -------
-    (K, N+1) array
     """
-    out = grid.integrate(replace(kernel, smooth=None), scale)
-    if kernel.smooth is None:
+
+    def __init__(
+        self, grid: OpenGrid, nip: Grid | None, rows: Array, columns: slice,
+        scale: float, length: float, period: float,
+    ) -> None:  # fmt: skip
+        self.grid, self.nip, self.rows, self.columns = grid, nip, rows, columns
+        self.scale, self.length, self.period = scale, length, period
+
+    def __call__(self, kernel: KernelParts) -> Array:
+        """Return the integrals at each point, (K, N+1)."""
+        out = self.grid.integrate(replace(kernel, smooth=None), self.scale)  # type: ignore[type-var]
+        if kernel.smooth is not None:
+            needed, near, far, across = self._distances
+            values = np.zeros(needed.shape)
+            values[needed] = kernel.smooth(near)
+            values[far] += _singular(kernel, across[0]) - _singular(kernel, across[1])
+            out += values @ self._hats_at_points
+        if self.nip is not None:
+            rank = interpolation_rank(self.length, self.scale)
+            own = slice(0, self.rows.size)
+            out[self.rows, self.columns] = self.nip.integrate(kernel, self.scale, own, rank)
         return out
-    smooth = _beyond_half(kernel, period)
-    order = GAUSS + min(int(3 * scale * float(grid.cells.max()) / length), 6)
-    g, w = _gauss(order)
-    part = (g + 1) / 2
-    s = grid.nodes[:-1, None] + grid.cells[:, None] * part
-    values = smooth(scale * (grid.points[:, None, None] - s)) * (scale * grid.cells[:, None] * w / 2)
-    return out + grid._hats(values.sum(-1), (values * part).sum(-1))
+
+    @cached_property
+    def _points(self) -> tuple[Array, Array, Array]:
+        """Return Gauss's points, their cells and weights, (Q,)."""
+        cells = self.grid.cells
+        share = self.scale * cells / self.length
+        orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, 6).astype(int))
+        cell = np.repeat(np.arange(cells.size), orders)
+        rules = [_gauss(order) for order in orders.tolist()]
+        part = (np.concatenate([g for g, _ in rules]) + 1) / 2
+        return part, cell, np.concatenate([w for _, w in rules]) / 2 * cells[cell] * self.scale
+
+    @cached_property
+    def _hats_at_points(self) -> Array:
+        """Hats times weights at Gauss's points, (Q, N+1)."""
+        part, cell, weight = self._points
+        hats = np.zeros((part.size, self.grid.nodes.size))
+        k = np.arange(part.size)
+        hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
+        return hats
+
+    @cached_property
+    def _distances(self) -> tuple[Array, Array, Array, tuple[Array, Array]]:
+        """Return where smooth parts are needed (K, Q), at which distances, and what is beyond half.
+
+        Beyond half the circumference a smooth part is continued by periodicity of the whole kernel:
+        the singular parts are exchanged there.
+        """
+        part, cell, _ = self._points
+        s = self.grid.nodes[cell] + self.grid.cells[cell] * part
+        t = self.scale * (self.grid.points[:, None] - s)
+        needed = np.ones(t.shape, dtype=bool)
+        if self.nip is not None:
+            inner = (cell >= self.columns.start) & (cell < self.columns.stop - 1)
+            needed[self.rows] = ~inner
+        far = needed & (np.abs(t) > self.period / 2)
+        straight = t[far]
+        t[far] -= np.sign(straight) * self.period if straight.size else straight
+        return needed, t[needed], far, (t[far], straight)
+
+
+def _singular(kernel: KernelParts, t: Array) -> Array:
+    return kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
 
 
 @lru_cache
@@ -187,27 +240,3 @@ def _gauss(order: int) -> tuple[Array, Array]:
     """Return Gauss's points and weights on [-1, 1]."""
     g, w = np.polynomial.legendre.leggauss(order)
     return g, w
-
-
-def _beyond_half(kernel: KernelParts, period: float) -> Callable[[Array], Array]:
-    """Continue a smooth part beyond half the circumference, where the singular ones are not."""
-
-    def singular(t: Array) -> Array:
-        return kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
-
-    def smooth(t: Array) -> Array:
-        assert kernel.smooth is not None
-        far = np.abs(t) > period / 2
-        if not far.any():
-            return kernel.smooth(t)
-        wrapped = t - np.where(far, period * np.sign(t), 0.0)
-        out = kernel.smooth(wrapped)
-        out[far] += singular(wrapped[far]) - singular(t[far])
-        return out
-
-    return smooth
-
-
-def nip_block(grid: Grid, kernel: KernelParts, scale: float, length: float) -> Array:
-    """Integrate a kernel inside the nip as the plain nip does, at all its points, (K, n)."""
-    return grid.integrate(kernel, scale, rank=interpolation_rank(length, scale))
