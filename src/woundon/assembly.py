@@ -169,11 +169,15 @@ class NipEquations:
         nodes = np.r_[0:n, n + 1 : 2 * n + 1]
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
+        # F in proportion to the load that this half width carries: a steady state at any width
+        share = problem.winding_force / problem.nip_load
+        carried = share * (made.weights @ self.pressure_response)
         return StickSlip(
             made.direct[nodes], made.through_pressure[nodes], np.zeros(2 * n),
             self.pressure, self.pressure_response, friction, faces=2,
             creep=np.concatenate([zero, one]),
-            resultant=np.concatenate([zero, made.weights]), force=problem.winding_force,
+            resultant=np.concatenate([zero, made.weights]) - carried,
+            force=share * float(made.weights @ self.pressure),
         )  # fmt: skip
 
     def state(self, solution: StickSlipSolution) -> NipState:

@@ -75,8 +75,8 @@ def commands() -> None:
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
 @click.option("--scheme", default="graded", show_default=True, help="graded or thesis.")
 @click.option("--algorithm", default="pivoting", help="pivoting (default) or panagiotopoulos.")
-@click.option("--nodes", type=int, help="Number of nodes along the nip.")
-@click.option("--rtol", type=float, help="Refine until the tension's relative error is below.")
+@click.option("--nodes", type=int, help="Number of nodes along the nip, fixed.")
+@click.option("--rtol", type=float, help="Refine until the added tension is known to RTOL.")
 def nip(
     case: Path,
     settings: tuple[str, ...],

@@ -1,0 +1,238 @@
+"""Ten thousand random nips: is each solved, is every law kept, is the answer the only one?
+
+    python benchmarks/campaign.py --cases 10000 --workers 2
+    python benchmarks/campaign.py --two-starts 500
+
+Each writes a table with a row a case (out/campaign.csv, out/two_starts.csv), part by part: stopped
+and called again it goes on.  The seed makes the case (random_nips.py); what failed says why.
+"""
+
+from __future__ import annotations
+
+import os
+
+# one thread a process, and before NumPy is loaded: matrices are small
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import sys
+import time
+import warnings
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from random_nips import flat_fields, random_nip
+from table_run import Row, run_table
+
+import woundon as wo
+from woundon.assembly import NipEquations
+from woundon.contact.discretisation import discretisation
+from woundon.contact.stick_slip import Ending, solve_stick_slip
+
+warnings.simplefilter("ignore", wo.ValidityWarning)
+
+RESIDUAL = 1e-8
+NODES = 65  # of the compared cases; left free, different starts may choose different grids
+SAME = 1e-7  # of mu+ P: loads are carried to 1e-10, states are the same to the last node
+
+INPUTS = (
+    "web.thickness", "web.material.radial", "web.material.tangential", "web.material.cross",
+    "web.material.shear", "roll.kind", "roll.radius", "roll.core_radius", "drum.kind",
+    "drum.radius", "drum.core_radius", "drum.material.youngs_modulus",
+    "drum.material.poissons_ratio", "roll_friction", "drum_friction", "nip_load",
+    "winding_force", "web_tension",
+)  # fmt: skip
+OUTPUTS = (
+    "nip_induced_tension", "error", "half_width", "residual", "law", "iterations",
+    "milliseconds", "warnings", "failure",
+)  # fmt: skip
+STARTS = ("other case", "all forward", "all backward", "all stick", "random", "twice the width")
+COMPARED = ("nip_induced_tension", "tension_difference", "states_differ", "traction_difference",
+            "failure")  # fmt: skip
+
+
+def solved(seed: int) -> Row:
+    """Return a row of the campaign."""
+    problem = random_nip(seed)
+    row: Row = dict(flat_fields(problem.model_dump()))
+    start = time.perf_counter()
+    try:
+        result = wo.solve_nip(problem)
+    except Exception as fault:  # whatever it is, it is a finding
+        return row | {"failure": f"{type(fault).__name__}: {fault}"}
+    seconds = time.perf_counter() - start
+    law, worst = max(result.residuals.items(), key=lambda item: item[1])
+    return row | {
+        "nip_induced_tension": result.nip_induced_tension,
+        "error": result.nip_induced_tension_error,
+        "half_width": result.half_width,
+        "residual": worst,
+        "law": law,
+        "iterations": result.iterations,
+        "milliseconds": round(1e3 * seconds, 2),
+        "warnings": len(result.warnings),
+    }
+
+
+def compared(seed: int) -> Row:
+    """Return how much the answers from different starts differ."""
+    problem = random_nip(seed)
+    try:
+        cold = wo.solve_nip(problem, nodes=NODES)
+        tension, states, traction = _whole_solver(seed, cold)
+        more_states, more_traction = _last_grid(seed, cold)
+    except Exception as fault:
+        return {"failure": f"{type(fault).__name__}: {fault}"}
+    return {
+        "nip_induced_tension": cold.nip_induced_tension,
+        "tension_difference": tension,
+        "states_differ": max(states, more_states),
+        "traction_difference": max(traction, more_traction),
+    }
+
+
+def _whole_solver(seed: int, cold: wo.NipResult) -> tuple[float, int, float]:
+    """Solve from other results and zones through ``start=``, width and all."""
+    problem = cold.problem
+    tension, states, traction = 0.0, 0, 0.0
+    for name in STARTS:
+        start = _start(name, seed, cold)
+        again = wo.solve_nip(problem, nodes=NODES, start=start)
+        change = abs(again.nip_induced_tension - cold.nip_induced_tension)
+        tension = max(tension, change / (problem.roll_friction * problem.nip_load))
+        states = max(states, int(np.count_nonzero(_zones(again) != _zones(cold))))
+        traction = max(traction, _change(_tractions(again), _tractions(cold)))
+    return tension, states, traction
+
+
+def _start(name: str, seed: int, cold: wo.NipResult) -> wo.NipResult:
+    if name == "other case":
+        return wo.solve_nip(random_nip(10**6 + seed), nodes=33)
+    if name == "twice the width":
+        return replace(cold, half_width=2 * cold.half_width, x=2 * cold.x)
+    size = cold.nodes
+    random = np.random.default_rng(seed).integers(-1, 2, (2, size)).astype(np.int8)
+    state = {"all forward": 1, "all backward": -1, "all stick": 0}.get(name)
+    zones = random if state is None else np.full((2, size), state, dtype=np.int8)
+    return replace(cold, roll_zone=zones[0], drum_zone=zones[1])
+
+
+def _last_grid(seed: int, cold: wo.NipResult) -> tuple[int, float]:
+    """Solve stick and slip of the last grid from states that have nothing to do with it."""
+    disc = discretisation("graded", cold.nodes)
+    equations = NipEquations.at(cold.problem, disc, cold.half_width).stick_slip()
+    expected = np.concatenate([cold.roll_zone[1:-1], cold.drum_zone[1:-1]])
+    traction = np.concatenate([cold.roll_traction[1:-1], cold.drum_traction[1:-1]])
+    random = np.random.default_rng(seed)
+    starts = [np.full(expected.size, s, dtype=np.int8) for s in (0, 1, -1)]
+    starts += [random.integers(-1, 2, expected.size).astype(np.int8) for _ in range(2)]
+    states, change = 0, 0.0
+    for start in starts:
+        found = solve_stick_slip(equations, start)
+        if found.ending is not Ending.SOLVED:
+            raise wo.NotConverged(f"not found on the last grid: {found.ending.name}")
+        states = max(states, int(np.count_nonzero(found.state != expected)))
+        change = max(change, _change(found.traction, traction))
+    return states, change
+
+
+def _zones(result: wo.NipResult) -> np.ndarray:
+    return np.concatenate([result.roll_zone, result.drum_zone])
+
+
+def _tractions(result: wo.NipResult) -> np.ndarray:
+    return np.concatenate([result.roll_traction, result.drum_traction])
+
+
+def _change(one: np.ndarray, other: np.ndarray) -> float:
+    return float(np.max(np.abs(one - other)) / np.max(np.abs(other)))
+
+
+def report_campaign(rows: list[dict[str, str]]) -> str:
+    """Return the campaign's summary as Markdown."""
+    failed = [row for row in rows if row["failure"]]
+    good = [row for row in rows if not row["failure"]]
+    worst = max(good, key=lambda row: float(row["residual"]))
+    systems = np.array([float(row["iterations"]) for row in good])
+    times = np.array([float(row["milliseconds"]) for row in good])
+    loose = sum(float(row["residual"]) > RESIDUAL for row in good)
+    lines = [
+        ("cases", f"{len(rows)}"),
+        ("exceptions", f"{len(failed)}"),
+        ("a residual above 1e-8", f"{loose}"),
+        ("largest residual", f"{float(worst['residual']):.1e} ({worst['law'].replace('_', ' ')}, "
+                             f"seed {worst['seed']})"),
+        ("linear systems: median, 99 %, most", _spread(systems)),
+        ("milliseconds: median, 99 %, most", _spread(times)),
+        ("with a validity warning", f"{sum(int(row['warnings']) > 0 for row in good)}"),
+    ]  # fmt: skip
+    text = "| | |\n|---|---|\n" + "".join(f"| {name} | {value} |\n" for name, value in lines)
+    return text + _failures(failed)
+
+
+def report_two_starts(rows: list[dict[str, str]]) -> str:
+    """Return the summary of the different starts as Markdown."""
+    failed = [row for row in rows if row["failure"]]
+    good = [row for row in rows if not row["failure"]]
+    tension = max(good, key=lambda row: float(row["tension_difference"]))
+    other = [row["seed"] for row in good if float(row["tension_difference"]) > SAME]
+    nodes = [row["seed"] for row in good if int(row["states_differ"])]
+    lines = [
+        ("cases", f"{len(rows)}"),
+        ("starts each", f"{len(STARTS)} of the whole solver, 5 of the last grid"),
+        ("exceptions", f"{len(failed)}"),
+        ("largest difference of NIT, of mu+ P", f"{float(tension['tension_difference']):.1e} "
+                                                f"(seed {tension['seed']})"),
+        (f"cases with NIT further apart than {SAME:g} mu+ P", _named(other)),
+        ("cases with a node in another state", _named(nodes)),
+        ("largest difference of a traction, of the largest",
+         f"{max(float(row['traction_difference']) for row in good):.1e}"),
+    ]  # fmt: skip
+    text = "| | |\n|---|---|\n" + "".join(f"| {name} | {value} |\n" for name, value in lines)
+    return text + _failures(failed)
+
+
+def _named(seeds: list[str]) -> str:
+    return f"{len(seeds)}" + (f": seeds {', '.join(seeds[:20])}" if seeds else "")
+
+
+def _spread(values: np.ndarray) -> str:
+    return ", ".join(f"{np.quantile(values, part):.3g}" for part in (0.5, 0.99, 1.0))
+
+
+def _failures(failed: list[dict[str, str]]) -> str:
+    reasons = Counter(row["failure"].split(":")[0] for row in failed)
+    seeds = "".join(f"- seed {row['seed']}: {row['failure'].splitlines()[0]}\n" for row in failed)
+    return f"\n{', '.join(f'{n} {name}' for name, n in reasons.items())}\n\n{seeds}" * bool(failed)
+
+
+def main() -> int:
+    """Run; return 1 if a case failed."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--cases", type=int, default=0, help="random nips, seeds from --first")
+    options.add_argument("--two-starts", type=int, default=0, help="cases solved from many starts")
+    options.add_argument("--first", type=int, default=0, help="first seed")
+    options.add_argument("--workers", type=int, default=1, help="processes")
+    options.add_argument("--folder", type=Path, default=Path("out"), help="where the tables go")
+    given = options.parse_args()
+    faults = 0
+    for count, name, columns, work, report in (
+        (given.cases, "campaign", (*INPUTS, *OUTPUTS), solved, report_campaign),
+        (given.two_starts, "two_starts", COMPARED, compared, report_two_starts),
+    ):
+        if count:
+            seeds = range(given.first, given.first + count)
+            path = given.folder / f"{name}.csv"
+            rows = run_table(path, ("seed", *columns), seeds, work, given.workers)
+            faults += sum(bool(row["failure"]) for row in rows)
+            text = report(rows)
+            path.with_suffix(".md").write_text(text, encoding="utf-8")
+            print(text)
+    return int(faults > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
