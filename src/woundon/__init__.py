@@ -22,12 +22,14 @@ _HOME = {
     "RollerResult": "results",
     "ValidityWarning": "errors",
     "Web": "problems",
+    "WrappedNipResult": "wrap",
     "Zone": "results",
     "load_case": "casefile",
     "load_result": "casefile",
     "material": "materials",
     "solve_nip": "nip",
     "solve_rollers": "rollers",
+    "solve_wrapped_nip": "wrap",
     "theories": "",
 }
 
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
     from .problems import NipProblem, RollerProblem, Web
     from .results import NipResult, RollerResult, Zone
     from .rollers import solve_rollers
+    from .wrap import WrappedNipResult, solve_wrapped_nip
 
 
 def __getattr__(name: str) -> Any:

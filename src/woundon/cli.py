@@ -18,6 +18,7 @@ from .errors import InvalidProblem, NotConverged
 
 if TYPE_CHECKING:
     from .results import NipResult
+    from .wrap import WrappedNipResult
 
 __all__ = ["main"]
 
@@ -77,12 +78,22 @@ def commands() -> None:
 @click.option("--algorithm", default="pivoting", help="pivoting (default) or panagiotopoulos.")
 @click.option("--nodes", type=int, help="Number of nodes along the nip, fixed.")
 @click.option("--rtol", type=float, help="Refine until the added tension is known to RTOL.")
+@click.option(
+    "--roll-wrap",
+    metavar="ANGLE",
+    help='Wrap the web on the roll behind the nip, e.g. "180 deg", where it is then held.',
+)
+@click.option(
+    "--drum-wrap", metavar="ANGLE", help='Wrap the web on the drum before the nip, e.g. "90 deg".'
+)
 def nip(
     case: Path,
     settings: tuple[str, ...],
     as_json: bool,
     save: Path | None,
     plot: Path | None,
+    roll_wrap: str | None,
+    drum_wrap: str | None,
     **options: Any,
 ) -> None:
     """Solve the winding nip of a case file ('woundon new' writes one)."""
@@ -90,7 +101,10 @@ def nip(
 
     problem = load_case(case, settings)
     _check_outputs(save, plot)
-    result = _solved(problem, options)
+    if roll_wrap is None and drum_wrap is None:
+        result = _solved(problem, options)
+    else:
+        result = _solved_with_wraps(problem, roll_wrap, drum_wrap, options)
     if save:
         result.save(save)
     if plot:
@@ -118,7 +132,7 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
             raise InvalidProblem([(str(path), f"the folder {str(path.parent)!r} does not exist")])
 
 
-def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
+def _solved(problem: Any, options: dict[str, Any]) -> NipResult | WrappedNipResult:
     import warnings
 
     from .errors import ValidityWarning
@@ -130,7 +144,29 @@ def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
         return solve_nip(problem, **options)
 
 
-def _show(result: NipResult) -> None:
+def _solved_with_wraps(
+    problem: Any, roll_wrap: str | None, drum_wrap: str | None, options: dict[str, Any]
+) -> WrappedNipResult:
+    from .units import parse
+    from .wrap import solve_wrapped_nip
+
+    plain = {"scheme": "graded", "algorithm": "pivoting", "rtol": None}
+    for name, usual in plain.items():
+        if options[name] != usual:
+            text = f"{options[name]!r} is not admissible with a wrap; leave it out, or the wraps"
+            raise InvalidProblem.at(f"--{name}", text)
+    given = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap}
+    chosen: dict[str, Any] = {
+        name: parse(text, "rad", f"--{name.replace('_', '-')}")
+        for name, text in given.items()
+        if text is not None
+    }
+    if options["nodes"] is not None:
+        chosen["nodes"] = options["nodes"]
+    return solve_wrapped_nip(problem, **chosen)
+
+
+def _show(result: NipResult | WrappedNipResult) -> None:
     from rich.console import Console
 
     from .report import print_report

@@ -12,11 +12,10 @@ drum.  Along the web, from the drum's arc through the nip to the far side of the
     pressures     p- = T kappa2, p+ = 0   p+ - p- = T kappa1        p+ = T kappa1, p- = 0
     geometry                              indentation (82)'
     slip at drum  eps - eps2 + xi-        the same
-    slip at roll                          eps - eps1 - [eps - eps1](far)   the same   (thesis eq. 96)
+    slip at roll                          eps - eps1 - [eps - eps1](far)   the same
 
-with eps = c11 T/(2h) - c12 p+ everywhere.  p+ begins with zero at the leading edge, or, where the
-roll bulges more than the drum, p- does; at the trailing edge p+ goes over into the hoop pressure
-while p- ends with a jump.
+(the last: thesis eq. 96) with eps = c11 T/(2h) - c12 p+ everywhere.  p+ begins with zero at the
+leading edge; at the trailing edge it goes over into the hoop pressure while p- ends with a jump.
 
 T kappa is the only product of unknowns.  It is linearised about a known (T0, kappa0),
 
@@ -43,7 +42,6 @@ from ..problems import NipProblem
 from .face import Face, face
 from .grid import WrapGrid
 
-
 __all__ = ["Loads", "WrapEquations", "WrapState"]
 
 Array = np.ndarray
@@ -59,11 +57,14 @@ class Loads:
         Whether there is an arc behind the nip and one before it.
     friction : float
         mu+ behind the nip.
+    force : float
+        F on nip and drum's arc [N/m].
     """
 
     roll_arc: bool
     drum_arc: bool
     friction: float
+    force: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,7 +297,7 @@ class WrapEquations:
         return StickSlip(
             slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own], slip_z[:, rest] @ z[rest],
             z[own], by_q[own], friction, faces=1,
-            creep=creep, resultant=resultant, force=problem.winding_force,
+            creep=creep, resultant=resultant, force=self.loads.force,
         )  # fmt: skip
 
     @cached_property
@@ -310,19 +311,27 @@ class WrapEquations:
     def state(self, solution: StickSlipSolution) -> WrapState:
         """Return the state that belongs to solved tractions."""
         z0, by_q = self.normal
-        q, n_p, n_q, size = solution.traction, self.roll_nodes.size, self.roll_q.size, self.grid.size
+        q, size = solution.traction, self.grid.size
+        n_p, n_q = self.roll_nodes.size, self.roll_q.size
         z = z0 + by_q @ q
         fields = np.zeros((4, size))
         fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
         fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
         constant, bend_z, bend_q = self.curvature()
+        slips = self._slips_at_nodes(z, q, solution.creep)
         return WrapState(
-            self.half_width, solution, *fields,
-            self.problem.web_tension + self.tension_q @ q,
-            constant + bend_z @ z + bend_q @ q,
-            *self._slips_at_nodes(z, q, solution.creep),
-            float(z[-1]),
-        )  # fmt: skip
+            half_width=self.half_width,
+            solution=solution,
+            roll_pressure=fields[0],
+            drum_pressure=fields[1],
+            roll_traction=fields[2],
+            drum_traction=fields[3],
+            tension=self.problem.web_tension + self.tension_q @ q,
+            bend=constant + bend_z @ z + bend_q @ q,
+            roll_slip=slips[0],
+            drum_slip=slips[1],
+            shift=float(z[-1]),
+        )
 
     def _slips_at_nodes(self, z: Array, q: Array, creep: float) -> Array:
         """Return v+ and v- along all nodes, each that of the cell before it, (2, N+1)."""

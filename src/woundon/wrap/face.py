@@ -4,11 +4,11 @@ The surface of a body of radius R with outward displacement v has, to first orde
 
     kappa = 1/R - v'' - v/R^2,
 
-the polar curvature (r^2 + 2 r'^2 - r r'')/(r^2 + r'^2)^(3/2) of r = R + v with s = R theta (thesis
-eq. 154, whose last term is misprinted: an evenly inflated circle must get flatter, and a translation,
-v = cos theta, must change nothing).  On the grid kappa is the turn of the surface between
-neighbouring collocation points over their distance, so that the web's normal balance holds for
-every stretch of web, however coarse the cells.
+the polar curvature (r^2 + 2 r'^2 - r r'')/(r^2 + r'^2)^(3/2) of r = R + v with s = R theta
+(thesis eq. 154, whose last term is misprinted: an evenly inflated circle must get flatter, and a
+translation, v = cos theta, must change nothing).  On the grid kappa is the turn of the surface
+between neighbouring collocation points over their distance, so that the web's normal balance holds
+for every stretch of web, however coarse the cells.
 """
 
 from __future__ import annotations
@@ -110,9 +110,7 @@ class _Assembly:
             rows = np.append(rows, self.points.size - 1)
         self.put = self.influence(self.points, grid.nip, rows, columns)
 
-    def influence(
-        self, points: Array, nip: Grid | None, rows: Array, columns: slice
-    ) -> Influence:
+    def influence(self, points: Array, nip: Grid | None, rows: Array, columns: slice) -> Influence:
         """Return what integrates kernels at the points."""
         grid = OpenGrid(self.nodes, points)
         return Influence(grid, nip, rows, columns, self.a, self.kernels.length, self.period)

@@ -102,7 +102,9 @@ class WrapGrid:
         return OpenGrid(self.nodes, self.points).value
 
 
-def wrap_grid(nip: Grid, drum_arc: float, drum_cells: int, roll_arc: float, roll_cells: int) -> WrapGrid:
+def wrap_grid(
+    nip: Grid, drum_arc: float, drum_cells: int, roll_arc: float, roll_cells: int
+) -> WrapGrid:
     """Join arcs to a nip's grid.
 
     Parameters

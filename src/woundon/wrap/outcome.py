@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..assembly import contact_radius
 from ..contact.certificate import certify
 from ..outcome import _slip_ratios
-from ..problems import NipProblem
-from ..results import NipResult, Zone
 from ..validity import nip_warnings
 from .equations import WrapEquations, WrapState
 from .result import WrappedNipResult, WrappedResiduals
@@ -31,27 +31,32 @@ def wrapped_result(
     error : float
         Estimated error of the wound-on tension [N/m].
     """
-    grid, T = equations.grid, state.tension
-    x = state.half_width * grid.nodes
+    grid, T, a, problem = equations.grid, state.tension, state.half_width, equations.problem
+    x = a * grid.nodes
+    slip_x = a * np.append(grid.points[:1], grid.points)
+    slip_x[grid.first] = slip_x[grid.first + 1]
     zones = _zones(equations, state.solution.state)
-    residuals = _residuals(equations, state)
-    nip = _nip(equations, state, zones, residuals, error)
-    slip_zone, slip_angle = _slip_behind(equations, zones[0])
-    return WrappedNipResult(
-        problem=equations.problem,
+    nip, inside = slice(grid.first, grid.last + 1), slice(grid.first + 1, grid.last)
+    surfaces = [body.surface(2 * a) for body in (problem.roll, problem.drum)]
+    result = WrappedNipResult(
+        problem=problem,
         roll_wrap=angles[0],
         drum_wrap=angles[1],
         wrap_friction=equations.loads.friction,
-        nip=nip,
+        winding_force=equations.loads.force,
         wound_on_tension=float(T[-1]),
         wound_on_tension_error=error,
         tension_before_nip=float(T[grid.first]),
         tension_behind_nip=float(T[grid.last]),
         roll_wrap_traction=float(T[-1] - T[grid.last]),
         drum_wrap_traction=float(T[grid.first] - T[0]),
-        slip_angle=slip_angle,
-        slip_zone=slip_zone,
+        slip_angle=_slip_angle(equations, zones[0]),
+        half_width=a,
+        approach=_approach(equations, state),
+        offset=state.shift * contact_radius(problem),
+        drum_creep=_creep(equations, state),
         x=x,
+        slip_x=slip_x,
         pressure=state.drum_pressure,
         roll_pressure=state.roll_pressure,
         hoop_pressure=T * state.bend * equations.weighs,
@@ -63,9 +68,19 @@ def wrapped_result(
         roll_zone=zones[0],
         drum_zone=zones[1],
         web_tension=T,
-        residuals=residuals,
-        warnings=nip.warnings,
+        slip_ratios=_slip_ratios(x[nip], zones[0, inside], zones[1, inside]),
+        residuals=_residuals(equations, state),
+        iterations=state.solution.solves,
+        series_terms=max(s.terms for s in surfaces),
+        series_error=max(s.truncation_error for s in surfaces),
     )
+    return replace(result, warnings=nip_warnings(result.nip))
+
+
+def _creep(equations: WrapEquations, state: WrapState) -> float:
+    """Return xi-, unstrained web and drum as reference: the solved one is referred to T(end)."""
+    web, thickness = equations.web, equations.problem.web.thickness
+    return state.solution.creep - web.c11 / thickness * float(state.tension[-1])
 
 
 def _zones(equations: WrapEquations, states: Array) -> Array:
@@ -78,64 +93,15 @@ def _zones(equations: WrapEquations, states: Array) -> Array:
     return out
 
 
-def _slip_behind(equations: WrapEquations, roll_zones: Array) -> tuple[Zone, float]:
-    """Return how the web slips on the roll just behind the nip, and over which angle [rad]."""
+def _slip_angle(equations: WrapEquations, roll_zones: Array) -> float:
+    """Return over which angle the web slips on the roll just behind the nip [rad]."""
     grid, behind = equations.grid, roll_zones[equations.grid.last :]
-    zone = int(behind[0])
-    if zone == 0 or not equations.loads.roll_arc:
-        return Zone.STICK, 0.0
-    other = np.nonzero(behind != zone)[0]
+    if behind[0] == 0 or not equations.loads.roll_arc:
+        return 0.0
+    other = np.nonzero(behind != behind[0])[0]
     x = grid.nodes[grid.last :]
     border = (x[other[0]] + x[other[0] - 1]) / 2 if other.size else x[-1]
-    return Zone(zone), float((border - 1) * equations.half_width / equations.problem.roll.radius)
-
-
-def _nip(
-    equations: WrapEquations, state: WrapState, zones: Array,
-    residuals: WrappedResiduals, error: float,
-) -> NipResult:  # fmt: skip
-    """Return the nip alone, with tension and winding force those at its edges."""
-    grid, T, a = equations.grid, state.tension, state.half_width
-    nip = slice(grid.first, grid.last + 1)
-    x = a * grid.nodes[nip]
-    slip_x = a * np.append(grid.points[:1], grid.points)
-    slip_x[grid.first] = slip_x[grid.first + 1]
-    problem = _problem_of_nip(equations, state)
-    web, thickness = equations.web, problem.web.thickness
-    surfaces = [body.surface(2 * a) for body in (problem.roll, problem.drum)]
-    result = NipResult(
-        problem=problem,
-        nip_induced_tension=float(T[grid.last] - T[grid.first]),
-        nip_induced_tension_error=error,
-        half_width=a,
-        approach=_approach(equations, state),
-        offset=state.shift * contact_radius(problem),
-        drum_creep=state.solution.creep - web.c11 / thickness * float(T[-1]),
-        x=x,
-        slip_x=slip_x[nip],
-        pressure=state.drum_pressure[nip],
-        roll_traction=state.roll_traction[nip],
-        drum_traction=state.drum_traction[nip],
-        roll_slip=state.roll_slip[nip],
-        drum_slip=state.drum_slip[nip],
-        roll_zone=zones[0, nip],
-        drum_zone=zones[1, nip],
-        web_tension=T[nip],
-        slip_ratios=_slip_ratios(x, zones[0, nip], zones[1, nip]),
-        residuals=residuals,
-        iterations=state.solution.solves,
-        series_terms=max(s.terms for s in surfaces),
-        series_error=max(s.truncation_error for s in surfaces),
-    )
-    return result.with_warnings(nip_warnings(result))
-
-
-def _problem_of_nip(equations: WrapEquations, state: WrapState) -> NipProblem:
-    problem, before = equations.problem, float(state.tension[equations.grid.first])
-    if not equations.loads.drum_arc:
-        return problem
-    taken = before - problem.web_tension
-    return problem.replace(web_tension=before, winding_force=problem.winding_force - taken)
+    return float((border - 1) * equations.half_width / equations.problem.roll.radius)
 
 
 def _approach(equations: WrapEquations, state: WrapState) -> float:
@@ -160,7 +126,7 @@ def _residuals(equations: WrapEquations, state: WrapState) -> WrappedResiduals:
     laws = certify(equations.stick_slip(), state.solution, slip_scale=top)
     x, P = state.half_width * grid.nodes, problem.nip_load
     whole = float(np.trapezoid(state.roll_traction + state.drum_traction, x))
-    force = float(np.trapezoid(state.drum_traction, x)) - problem.winding_force
+    force = float(np.trapezoid(state.drum_traction, x)) - equations.loads.force
     pressures = np.concatenate([state.roll_pressure, state.drum_pressure])
     return WrappedResiduals(
         indentation=float(np.max(np.abs(by_z @ z + by_q @ q - gap))) / top,

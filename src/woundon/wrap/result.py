@@ -14,6 +14,15 @@ __all__ = ["WrappedNipResult", "WrappedResiduals"]
 
 Array = np.ndarray
 
+_ALONG_NIP = (
+    "x", "slip_x", "pressure", "roll_traction", "drum_traction", "roll_slip", "drum_slip",
+    "roll_zone", "drum_zone", "web_tension",
+)  # fmt: skip
+_OF_NIP = (
+    "half_width", "approach", "offset", "drum_creep", "slip_ratios", "warnings", "iterations",
+    "series_terms", "series_error",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class WrappedResiduals(Residuals):
@@ -40,8 +49,8 @@ class WrappedNipResult:
         [rad].
     wrap_friction : float
         mu+ behind the nip.
-    nip : NipResult
-        The nip alone, its tension and winding force those at its edges; for plots and files.
+    winding_force : float
+        F = integral of q- over nip and drum wrap [N/m].
     wound_on_tension : float
         WOT, tension at the far side of the roll [N/m]; ``wound_on_tension_error`` its estimated
         discretisation error.
@@ -51,10 +60,10 @@ class WrappedNipResult:
         Q_w+ and Q_w-, tractions on the arcs behind and before the nip, integrated [N/m].
     slip_angle : float
         How far behind the trailing edge the web slips on the roll before it first sticks [rad].
-    slip_zone : Zone
-        The way it slips there.
-    x : (N,) array
-        Nodes s along the web [m]; the nip is [-a, a].
+    half_width, approach, offset, drum_creep : float
+        a [m], mutual approach > 0 [m], Delta [m], xi-: as of a plain nip.
+    x, slip_x : (N,) arrays
+        Nodes s along the web, and where the slips are taken [m]; the nip is [-a, a].
     pressure, roll_pressure, hoop_pressure : (N,) arrays
         p- on the drum, p+ on the roll, and T kappa, their difference [Pa].
     curvature : (N,) array
@@ -75,7 +84,7 @@ class WrappedNipResult:
     roll_wrap: float
     drum_wrap: float
     wrap_friction: float
-    nip: NipResult
+    winding_force: float
     wound_on_tension: float
     wound_on_tension_error: float
     tension_before_nip: float
@@ -83,8 +92,12 @@ class WrappedNipResult:
     roll_wrap_traction: float
     drum_wrap_traction: float
     slip_angle: float
-    slip_zone: Zone
+    half_width: float
+    approach: float
+    offset: float
+    drum_creep: float
     x: Array
+    slip_x: Array
     pressure: Array
     roll_pressure: Array
     hoop_pressure: Array
@@ -96,49 +109,66 @@ class WrappedNipResult:
     roll_zone: Array
     drum_zone: Array
     web_tension: Array
+    slip_ratios: SlipRatios
     residuals: WrappedResiduals
     warnings: tuple[str, ...] = ()
+    iterations: int = 0
+    series_terms: int = 0
+    series_error: float = 0.0
 
     @property
     def nip_induced_tension(self) -> float:
-        """NIT = Q+ + Q- of the nip alone, T_out - T(-a) [N/m]."""
-        return self.nip.nip_induced_tension
+        """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
+        return self.tension_behind_nip - self.tension_before_nip
 
     @property
-    def half_width(self) -> float:
-        """a [m]."""
-        return self.nip.half_width
+    def in_nip(self) -> slice:
+        """Which nodes are the nip's."""
+        edge = self.half_width * (1 + 1e-12)
+        return slice(
+            int(np.searchsorted(self.x, -edge)), int(np.searchsorted(self.x, edge, side="right"))
+        )
 
     @property
-    def approach(self) -> float:
-        """Mutual approach of the centres, > 0 [m]."""
-        return self.nip.approach
-
-    @property
-    def offset(self) -> float:
-        """Delta [m]."""
-        return self.nip.offset
-
-    @property
-    def drum_creep(self) -> float:
-        """xi-, creep ratio of web and drum, unstrained web and drum as reference."""
-        return self.nip.drum_creep
-
-    @property
-    def slip_ratios(self) -> SlipRatios:
-        """Slip lengths in the nip over its width."""
-        return self.nip.slip_ratios
-
-    @property
-    def iterations(self) -> int:
-        """Number of linear stick-slip systems solved."""
-        return self.nip.iterations
+    def slip_zone(self) -> Zone:
+        """The way the web slips on the roll just behind the nip; STICK where it does not."""
+        return Zone(int(self.roll_zone[self.in_nip.stop - 1])) if self.slip_angle else Zone.STICK
 
     @property
     def nodes(self) -> int:
         """Number of nodes in the nip."""
-        return self.nip.nodes
+        return self.in_nip.stop - self.in_nip.start
+
+    @property
+    def nip(self) -> NipResult:
+        """The nip alone as a plain result; its tension and winding force are those at its edges."""
+        own = self.in_nip
+        return NipResult(
+            problem=self._problem_of_nip(),
+            nip_induced_tension=self.nip_induced_tension,
+            nip_induced_tension_error=self.wound_on_tension_error,
+            residuals=self.residuals,
+            **{name: getattr(self, name)[own] for name in _ALONG_NIP},
+            **{name: getattr(self, name) for name in _OF_NIP},
+        )
+
+    def _problem_of_nip(self) -> NipProblem:
+        problem, T = self.problem, self.tension_before_nip
+        if self.drum_wrap == 0:
+            return problem
+        # a nip that slides wholly, held by the wrap, has no steady state of its own
+        most = problem.drum_friction * problem.nip_load * (1 - 1e-12)
+        force = float(np.clip(self.winding_force - (T - problem.web_tension), -most, most))
+        return problem.replace(web_tension=max(T, 0.0), winding_force=force)
 
     def plot(self, path: Any = None) -> Any:
-        """Draw the nip's tractions, slip speeds and web tension."""
-        return self.nip.plot(path)
+        """Draw tractions, slips, tension and hoop pressure in the nip and along the wraps."""
+        from ..plots import plot_wrapped
+
+        return plot_wrapped(self, path)
+
+    def save(self, path: Any) -> None:
+        """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
+        from ..casefile import save_result
+
+        save_result(self, path)

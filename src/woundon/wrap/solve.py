@@ -14,7 +14,7 @@ ones and tell the discretisation error.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import degrees, pi
+from math import degrees, exp, pi
 
 import numpy as np
 
@@ -47,6 +47,7 @@ def solve_wrapped_nip(
     roll_wrap: float = pi,
     drum_wrap: float = 0.0,
     wrap_friction: float | None = None,
+    winding_force: float | None = None,
     nodes: int = 65,
     wrap_nodes: int | None = None,
 ) -> WrappedNipResult:
@@ -63,6 +64,9 @@ def solve_wrapped_nip(
         Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
     wrap_friction : float, optional
         mu+ behind the nip, > 0; by default that in the nip.
+    winding_force : float, optional
+        F on nip and drum wrap together [N/m]; by default the problem's, which must stay below the
+        nip's own mu- P.  With a wrap the drum can take mu- P + T_in (exp(mu- drum_wrap) - 1).
     nodes : int
         Number of nodes in the nip, 17 to 1025.
     wrap_nodes : int, optional
@@ -77,7 +81,7 @@ def solve_wrapped_nip(
     InvalidProblem
         For angles or options out of range, or a wrap on the drum without web tension.
     NoSteadyState
-        If the web would be slack on a wrap.
+        If the drum slides under nip and wrap, or the web would be slack on a wrap.
     NotConverged
         If a law is not satisfied to 1e-8; carries the best result.
     """
@@ -89,11 +93,10 @@ def solve_wrapped_nip(
     _check_count("nodes", nodes, 17, 1025)
     _check_count("wrap_nodes", cells, 12, 2048)
     assert cells is not None
-    if drum_wrap > 0 and problem.web_tension == 0:
-        raise InvalidProblem.at(
-            "web_tension", "0 is out of range: a web wrapped on the drum must be taut, > 0 [N/m]"
-        )
-    solver = _Solver(problem, float(roll_wrap), float(drum_wrap), float(mu))
+    F = problem.winding_force if winding_force is None else winding_force
+    _check_loads(problem, F, drum_wrap)
+    loads = Loads(roll_wrap > 0, drum_wrap > 0, float(mu), float(F))
+    solver = _Solver(problem, float(roll_wrap), float(drum_wrap), loads)
     level: _Level | None = None
     tensions: list[float] = []
     for count in _grids(int(nodes)):
@@ -112,12 +115,31 @@ def solve_wrapped_nip(
     return result
 
 
+def _check_loads(problem: NipProblem, F: float, drum_wrap: float) -> None:
+    """Refuse a slack web on the drum, and forces that slide it (capstan, thesis eq. 179)."""
+    T_in, mu = problem.web_tension, problem.drum_friction
+    _check("winding_force", F, -1e7, 1e7, "N/m")
+    if drum_wrap > 0 and T_in == 0:
+        raise InvalidProblem.at(
+            "web_tension", "0 is out of range: a web wrapped on the drum must be taut, > 0 [N/m]"
+        )
+    nip = mu * problem.nip_load
+    low = -nip - T_in * (1 - exp(-mu * drum_wrap))
+    high = nip + T_in * (exp(mu * drum_wrap) - 1)
+    if not low < F < high:
+        raise NoSteadyState.at(
+            "winding_force",
+            f"{F:.10g} is out of range; must be > {low:.10g} and < {high:.10g} [N/m], what "
+            "friction can carry in the nip and on the drum's wrap, or the drum slides",
+        )
+
+
 def _check(name: str, value: float, low: float, high: float, unit: str) -> None:
     good = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if good and low <= value <= high * (1 + 1e-12):
         return
     hint = ""
-    if good and unit == "rad" and high < value <= degrees(high):
+    if good and unit == "rad" and 2 * pi < value <= degrees(high):
         hint = f" (angles are in radians: {value:g} degrees are {value * pi / 180:.6g})"
     raise InvalidProblem.at(
         name, f"{value!r} is out of range; must be >= {low:g} and <= {high:.6g} [{unit}]{hint}"
@@ -125,8 +147,10 @@ def _check(name: str, value: float, low: float, high: float, unit: str) -> None:
 
 
 def _check_count(name: str, value: int | None, low: int, high: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not (
-        low <= value <= high
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, (int, np.integer))
+        or not (low <= value <= high)
     ):
         text = f"{value!r} is out of range: must be a whole number, {low} to {high}"
         raise InvalidProblem.at(name, text)
@@ -160,10 +184,11 @@ class _Known:
 class _Solver:
     """Solves one problem on one grid after another."""
 
-    def __init__(self, problem: NipProblem, roll_wrap: float, drum_wrap: float, mu: float) -> None:
+    def __init__(
+        self, problem: NipProblem, roll_wrap: float, drum_wrap: float, loads: Loads
+    ) -> None:
         self.problem, self.roll_wrap, self.drum_wrap = problem, roll_wrap, drum_wrap
-        self.loads = Loads(roll_wrap > 0, drum_wrap > 0, mu)
-        self.solves = 0
+        self.loads, self.solves = loads, 0
 
     def grid(self, disc: Discretisation, cells: int, a: float) -> WrapGrid:
         """Return the grid for a half width: the arcs' ends stay where they are in space."""
@@ -190,9 +215,7 @@ class _Solver:
 
         def evaluate(a: float) -> tuple[tuple[WrapEquations, WrapState], float]:
             grid = self.grid(disc, cells, a)
-            equations = WrapEquations(
-                self.problem, self.loads, grid, a, known.tension, known.bend
-            )
+            equations = WrapEquations(self.problem, self.loads, grid, a, known.tension, known.bend)
             solution = solve_stick_slip(equations.stick_slip(), known.zones)
             self.solves += solution.solves
             state = equations.state(replace(solution, solves=self.solves))
@@ -222,7 +245,7 @@ class _Solver:
         raise NotConverged("tension and curvature of the web did not settle")
 
     def _frictionless(self, disc: Discretisation) -> tuple[float, float]:
-        """Return the half width that carries the nip load without friction or wrap, and its power."""
+        """Return the half width that carries the load without friction or wrap, and its power."""
         problem = self.problem
         bodies = (problem.roll, problem.drum)
         guess = half_width_guess(problem.nip_load, contact_radius(problem), bodies)
@@ -239,24 +262,24 @@ class _Solver:
         """Guess tension and curvature to begin with."""
         problem = self.problem
         before = np.arange(grid.size) <= grid.last
-        gained = max(problem.winding_force, 0.0) + 0.2 * problem.roll_friction * problem.nip_load
+        gained = max(self.loads.force, 0.0) + 0.2 * problem.roll_friction * problem.nip_load
         tension = problem.web_tension + np.where(before, 0.0, gained)
         bend = np.where(before, -1 / problem.drum.radius, 1 / problem.roll.radius)
         return _Known(tension, bend, None)
 
     def _refuse_slack(self, equations: WrapEquations, state: WrapState) -> None:
-        """Raise where the web is slack on a wrap: then nothing presses it on, and nothing holds it."""
+        """Raise where the web is slack on a wrap: then nothing presses it on."""
         grid, T = equations.grid, state.tension
         for name, arc, present in (
             ("behind the nip", T[grid.last :], self.loads.roll_arc),
             ("before the nip", T[: grid.first + 1], self.loads.drum_arc),
         ):
             if present and not float(np.min(arc)) > 0:
-                needed = self.problem.web_tension - float(np.min(arc))
+                T_in, least = self.problem.web_tension, float(np.min(arc))
                 raise NoSteadyState.at(
                     "web_tension",
-                    f"{self.problem.web_tension:.6g} leaves the web slack {name}: its tension falls "
-                    f"to {float(np.min(arc)):.4g} [N/m]; more is needed, about {needed:.4g}",
+                    f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} "
+                    f"[N/m]; more is needed, about {T_in - least:.4g}",
                 )
 
 
