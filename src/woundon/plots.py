@@ -122,7 +122,7 @@ def plot_wrapped(result: WrappedNipResult, path: str | Path | None = None) -> Fi
     matplotlib.figure.Figure
     """
     with style():
-        figure = Figure(figsize=(9.6, 6.4), layout="constrained")
+        figure = Figure(figsize=(11.4, 6.6), layout="constrained")
         (tractions, tension), (slips, pressure) = figure.subplots(2, 2)
         draw_tractions(tractions, result.nip)
         draw_slips(slips, result.nip)

@@ -294,10 +294,16 @@ class WrapEquations:
         creep = np.zeros(m)
         creep[n_q:] = 1.0
         resultant = creep * (self.half_width * grid.weights[self.columns])
+        # the nip's part of F in proportion to the load that this half width carries: a steady
+        # state at any width; the wrap takes what the nip cannot
+        F, most = self.loads.force, problem.drum_friction * problem.nip_load
+        share = min(max(F, -most), most) / problem.nip_load
+        resultant -= share * (self.carried @ by_q)
+        force = F + share * (float(self.carried @ z) - problem.nip_load)
         return StickSlip(
             slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own], slip_z[:, rest] @ z[rest],
             z[own], by_q[own], friction, faces=1,
-            creep=creep, resultant=resultant, force=self.loads.force,
+            creep=creep, resultant=resultant, force=force,
         )  # fmt: skip
 
     @cached_property
@@ -343,11 +349,19 @@ class WrapEquations:
         out[0, grid.first], out[1, 0] = out[0, grid.first + 1], out[1, 1]
         return out
 
+    @cached_property
+    def carried(self) -> Array:
+        """What integrates p- over the nip, by z, (k,)."""
+        grid = self.grid
+        cells = np.where(np.arange(grid.cells.size) >= grid.first, grid.cells, 0.0)
+        hats = (np.append(cells, 0.0) + np.append(0.0, cells)) / 2
+        out = np.zeros(self.roll_nodes.size + self.drum_nodes.size + 1)
+        out[self.roll_nodes.size : -1] = self.half_width * hats[self.drum_nodes]
+        return out
+
     def nip_load(self, state: WrapState) -> float:
         """Return the integral of p- over the nip [N/m]."""
-        grid = self.grid
-        nip = slice(grid.first, grid.last + 1)
-        return float(self.half_width * np.trapezoid(state.drum_pressure[nip], grid.nodes[nip]))
+        return float(self.carried @ self.unknowns(state))
 
     def unknowns(self, state: WrapState) -> Array:
         """Return z of a state, (k,)."""

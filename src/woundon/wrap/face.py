@@ -19,8 +19,9 @@ from math import inf, pi
 import numpy as np
 
 from ..bodies import Body
+from ..contact.discretisation import interpolation_rank
 from ..contact.grid import Grid
-from ..elasticity.kernels import SurfaceKernels
+from ..elasticity.kernels import Kernel, SurfaceKernels
 from .grid import Influence, OpenGrid, WrapGrid
 
 __all__ = ["Face", "face"]
@@ -92,7 +93,7 @@ class _Assembly:
         self, body: Body, kernels: SurfaceKernels, grid: WrapGrid,
         start: int, stop: int, edge: int, a: float,
     ) -> None:  # fmt: skip
-        self.body, self.kernels, self.a = body, kernels, a
+        self.body, self.kernels, self.a, self.nip = body, kernels, a, grid.nip
         self.edge, self.trailing = edge - start, grid.last - start
         self.nodes = grid.nodes[start : stop + 1]
         self.cells = np.diff(self.nodes)
@@ -120,15 +121,21 @@ class _Assembly:
         k = self.kernels
         slope_p, slope_q = self.put(k.slope_p), self.put(k.slope_q)
         strain_p, strain_q = self.put(k.strain_p), self.put(k.strain_q)
-        last = self.influence(self.points[-1:], None, np.arange(0), slice(0))
-        v_p = self.deflection(slope_p, last(k.normal_p))
-        v_q = self.deflection(slope_q, last(k.normal_q))
+        v_p = self.deflection(slope_p, self.last(k.normal_p))
+        v_q = self.deflection(slope_q, self.last(k.normal_q))
         rows = np.append(np.arange(self.cells.size), self.cells.size + 1)
         return Face(
             start, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
             bend, self.bending(slope_p, v_p), self.bending(slope_q, v_q),
             v_p[self.trailing], v_q[self.trailing],
         )  # fmt: skip
+
+    def last(self, kernel: Kernel) -> Array:
+        """Integrate a kernel at the last node, (1, n); without an arc as the plain nip does."""
+        if self.has_arc:
+            return self.influence(self.points[-1:], None, np.arange(0), slice(0))(kernel)
+        rank = interpolation_rank(self.kernels.length, self.a)
+        return np.pad(self.nip.integrate(kernel, self.a, slice(-1, None), rank), ((0, 0), (1, 1)))
 
     def deflection(self, slope: Array, last: Array) -> Array:
         """Return v at the nodes: at the last one by its kernel, from there by the slopes."""
