@@ -24,12 +24,15 @@ _HOME = {
     "Web": "problems",
     "WrappedNipResult": "wrap",
     "Zone": "results",
+    "fit": "studies.nip",
+    "global_sensitivity": "studies.nip",
     "load_case": "casefile",
     "load_result": "casefile",
     "material": "materials",
     "solve_nip": "nip",
     "solve_rollers": "rollers",
     "solve_wrapped_nip": "wrap",
+    "sweep": "studies.nip",
     "theories": "",
 }
 
@@ -45,6 +48,7 @@ if TYPE_CHECKING:
     from .problems import NipProblem, RollerProblem, Web
     from .results import NipResult, RollerResult, Zone
     from .rollers import solve_rollers
+    from .studies.nip import fit, global_sensitivity, sweep
     from .wrap import WrappedNipResult, solve_wrapped_nip
 
 

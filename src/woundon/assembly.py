@@ -100,6 +100,19 @@ class NipMatrices:
     @classmethod
     def at(cls, problem: NipProblem, disc: Discretisation, a: float) -> NipMatrices:
         """Assemble for the half width ``a`` [m]."""
+        responses = (surface_response(body, disc, a) for body in (problem.roll, problem.drum))
+        return cls.of(problem, disc, a, *responses)
+
+    @classmethod
+    def of(
+        cls,
+        problem: NipProblem,
+        disc: Discretisation,
+        a: float,
+        roll: Response | None,
+        drum: Response | None,
+    ) -> NipMatrices:
+        """Assemble for the half width ``a`` [m] and given responses of the bodies."""
         web = compliance(*problem.web.material.stiffness[:3])
         n, N = disc.unknowns, disc.unknowns + 1
         weights = a * disc.grid.weights
@@ -112,11 +125,10 @@ class NipMatrices:
         direct[:N, :n] = direct[:N, n:] = direct[N:, :n] = direct[N:, n:] = stretch
         through = np.empty((2 * N, n))
         through[:N] = through[N:] = -web.c12 * disc.value
-        for body, cells, nodes, edge in (
-            (problem.roll, slice(0, N), slice(0, n), 1.0),
-            (problem.drum, slice(N, 2 * N), slice(n, 2 * n), 0.0),
+        for response, cells, nodes, edge in (
+            (roll, slice(0, N), slice(0, n), 1.0),
+            (drum, slice(N, 2 * N), slice(n, 2 * n), 0.0),
         ):
-            response = surface_response(body, disc, a)
             if response is not None:
                 slope_p = slope_p + response.slope_p
                 slope_q[:, nodes] += response.slope_q

@@ -15,9 +15,11 @@ import click
 
 from . import __version__
 from .errors import InvalidProblem, NotConverged
+from .studies import commands as study_commands
 
 if TYPE_CHECKING:
-    from .results import NipResult
+    from .results import NipResult, Sensitivity
+    from .thesis.frame import Scheme
     from .wrap import WrappedNipResult
 
 __all__ = ["main"]
@@ -72,6 +74,7 @@ def commands() -> None:
     help='Change a field, e.g. --set nip_load="3.5 kN/m"; repeatable, nested: web.thickness.',
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+@click.option("--sensitivity", is_flag=True, help="Tell what the outputs depend on most.")
 @click.option("--save", type=click.Path(path_type=Path), help="Save as .nc, .json or .csv.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
 @click.option("--scheme", default="graded", show_default=True, help="graded or thesis.")
@@ -90,6 +93,7 @@ def nip(
     case: Path,
     settings: tuple[str, ...],
     as_json: bool,
+    sensitivity: bool,
     save: Path | None,
     plot: Path | None,
     roll_wrap: str | None,
@@ -101,9 +105,13 @@ def nip(
 
     problem = load_case(case, settings)
     _check_outputs(save, plot)
+    result: NipResult | WrappedNipResult
+    slopes = None
     if roll_wrap is None and drum_wrap is None:
         result = _solved(problem, options)
+        slopes = result.sensitivity() if sensitivity else None
     else:
+        options["sensitivity"] = sensitivity
         result = _solved_with_wraps(problem, roll_wrap, drum_wrap, options)
     if save:
         result.save(save)
@@ -112,9 +120,9 @@ def nip(
     if as_json:
         from .resultfile import result_to_json
 
-        click.echo(result_to_json(result), nl=False)
+        click.echo(result_to_json(result, slopes), nl=False)
     else:
-        _show(result)
+        _show(result, slopes)
 
 
 def _check_outputs(save: Path | None, plot: Path | None) -> None:
@@ -132,7 +140,7 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
             raise InvalidProblem([(str(path), f"the folder {str(path.parent)!r} does not exist")])
 
 
-def _solved(problem: Any, options: dict[str, Any]) -> NipResult | WrappedNipResult:
+def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
     import warnings
 
     from .errors import ValidityWarning
@@ -150,7 +158,7 @@ def _solved_with_wraps(
     from .units import parse
     from .wrap import solve_wrapped_nip
 
-    plain = {"scheme": "graded", "algorithm": "pivoting", "rtol": None}
+    plain = {"scheme": "graded", "algorithm": "pivoting", "rtol": None, "sensitivity": False}
     for name, usual in plain.items():
         if options[name] != usual:
             text = f"{options[name]!r} is not admissible with a wrap; leave it out, or the wraps"
@@ -166,15 +174,51 @@ def _solved_with_wraps(
     return solve_wrapped_nip(problem, **chosen)
 
 
-def _show(result: NipResult | WrappedNipResult) -> None:
+def _show(result: NipResult | WrappedNipResult, sensitivity: Sensitivity | None) -> None:
     from rich.console import Console
 
-    from .report import print_report
+    from .report import print_report, print_sensitivity
 
     console = Console(highlight=False)
     # lines are never folded: what a pipe or a log gets is the same text
     console.width = max(console.width, 100)
     print_report(result, console)
+    if sensitivity:
+        print_sensitivity(sensitivity, console)
+
+
+@commands.command()
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--all", "everything", is_flag=True, help="Every figure and table.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("thesis"),
+    show_default=True,
+    help="Folder for PNG, SVG, CSV and the verdict.",
+)
+@click.option(
+    "--scheme",
+    type=click.Choice(["graded", "thesis"]),
+    default="graded",
+    show_default=True,
+    help="Accurate, or as the thesis solved it.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
+def thesis(
+    names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
+) -> None:
+    """Recompute figures and tables of the thesis (fig16, table3, ...) and test what it says."""
+    from .thesis.publication import publish
+    from .thesis.registry import NAMES, chosen
+    from .thesis.show import show
+
+    if bool(names) == everything:
+        raise click.UsageError(
+            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
+        )
+    wanted = NAMES if everything else chosen(names)
+    show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
 
 
 @commands.command()
@@ -203,3 +247,7 @@ def _shown(value: float) -> str:
         if value >= factor:
             return f'"{value / factor:g} {unit}"'
     return f"{value:g}"
+
+
+for _command in (study_commands.sweep, study_commands.fit, study_commands.sensitivity):
+    commands.add_command(_command)

@@ -176,8 +176,10 @@ def check_format(path: str | Path) -> str:
     return ending
 
 
-def save_figure(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> None:
     """Save a figure with fixed metadata: the same figure gives the same bytes.
+
+    ``dpi`` is the resolution of a PNG file, 200 by default.
 
     Raises
     ------
@@ -188,7 +190,7 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     """
     ending = check_format(path)
     with style():
-        figure.savefig(path, format=ending[1:], metadata=_METADATA[ending])
+        figure.savefig(path, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
 
 
 def _shown(name: str, values: Array) -> Array:

@@ -12,11 +12,11 @@ from rich.text import Text
 from . import theories
 from .bodies import HalfPlane
 from .quantities import QUANTITIES
-from .results import NipResult, Zone
+from .results import NipResult, Sensitivity, Zone
 from .wrap import WrappedNipResult
 from .zones import zone_runs
 
-__all__ = ["print_report", "zone_line"]
+__all__ = ["print_report", "print_sensitivity", "zone_line"]
 
 Array = np.ndarray
 
@@ -173,3 +173,29 @@ def _certificate(result: NipResult | WrappedNipResult) -> str:
         f"\nCertificate: all {count} contact laws hold; the largest residual is {value:.1e} "
         f"({law.replace('_', ' ')})"
     )
+
+
+def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
+    """Print elasticities, what matters most for the nip-induced tension first."""
+    ordered = sensitivity.sorted()
+    title = "\nElasticities: percent of output per percent of field"
+    table = Table(title=title, title_justify="left", title_style="bold", box=None)
+    table.add_column("", min_width=32)
+    table.add_column("value [SI]", justify="right", style="dim")
+    for output in ordered.outputs:
+        table.add_column(QUANTITIES[output].symbol, justify="right", min_width=9)
+    for name, field, column in zip(
+        ordered.parameters, ordered.fields, ordered.elasticities.T, strict=True
+    ):
+        if field != 0:
+            table.add_row(
+                name, f"{field:.5g}", *(f"{round(value, 4) + 0:+.4f}" for value in column)
+            )
+    console.print(table)
+    for name, field in zip(ordered.parameters, ordered.fields, strict=True):
+        if field == 0:  # no percent of it; what it does all the same
+            slope = ordered.derivative("nip_induced_tension", name)
+            console.print(Text(f"{name} is 0: NIT changes by {slope:+.4g} N/m per SI unit of it"))
+    if ordered.zone_change:
+        text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
+        console.print(Text(text, style="bold yellow"))

@@ -23,7 +23,7 @@ from . import __version__
 from .errors import InvalidProblem
 from .problems import NipProblem, RollerProblem
 from .quantities import QUANTITIES, Quantity
-from .results import NipResult, Residuals, RollerResult, SlipRatios
+from .results import NipResult, Residuals, RollerResult, Sensitivity, SlipRatios
 from .wrap import WrappedNipResult, WrappedResiduals
 
 if TYPE_CHECKING:
@@ -170,11 +170,32 @@ def _numbers(values: list[Any]) -> Any:
     return np.asarray([nan if v is None else v for v in values])
 
 
-def result_to_json(result: Result) -> str:
-    """Return the complete result as JSON text, SI units, with a table of the units."""
+def result_to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
+    """Return the complete result as JSON text, SI units, with a table of the units.
+
+    With a ``sensitivity``: its derivatives and elasticities too, by output and dotted field name.
+    """
     record = _to_record(result)
+    if sensitivity:
+        record["sensitivity"] = _sensitivity_record(sensitivity)
     record["units"] = {name: _quantity(result, name).unit for name in record if name in QUANTITIES}
     return json.dumps(record, indent=1, allow_nan=False) + "\n"
+
+
+def _sensitivity_record(sensitivity: Sensitivity) -> dict[str, Any]:
+    ordered = sensitivity.sorted()
+
+    def named(table: np.ndarray) -> dict[str, dict[str, float | None]]:
+        return {
+            output: dict(zip(ordered.parameters, map(_plain, row), strict=True))
+            for output, row in zip(ordered.outputs, table, strict=True)
+        }
+
+    return {
+        "derivatives": named(ordered.derivatives),
+        "elasticities": named(ordered.elasticities),
+        "zone_change": ordered.zone_change,
+    }
 
 
 # ---- CSV ----------------------------------------------------------------------------------------

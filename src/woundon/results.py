@@ -94,8 +94,22 @@ class Sensitivity:
 
     @property
     def elasticities(self) -> Array:
-        """Percent of output per percent of field, (outputs, parameters); 0 for a field at 0."""
-        return self.derivatives * self.fields / self.values[:, None]
+        """Percent of output per percent of field, (outputs, parameters); 0 for a field at 0.
+
+        nan for an output that is 0.
+        """
+        values = np.where(self.values == 0, np.nan, self.values)
+        return self.derivatives * self.fields / values[:, None]
+
+    def sorted(self) -> Sensitivity:
+        """Return the same, the parameters of the largest NIT elasticity first."""
+        order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
+        return replace(
+            self,
+            parameters=tuple(self.parameters[k] for k in order),
+            derivatives=self.derivatives[:, order],
+            fields=self.fields[order],
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,6 +48,33 @@ def test_settings_and_options_reach_the_solver(capsys: Capture):
     assert (record["scheme"], len(record["x"])) == ("thesis", 25)
 
 
+def test_sensitivity_lists_what_matters_first(capsys: Capture):
+    assert cli.main([*QUICK, "--sensitivity"]) == 0
+    said = capsys.readouterr().out
+    table = said[said.index("Elasticities: percent of output per percent of field") :]
+    rows = [line.split() for line in table.splitlines()[2:-1]]
+    assert rows[0][:2] == ["nip_load", "3502"]
+    assert [row[0] for row in rows][1:3] == ["web.thickness", "web.material.tangential"]
+    of_nit = [abs(float(row[2])) for row in rows]
+    assert of_nit == sorted(of_nit, reverse=True)
+    assert table.splitlines()[-1].startswith("winding_force is 0: NIT changes by +0.3")
+
+
+def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
+    assert cli.main([*QUICK, "--sensitivity", "--json"]) == 0
+    text = capsys.readouterr().out
+    record = json.loads(text)["sensitivity"]
+    exact = wo.solve_nip(wo.load_case(EXAMPLE), nodes=25).sensitivity()
+    for output in exact.outputs:
+        for name in exact.parameters:
+            assert record["derivatives"][output][name] == exact.derivative(output, name)
+    assert next(iter(record["elasticities"]["half_width"])) == "nip_load"
+    assert record["zone_change"] == ""
+    saved = tmp_path / "nip.json"
+    saved.write_text(text, encoding="utf-8")
+    assert wo.load_result(saved).problem == wo.load_case(EXAMPLE)
+
+
 def test_files_are_written(tmp_path, capsys: Capture):
     saved, drawn = tmp_path / "nip.nc", tmp_path / "nip.png"
     assert cli.main([*QUICK, "--save", str(saved), "--plot", str(drawn)]) == 0

@@ -1,0 +1,225 @@
+"""The commands ``woundon sweep``, ``fit`` and ``sensitivity``: parse, call, show."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import InvalidProblem
+
+if TYPE_CHECKING:
+    from .table import Table
+
+__all__ = ["fit", "sensitivity", "sweep"]
+
+_PATH = click.Path(path_type=Path)
+_EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
+
+
+def _running(command: Any) -> Any:
+    """Add the options of how a study is run."""
+    for option in (
+        click.option("--workers", type=int, help="Processes; by default one a core."),
+        click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
+        click.option("--resume", is_flag=True, help="Go on with the study that DIR holds."),
+        click.option("--out", type=_PATH, required=True, metavar="DIR", help="Folder of results."),
+    ):
+        command = option(command)
+    return command
+
+
+@click.command()
+@click.argument("study", type=_PATH)
+@_running
+@click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
+@click.option(
+    "--export", "exports", multiple=True, type=click.Choice([e[1:] for e in _EXPORTS]),
+    default=("nc", "csv"), show_default=True, help="File formats of the result; repeatable.",
+)  # fmt: skip
+def sweep(
+    study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
+    chunk: int | None, exports: tuple[str, ...],
+) -> None:  # fmt: skip
+    """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
+
+    DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
+    on with --resume.
+    """
+    from .export import check_export, export
+    from .nip import sweep_table
+    from .plots import plot_sweep
+    from .studyfile import load_study
+
+    told = load_study(study)
+    targets = [out / f"study.{ending}" for ending in exports]
+    for target in targets:
+        check_export(target)
+    began = time.perf_counter()
+    table = _stoppable(
+        sweep_table, told.problem, told.over, told.outputs, tie=told.tie, **told.design,
+        **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers, chunk=chunk,
+        progress=True,
+    )  # fmt: skip
+    seconds = time.perf_counter() - began
+    for target in targets:
+        export(table, target)
+    figures = [out / f"{output}.png" for output in told.outputs]
+    for output, figure in zip(told.outputs, figures, strict=True):
+        plot_sweep(table, output, figure)
+    _summary(table, seconds)
+    _written([*targets, *figures])
+
+
+def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
+    """Run; after Ctrl-C say how to go on."""
+    try:
+        return run(*args, **kwargs)
+    except KeyboardInterrupt:
+        text = f"stopped; what was solved is in {kwargs['out']}, --resume goes on from there"
+        click.echo(text, err=True)
+        raise click.Abort from None
+
+
+def _summary(table: Table, seconds: float) -> None:
+    import numpy as np
+
+    from .table import failures
+
+    failed, size = table.failed.size, table.design.size
+    click.echo(f"{size} cases in {seconds:.1f} s, {failed} failed")
+    for reason, count in failures(table.failure):
+        click.secho(f"  {count} x {reason}", fg="red")
+    warned = int(np.count_nonzero(table.warnings != ""))
+    if warned:
+        first = table.warnings[table.warnings != ""][0]
+        click.secho(f"  {warned} leave the model's validity, the first: {first}", fg="yellow")
+    for name, values in table.outputs.items():
+        if np.isfinite(values).any():
+            label = table.labels[name]
+            unit = "" if label.unit == "1" else f" {label.unit}"
+            low, high = np.nanmin(values), np.nanmax(values)
+            click.echo(f"{label.description}: {low:.5g} to {high:.5g}{unit}")
+
+
+def _written(paths: list[Path]) -> None:
+    click.echo("written: " + ", ".join(str(path) for path in paths))
+
+
+@click.command()
+@click.argument("study", type=_PATH)
+@_running
+@click.option("--samples", type=int, help="Base samples, a power of 2; 256 by default.")
+def sensitivity(
+    study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
+    samples: int | None,
+) -> None:  # fmt: skip
+    """Tell how much of each output's variance the ranges of a study file explain (Sobol indices).
+
+    Every entry of [over] is a range { from, to }.  It takes samples * (inputs + 2) cases.
+    """
+    from .nip import global_sensitivity
+    from .plots import plot_indices
+    from .studyfile import load_study
+
+    told = load_study(study, ranges=True)
+    drawn = {k: v for k, v in told.design.items() if k in ("samples", "seed")}
+    if samples is not None:
+        drawn["samples"] = samples
+    indices = _stoppable(
+        global_sensitivity, told.problem, told.over, told.outputs, tie=told.tie, **drawn,
+        **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
+        progress=True,
+    )  # fmt: skip
+    for line in indices.lines():
+        click.echo(line)
+    targets = [out / "sensitivity.nc", out / "sensitivity.png"]
+    indices.to_dataset().to_netcdf(targets[0], engine="scipy")
+    plot_indices(indices, targets[1])
+    _written(targets)
+
+
+@click.command()
+@click.argument("case", type=_PATH)
+@click.argument("data", type=_PATH)
+@click.option(
+    "--vary", "varied", multiple=True, required=True, metavar="FIELD[=LOW:HIGH]",
+    help="What to fit, e.g. roll.material.shear='1 MPa:100 MPa'; repeatable.",
+)  # fmt: skip
+@click.option(
+    "--tie", "ties", multiple=True, metavar="FIELD=FIELD",
+    help="A field that follows another, e.g. web.material=roll.material; repeatable.",
+)  # fmt: skip
+@click.option(
+    "--column", "columns", multiple=True, metavar="COLUMN=NAME",
+    help="What a column of the data is, e.g. measured=rig_tension; without name: leave it out.",
+)  # fmt: skip
+@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
+@click.option("--starts", type=click.IntRange(1), default=6, show_default=True)
+@click.option("--nodes", type=int, help="Number of nodes along the nip.")
+@click.option("--no-profiles", is_flag=True, help="Leave out the profile-likelihood intervals.")
+@click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
+@click.option("--save", type=_PATH, help="Save the fit as .json.")
+@click.option("--plot", type=_PATH, help="Draw to .png, .svg or .pdf.")
+def fit(
+    case: Path, data: Path, varied: tuple[str, ...], ties: tuple[str, ...],
+    columns: tuple[str, ...], settings: tuple[str, ...], starts: int, nodes: int | None,
+    no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
+) -> None:  # fmt: skip
+    """Fit fields of a case to measured data (.csv or .xlsx, units in the header).
+
+    A column is an input or an output by its name, e.g. "nip_load [kN/m]", "web_tension [N/m]",
+    "wound_on_tension [N/m]"; "wound_on_tension +- [N/m]" holds its standard deviations.
+    """
+    from ..casefile import load_case
+    from .nip import fit as fit_problem
+
+    problem = load_case(case, settings)
+    if plot:
+        from ..plots import check_format
+
+        check_format(plot)
+    found = fit_problem(
+        problem, data, dict(_varied(problem, text) for text in varied),
+        tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
+        columns={name: of or None for name, of in map(_pair, columns)}, profiles=not no_profiles,
+    )  # fmt: skip
+    if save:
+        save.write_text(found.to_json(), encoding="utf-8")
+    if plot:
+        found.plot(plot)
+    for line in [found.to_json()] if as_json else found.lines():
+        click.echo(line)
+
+
+def _pair(text: str) -> tuple[str, str]:
+    left, sign, right = (part.strip() for part in text.partition("="))
+    if not sign or not left:
+        raise InvalidProblem([(text, "must be written NAME=NAME")])
+    return left, right
+
+
+def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
+    """Return field and bounds of "FIELD" or "FIELD=LOW:HIGH"."""
+    from ..units import parse
+    from .fields import field_label
+
+    name, sign, bounds = (part.strip() for part in text.partition("="))
+    unit = field_label(problem, name).unit
+    if not sign:
+        return name, None
+    ends = bounds.split(":")
+    if len(ends) != 2:
+        raise InvalidProblem([(name, f"{bounds!r} are no bounds; write LOW:HIGH")])
+    low, high = (parse(_number(end), unit or "1", name) for end in ends)
+    return name, (low, high)
+
+
+def _number(text: str) -> str | float:
+    """Return a plain number as one, which is SI; anything else as text with its unit."""
+    try:
+        return float(text)
+    except ValueError:
+        return text

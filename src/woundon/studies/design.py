@@ -1,0 +1,251 @@
+"""Which cases a study solves: grids, and tables of cases drawn or given, as immutable designs.
+
+    over + kind --> Design --> chunks of neighbouring cases
+
+A chunk is solved in its order, each case from the state of the one before, the first one cold.
+Chunks depend on the design alone, so the numbers do not depend on who solves them, nor when.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, log2, prod
+from numbers import Real
+from typing import Any, Literal
+
+import numpy as np
+
+from ..errors import InvalidProblem, did_you_mean
+from .order import bisected, serpentine, tour
+
+__all__ = ["Column", "Design", "Range", "make_design"]
+
+Array = np.ndarray
+Kind = Literal["grid", "table", "latin-hypercube", "sobol"]
+KINDS = ("grid", "table", "latin-hypercube", "sobol")
+MOST_CASES = 100_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """The values of one input: numbers, or things such as bodies and names of materials.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name of the field.
+    values : float array or tuple
+    """
+
+    name: str
+    values: Array | tuple[Any, ...]
+
+    @classmethod
+    def of(cls, name: str, values: Any) -> Column:
+        """Return the column of a sequence of values.
+
+        Raises
+        ------
+        InvalidProblem
+            If it is no sequence, or empty, or mixes numbers with other things.
+        """
+        if isinstance(values, (str, Mapping)) or not hasattr(values, "__len__"):
+            raise InvalidProblem([(name, f"{values!r} is no list of values")])
+        items = list(values)
+        if not items:
+            raise InvalidProblem([(name, "an empty list of values")])
+        numbers = [isinstance(v, (Real, np.number)) and not isinstance(v, bool) for v in items]
+        if all(numbers):
+            return cls(name, np.array(items, dtype=float))
+        if any(numbers):
+            raise InvalidProblem([(name, "numbers and other things do not mix in one list")])
+        return cls(name, tuple(items))
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the values are numbers."""
+        return isinstance(self.values, np.ndarray)
+
+    def at(self, index: Array) -> Array | tuple[Any, ...]:
+        """Return the values at the given places."""
+        if isinstance(self.values, np.ndarray):
+            return np.asarray(self.values[index])
+        return tuple(self.values[int(k)] for k in index)
+
+    @cached_property
+    def labels(self) -> Array:
+        """The values as tables and axes show them: numbers as they are, things by their text."""
+        if isinstance(self.values, np.ndarray):
+            return self.values
+        return np.array([v if isinstance(v, str) else repr(v) for v in self.values], dtype=object)
+
+    def record(self) -> Any:
+        """Return the values for JSON; of long columns of numbers the SHA-256 of their bytes."""
+        if isinstance(self.values, np.ndarray):
+            if self.values.size <= 1000:
+                return self.values.tolist()
+            return hashlib.sha256(self.values.astype("<f8").tobytes()).hexdigest()
+        return [v.model_dump() if hasattr(v, "model_dump") else v for v in self.values]
+
+
+class Range:
+    """The range of a drawn input: even between two bounds, or even in the logarithm."""
+
+    def __init__(self, name: str, given: Any) -> None:
+        parts = list(given) if isinstance(given, (list, tuple, np.ndarray)) else []
+        self.name, self.log = name, len(parts) == 3 and parts[2] == "log"
+        if not (len(parts) == 2 or self.log) or not all(
+            isinstance(v, (Real, np.number)) and np.isfinite(float(v)) for v in parts[:2]
+        ):
+            raise InvalidProblem(
+                [(name, f"{given!r} is no range; write (low, high) or (low, high, 'log')")]
+            )
+        self.low, self.high = float(parts[0]), float(parts[1])
+        if not self.low < self.high or (self.log and self.low <= 0):
+            positive = "0 < " if self.log else ""
+            raise InvalidProblem([(name, f"{given!r} is no range: must be {positive}low < high")])
+
+    def scaled(self, unit: Array) -> Array:
+        """Map [0, 1] onto the range."""
+        if self.log:
+            return np.asarray(self.low * (self.high / self.low) ** unit)
+        return np.asarray(self.low + (self.high - self.low) * unit)
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The cases of a study.
+
+    Attributes
+    ----------
+    kind : str
+        "grid", "table", "latin-hypercube" or "sobol".
+    columns : tuple of Column
+        Of a grid the values on each axis, else one value a case.
+    """
+
+    kind: str
+    columns: tuple[Column, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        return tuple(column.name for column in self.columns)
+
+    @property
+    def gridded(self) -> bool:
+        """Whether the cases are all combinations of the columns' values."""
+        return self.kind == "grid"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values on each axis; (cases,) of a table."""
+        sizes = tuple(len(column.values) for column in self.columns)
+        return sizes if self.gridded else sizes[:1]
+
+    @property
+    def size(self) -> int:
+        """Number of cases."""
+        return prod(self.shape)
+
+    def _places(self, cases: Array) -> tuple[Array, ...]:
+        """Return where each column's values of the cases are."""
+        if self.gridded:
+            return tuple(np.unravel_index(cases, self.shape))
+        return (cases,) * len(self.columns)
+
+    def inputs(self, cases: Array) -> dict[str, Array | tuple[Any, ...]]:
+        """Return the inputs of the cases by column."""
+        places = self._places(cases)
+        return {c.name: c.at(k) for c, k in zip(self.columns, places, strict=True)}
+
+    def labels(self, cases: Array) -> dict[str, Array]:
+        """Return the inputs of the cases by column, as tables show them."""
+        places = self._places(cases)
+        return {c.name: c.labels[k] for c, k in zip(self.columns, places, strict=True)}
+
+    def chunks(self, size: int | None = None) -> list[Array]:
+        """Cut the cases into chunks of neighbours: 10 to 100 cases each unless ``size`` is given.
+
+        Few cases make small chunks, so that every worker gets some.
+        """
+        size = size or min(100, max(10, ceil(self.size / 32)))
+        order, points = np.arange(self.size), None
+        if self.gridded:
+            # things vary slowest, then nested fields (bodies, materials): those are the big steps
+            rank = [(c.numeric, -c.name.count(".")) for c in self.columns]
+            order = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
+        elif numbers := [c.values for c in self.columns if isinstance(c.values, np.ndarray)]:
+            points = np.column_stack(numbers)
+            order = bisected(points)
+        chunks = [order[k : k + size] for k in range(0, self.size, size)]
+        return chunks if points is None else [rows[tour(points[rows])] for rows in chunks]
+
+    def record(self) -> dict[str, Any]:
+        """Return the design for JSON."""
+        return {"kind": self.kind, "columns": {c.name: c.record() for c in self.columns}}
+
+
+def make_design(
+    over: Mapping[str, Any], kind: str = "grid", samples: int | None = None, seed: int = 0
+) -> Design:
+    """Return the design of a study.
+
+    Parameters
+    ----------
+    over : mapping
+        Dotted name of a field -> values (grid, table) or range (low, high[, "log"]) (drawn).
+    kind : {"grid", "table", "latin-hypercube", "sobol"}
+        All combinations; row by row; or drawn by scipy.stats.qmc.
+    samples : int
+        Number of cases to draw; for "sobol" a power of 2.
+    seed : int
+        Of the generator.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming the input at fault.
+    """
+    if kind not in KINDS:
+        raise InvalidProblem([("design", f"{kind!r} is unknown{did_you_mean(kind, KINDS)}")])
+    if not isinstance(over, Mapping) or not over:
+        raise InvalidProblem([("over", "nothing to vary: give fields and their values")])
+    if kind in ("grid", "table"):
+        if samples is not None:
+            raise InvalidProblem([("samples", f"{samples!r} has no meaning in a {kind}")])
+        design = Design(kind, tuple(Column.of(name, values) for name, values in over.items()))
+        lengths = {len(c.values) for c in design.columns}
+        if kind == "table" and len(lengths) > 1:
+            raise InvalidProblem([("over", f"columns of a table differ in length: {lengths}")])
+    else:
+        ranges = [Range(name, given) for name, given in over.items()]
+        unit = _drawn(kind, len(ranges), _checked_samples(kind, samples), seed)
+        columns = (Column(r.name, r.scaled(unit[:, k])) for k, r in enumerate(ranges))
+        design = Design(kind, tuple(columns))
+    if design.size > MOST_CASES:
+        raise InvalidProblem([("over", f"{design.size} cases are more than {MOST_CASES}")])
+    return design
+
+
+def _checked_samples(kind: str, samples: int | None) -> int:
+    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
+        raise InvalidProblem([("samples", f"{samples!r} is no number of cases, at least 2")])
+    power = int(log2(samples))
+    if kind == "sobol" and samples != 2**power:
+        near = f"{2**power} or {2 ** (power + 1)}"
+        text = f"{samples} is no power of 2, as Sobol points ask for: {near}"
+        raise InvalidProblem([("samples", text)])
+    return int(samples)
+
+
+def _drawn(kind: str, inputs: int, samples: int, seed: int) -> Array:
+    """Draw points of the unit cube, (samples, inputs)."""
+    from scipy.stats import qmc
+
+    if kind == "sobol":
+        return np.asarray(qmc.Sobol(inputs, rng=seed).random_base2(int(log2(samples))))
+    return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))

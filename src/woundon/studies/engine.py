@@ -1,0 +1,105 @@
+"""Runs a study: design -> chunks -> runner -> store and table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..errors import InvalidProblem
+from .design import Design
+from .evaluate import Chunk
+from .model import Model
+from .runners import Runner
+from .store import Store
+from .table import Table
+
+__all__ = ["Progress", "run_study"]
+
+Progress = Callable[[int, int], None]
+
+
+def run_study(
+    model: Model,
+    design: Design,
+    runner: Runner,
+    *,
+    out: str | Path | None = None,
+    resume: bool = False,
+    chunk: int | None = None,
+    progress: bool | Progress = False,
+) -> Table:
+    """Solve every case of a design.
+
+    Parameters
+    ----------
+    model : Model
+    design : Design
+    runner : Runner
+    out : path, optional
+        Folder that keeps the chunks as they finish.
+    resume : bool
+        Go on with the study in ``out``; what it holds is not solved again.
+    chunk : int, optional
+        Cases in a chunk.
+    progress : bool or callable
+        Show rate and time left, or call with (cases done, cases in all).
+
+    Raises
+    ------
+    InvalidProblem
+        For a name the model does not know, or a folder that holds another study.
+    KeyboardInterrupt
+        After Ctrl-C; finished chunks are in ``out``.
+    """
+    for name in set(design.names) & set(model.outputs):
+        raise InvalidProblem([(name, "is varied, so it cannot be an output too")])
+    labels = {name: model.label(name) for name in (*design.names, *model.outputs)}
+    record = model.record()
+    table = Table.empty(design, model.outputs, labels, record)
+    store, done = None, set[int]()
+    if out is not None:
+        store = Store(out, design, model.outputs, record, chunk=chunk, resume=resume)
+        done = store.done()
+        for block in store.blocks():
+            table.put(block)
+    chunks = [
+        Chunk(number, cases, design.inputs(cases))
+        for number, cases in enumerate(design.chunks(chunk))
+        if number not in done
+    ]
+    left = sum(len(c.cases) for c in chunks)
+    blocks = runner.solved(model, chunks)
+    with _told(progress, design.size - left, design.size) as tell:
+        try:
+            for block in blocks:
+                if store is not None:
+                    store.write(block)
+                table.put(block)
+                tell(len(block.cases))
+        finally:
+            # ends the workers here, where Ctrl-C can be heard, not whenever garbage is collected
+            close = getattr(blocks, "close", None)
+            if close is not None:
+                close()
+    return table
+
+
+@contextmanager
+def _told(progress: bool | Progress, done: int, size: int) -> Iterator[Callable[[int], None]]:
+    """Provide what is told of every block's number of cases."""
+    if progress is True:
+        from .progress import bar
+
+        with bar(done, size) as tell:
+            yield tell
+        return
+    call = progress or None
+
+    def count(cases: int) -> None:
+        nonlocal done
+        done += cases
+        if call is not None:
+            call(done, size)
+
+    yield count

@@ -1,0 +1,251 @@
+r"""Least squares on measured data, and what the data can tell of the parameters.
+
+    residual r_i = (predicted_i - measured_i) / deviation_i,    S = sum r_i^2
+
+Started from several points, because S may have several minima.  With J = dr/du at the best one and
+s^2 = S/(m - p), or 1 where the deviations are known:
+
+    covariance        s^2 (J^T J)^-1
+    profile           S_j(u_j) = min of S over the other parameters; the 95 % interval is where
+                      S_j - S <= s^2 F(1, m - p): it holds for bent and open valleys too
+    identifiability   J = U diag(lambda) V^T: the last column of V is the change of parameters
+                      that the data see least, lambda how much they see of it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidProblem, NotConverged
+from .model import Label
+from .predict import Parameter, Predictor
+from .profiles import Profile, profile_of, threshold
+
+__all__ = ["FitResult", "fit_parameters"]
+
+Array = np.ndarray
+SAME_MINIMUM = 1e-3  # relative difference of S
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """A fit and its evidence; m measured values, p parameters.
+
+    Attributes
+    ----------
+    names : tuple of str
+    estimates, standard_errors : (p,) arrays
+        SI.
+    covariance, correlation : (p, p) arrays
+    rms : float
+        Root mean square of the residuals, in the outputs' unit, or in deviations if ``weighted``.
+    profiles : tuple of Profile
+        With the 95 % intervals; empty if not asked for.
+    direction : (p,) array
+        The change of parameters that the data see least: of ln(value), or of value / range where
+        a bound is not positive; the largest entry is 1.
+    condition : float
+        Ratio of the largest to the smallest singular value of the scaled Jacobian.
+    effects : (p,) array
+        RMS change of the predictions for +10 % of each parameter alone (10 % of the range).
+    joint_effect : float
+        The same for ``direction`` at +-10 % of its largest entry.
+    minima : tuple of (S, estimates)
+        Where the starts ended, best first.
+    reached : int
+        How many of ``starts`` starts ended in the best minimum.
+    measured, fitted : (m,) arrays
+    row_outputs, row_numbers : tuples
+        Output and row of each measured value.
+    problem : object
+        The base problem with the estimates put in.
+    """
+
+    names: tuple[str, ...]
+    estimates: Array
+    standard_errors: Array
+    covariance: Array
+    correlation: Array
+    rms: float
+    direction: Array
+    condition: float
+    effects: Array
+    joint_effect: float
+    at_bound: tuple[str, ...]
+    minima: tuple[tuple[float, tuple[float, ...]], ...]
+    reached: int
+    starts: int
+    solves: int
+    measured: Array
+    fitted: Array
+    row_outputs: tuple[str, ...]
+    row_numbers: tuple[int, ...]
+    weighted: bool
+    profiles: tuple[Profile, ...] = ()
+    labels: Mapping[str, Label] = field(default_factory=dict)
+    problem: Any = None
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """m - p."""
+        return self.measured.size - len(self.names)
+
+    def estimate(self, name: str) -> float:
+        """Return the estimate of one parameter."""
+        return float(self.estimates[self.names.index(name)])
+
+    def lines(self) -> list[str]:
+        """Return the fit as lines of text."""
+        from .fitreport import lines
+
+        return lines(self)
+
+    def to_json(self) -> str:
+        """Return the fit as JSON."""
+        from .fitreport import to_json
+
+        return to_json(self)
+
+    def plot(self, path: Any = None) -> Any:
+        """Draw fitted against measured values, and the profiles."""
+        from .plots import plot_fit
+
+        return plot_fit(self, path)
+
+
+def fit_parameters(
+    predictor: Predictor, *, starts: int, seed: int, profiles: bool, labels: Mapping[str, Label]
+) -> FitResult:
+    """Fit the predictor's parameters.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    starts : int
+        Number of starting points: the base value, the others by Latin hypercube.
+    seed : int
+    profiles : bool
+        Whether to find profile-likelihood intervals.
+    labels : mapping of str to Label
+
+    Raises
+    ------
+    InvalidProblem
+        If there are fewer measured values than parameters.
+    NotConverged
+        If no start leads anywhere.
+    """
+    parameters, m = predictor.parameters, predictor.measured.size
+    if m < len(parameters):
+        text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
+        raise InvalidProblem([("vary", text)])
+    ends = [_from(predictor, u) for u in _starting_points(parameters, starts, seed)]
+    found = sorted((end for end in ends if end is not None), key=lambda end: end[0])
+    if not found:
+        raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
+    made: tuple[Profile, ...] = ()
+    for _ in range(3):
+        S, u = found[0]
+        limit = threshold(S, m - len(parameters), predictor.weighted)
+        if not profiles or not np.isfinite(limit):
+            break
+        made = tuple(
+            profile_of(predictor, j, u, S, limit, spread)
+            for j, spread in enumerate(_spreads(predictor, u, S))
+        )
+        lower = min(made, key=lambda p: p.best[0]).best
+        if lower[0] >= S * (1 - SAME_MINIMUM):
+            break
+        # a profile walked into a deeper valley that no start had found
+        found = sorted([*found, _from(predictor, lower[1]) or lower], key=lambda end: end[0])
+    return _result(predictor, found, starts, made, labels)
+
+
+def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) -> list[Array]:
+    from scipy.stats import qmc
+
+    low, high = np.transpose([p.ends for p in parameters])
+    base = np.array([p.coordinate(min(max(p.base, p.low), p.high)) for p in parameters])
+    drawn = qmc.LatinHypercube(len(parameters), rng=seed).random(max(starts - 1, 0))
+    return [base, *(low + drawn * (high - low))]
+
+
+def _from(predictor: Predictor, start: Array) -> tuple[float, Array] | None:
+    """Descend from a start; None if it cannot be solved there."""
+    from scipy.optimize import least_squares
+
+    low, high = np.transpose([p.ends for p in predictor.parameters])
+    inside = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
+    if not np.isfinite(predictor.residuals(inside)).all():
+        return None
+    try:
+        end = least_squares(
+            predictor.residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
+            xtol=1e-8, ftol=1e-10, max_nfev=60,
+        )  # fmt: skip
+    except ValueError:  # a derivative could not be had
+        return None
+    return 2 * float(end.cost), np.asarray(end.x)
+
+
+def _spreads(predictor: Predictor, u: Array, S: float) -> Array:
+    """Return the standard errors of u, kept within what a profile can walk."""
+    low, high = np.transpose([p.ends for p in predictor.parameters])
+    error = np.sqrt(np.diag(_covariance(predictor, predictor.jacobian(u), S)))
+    width = high - low
+    return np.clip(np.nan_to_num(error, nan=np.inf), 1e-4 * width, 0.1 * width)
+
+
+def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
+    """Return s^2 (J^T J)^-1; inf where the data say nothing."""
+    m, p = J.shape
+    s2 = 1.0 if predictor.weighted else S / (m - p) if m > p else np.nan
+    _, values, V = np.linalg.svd(J, full_matrices=False)
+    with np.errstate(divide="ignore"):
+        return np.asarray((V.T / values**2) @ V * s2)
+
+
+def _result(
+    predictor: Predictor, found: list[tuple[float, Array]], starts: int,
+    profiles: tuple[Profile, ...], labels: Mapping[str, Label],
+) -> FitResult:  # fmt: skip
+    S, u = found[0]
+    J, parameters = predictor.jacobian(u), predictor.parameters
+    slope = np.array([p.slope(float(v)) for p, v in zip(parameters, u, strict=True)])
+    covariance = slope[:, None] * _covariance(predictor, J, S) * slope
+    error = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore"):
+        correlation = covariance / np.outer(error, error)
+    # identifiability in relative changes: of the value, or of the range
+    unit = np.array([1.0 if p.logarithmic else p.high - p.low for p in parameters])
+    _, singular, V = np.linalg.svd(J * unit, full_matrices=False)
+    direction = V[-1] / V[-1][np.argmax(np.abs(V[-1]))]
+    m, tenth = predictor.measured.size, np.log(1.1)
+    return FitResult(
+        names=tuple(p.name for p in parameters),
+        estimates=np.array(list(predictor.inputs(u).values())),
+        standard_errors=error, covariance=covariance, correlation=correlation,
+        rms=float(np.sqrt(S / m)), direction=direction,
+        condition=float(singular[0] / singular[-1]) if singular[-1] > 0 else float("inf"),
+        effects=tenth * np.linalg.norm(J * unit, axis=0) / np.sqrt(m),
+        joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
+        at_bound=tuple(_at_bound(parameters, u)),
+        minima=tuple((s, tuple(predictor.inputs(v).values())) for s, v in found),
+        reached=sum(s <= S * (1 + SAME_MINIMUM) + 1e-12 for s, _ in found), starts=starts,
+        solves=predictor.solves, measured=predictor.measured, fitted=predictor.values(u),
+        row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
+        weighted=predictor.weighted, profiles=profiles, labels=labels,
+    )  # fmt: skip
+
+
+def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:
+    found = []
+    for parameter, value in zip(parameters, u, strict=True):
+        low, high = parameter.ends
+        if min(value - low, high - value) < 1e-4 * (high - low):
+            found.append(parameter.name)
+    return found

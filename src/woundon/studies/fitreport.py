@@ -1,0 +1,123 @@
+"""A fit in words and as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from math import expm1, isfinite, log
+from typing import Any
+
+import numpy as np
+
+from .fit import FitResult
+from .profiles import Profile
+
+__all__ = ["lines", "to_json"]
+
+
+def lines(fit: FitResult) -> list[str]:
+    """Return the fit as lines of text: estimates, intervals, what trades off against what."""
+    unit = _rms_unit(fit)
+    m, p = fit.measured.size, len(fit.names)
+    head = (
+        f"{m} measured values, {p} fitted {'parameter' if p == 1 else 'parameters'}, "
+        f"RMS {fit.rms:.4g}{unit}; {fit.reached} of {fit.starts} starts ended here"
+    )
+    return [head, *_estimates(fit), *_minima(fit, unit), *_trade_offs(fit, unit)]
+
+
+def _rms_unit(fit: FitResult) -> str:
+    if fit.weighted:
+        return " standard deviations"
+    label = fit.labels.get(fit.row_outputs[0])
+    return "" if label is None or label.unit == "1" else f" {label.unit}"
+
+
+def _estimates(fit: FitResult) -> Iterator[str]:
+    profiles = {profile.name: profile for profile in fit.profiles}
+    width = max(map(len, fit.names))
+    for k, name in enumerate(fit.names):
+        unit = fit.labels[name].unit if name in fit.labels else ""
+        value, error = fit.estimates[k], fit.standard_errors[k]
+        text = f"{name:<{width}}  {value:.4g} {unit if unit != '1' else ''}".rstrip()
+        if isfinite(error):
+            text += f", standard error {error:.2g}"
+            text += f" ({error / abs(value):.0%})" if value else ""
+        if name in profiles:
+            text += f"; 95 % profile interval {_interval(profiles[name])}"
+        if name in fit.at_bound:
+            text += "; at its bound: widen the bounds, or the data do not determine it"
+        yield text
+
+
+def _interval(profile: Profile) -> str:
+    low = f"{profile.low:.4g}" if isfinite(profile.low) else "open"
+    high = f"{profile.high:.4g}" if isfinite(profile.high) else "open"
+    return f"{low} to {high}"
+
+
+def _minima(fit: FitResult, unit: str) -> Iterator[str]:
+    m = fit.measured.size
+    for S, values in fit.minima[fit.reached : fit.reached + 1]:
+        where = ", ".join(f"{n} {v:.4g}" for n, v in zip(fit.names, values, strict=True))
+        yield f"the next minimum has RMS {(S / m) ** 0.5:.4g}{unit} at {where}"
+
+
+def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
+    """Yield what the data cannot tell apart."""
+    p = len(fit.names)
+    for j in range(p):
+        for k in range(j):
+            r = fit.correlation[j, k]
+            if abs(r) > 0.9:
+                yield f"correlation of {fit.names[k]} and {fit.names[j]}: {r:.4f}"
+    if p == 1:
+        change = f"{fit.effects[0]:.3g}{unit} (RMS)"
+        yield f"+10 % of {fit.names[0]} changes the fitted values by {change}"
+        return
+    leading = int(np.argmax(np.abs(fit.direction)))
+    alone = fit.effects[leading]
+    moves = [
+        f"{name} {expm1(log(1.1) * part):+.1%}"
+        for name, part in zip(fit.names, fit.direction, strict=True)
+        if abs(part) > 0.02
+    ]
+    told = (
+        f"{' with '.join(moves)} together change the fitted values by "
+        f"{fit.joint_effect:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {alone:.3g}{unit}"
+    )
+    if fit.joint_effect < 0.2 * alone:
+        told = f"nearly a trade-off: {told}"
+    yield f"{told}; condition number {fit.condition:.3g}"
+
+
+def to_json(fit: FitResult) -> str:
+    """Return the fit as JSON, SI units; what is not a number or not finite is null."""
+    record: dict[str, Any] = {
+        name: getattr(fit, name)
+        for name in (
+            "names", "estimates", "standard_errors", "covariance", "correlation", "rms",
+            "weighted", "direction", "condition", "effects", "joint_effect", "at_bound", "minima",
+            "reached", "starts", "solves", "measured", "fitted", "row_outputs", "row_numbers",
+        )
+    }  # fmt: skip
+    record["units"] = {name: label.unit for name, label in fit.labels.items()}
+    record["profiles"] = {
+        p.name: {"low": p.low, "high": p.high, "values": p.values, "rms": p.rms}
+        for p in fit.profiles
+    }
+    if hasattr(fit.problem, "model_dump"):
+        record["problem"] = fit.problem.model_dump()
+    return json.dumps(_plain(record), indent=1, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _plain(inner) for name, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else None
+    return value

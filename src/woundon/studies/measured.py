@@ -1,0 +1,193 @@
+"""Measured data from CSV or Excel, units in the header, to SI columns of known names.
+
+    nip_load [kN/m], web_tension [N/m], wound_on_tension [N/m], wound_on_tension +- [N/m]
+
+A column's name is that of an input or an output of the model; "+-" (or "±") holds an output's
+standard deviations.  Semicolons between and commas within numbers are read too, lines that open
+with # are left out.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from ..errors import InvalidProblem, did_you_mean
+from ..units import parse
+from .model import Label
+
+__all__ = ["Measured", "read_measured"]
+
+Array = np.ndarray
+_HEADER = re.compile(r"\s*([^\[\(]*?)\s*(?:[\[\(]\s*(.*?)\s*[\]\)])?\s*")
+_DEVIATION = re.compile(r"(.*?)\s*(?:\+-|\N{PLUS-MINUS SIGN}|\+/-)")
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Measured rows, in SI.
+
+    Attributes
+    ----------
+    inputs : mapping of str to (rows,) array
+        What was set.
+    outputs : mapping of str to (rows,) array
+        What was measured; nan where it was not.
+    deviations : mapping of str to (rows,) array
+        Standard deviations of the outputs that have them.
+    """
+
+    inputs: Mapping[str, Array]
+    outputs: Mapping[str, Array]
+    deviations: Mapping[str, Array]
+
+
+def read_measured(
+    data: Any,
+    outputs: Mapping[str, Label],
+    label: Callable[[str], Label],
+    columns: Mapping[str, str | None] | None = None,
+) -> Measured:
+    """Return measured data.
+
+    Parameters
+    ----------
+    data : path or mapping
+        ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name ends in a [unit].
+    outputs : mapping of str to Label
+        The outputs that a column may hold; every other column is an input.
+    label : callable
+        Name of an input -> its unit; raises InvalidProblem if there is none.
+    columns : mapping, optional
+        Name in the data -> name of the model, None for a column to leave out.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming the file's column or row at fault.
+    """
+    if isinstance(data, Mapping):
+        where, table = "measured", {str(name): list(values) for name, values in data.items()}
+    else:
+        where, table = str(data), _read(Path(data))
+    found: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
+    renames = dict(columns or {})
+    for header, cells in table.items():
+        match = _HEADER.fullmatch(header)
+        name, unit = match.groups() if match else (header, None)
+        target = renames.pop(name, name)
+        if target is None:
+            continue
+        kind, target, of = _role(target, outputs, label, where)
+        gap = kind != "inputs"
+        found[kind][target] = _si(cells, unit, of, f"{where}: {name}", gap)
+    _check(found, renames, where)
+    return Measured(**found)
+
+
+def _role(
+    name: str, outputs: Mapping[str, Label], label: Callable[[str], Label], where: str
+) -> tuple[str, str, Label]:
+    """Tell what a column is: kind, name in the model, label."""
+    match = _DEVIATION.fullmatch(name)
+    plain = match.group(1) if match else name
+    if plain in outputs:
+        return "deviations" if match else "outputs", plain, outputs[plain]
+    try:
+        return "inputs", plain, label(plain)
+    except InvalidProblem as fault:
+        _, text = fault.faults[0]
+        hint = did_you_mean(plain, outputs)
+        raise InvalidProblem(
+            [(f"{where}: {plain}", f"{text}; among the outputs: {hint.lstrip('; ')}")]
+        ) from None
+
+
+def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: str) -> None:
+    for name in renames:
+        raise InvalidProblem([(where, f"has no column {name!r}")])
+    if not found["outputs"]:
+        raise InvalidProblem([(where, "has no column that is an output of the model")])
+    sizes = {len(column) for kind in found.values() for column in kind.values()}
+    if len(sizes) > 1:
+        raise InvalidProblem([(where, f"columns differ in length: {sorted(sizes)}")])
+    for name, deviation in found["deviations"].items():
+        known = np.isfinite(found["outputs"].get(name, deviation))
+        if name not in found["outputs"] or not np.all(deviation[known] > 0):
+            text = f"the standard deviations of {name} must be > 0 wherever it was measured"
+            raise InvalidProblem([(where, text)])
+
+
+def _si(cells: list[Any], unit: str | None, of: Label, where: str, gap: bool) -> Array:
+    """Return a column in SI; an empty cell is nan where a ``gap`` is allowed."""
+    if not of.unit:
+        raise InvalidProblem([(where, "is no number, so it cannot be a column")])
+    factor = 1.0
+    if unit:
+        factor = parse(f"1 {unit}", of.unit, where) if unit != "1" else 1.0
+    values = np.empty(len(cells))
+    for row, cell in enumerate(cells):
+        empty = cell is None or (isinstance(cell, str) and not cell.strip())
+        try:
+            values[row] = np.nan if empty and gap else factor * float(_decimal(cell))
+        except (TypeError, ValueError):
+            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no number")]) from None
+        if not empty and not np.isfinite(values[row]):
+            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no finite number")])
+    return values
+
+
+def _decimal(cell: Any) -> Any:
+    return cell.strip().replace(",", ".") if isinstance(cell, str) else cell
+
+
+def _read(path: Path) -> dict[str, list[Any]]:
+    """Return a file's columns by header."""
+    try:
+        rows = _excel_rows(path) if path.suffix == ".xlsx" else _csv_rows(path)
+    except OSError as fault:
+        raise InvalidProblem([(str(path), f"cannot be read: {fault.strerror}")]) from None
+    if len(rows) < 2:
+        raise InvalidProblem([(str(path), "holds no header with rows below it")])
+    header = [str(cell).strip() if cell is not None else "" for cell in rows[0]]
+    for number, row in enumerate(rows[1:], 1):
+        if len(row) != len(header):
+            text = f"row {number} has {len(row)} cells, the header {len(header)}"
+            raise InvalidProblem([(str(path), text)])
+    if len(set(header)) < len(header):
+        raise InvalidProblem([(str(path), "two columns have the same header")])
+    columns = ([row[k] for row in rows[1:]] for k in range(len(header)))
+    return {name: cells for name, cells in zip(header, columns, strict=True) if name}
+
+
+def _csv_rows(path: Path) -> list[list[Any]]:
+    try:
+        text = path.read_text("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        raise InvalidProblem([(str(path), f"is no UTF-8 text, from byte {fault.start}")]) from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        return []
+    between = next((sign for sign in ";\t" if sign in lines[0]), ",")
+    return [list(row) for row in csv.reader(lines, delimiter=between, skipinitialspace=True)]
+
+
+def _excel_rows(path: Path) -> list[list[Any]]:
+    from .export import openpyxl
+
+    if not path.is_file():
+        raise InvalidProblem([(str(path), "cannot be read: no such file")])
+    try:
+        book = openpyxl().load_workbook(path, read_only=True, data_only=True)
+        rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
+        book.close()
+    except (KeyError, ValueError, OSError, EOFError, BadZipFile) as fault:
+        raise InvalidProblem([(str(path), f"is no Excel file: {fault}")]) from None
+    return [row for row in rows if any(cell is not None for cell in row)]

@@ -1,0 +1,72 @@
+"""What a study needs of a solver: inputs by name in, numbers out, and a state to start from.
+
+A study knows nothing of what it studies.  Whoever binds a solver to it writes a :class:`Model`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+__all__ = ["Answer", "Label", "Model"]
+
+
+class Answer(NamedTuple):
+    """One solved case.
+
+    Attributes
+    ----------
+    values : tuple of float
+        The outputs, in the order of ``Model.outputs``, in SI units.
+    warnings : str
+        Where the case leaves the model's validity; empty where it does not.
+    state : object
+        What a neighbouring case may start from.
+    """
+
+    values: tuple[float, ...]
+    warnings: str
+    state: Any
+
+
+class Label(NamedTuple):
+    """What a column says of itself; ``unit`` is "1" for a pure number, "" for what is no number."""
+
+    unit: str
+    description: str
+    symbol: str = ""
+
+
+class Model(Protocol):
+    """A solver bound to a base problem; it is sent to worker processes, so it must pickle."""
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        ...
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        """Solve one case; ``start`` is the state of a neighbour and must not change the answer.
+
+        Whatever it raises is the reason why the case failed.
+        """
+        ...
+
+    @property
+    def free_inputs(self) -> frozenset[str]:
+        """Inputs that only shift outputs: a neighbour that differs in them alone is free."""
+        ...
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        """Return exact derivatives of a solved case's outputs, (outputs, names), None without."""
+        ...
+
+    def label(self, name: str) -> Label:
+        """Return unit and meaning of an input or output; raise InvalidProblem if there is none."""
+        ...
+
+    def record(self) -> dict[str, Any]:
+        """Return all that the numbers depend on (base problem, settings, version) for JSON."""
+        ...

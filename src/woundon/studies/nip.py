@@ -1,0 +1,250 @@
+"""``wo.sweep``, ``wo.fit``, ``wo.global_sensitivity``: the study engine over woundon's solvers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InvalidProblem
+from ..problems import RollerProblem
+from .design import make_design
+from .engine import Progress, run_study
+from .fields import field_label, get_field
+from .fit import FitResult, fit_parameters
+from .measured import Measured, read_measured
+from .model import Label
+from .predict import Parameter, Predictor
+from .runners import runner_for
+from .sobol import SobolIndices, saltelli_design, sobol_indices_of
+from .solver_model import Problem, all_labels, solver_model
+from .table import Table
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["fit", "global_sensitivity", "sweep", "sweep_table"]
+
+FIT_NODES = 65
+
+
+def sweep(
+    problem: Problem,
+    over: Mapping[str, Any],
+    outputs: Sequence[str] = ("nip_induced_tension",),
+    **options: Any,
+) -> xarray.Dataset:
+    """Solve a problem for many values of its fields.
+
+    Parameters
+    ----------
+    problem : NipProblem or RollerProblem
+        What is not varied.
+    over : mapping
+        Dotted name of any field -> its values, SI; for a drawn design (low, high) or
+        (low, high, "log").  Values may be bodies or names of materials too.
+    outputs : sequence of str
+        Any scalar of the result; also ``peak_pressure``, ``nip_width``, ``dual``, ``leading_roll``,
+        ``trailing_roll``, ``residual`` (largest violation of a law), ``rig_tension``.
+    design : {"grid", "table", "latin-hypercube", "sobol"}
+        All combinations (default); row by row; drawn.
+    samples, seed : int
+        Of a drawn design: number of cases (a power of 2 for "sobol"), and the generator's seed.
+    tie : mapping of str to str
+        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
+    workers : int
+        Processes; by default one a core where it pays.
+    scheduler : str
+        Address of a Dask scheduler, "tcp://..."; its workers solve.
+    out : path
+        Folder that keeps results as they come; ``resume=True`` goes on with what it holds.
+    chunk : int
+        Cases that are solved in a row, each from the state of the one before.
+    progress : bool or callable
+        Show rate and time left, or call with (cases done, cases in all).
+    scheme, nodes, rtol, algorithm
+        As of :func:`~woundon.nip.solve_nip`.
+
+    Returns
+    -------
+    xarray.Dataset
+        A dimension for each input of a grid, or ``case``.  Failed cases are nan, their reason is in
+        the variable ``failure``.  The numbers depend neither on workers nor on interruptions.
+
+    Raises
+    ------
+    InvalidProblem
+        For a name that does not exist, or a folder that holds another study.
+    """
+    return sweep_table(problem, over, outputs, **options).to_dataset()
+
+
+def sweep_table(
+    problem: Problem,
+    over: Mapping[str, Any],
+    outputs: Sequence[str] = ("nip_induced_tension",),
+    *,
+    design: str = "grid",
+    samples: int | None = None,
+    seed: int = 0,
+    tie: Mapping[str, str] | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    chunk: int | None = None,
+    progress: bool | Progress = False,
+    **options: Any,
+) -> Table:
+    """Return the table of :func:`sweep`."""
+    model = solver_model(problem, outputs, tie, options)
+    return run_study(
+        model, make_design(over, design, samples, seed), runner_for(workers, scheduler),
+        out=out, resume=resume, chunk=chunk, progress=progress,
+    )  # fmt: skip
+
+
+def global_sensitivity(
+    problem: Problem,
+    over: Mapping[str, Any],
+    outputs: Sequence[str] = ("nip_induced_tension",),
+    *,
+    samples: int = 256,
+    seed: int = 0,
+    tie: Mapping[str, str] | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    progress: bool | Progress = False,
+    **options: Any,
+) -> SobolIndices:
+    """Return how much of each output's variance the ranges of inputs explain (Sobol's indices).
+
+    Parameters
+    ----------
+    problem : NipProblem or RollerProblem
+    over : mapping
+        Dotted name -> range (low, high), or (low, high, "log") for one even in the logarithm.
+    outputs : sequence of str
+    samples : int
+        Base samples, a power of 2; samples * (inputs + 2) cases are solved.
+    seed, tie, workers, scheduler, out, resume, progress, options
+        As of :func:`sweep`.
+
+    Raises
+    ------
+    InvalidProblem
+        Also if a case of the ranges cannot be solved: the indices need every one.
+    """
+    model = solver_model(problem, outputs, tie, options)
+    table = run_study(
+        model, saltelli_design(over, samples, seed), runner_for(workers, scheduler),
+        out=out, resume=resume, progress=progress,
+    )  # fmt: skip
+    return sobol_indices_of(table, samples, seed)
+
+
+def fit(
+    problem: Problem,
+    measured: Any,
+    vary: Mapping[str, tuple[float, float] | None] | Sequence[str],
+    *,
+    tie: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | None] | None = None,
+    starts: int = 6,
+    seed: int = 0,
+    profiles: bool = True,
+    **options: Any,
+) -> FitResult:
+    """Fit fields of a problem to measured data by least squares.
+
+    Parameters
+    ----------
+    problem : NipProblem or RollerProblem
+        Everything that is neither measured nor fitted.
+    measured : path or mapping
+        CSV or Excel file with units in its header, or columns by name: inputs ("nip_load [kN/m]"),
+        outputs ("wound_on_tension [N/m]"), and standard deviations of these
+        ("wound_on_tension +- [N/m]").
+    vary : mapping or sequence of str
+        Dotted name -> bounds (low, high) in SI; without bounds, a tenth to ten times the value.
+    tie : mapping of str to str
+        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
+    columns : mapping
+        Name in the data -> name here, None for a column to leave out.
+    starts, seed : int
+        Starting points: the problem as it is, the others drawn.
+    profiles : bool
+        Find profile-likelihood intervals.
+    scheme, nodes
+        As of :func:`~woundon.nip.solve_nip`; 65 nodes by default.  Leave ``rtol`` out: on one grid
+        the outputs are continuous in the parameters, between grids they jump by the
+        discretisation's error.
+
+    Returns
+    -------
+    FitResult
+        Its ``problem`` has the estimates put in.
+
+    Raises
+    ------
+    InvalidProblem
+        For names, bounds, or data at fault.
+    NotConverged
+        If no start can be solved.
+    """
+    data = read_measured(
+        measured, all_labels(problem), lambda name: field_label(problem, name), columns
+    )
+    model = solver_model(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
+    parameters = tuple(_parameter(problem, name, bounds) for name, bounds in _bounds(vary).items())
+    labels = {n: model.label(n) for n in (*(p.name for p in parameters), *data.outputs)}
+    _one_unit(labels, data)
+    found = fit_parameters(
+        Predictor(model, data, parameters), starts=starts, seed=seed, profiles=profiles,
+        labels=labels,
+    )  # fmt: skip
+    estimates = dict(zip(found.names, found.estimates, strict=True))
+    return replace(found, problem=model.variant(estimates))
+
+
+def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Keep a nip's grid from being refined where the estimated error asks for it."""
+    free = isinstance(problem, RollerProblem) or any(
+        options.get(name) is not None for name in ("nodes", "rtol", "scheme")
+    )
+    return dict(options) if free else {**options, "nodes": FIT_NODES}
+
+
+def _bounds(vary: Any) -> dict[str, Any]:
+    given = dict(vary) if isinstance(vary, Mapping) else dict.fromkeys(
+        [vary] if isinstance(vary, str) else vary
+    )  # fmt: skip
+    if not given:
+        raise InvalidProblem([("vary", "nothing to fit: give fields and their bounds")])
+    return given
+
+
+def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
+    base = get_field(problem, name)
+    if not isinstance(base, float):
+        raise InvalidProblem([(name, f"{base!r} is no number, so it cannot be fitted")])
+    if bounds is None:
+        if base <= 0:
+            raise InvalidProblem([(name, f"is {base:g}: give bounds for it")])
+        bounds = (base / 10, base * 10)
+    try:
+        low, high = (float(end) for end in bounds)
+    except (TypeError, ValueError):
+        raise InvalidProblem([(name, f"{bounds!r} are no bounds; write (low, high)")]) from None
+    return Parameter(name, low, high, base)
+
+
+def _one_unit(labels: Mapping[str, Label], data: Measured) -> None:
+    """Refuse to weigh outputs of different units against each other without deviations."""
+    units = {labels[name].unit for name in data.outputs}
+    if len(units) > 1 and set(data.deviations) != set(data.outputs):
+        text = f"outputs of different units ({', '.join(sorted(units))}) need standard deviations"
+        raise InvalidProblem([("measured", text)])

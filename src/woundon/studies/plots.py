@@ -1,0 +1,220 @@
+"""Figures of studies: curves of a sweep, a fit and its profiles, shares of variance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..plots import save_figure, style
+from .model import Label
+from .table import Table
+
+if TYPE_CHECKING:
+    from .fit import FitResult
+    from .sobol import SobolIndices
+
+__all__ = ["plot_fit", "plot_indices", "plot_sweep"]
+
+Array = np.ndarray
+
+# Okabe and Ito's palette, told apart with any colour vision
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+_LINES = ("-", "--", "-.", ":")
+_MOST_CURVES, _MOST_PANELS = 7, 4
+
+
+def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Figure:
+    """Draw one output of a study.
+
+    Of a grid: curves over the longest axis, a curve for each value of the next, a panel for each
+    of a third; further inputs at their middle values.  Of a table: the output over every input.
+
+    Parameters
+    ----------
+    table : Table
+    output : str
+    path : path, optional
+        Where to save.
+    """
+    with style():
+        figure = _grid_figure(table, output) if table.design.gridded else _scatter(table, output)
+    if path is not None:
+        save_figure(figure, path)
+    return figure
+
+
+def _grid_figure(table: Table, output: str) -> Figure:
+    design = table.design
+    values = table.outputs[output].reshape(design.shape)
+    ranked = sorted(
+        range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
+    )
+    # what has no place in the figure is held at its middle value
+    held, drawn = ranked[3:], ranked[:3]
+    fixed = {k: design.shape[k] // 2 for k in held}
+    values = values[tuple(fixed.get(k, slice(None)) for k in range(len(design.shape)))]
+    kept = sorted(drawn)
+    values = np.transpose(values, [kept.index(k) for k in drawn])
+    while values.ndim < 3:
+        values = values[..., None]
+    panels = _spread(values.shape[2], _MOST_PANELS)
+    figure = Figure(figsize=(3.4 * len(panels) + 1.6, 3.6), layout="constrained")
+    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for panel, k in zip(axes, panels, strict=True):
+        _curves(panel, table, drawn, values[:, :, k])
+        if len(drawn) > 2:
+            panel.set_title(_at(table, drawn[2], k), fontsize=9)
+    axes[0].set_ylabel(_axis(table.labels.get(output), output))
+    if len(drawn) > 1:
+        axes[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if fixed:
+        text = ", ".join(_at(table, k, place) for k, place in fixed.items())
+        figure.suptitle(text, fontsize=9)
+    return figure
+
+
+def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
+    x = table.design.columns[drawn[0]]
+    numeric = x.numeric
+    at = x.labels.astype(float) if numeric else np.arange(len(x.values))
+    order = np.argsort(at, kind="stable")
+    for place, k in enumerate(_spread(values.shape[1], _MOST_CURVES)):
+        label = _at(table, drawn[1], k) if len(drawn) > 1 else None
+        mark = "." if at.size <= 30 else None
+        axes.plot(
+            at[order], values[order, k], _LINES[place % 4], color=_COLOURS[place],
+            marker=mark if numeric else "o", label=label,
+        )  # fmt: skip
+    if not numeric:
+        axes.set_xticks(at, [str(label) for label in x.labels], rotation=20)
+    elif _logarithmic(at):
+        axes.set_xscale("log")
+    axes.set_xlabel(_axis(table.labels.get(x.name), x.name))
+
+
+def _scatter(table: Table, output: str) -> Figure:
+    columns = [c for c in table.design.columns if c.numeric]
+    wide = min(len(columns), 3)
+    rows = -(-len(columns) // max(wide, 1))
+    figure = Figure(figsize=(2.9 * wide + 0.6, 2.6 * rows + 0.4), layout="constrained")
+    panels = figure.subplots(rows, wide, sharey=True, squeeze=False)
+    for axes in panels.flat[len(columns) :]:
+        axes.set_visible(False)
+    values = table.outputs[output]
+    for axes, column in zip(panels.flat, columns, strict=False):
+        at = column.labels.astype(float)
+        axes.plot(at, values, ".", color=_COLOURS[0], markersize=3, alpha=0.6, rasterized=True)
+        if _logarithmic(at):
+            axes.set_xscale("log")
+        axes.set_xlabel(_axis(table.labels.get(column.name), column.name))
+    for axes in panels[:, 0]:
+        axes.set_ylabel(_axis(table.labels.get(output), output))
+    return figure
+
+
+def plot_fit(fit: FitResult, path: str | Path | None = None) -> Figure:
+    """Draw fitted against measured values, and the profile of each parameter.
+
+    Parameters
+    ----------
+    fit : FitResult
+    path : path, optional
+        Where to save.
+    """
+    with style():
+        count = 1 + len(fit.profiles)
+        figure = Figure(figsize=(3.1 * count + 0.4, 3.3), layout="constrained")
+        panels = figure.subplots(1, count, squeeze=False)[0]
+        _draw_agreement(panels[0], fit)
+        for axes, profile in zip(panels[1:], fit.profiles, strict=True):
+            axes.plot(profile.values, profile.rms, ".-", color=_COLOURS[0], label="others refitted")
+            axes.axhline(profile.rms_limit, color=_COLOURS[1], linestyle="--", label="95 % limit")
+            if _logarithmic(profile.values):
+                axes.set_xscale("log")
+            axes.set_xlabel(_axis(fit.labels.get(profile.name), profile.name, words=False))
+            axes.set_ylabel("RMS of the fit [in units of the error]" if fit.weighted else "RMS")
+            axes.legend()
+    if path is not None:
+        save_figure(figure, path)
+    return figure
+
+
+def _draw_agreement(axes: Axes, fit: FitResult) -> None:
+    for place, output in enumerate(dict.fromkeys(fit.row_outputs)):
+        rows = np.array([name == output for name in fit.row_outputs])
+        axes.plot(
+            fit.measured[rows], fit.fitted[rows], "os^dv"[place % 5], color=_COLOURS[place % 7],
+            markersize=4, label=output.replace("_", " "),
+        )  # fmt: skip
+    ends = [float(min(fit.measured.min(), fit.fitted.min())),
+            float(max(fit.measured.max(), fit.fitted.max()))]  # fmt: skip
+    axes.plot(ends, ends, color="#888888", linewidth=0.8)
+    axes.set_xlabel("measured")
+    axes.set_ylabel("fitted")
+    axes.legend()
+
+
+def plot_indices(indices: SobolIndices, path: str | Path | None = None) -> Figure:
+    """Draw first and total order of every input as bars with their intervals, a panel an output.
+
+    Parameters
+    ----------
+    indices : SobolIndices
+    path : path, optional
+        Where to save.
+    """
+    count, at = len(indices.outputs), np.arange(len(indices.inputs))
+    with style():
+        figure = Figure(figsize=(6.3, (0.42 * at.size + 1.0) * count + 0.3), layout="constrained")
+        for k, axes in enumerate(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]):
+            for shift, label, value, ends in (
+                (-0.2, "alone (first order)", indices.first_order, indices.first_interval),
+                (0.2, "with interactions (total)", indices.total_order, indices.total_interval),
+            ):
+                reach = np.abs(ends[:, k] - value[k])
+                axes.barh(
+                    at + shift, value[k], height=0.38, xerr=reach, label=label,
+                    color=_COLOURS[0 if shift < 0 else 4], error_kw={"linewidth": 0.9},
+                )  # fmt: skip
+            axes.set_yticks(at, [name.replace("_", " ") for name in indices.inputs])
+            axes.invert_yaxis()
+            axes.set_title(indices.outputs[k].replace("_", " "), fontsize=9, loc="left")
+        axes.set_xlabel("share of the variance")
+        axes.legend(loc="lower right")
+    if path is not None:
+        save_figure(figure, path)
+    return figure
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Return at most so many places out of ``count``, spread evenly, ends included."""
+    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
+
+
+def _logarithmic(values: Array) -> bool:
+    """Tell whether values spread rather by factors than by steps."""
+    if values.size < 3 or values.min() <= 0 or values.max() / values.min() < 10:
+        return False
+    return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
+
+
+def _axis(label: Label | None, name: str, words: bool = True) -> str:
+    if label is None:
+        return name.replace("_", " ")
+    text = label.description if words else name.replace("_", " ")
+    return text if label.unit in ("", "1") else f"{text} [{label.unit}]"
+
+
+def _at(table: Table, axis: int, place: int) -> str:
+    """Return "shear modulus = 1e+07 Pa" for a place on an axis."""
+    column = table.design.columns[axis]
+    label: Mapping[str, Label] = table.labels
+    value = column.labels[place]
+    unit = label[column.name].unit if column.name in label else ""
+    shown = f"{value:.4g}" if column.numeric else str(value)
+    return f"{column.name.rpartition('.')[2].replace('_', ' ')} = {shown} {unit.strip('1')}".strip()

@@ -1,0 +1,174 @@
+"""Fitted parameters -> predicted values and their derivatives, over the measured rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import exp, log
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidProblem
+from .measured import Measured
+from .model import Model
+
+__all__ = ["Parameter", "Predictor"]
+
+Array = np.ndarray
+# central differences of outputs that are smooth but for kinks where a node changes its zone: so
+# long that rounding (1e-9 of the output) does not matter, so short that curvature does not
+STEP = 2e-3
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is fitted, between bounds; its coordinate u is ln(value) where the bounds are positive.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name of the field.
+    low, high : float
+        Bounds.
+    base : float
+        Where the first start lies.
+    """
+
+    name: str
+    low: float
+    high: float
+    base: float
+
+    def __post_init__(self) -> None:
+        if not self.low < self.high or not np.isfinite([self.low, self.high]).all():
+            text = f"bounds {self.low!r} to {self.high!r} are none: must be low < high"
+            raise InvalidProblem([(self.name, text)])
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether u is the logarithm."""
+        return self.low > 0
+
+    def coordinate(self, value: float) -> float:
+        """Return u."""
+        return log(value) if self.logarithmic else value
+
+    def value(self, u: float) -> float:
+        """Return the value at u, rounding kept within the bounds."""
+        return min(max(exp(u) if self.logarithmic else u, self.low), self.high)
+
+    def slope(self, u: float) -> float:
+        """Return d value/du."""
+        return exp(u) if self.logarithmic else 1.0
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Bounds of u."""
+        return self.coordinate(self.low), self.coordinate(self.high)
+
+
+class Predictor:
+    """Predicts every measured value from the parameters' coordinates u.
+
+    Each distinct row is solved once, from its own last state; a row that differs from the one
+    before in ``model.free_inputs`` only takes over that one's state, and costs nothing.
+    """
+
+    def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
+        self.model, self.parameters = model, parameters
+        for parameter in parameters:
+            if parameter.name in measured.inputs:
+                raise InvalidProblem([(parameter.name, "is measured, so it cannot be fitted")])
+        names = tuple(measured.inputs)
+        rows = list(zip(*(measured.inputs[n].tolist() for n in names), strict=True))
+        if not names:
+            rows = [()] * len(next(iter(measured.outputs.values())))
+        held = [n for n in names if n not in model.free_inputs]
+        distinct = sorted(set(rows), key=lambda row: [row[names.index(n)] for n in held])
+        self.cases: list[Mapping[str, Any]] = [dict(zip(names, r, strict=True)) for r in distinct]
+        self.follows = [
+            k > 0 and all(case[n] == self.cases[k - 1][n] for n in held)
+            for k, case in enumerate(self.cases)
+        ]
+        known = [
+            (row, output)
+            for output, values in measured.outputs.items()
+            for row in np.nonzero(np.isfinite(values))[0].tolist()
+        ]
+        place = {row: k for k, row in enumerate(distinct)}
+        self.row_outputs = tuple(output for _, output in known)
+        self.row_numbers = tuple(row for row, _ in known)
+        self.of_case = np.array([place[rows[row]] for row, _ in known], dtype=np.intp)
+        self.of_output = np.array([model.outputs.index(o) for _, o in known], dtype=np.intp)
+        self.measured = np.array([measured.outputs[o][row] for row, o in known])
+        deviations = [measured.deviations.get(o) for _, o in known]
+        self.weighted = all(d is not None for d in deviations)
+        self.deviation = np.array(
+            [1.0 if d is None else d[row] for (row, _), d in zip(known, deviations, strict=True)]
+        )
+        self.states: list[Any] = [None] * len(self.cases)
+        self.solves, self.fault = 0, ""
+        self._at = self._values = np.empty(0)
+
+    def values(self, u: Array) -> Array:
+        """Return the predictions, (m,); nan throughout where a case fails."""
+        if not np.array_equal(u, self._at):
+            self._at = np.array(u)
+            try:
+                self._values = self._solved(u)[self.of_case, self.of_output]
+            except (ValueError, RuntimeError, ArithmeticError) as fault:
+                self._values = np.full(self.of_case.size, np.nan)
+                self.fault = f"{type(fault).__name__}: {fault}"
+        return self._values
+
+    def residuals(self, u: Array) -> Array:
+        """Return (predicted - measured) / deviation, (m,)."""
+        return (self.values(u) - self.measured) / self.deviation
+
+    def jacobian(self, u: Array) -> Array:
+        """Return the residuals' derivatives with respect to u, (m, p): exact where they exist."""
+        exact = self._exact(u)
+        columns = exact if exact is not None else self._differences(u)
+        return columns / self.deviation[:, None]
+
+    def inputs(self, u: Array) -> dict[str, float]:
+        """Return the parameters' values by name."""
+        return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
+
+    def _solved(self, u: Array) -> Array:
+        """Solve all cases; return their outputs, (cases, outputs)."""
+        fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
+        for k, case in enumerate(self.cases):
+            start = self.states[k - 1] if self.follows[k] else self.states[k]
+            answer = self.model.run({**case, **fitted}, start)
+            out[k], self.states[k] = answer.values, answer.state
+            self.solves += not self.follows[k]
+        return out
+
+    def _exact(self, u: Array) -> Array | None:
+        if not np.isfinite(self.values(u)).all():
+            return None
+        names = tuple(p.name for p in self.parameters)
+        slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
+        found: list[Array] = []
+        for k, state in enumerate(self.states):
+            if self.follows[k]:
+                found.append(found[-1])
+                continue
+            gradient = self.model.gradient(state, names)
+            if gradient is None:
+                return None
+            found.append(gradient * slope)
+        return np.stack(found)[self.of_case, self.of_output]
+
+    def _differences(self, u: Array) -> Array:
+        """Return central differences, one-sided at a bound."""
+        columns = []
+        for k, parameter in enumerate(self.parameters):
+            low, high = parameter.ends
+            step = STEP * (1.0 if parameter.logarithmic else max(abs(u[k]), (high - low) / 10))
+            ends = [min(u[k] + step, high), max(u[k] - step, low)]
+            near = [self.values(np.where(np.arange(u.size) == k, end, u)) for end in ends]
+            columns.append((near[0] - near[1]) / (ends[0] - ends[1]))
+        return np.column_stack(columns)

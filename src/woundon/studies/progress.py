@@ -1,0 +1,52 @@
+"""A bar with rate and time left, on the error channel: results may go through a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+__all__ = ["bar"]
+
+
+class _Rate(ProgressColumn):
+    """Cases a second since the study was started or resumed."""
+
+    def render(self, task: Task) -> Text:
+        solved = task.completed - task.fields["begun_with"]
+        elapsed = task.finished_time or task.elapsed or 0.0
+        rate = f"{solved / elapsed:.3g}" if elapsed > 0 and solved > 0 else "-"
+        return Text(f"{rate} cases/s")
+
+
+@contextmanager
+def bar(done: int, size: int, label: str = "solving") -> Iterator[Callable[[int], None]]:
+    """Provide a function to tell of every batch of cases that is done.
+
+    Parameters
+    ----------
+    done, size : int
+        Cases done before, and in all.
+    label : str
+        What is being done.
+    """
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _Rate(),
+        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
+    )  # fmt: skip
+    with Progress(*columns, console=console) as progress:
+        task = progress.add_task(label, total=size, completed=done, begun_with=done)
+        yield lambda cases: progress.advance(task, cases)

@@ -1,0 +1,162 @@
+"""Global sensitivity by Sobol's indices: how much of an output's variance each input explains.
+
+The cases are those of Saltelli's scheme, A, B and A with one column of B for each input, run as a
+study like any other: stored, resumed and spread over workers.  Indices by scipy.stats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import log2
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InvalidProblem
+from .design import Column, Design, Range
+from .table import Table, failures
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["SobolIndices", "saltelli_design", "sobol_indices_of"]
+
+Array = np.ndarray
+RESAMPLES = 200
+
+
+@dataclass(frozen=True, eq=False)
+class SobolIndices:
+    """Share of each output's variance that each input explains, with 95 % intervals.
+
+    Attributes
+    ----------
+    inputs, outputs : tuple of str
+    first_order : (outputs, inputs) array
+        By the input alone.
+    total_order : (outputs, inputs) array
+        By the input with all its interactions.
+    first_interval, total_interval : (2, outputs, inputs) arrays
+        Low and high ends of the bootstrapped 95 % intervals.
+    table : Table
+        The cases behind them.
+    """
+
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    first_order: Array
+    total_order: Array
+    first_interval: Array
+    total_interval: Array
+    table: Table
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return the indices as an xarray Dataset along ``output`` and ``input``."""
+        import xarray
+
+        dims, ends = ("output", "input"), ("end", "output", "input")
+        return xarray.Dataset(
+            {
+                "first_order": (dims, self.first_order, {"units": "1"}),
+                "total_order": (dims, self.total_order, {"units": "1"}),
+                "first_interval": (ends, self.first_interval, {"units": "1"}),
+                "total_interval": (ends, self.total_interval, {"units": "1"}),
+            },
+            {"output": list(self.outputs), "input": list(self.inputs), "end": ["low", "high"]},
+        )
+
+    def lines(self) -> list[str]:
+        """Return the indices as lines of text, by output, the strongest input first."""
+        out = []
+        for k, output in enumerate(self.outputs):
+            out.append(f"{output}: share of the variance, alone / with interactions")
+            for j in np.argsort(-self.total_order[k]):
+                ends = self.total_interval[:, k, j]
+                out.append(
+                    f"  {self.inputs[j]:<28} {self.first_order[k, j]:6.3f} / "
+                    f"{self.total_order[k, j]:.3f}  (95 %: {ends[0]:.3f} to {ends[1]:.3f})"
+                )
+        return out
+
+    def plot(self, path: Any = None) -> Any:
+        """Draw the indices as bars."""
+        from .plots import plot_indices
+
+        return plot_indices(self, path)
+
+
+def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:
+    """Return the samples * (inputs + 2) cases of Saltelli's scheme: A, B, then A with B's columns.
+
+    Parameters
+    ----------
+    ranges : mapping
+        Dotted name -> (low, high) or (low, high, "log").
+    samples : int
+        A power of 2.
+    seed : int
+        Of the scrambled Sobol points.
+
+    Raises
+    ------
+    InvalidProblem
+        For a range or a number of samples that is none.
+    """
+    from scipy.stats import qmc
+
+    if not isinstance(ranges, Mapping) or not ranges:
+        raise InvalidProblem([("over", "nothing to vary: give fields and their ranges")])
+    valid = isinstance(samples, (int, np.integer)) and not isinstance(samples, bool)
+    if not valid or samples < 4 or samples != 2 ** int(log2(samples)):
+        raise InvalidProblem([("samples", f"{samples!r} is no power of 2, at least 4")])
+    d = len(ranges)
+    unit = qmc.Sobol(2 * d, rng=seed).random_base2(int(log2(samples)))
+    A, B = unit[:, :d], unit[:, d:]
+    mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
+    points = np.concatenate([A, B, *mixed])
+    drawn = [Range(name, given) for name, given in ranges.items()]
+    columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(drawn))
+    return Design("table", tuple(columns))
+
+
+def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
+    """Return the indices from the solved cases of :func:`saltelli_design`.
+
+    Raises
+    ------
+    InvalidProblem
+        If a case failed: the indices need every one.
+    """
+    if table.failed.size:
+        reason, count = failures(table.failure)[0]
+        raise InvalidProblem(
+            [("over", f"narrow the ranges: Sobol's indices need every case, and "
+              f"{table.failed.size} of {table.design.size} failed, {count} like this: {reason}")]
+        )  # fmt: skip
+    inputs, outputs = table.design.names, tuple(table.outputs)
+    values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
+    first, total = _indices(values, samples)
+    rng = np.random.default_rng(seed)
+    draws = [
+        _indices(values[:, :, rng.integers(samples, size=samples)], samples)
+        for _ in range(RESAMPLES)
+    ]
+    ends = np.quantile(np.array(draws), [0.025, 0.975], axis=0)  # (end, order, output, input)
+    return SobolIndices(inputs, outputs, first, total, ends[:, 0], ends[:, 1], table)
+
+
+def _indices(values: Array, samples: int) -> tuple[Array, Array]:
+    """Return first and total order of (outputs, A | B | mixed, samples) values."""
+    from scipy.stats import sobol_indices
+
+    found: Sequence[Any] = [
+        sobol_indices(
+            func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=samples
+        )
+        for v in values
+    ]  # fmt: skip
+    return (
+        np.array([np.ravel(f.first_order) for f in found]),
+        np.array([np.ravel(f.total_order) for f in found]),
+    )

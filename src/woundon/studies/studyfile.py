@@ -1,0 +1,162 @@
+"""STUDY.toml: a base case, what is varied, what is wanted; units are read as in case files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..casefile import load_case, make_problem, read_case
+from ..errors import InvalidProblem, did_you_mean
+from ..problems import NipProblem
+from ..units import parse
+from .design import KINDS
+from .fields import field_label
+
+__all__ = ["StudyFile", "load_study"]
+
+SCHEMA = 1
+_KNOWN = ("schema", "case", "outputs", "over", "tie", "design", "solver")
+_SPACING = ("linear", "log")
+
+
+@dataclass(frozen=True)
+class StudyFile:
+    """What a study file says, in SI.
+
+    Attributes
+    ----------
+    problem : NipProblem
+    over : mapping
+        Field -> values, or range (low, high[, "log"]) of a drawn design.
+    outputs : tuple of str
+    tie : mapping
+    design : mapping
+        Keywords ``design``, ``samples``, ``seed`` of :func:`~woundon.studies.nip.sweep`.
+    options : mapping
+        Keywords of the solver.
+    """
+
+    problem: NipProblem
+    over: Mapping[str, Any]
+    outputs: tuple[str, ...]
+    tie: Mapping[str, str] = field(default_factory=dict)
+    design: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
+    """Return the study that a file describes.
+
+    Parameters
+    ----------
+    path : path
+    ranges : bool
+        Take every entry of [over] for a range to draw from, as the global sensitivity does.
+
+    Raises
+    ------
+    InvalidProblem
+        For a file that cannot be read, or fields, values or units at fault.
+    """
+    path = Path(path)
+    told = read_case(path)
+    for name in told:
+        if name not in _KNOWN:
+            raise InvalidProblem([(name, f"no such field{did_you_mean(name, _KNOWN)}")])
+    if told.get("schema") != SCHEMA:
+        raise InvalidProblem([("schema", f"write 'schema = {SCHEMA}' at the top of the file")])
+    problem = _base(told.get("case"), path.parent)
+    design = _design(_table(told, "design"))
+    drawn = ranges or design.get("design", "grid") not in ("grid", "table")
+    over = {
+        name: _values(problem, name, given, drawn)
+        for name, given in _flat(_table(told, "over")).items()
+    }
+    return StudyFile(
+        problem, over, _outputs(told.get("outputs", ["nip_induced_tension"])),
+        _table(told, "tie"), design, _table(told, "solver"),
+    )  # fmt: skip
+
+
+def _base(case: Any, folder: Path) -> NipProblem:
+    if isinstance(case, str):
+        return load_case(folder / case)
+    if isinstance(case, Mapping):
+        return make_problem({"schema": SCHEMA, **case})
+    raise InvalidProblem([("case", "missing; give the path of a case file, or the case as [case]")])
+
+
+def _table(told: Mapping[str, Any], name: str) -> dict[str, Any]:
+    table = told.get(name, {})
+    if not isinstance(table, Mapping):
+        raise InvalidProblem([(name, f"{table!r} is no table; write it under [{name}]")])
+    return dict(table)
+
+
+def _outputs(given: Any) -> tuple[str, ...]:
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise InvalidProblem([("outputs", f"{given!r} is no list of names")])
+    return tuple(names)
+
+
+def _design(table: dict[str, Any]) -> dict[str, Any]:
+    for name in table:
+        if name not in ("kind", "samples", "seed"):
+            raise InvalidProblem([(f"design.{name}", "no such field; known: kind, samples, seed")])
+    kind = table.pop("kind", "grid")
+    if kind not in KINDS:
+        raise InvalidProblem([("design.kind", f"{kind!r} is unknown{did_you_mean(kind, KINDS)}")])
+    return {"design": kind, **table}
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return dotted names, whether they are written quoted or as TOML's own dotted keys."""
+    flat: dict[str, Any] = {}
+    for name, value in table.items():
+        if isinstance(value, Mapping) and not {"from", "to"} & set(value):
+            flat |= _flat(value, f"{prefix}{name}.")
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat
+
+
+def _values(problem: NipProblem, name: str, given: Any, drawn: bool) -> Any:
+    """Return an entry of [over] in SI: a list of values, or a range to draw from."""
+    unit = field_label(problem, name).unit
+    where = f"over.{name}"
+    if isinstance(given, Mapping):
+        return _spread(given, unit, where, drawn)
+    if not isinstance(given, list) or drawn:
+        wanted = "{ from = ..., to = ... }" if drawn else "a list, or { from, to, count }"
+        raise InvalidProblem([(where, f"{given!r} is no set of values; write {wanted}")])
+    return [parse(v, unit, where) if unit else v for v in given]
+
+
+def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any:
+    known = ("from", "to", "spacing", *(() if drawn else ("count",)))
+    for name in given:
+        if name not in known:
+            raise InvalidProblem([(f"{where}.{name}", f"no such field{did_you_mean(name, known)}")])
+    for name in set(known) - {"spacing"}:
+        if name not in given:
+            raise InvalidProblem([(f"{where}.{name}", "missing")])
+    low, high = (parse(given[end], unit, f"{where}.{end}") for end in ("from", "to"))
+    spacing = given.get("spacing", "linear")
+    if spacing not in _SPACING:
+        text = f"{spacing!r} is unknown; must be linear or log"
+        raise InvalidProblem([(f"{where}.spacing", text)])
+    if drawn:
+        return (low, high, "log") if spacing == "log" else (low, high)
+    count = given["count"]
+    if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= 1_000_000:
+        raise InvalidProblem([(f"{where}.count", f"{count!r} is no whole number, at least 2")])
+    if spacing == "linear":
+        return np.linspace(low, high, count)
+    if low <= 0 or high <= 0:
+        raise InvalidProblem([(where, "a log spacing must lie above 0")])
+    return np.geomspace(low, high, count)

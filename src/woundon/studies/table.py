@@ -1,0 +1,127 @@
+"""A study's result: a table of cases with their outputs, failures and warnings; a dataset of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .design import Design
+from .evaluate import Block
+from .model import Label
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Table", "failures"]
+
+Array = np.ndarray
+TEXTS = {
+    "failure": "why the case failed; empty where it did not",
+    "warnings": "where the case leaves the model's validity",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Every case of a study.
+
+    Attributes
+    ----------
+    design : Design
+    outputs : mapping of str to (cases,) float array
+        nan where the case failed.
+    failure, warnings : (cases,) object arrays of str
+    labels : mapping of str to Label
+        Of inputs and outputs.
+    record : mapping
+        What the numbers depend on: base problem, settings, version.
+    """
+
+    design: Design
+    outputs: Mapping[str, Array]
+    failure: Array
+    warnings: Array
+    labels: Mapping[str, Label] = field(default_factory=dict)
+    record: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def empty(
+        cls, design: Design, outputs: tuple[str, ...], labels: Mapping[str, Label],
+        record: Mapping[str, Any],
+    ) -> Table:  # fmt: skip
+        """Return a table to be filled by :meth:`put`."""
+        n = design.size
+        columns = {name: np.full(n, np.nan) for name in outputs}
+        why = np.full(n, "not solved", dtype=object)
+        return cls(design, columns, why, np.full(n, "", dtype=object), labels, record)
+
+    def put(self, block: Block) -> None:
+        """Enter the rows of a solved chunk."""
+        for column, values in zip(self.outputs.values(), block.values.T, strict=True):
+            column[block.cases] = values
+        self.failure[block.cases] = block.failure
+        self.warnings[block.cases] = block.warnings
+
+    @property
+    def failed(self) -> Array:
+        """Numbers of the failed cases."""
+        return np.nonzero(self.failure != "")[0]
+
+    def columns(self) -> dict[str, Array]:
+        """Return all columns: case, inputs, outputs, failure, warnings."""
+        cases = np.arange(self.design.size)
+        return {
+            "case": cases,
+            **self.design.labels(cases),
+            **self.outputs,
+            "failure": self.failure,
+            "warnings": self.warnings,
+        }
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Return an xarray Dataset: a dimension for each axis of a grid, or ``case``.
+
+        Inputs are coordinates.  Every variable has ``units``, ``long_name`` and ``symbol``; the
+        attributes hold the base problem, the settings and the version.
+        """
+        import xarray
+
+        design = self.design
+        dims = design.names if design.gridded else ("case",)
+        coordinates: dict[str, Any] = {
+            c.name: (c.name if design.gridded else "case", c.labels, self._attributes(c.name))
+            for c in design.columns
+        }
+        if not design.gridded:
+            coordinates["case"] = np.arange(design.size)
+        variables: dict[str, Any] = {
+            name: (dims, values.reshape(design.shape), self._attributes(name))
+            for name, values in self.outputs.items()
+        }
+        for name, about in TEXTS.items():
+            texts = getattr(self, name).reshape(design.shape)
+            variables[name] = (dims, texts, {"long_name": about})
+        record = {k: v if isinstance(v, str) else json.dumps(v) for k, v in self.record.items()}
+        return xarray.Dataset(variables, coordinates, {"design": design.kind, **record})
+
+    def _attributes(self, name: str) -> dict[str, str]:
+        label = self.labels.get(name)
+        if label is None:
+            return {}
+        about = {"units": label.unit, "long_name": label.description, "symbol": label.symbol}
+        return {key: text for key, text in about.items() if text}
+
+
+def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:
+    """Return the commonest reasons of failure with their counts, numbers in them left out."""
+    import re
+
+    kinds: dict[str, list[Any]] = {}
+    for reason in reasons[reasons != ""]:
+        kinds.setdefault(re.sub(r"[-+]?\d[\d.eE+-]*", "#", reason), []).append(reason)
+    ranked = sorted(kinds.values(), key=len, reverse=True)
+    return [(group[0], len(group)) for group in ranked[:most]]

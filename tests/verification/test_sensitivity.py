@@ -1,0 +1,108 @@
+"""Exact sensitivities: against central differences of solved nips, known powers, zone changes.
+
+The same comparison over 100 cases on 257 nodes: benchmarks/sensitivities.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_nips import random_nip
+from sensitivities import ACCEPTED, compared
+
+import woundon as wo
+from woundon.thesis.cases import newsprint_nip, paper_nip
+
+
+@pytest.mark.parametrize("seed", range(100, 110))
+def test_derivatives_are_those_of_the_solved_equations(seed: int) -> None:
+    """Measured over 100 seeds on 257 nodes: 1e-6 at the worst, as the differences' noise is."""
+    row = compared(seed, nodes=65, wide=False)
+    assert "failure" not in row, row
+    assert row["at_zone_change"] < row["fields"] / 4
+    assert row["largest_difference"] <= ACCEPTED, row
+
+
+def test_only_the_named_fields_are_answered_in_their_order() -> None:
+    result = wo.solve_nip(newsprint_nip(), nodes=33)
+    some = result.sensitivity("nip_load", "roll.material.shear")
+    every = result.sensitivity()
+    assert some.parameters == ("nip_load", "roll.material.shear")
+    for name in some.parameters:
+        for output in some.outputs:
+            assert some.derivative(output, name) == every.derivative(output, name)
+    with pytest.raises(wo.InvalidProblem, match=r"did you mean 'roll\.material\.shear'"):
+        result.sensitivity("roll.material.sheer")
+
+
+@pytest.mark.parametrize("problem", [newsprint_nip(winding_force=-100.0), random_nip(0)])
+def test_one_unit_of_stress_or_length_for_another_changes_nothing(problem: wo.NipProblem) -> None:
+    """Euler's theorem: NIT has the degree of a line load, half width that of a length.
+
+    All moduli and line loads times c: NIT times c, a as it was.  All lengths and line loads times
+    c: NIT and a times c.  1e-5: forward differences, good to 1e-6 each, some twenty in the sum.
+    """
+    s = wo.solve_nip(problem, nodes=65).sensitivity()
+    last = [name.rpartition(".")[2] for name in s.parameters]
+    loads = np.isin(last, ["nip_load", "winding_force", "web_tension"])
+    moduli = np.isin(last, ["radial", "tangential", "cross", "shear", "youngs_modulus"])
+    lengths = np.isin(last, ["radius", "core_radius", "thickness"])
+    stress = s.elasticities[:, loads | moduli].sum(axis=1)
+    size = s.elasticities[:, loads | lengths].sum(axis=1)
+    np.testing.assert_allclose(stress, [1.0, 0.0, 0.0], atol=1e-5)
+    np.testing.assert_allclose(size, [1.0, 1.0, 0.0], atol=1e-5)
+
+
+def test_the_winding_theorem_web_tension_moves_neither_nit_nor_width() -> None:
+    s = wo.solve_nip(newsprint_nip(), nodes=65).sensitivity("web_tension")
+    assert s.derivative("nip_induced_tension", "web_tension") == 0.0
+    assert s.derivative("half_width", "web_tension") == 0.0
+    # the creep refers to the unstrained web: xi- falls by the strain, c11/(2h) a unit of tension
+    assert s.derivative("drum_creep", "web_tension") < 0.0
+
+
+def test_where_the_whole_roll_side_slips_nit_is_mu_p_plus_f() -> None:
+    result = wo.solve_nip(paper_nip(nip_load=1910.0, winding_force=-520.0))
+    assert np.all(result.roll_zone == wo.Zone.FORWARD)
+    s = result.sensitivity("roll_friction", "nip_load", "winding_force")
+    exact = [1910.0, 0.2, 1.0]
+    np.testing.assert_allclose(s.derivatives[0], exact, rtol=1e-6)
+
+
+def test_a_zone_change_is_announced_and_its_two_sides_differ() -> None:
+    # on a soft cover a node's change is felt; on a hard drum the two slopes are nearly the same
+    cover = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
+    problem, nodes = paper_nip(drum=cover), 33
+
+    def solved(load: float) -> wo.NipResult:
+        return wo.solve_nip(problem.replace(nip_load=load), nodes=nodes)
+
+    def zones(result: wo.NipResult) -> bytes:
+        return result.roll_zone.tobytes() + result.drum_zone.tobytes()
+
+    low, high = 1900.0, 2500.0
+    before = zones(solved(low))
+    assert zones(solved(high)) != before
+    for _ in range(60):  # to the last digit
+        middle = (low + high) / 2
+        low, high = (middle, high) if zones(solved(middle)) == before else (low, middle)
+    sides = [solved(load).sensitivity("nip_load") for load in (low, high)]
+    assert [side.zone_change for side in sides] == ["drum node 23"] * 2
+    assert solved(1900.0).sensitivity("nip_load").zone_change == ""
+    # NIT itself is continuous there, its slope is not
+    assert solved(low).nip_induced_tension == pytest.approx(solved(high).nip_induced_tension, 1e-9)
+    slopes = [side.derivative("nip_induced_tension", "nip_load") for side in sides]
+    assert slopes[0] != pytest.approx(slopes[1], rel=0.1)
+
+
+def test_elasticities_are_sorted_and_zero_fields_keep_their_derivative() -> None:
+    s = wo.solve_nip(newsprint_nip(), nodes=33).sensitivity()
+    ordered = s.sorted()
+    of_nit = np.abs(ordered.elasticities[0])
+    assert np.all(np.diff(of_nit) <= 0)
+    assert sorted(ordered.parameters) == sorted(s.parameters)
+    for name in s.parameters:
+        assert ordered.derivative("half_width", name) == s.derivative("half_width", name)
+    # F = 0 has no percent, but moves NIT: by 0.3 to 0.5 N/m per N/m
+    assert ordered.elasticities[0][ordered.parameters.index("winding_force")] == 0.0
+    assert 0.2 < s.derivative("nip_induced_tension", "winding_force") < 0.6
