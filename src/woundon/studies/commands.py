@@ -63,12 +63,13 @@ def sweep(
         **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers, chunk=chunk,
         progress=True,
     )  # fmt: skip
+    seconds = time.perf_counter() - began
     for target in targets:
         export(table, target)
     figures = [out / f"{output}.png" for output in told.outputs]
     for output, figure in zip(told.outputs, figures, strict=True):
         plot_sweep(table, output, figure)
-    _summary(table, time.perf_counter() - began)
+    _summary(table, seconds)
     _written([*targets, *figures])
 
 

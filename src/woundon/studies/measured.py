@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -187,6 +188,6 @@ def _excel_rows(path: Path) -> list[list[Any]]:
         book = openpyxl().load_workbook(path, read_only=True, data_only=True)
         rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
         book.close()
-    except (KeyError, ValueError, OSError, EOFError) as fault:
+    except (KeyError, ValueError, OSError, EOFError, BadZipFile) as fault:
         raise InvalidProblem([(str(path), f"is no Excel file: {fault}")]) from None
     return [row for row in rows if any(cell is not None for cell in row)]

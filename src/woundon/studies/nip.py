@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem
+from ..problems import RollerProblem
 from .design import make_design
 from .engine import Progress, run_study
 from .fields import field_label, get_field
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = ["fit", "global_sensitivity", "sweep", "sweep_table"]
+
+FIT_NODES = 65
 
 
 def sweep(
@@ -176,8 +179,9 @@ def fit(
     profiles : bool
         Find profile-likelihood intervals.
     scheme, nodes
-        As of :func:`~woundon.nip.solve_nip`.  Leave ``rtol`` out: on one grid the outputs are
-        continuous in the parameters, between grids they jump by the discretisation's error.
+        As of :func:`~woundon.nip.solve_nip`; 65 nodes by default.  Leave ``rtol`` out: on one grid
+        the outputs are continuous in the parameters, between grids they jump by the
+        discretisation's error.
 
     Returns
     -------
@@ -194,7 +198,7 @@ def fit(
     data = read_measured(
         measured, all_labels(problem), lambda name: field_label(problem, name), columns
     )
-    model = solver_model(problem, tuple(data.outputs), tie, options)
+    model = solver_model(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
     parameters = tuple(_parameter(problem, name, bounds) for name, bounds in _bounds(vary).items())
     labels = {n: model.label(n) for n in (*(p.name for p in parameters), *data.outputs)}
     _one_unit(labels, data)
@@ -204,6 +208,14 @@ def fit(
     )  # fmt: skip
     estimates = dict(zip(found.names, found.estimates, strict=True))
     return replace(found, problem=model.variant(estimates))
+
+
+def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Keep a nip's grid from being refined where the estimated error asks for it."""
+    free = isinstance(problem, RollerProblem) or any(
+        options.get(name) is not None for name in ("nodes", "rtol", "scheme")
+    )
+    return dict(options) if free else {**options, "nodes": FIT_NODES}
 
 
 def _bounds(vary: Any) -> dict[str, Any]:

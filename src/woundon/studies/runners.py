@@ -214,8 +214,8 @@ def _without_main(model: Model) -> Iterator[None]:
 class DaskRunner:
     """Solves on a Dask cluster by its scheduler's address; Dask replaces workers that die."""
 
-    def __init__(self, address: str) -> None:
-        self.address = address
+    def __init__(self, address: str, timeout: float = 10.0) -> None:
+        self.address, self.timeout = address, timeout
 
     def solved(self, model: Model, chunks: Sequence[Chunk]) -> Iterator[Block]:
         """Yield every chunk's block as soon as it is done."""
@@ -226,7 +226,7 @@ class DaskRunner:
                 [("scheduler", "needs Dask: pip install 'woundon[dask]'")]
             ) from None
         try:
-            client = Client(self.address, timeout=10, set_as_default=False)
+            client = Client(self.address, timeout=self.timeout, set_as_default=False)
         except (OSError, ValueError) as fault:
             raise InvalidProblem(
                 [("scheduler", f"{self.address!r} cannot be reached: {fault}")]

@@ -1,0 +1,214 @@
+"""woundon sweep, fit and sensitivity as their users meet them, and study files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import woundon as wo
+from woundon import cli
+from woundon.studies.nip import sweep_table
+from woundon.studies.plots import plot_sweep
+from woundon.studies.studyfile import load_study
+from woundon.thesis.cases import paper_nip
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+CASE = EXAMPLES / "newsprint_table2.toml"
+STUDY = """
+schema = 1
+case = "{case}"
+outputs = ["nip_induced_tension"]
+[over]
+nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 3 }}
+winding_force = ["0 N/m", "300 N/m"]
+[solver]
+nodes = 17
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.format(case=CASE), encoding="utf-8")
+    return path
+
+
+def test_sweep_writes_tables_and_figures_and_sums_up(
+    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    out = tmp_path / "out"
+    assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
+    said = capsys.readouterr()
+    first, failed, *_ = said.out.splitlines()
+    assert first.startswith("6 cases in ")
+    assert first.endswith("1 failed")
+    # mu- P = 200 N/m at the lowest load
+    assert failed.startswith("  1 x NoSteadyState: winding_force: 300 is out of range")
+    assert "6/6" in said.err
+    assert "cases/s" in said.err
+    assert {p.name for p in out.iterdir()} == {
+        "manifest.json", "parts", "study.nc", "study.csv", "nip_induced_tension.png",
+    }  # fmt: skip
+    assert (out / "nip_induced_tension.png").stat().st_size > 10_000
+    with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
+        single = wo.solve_nip(wo.load_case(CASE).replace(nip_load=4000.0), nodes=17)
+        assert float(data.nip_induced_tension[2, 0]) == pytest.approx(
+            single.nip_induced_tension, rel=1e-8
+        )
+
+
+def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    command = ["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert cli.main(command) == 0
+    assert cli.main(command) == 2
+    assert "holds a study already; resume it, or take another folder" in capsys.readouterr().err
+    assert cli.main([*command, "--resume"]) == 0
+
+
+def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'schema = 1\ncase = "{CASE}"\n[over]\nnip_load = {{ from = 3000, to = 4000 }}\n'
+        "roll_friction = { from = 0.15, to = 0.3 }\n[solver]\nnodes = 17\n",
+        encoding="utf-8",
+    )
+    out = tmp_path / "out"
+    command = ["sensitivity", str(path), "--out", str(out), "--samples", "16", "--workers", "1"]
+    assert cli.main(command) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("nip_induced_tension: share of the variance, alone / with interactions")
+    assert (out / "sensitivity.png").stat().st_size > 10_000
+    with xarray.open_dataset(out / "sensitivity.nc", engine="scipy") as data:
+        # the interactions are weak, so the shares add up to about one
+        assert float(data.total_order.sum()) == pytest.approx(1, abs=0.3)
+
+
+def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    data, case = tmp_path / "rig.csv", wo.load_case(CASE)
+    rows = ["nip_load [kN/m],tension [N/m],reel"]
+    for P in (1000.0, 2000.0, 4000.0):
+        true = case.replace(nip_load=P, **{"roll.material.shear": 1.3e7})
+        rows.append(f"{P / 1e3},{wo.solve_nip(true, nodes=25).wound_on_tension:.6f},7")
+    data.write_text("\n".join(rows), encoding="utf-8")
+    command = [
+        "fit", str(CASE), str(data), "--vary", "roll.material.shear=1 MPa:100 MPa",
+        "--column", "tension=wound_on_tension", "--column", "reel=", "--nodes", "25",
+        "--starts", "2",
+    ]  # fmt: skip
+    figure, saved = tmp_path / "fit.png", tmp_path / "fit.json"
+    assert cli.main([*command, "--plot", str(figure), "--save", str(saved)]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("3 measured values, 1 fitted parameter, RMS ")
+    assert "roll.material.shear  1.3e+07 Pa" in said
+    assert figure.stat().st_size > 10_000
+    estimate = json.loads(saved.read_text("utf-8"))["estimates"][0]
+    assert estimate == pytest.approx(1.3e7, rel=1e-5)  # six decimals of the data
+    assert cli.main([*command, "--no-profiles", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["profiles"] == {}
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--vary", "roll.material.sheer"], "did you mean 'shear'"),
+        (["--vary", "roll.material.shear=1"], "'1' are no bounds; write LOW:HIGH"),
+        (["--vary", "roll.material.shear=1 mm:2 mm"], "mm"),
+        (["--vary", "roll_friction", "--tie", "web.material"], "must be written NAME=NAME"),
+        (["--vary", "roll_friction", "--column", "WOT=half_width"], "has no column 'WOT'"),
+        (["--vary", "roll_friction", "--plot", "fit.bmp"], "bmp"),
+    ],
+)
+def test_bad_fit_commands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], says: str
+):
+    data = tmp_path / "rig.csv"
+    data.write_text("nip_load,half_width\n1000,0.001\n2000,0.0015\n", encoding="utf-8")
+    assert cli.main(["fit", str(CASE), str(data), *options]) == 2
+    said = capsys.readouterr()
+    assert says in said.err
+    assert said.out == ""
+
+
+@pytest.mark.parametrize("name", sorted(p.name for p in EXAMPLES.glob("study_*.toml")))
+def test_example_studies_load(name: str):
+    told = load_study(EXAMPLES / name)
+    assert told.outputs
+    assert all(len(values) for values in told.over.values())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("schema = 1", "schema = 2", "schema: write 'schema = 1'"),
+        ("[over]", "[ove]", "ove: no such field; did you mean 'over'"),
+        ("newsprint_table2", "missing", "missing.toml"),
+        ("count = 3", "cound = 3", "over.nip_load.cound: no such field; did you mean 'count'"),
+        ("count = 3", "count = 1", "over.nip_load.count: 1 is no whole number, at least 2"),
+        (", count = 3", "", "over.nip_load.count: missing"),
+        ('"4 kN/m"', '"4 mm"', "over.nip_load.to"),
+        ('["0 N/m", "300 N/m"]', '"0 N/m"', "is no set of values; write a list"),
+        ("count = 3", 'count = 3, spacing = "cubic"', "must be linear or log"),
+        ('"1 kN/m"', '"-1 kN/m", spacing = "log"', "a log spacing must lie above 0"),
+        ("nip_load =", "nip_lode =", "nip_lode: no such field; did you mean 'nip_load'"),
+        ('["nip_induced_tension"]', "7", "outputs: 7 is no list of names"),
+        ("[solver]", '[design]\nkind = "hypercube"\n[solver]', "design.kind: 'hypercube'"),
+        ("[solver]", "[design]\nsample = 8\n[solver]", "design.sample: no such field"),
+        ("nodes = 17", "node = 17", "node: no such option; did you mean 'nodes'"),
+        ("nodes = 17", "nodes = ", "line"),
+    ],
+)
+def test_bad_study_files_are_refused(
+    study: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, says: str
+):
+    text = study.read_text("utf-8")
+    assert old in text
+    study.write_text(text.replace(old, new), encoding="utf-8")
+    assert cli.main(["sweep", str(study), "--out", str(study.parent / "out")]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_a_refused_study_leaves_no_folder(study: Path):
+    study.write_text(study.read_text("utf-8").replace("nodes = 17", "node = 17"), "utf-8")
+    assert cli.main(["sweep", str(study), "--out", str(study.parent / "out")]) == 2
+    assert not (study.parent / "out").exists()
+
+
+def test_a_study_may_hold_its_case(tmp_path: Path):
+    path = tmp_path / "study.toml"
+    case = CASE.read_text("utf-8").replace("schema", "# schema", 1)
+    nested = "\n".join(
+        line.replace("[", "[case.", 1) if line.startswith("[") else line
+        for line in case.splitlines()
+    )
+    path.write_text(
+        f"schema = 1\n[over]\nroll.radius = [0.1, 0.2]\n[case]\n{nested}", encoding="utf-8"
+    )
+    told = load_study(path)
+    assert told.problem == wo.load_case(CASE)
+    assert list(told.over["roll.radius"]) == [0.1, 0.2]
+
+
+def test_figures_of_many_inputs(tmp_path: Path):
+    """Curves, panels and held inputs of a grid; a scatter of a table; failed cases left out."""
+    over = {
+        "nip_load": [1000.0, 1500.0, 3000.0],
+        "winding_force": [0.0, 300.0],
+        "roll_friction": [0.2, 0.3],
+        "web.material": ["paper", "newsprint"],
+    }
+    table = sweep_table(paper_nip(), over, nodes=9, workers=1)
+    figure = plot_sweep(table, "nip_induced_tension", tmp_path / "grid.png")
+    assert len(figure.axes) == 2
+    assert all(len(axes.lines) == 2 for axes in figure.axes)
+    drawn = figure.axes[0].lines[0].get_ydata()
+    assert np.all(np.isin(drawn, table.outputs["nip_induced_tension"]))
+    ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
+    cases = sweep_table(
+        paper_nip(), ranges, design="latin-hypercube", samples=8, nodes=9, workers=1
+    )
+    scatter = plot_sweep(cases, "nip_induced_tension")
+    assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]

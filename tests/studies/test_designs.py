@@ -1,0 +1,107 @@
+"""Which cases a study solves, and in which order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from woundon import InvalidProblem
+from woundon.studies.design import make_design
+from woundon.studies.order import bisected, serpentine, tour
+from woundon.studies.sobol import saltelli_design
+
+
+@given(st.lists(st.integers(1, 5), min_size=1, max_size=4), st.randoms())
+def test_a_grid_is_walked_one_step_at_a_time(shape, random):
+    axes = list(range(len(shape)))
+    random.shuffle(axes)
+    path = serpentine(shape, axes)
+    assert sorted(path) == list(range(int(np.prod(shape))))
+    steps = np.abs(np.diff(np.unravel_index(path, shape), axis=1)).sum(axis=0)
+    assert np.all(steps == 1)
+
+
+@given(st.integers(1, 200), st.integers(1, 4), st.integers(0, 99))
+def test_orders_of_a_table_take_every_row_once(rows, columns, seed):
+    points = np.random.default_rng(seed).random((rows, columns))
+    for order in (bisected(points), tour(points)):
+        assert sorted(order) == list(range(rows))
+
+
+def test_chunks_of_a_table_are_compact():
+    points = np.random.default_rng(1).random((1024, 2))
+    design = make_design({"a": points[:, 0], "b": points[:, 1]}, "table")
+    walked = [np.linalg.norm(np.diff(points[rows], axis=0), axis=1) for rows in design.chunks()]
+    random = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert np.mean(np.concatenate(walked)) < 0.12 * np.mean(random)  # 0.09; sqrt(1/1024) = 0.03
+
+
+def test_chunks_hold_every_case_once_and_hang_on_the_design_alone():
+    design = make_design({"a": range(7), "b": [1.0, 2.0, 3.0]})
+    again = make_design({"a": range(7), "b": [1.0, 2.0, 3.0]})
+    cases = np.concatenate(design.chunks(4))
+    assert sorted(cases) == list(range(21))
+    assert np.array_equal(cases, np.concatenate(again.chunks(4)))
+    assert [len(c) for c in design.chunks(4)] == [4, 4, 4, 4, 4, 1]
+
+
+def test_nested_fields_take_the_rarest_steps():
+    design = make_design({"load": [1, 2, 3], "roll.material.shear": [5, 6]})
+    shears = design.inputs(np.concatenate(design.chunks()))["roll.material.shear"]
+    assert np.count_nonzero(np.diff(shears)) == 1
+
+
+def test_a_latin_hypercube_has_one_case_in_every_stratum():
+    design = make_design({"a": (0.0, 1.0), "b": (1.0, 16.0, "log")}, "latin-hypercube", 16, seed=5)
+    values = design.inputs(np.arange(16))
+    assert sorted((values["a"] * 16).astype(int)) == list(range(16))
+    assert sorted((np.log2(values["b"]) * 4).astype(int)) == list(range(16))
+
+
+def test_a_seed_repeats_a_design_and_another_one_does_not():
+    over, cases = {"a": (0.0, 1.0)}, np.arange(8)
+    draws = [make_design(over, "sobol", 8, seed).inputs(cases)["a"] for seed in (1, 1, 2)]
+    assert np.array_equal(draws[0], draws[1])
+    assert not np.array_equal(draws[0], draws[2])
+
+
+def test_saltelli_design_swaps_one_column_at_a_time():
+    design = saltelli_design({"a": (0.0, 1.0), "b": (0.0, 1.0)}, 8, seed=0)
+    a, b = (column.values.reshape(4, 8) for column in design.columns)
+    assert np.array_equal(a[2], a[1])  # A with a from B
+    assert np.array_equal(b[2], b[0])
+    assert np.array_equal(a[3], a[0])
+    assert np.array_equal(b[3], b[1])
+
+
+@pytest.mark.parametrize(
+    ("over", "kind", "samples", "says"),
+    [
+        ({}, "grid", None, "nothing to vary"),
+        ({"a": []}, "grid", None, "a: an empty list"),
+        ({"a": "steel"}, "grid", None, "a: 'steel' is no list of values"),
+        ({"a": 3.0}, "grid", None, "a: 3.0 is no list of values"),
+        ({"a": [1.0, "steel"]}, "grid", None, "do not mix"),
+        ({"a": [1.0]}, "gird", None, "did you mean 'grid'"),
+        ({"a": [1.0]}, "grid", 8, "samples: 8 has no meaning in a grid"),
+        ({"a": [1.0], "b": [1.0, 2.0]}, "table", None, "differ in length"),
+        ({"a": (1.0, 2.0)}, "sobol", 6, "samples: 6 is no power of 2, as Sobol points ask for: 4"),
+        ({"a": (1.0, 2.0)}, "latin-hypercube", None, "samples: None is no number of cases"),
+        ({"a": (2.0, 1.0)}, "sobol", 8, "must be low < high"),
+        ({"a": (0.0, 1.0, "log")}, "sobol", 8, "must be 0 < low < high"),
+        ({"a": [1.0, 2.0, 3.0]}, "sobol", 8, "write (low, high)"),
+        ({"a": range(10**5), "b": range(10**5)}, "grid", None, "more than 100000000"),
+    ],
+)
+def test_bad_designs_are_refused(over, kind, samples, says):
+    with pytest.raises(InvalidProblem) as fault:
+        make_design(over, kind, samples)
+    assert says in str(fault.value)
+
+
+@pytest.mark.parametrize("samples", [0, 3, 2.0, True])
+def test_bad_base_samples_are_refused(samples):
+    with pytest.raises(InvalidProblem, match="is no power of 2, at least 4"):
+        saltelli_design({"a": (0.0, 1.0)}, samples, 0)

@@ -1,0 +1,234 @@
+"""wo.fit: known parameters, closed forms of intervals, and what measured data can tell."""
+
+from __future__ import annotations
+
+import json
+from math import pi
+
+import numpy as np
+import pytest
+import toys
+from scipy import stats
+
+import woundon as wo
+from woundon.studies.fit import fit_parameters
+from woundon.studies.measured import Measured
+from woundon.studies.predict import Parameter, Predictor
+from woundon.thesis.cases import measured_tensions, newsprint_nip, paper_nip
+
+X = np.linspace(1.0, 4.0, 12)
+NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
+
+
+def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True):
+    deviations = {} if deviation is None else {"y": np.full(y.size, deviation)}
+    data = Measured({"x": X[: y.size]}, {"y": y}, deviations)
+    predictor = Predictor(model, data, tuple(parameters))
+    return fit_parameters(predictor, starts=starts, seed=1, profiles=profiles, labels={})
+
+
+LINE = (Parameter("a", -10.0, 10.0, 0.0), Parameter("b", -10.0, 10.0, 0.0))
+
+
+def test_a_line_by_linear_regression():
+    """Estimates, errors, covariance and profile intervals have closed forms."""
+    y = 2 + 0.5 * X + NOISE
+    fit = _fitted(toys.Line(), y, LINE)
+    known = stats.linregress(X, y)
+    assert fit.estimate("b") == pytest.approx(known.slope, rel=1e-6)
+    assert fit.estimate("a") == pytest.approx(known.intercept, rel=1e-6)
+    assert fit.standard_errors == pytest.approx([known.intercept_stderr, known.stderr], rel=1e-6)
+    design = np.column_stack([np.ones_like(X), X])
+    s2 = np.sum((y - design @ fit.estimates) ** 2) / (X.size - 2)
+    assert fit.covariance == pytest.approx(s2 * np.linalg.inv(design.T @ design), rel=1e-6)
+    # S is a parabola, so the profile interval is Student's
+    reach = stats.t.ppf(0.975, X.size - 2) * fit.standard_errors
+    for k, profile in enumerate(fit.profiles):
+        assert profile.low == pytest.approx(fit.estimates[k] - reach[k], abs=2e-3 * reach[k])
+        assert profile.high == pytest.approx(fit.estimates[k] + reach[k], abs=2e-3 * reach[k])
+    assert fit.reached == fit.starts == 3
+    assert fit.rms == pytest.approx(np.sqrt(s2 * (X.size - 2) / X.size))
+
+
+def test_known_deviations_give_the_errors():
+    fit = _fitted(toys.Line(), 2 + 0.5 * X + NOISE, LINE, deviation=0.1)
+    design = np.column_stack([np.ones_like(X), X])
+    expected = 0.1 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+    assert fit.weighted
+    assert fit.standard_errors == pytest.approx(expected, rel=1e-6)
+    # chi-square of one degree: 1.96 standard errors
+    assert fit.profiles[1].high - fit.estimates[1] == pytest.approx(1.96 * expected[1], rel=3e-3)
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say():
+    rng, hits = np.random.default_rng(3), 0
+    for _ in range(200):
+        fit = _fitted(
+            toys.Line(), 2 + 0.5 * X + rng.normal(0, 0.1, X.size), LINE, starts=1
+        )  # fmt: skip
+        hits += fit.profiles[1].low <= 0.5 <= fit.profiles[1].high
+    assert 180 <= hits <= 198  # binomial, 95 % of 200: 190 +- 3 standard deviations of 3
+
+
+def test_a_product_cannot_be_told_apart():
+    bounds = (Parameter("a", 0.1, 10.0, 1.0), Parameter("b", 0.1, 10.0, 1.0))
+    fit = _fitted(toys.Product(), 2 * X + 0.1 * NOISE, bounds)
+    assert fit.estimate("a") * fit.estimate("b") == pytest.approx(2.0, rel=0.01)
+    # a up by as much as b down changes nothing
+    assert abs(fit.direction[0] + fit.direction[1]) < 1e-6
+    assert fit.condition > 1e6
+    assert fit.joint_effect < 1e-6 * fit.effects[0]
+    assert any("nearly a trade-off: " in line for line in fit.lines())
+    # 0.1 <= b <= 10 leaves a = 2/b open to its bounds or nearly: 0.2 to 10
+    assert fit.profiles[0].low == pytest.approx(0.2, rel=0.02)
+    assert fit.profiles[0].high == np.inf
+
+
+def test_several_starts_find_the_deepest_of_several_minima():
+    y = X + np.sin(3 * 4.3) + 4.3 / 4
+    parameter = (Parameter("a", -2 * pi, 2 * pi, -4.0),)
+    one = _fitted(toys.Waves(), y, parameter, starts=1, profiles=False)
+    many = _fitted(toys.Waves(), y, parameter, starts=12, profiles=False)
+    assert one.rms > 0.1
+    assert many.rms < 1e-6
+    assert many.reached < 12
+    assert any("the next minimum has RMS" in line for line in many.lines())
+
+
+LOADS = [800.0, 1500.0, 2500.0, 4000.0]
+TRUE = {"roll.material.shear": 1.3e7, "roll_friction": 0.23}
+
+
+def _nip_data(nodes: int = 33):
+    true = [wo.solve_nip(paper_nip(nip_load=P, **TRUE), nodes=nodes) for P in LOADS]
+    return {
+        "nip_load [kN/m]": [P / 1e3 for P in LOADS],
+        "wound_on_tension [N/m]": [r.wound_on_tension for r in true],
+        "half_width [mm]": [1e3 * r.half_width for r in true],
+        "wound_on_tension +- [N/m]": [1.0] * len(LOADS),
+        "half_width +- [mm]": [0.02] * len(LOADS),
+    }
+
+
+def test_known_parameters_of_a_nip_are_recovered():
+    vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
+    fit = wo.fit(paper_nip(), _nip_data(), vary, nodes=33, starts=2, profiles=False)
+    # no noise: what is left is the solver's tolerance
+    assert fit.estimate("roll.material.shear") == pytest.approx(1.3e7, rel=1e-5)
+    assert fit.estimate("roll_friction") == pytest.approx(0.23, rel=1e-5)
+    assert fit.rms < 1e-4
+    assert fit.problem.roll_friction == fit.estimate("roll_friction")
+    assert fit.problem.roll.material.shear == fit.estimate("roll.material.shear")
+    record = json.loads(fit.to_json())
+    assert record["names"] == list(vary)
+    assert record["units"]["roll.material.shear"] == "Pa"
+
+
+def test_exact_derivatives_are_those_of_differences():
+    from woundon.studies.nip import _parameter, solver_model
+    from woundon.studies.solver_model import all_labels
+
+    problem, names = paper_nip(), ("roll.material.shear", "roll_friction")
+    data = {k.split()[0]: np.array(v) for k, v in _nip_data().items() if "+-" not in k}
+    measured = Measured(
+        {"nip_load": np.array(LOADS)},
+        {n: data[n] for n in ("wound_on_tension", "half_width")}, {},
+    )  # fmt: skip
+    assert set(measured.outputs) <= set(all_labels(problem))
+    tie = {"web.material": "roll.material"}
+    model = solver_model(problem, tuple(measured.outputs), tie, {"nodes": 33})
+    predictor = Predictor(model, measured, tuple(_parameter(problem, n, None) for n in names))
+    u = np.log([1.1e7, 0.21])
+    exact, differences = predictor.jacobian(u), predictor._differences(u)
+    # kinks where a node changes its zone within the step of 0.2 %
+    assert exact == pytest.approx(differences, rel=0.02, abs=1e-3 * np.abs(exact).max())
+
+
+def test_a_wrong_start_solves_nothing_twice():
+    """Rows that differ in T_in alone cost one solve."""
+    data = {
+        "nip_load": [1500.0] * 3, "web_tension": [100.0, 300.0, 500.0],
+        "wound_on_tension": [220.0, 421.0, 619.0],
+    }  # fmt: skip
+    fit = wo.fit(
+        paper_nip(), data, ["roll.material.shear"], nodes=17, starts=1, profiles=False
+    )  # fmt: skip
+    many = wo.fit(
+        paper_nip(), {k: v[:1] for k, v in data.items()}, ["roll.material.shear"], nodes=17,
+        starts=1, profiles=False,
+    )  # fmt: skip
+    assert fit.solves <= many.solves + 6
+    added = np.mean(np.subtract(data["wound_on_tension"], data["web_tension"]))
+    assert fit.fitted == pytest.approx(added + np.array(data["web_tension"]), abs=1e-4)
+
+
+@pytest.fixture(scope="module")
+def newsprint():
+    """A_rr and G fitted to the thesis's fifteen measured tensions at 2h = 57 um."""
+    points = measured_tensions()
+    data = {
+        "nip_load": [p.nip_load for p in points],
+        "web_tension": [p.web_tension for p in points],
+        "wound_on_tension": [p.measured for p in points],
+    }
+    return wo.fit(
+        newsprint_nip(**{"web.thickness": 57e-6}), data,
+        {"roll.material.shear": (1e6, 1e8), "roll.material.radial": (5e6, 5e8)},
+        tie={"web.material": "roll.material"}, columns={"wound_on_tension": "rig_tension"},
+        nodes=25, starts=1, profiles=False,
+    )  # fmt: skip
+
+
+def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
+    """A_rr and G nearly trade off: told with numbers."""
+    fit = newsprint
+    # between the floor of 9.5 N/m and the 12.1 N/m of a single fitted point
+    assert 9.5 < fit.rms < 12.1
+    assert abs(fit.correlation[0, 1]) > 0.99
+    assert fit.condition > 30
+    # one alone by 10 % moves the tensions by 6 to 7 N/m, both together by 0.2 N/m
+    assert fit.effects == pytest.approx([6.2, 6.9], rel=0.1)
+    assert fit.joint_effect < 0.05 * fit.effects.min()
+    # the standard errors are larger than the estimates themselves
+    assert np.all(fit.standard_errors > fit.estimates)
+    told = "\n".join(fit.lines())
+    assert "correlation of roll.material.shear and roll.material.radial: 0.99" in told
+    assert "nearly a trade-off: roll.material.shear +10.0%" in told
+
+
+@pytest.mark.parametrize(
+    ("data", "vary", "says"),
+    [
+        ({"wound_on_tension": [600.0]}, {}, "vary: nothing to fit"),
+        ({"wound_on_tension": [600.0]}, ["roll.material.sheer"], "did you mean 'shear'"),
+        ({"wound_on_tension": [600.0]}, ["drum"], "drum: .* is no number"),
+        ({"wound_on_tension": [600.0]}, {"roll_friction": (0.3, 0.1)}, "must be low < high"),
+        ({"wound_on_tension": [600.0]}, {"roll_friction": 0.3}, r"write \(low, high\)"),
+        ({"wound_on_tension": [600.0]}, ["roll_friction", "nip_load"], "2 parameters cannot be"),
+        (
+            {"wound_on_tension": [600.0], "nip_load": [1e3]}, ["nip_load"],
+            "nip_load: is measured, so it cannot be fitted",
+        ),
+        (
+            {"wound_on_tension": [600.0], "half_width": [4e-3]}, ["roll_friction"],
+            "outputs of different units .* need standard deviations",
+        ),
+    ],
+)  # fmt: skip
+def test_bad_fits_are_refused(data, vary, says):
+    with pytest.raises(wo.InvalidProblem, match=says):
+        wo.fit(paper_nip(), data, vary)
+
+
+def test_a_parameter_at_zero_needs_bounds():
+    with pytest.raises(wo.InvalidProblem, match="winding_force: is 0: give bounds for it"):
+        wo.fit(paper_nip(winding_force=0.0), {"wound_on_tension": [600.0]}, ["winding_force"])
+
+
+def test_a_fit_that_cannot_be_solved_says_so():
+    # |F| >= mu- P at every start
+    with pytest.raises(wo.NotConverged, match="no start of the fit could be solved: NoSteadyState"):
+        wo.fit(
+            paper_nip(), {"wound_on_tension": [600.0, 610.0]},
+            {"winding_force": (800.0, 900.0)}, nodes=17,
+        )  # fmt: skip

@@ -1,0 +1,124 @@
+"""Measured data from files and columns: units in the header, gaps, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from woundon import InvalidProblem
+from woundon.studies.fields import field_label
+from woundon.studies.measured import read_measured
+from woundon.studies.solver_model import all_labels
+from woundon.thesis.cases import paper_nip
+
+OUTPUTS = all_labels(paper_nip())
+
+
+def _read(data, columns=None):
+    return read_measured(data, OUTPUTS, lambda name: field_label(paper_nip(), name), columns)
+
+
+def test_csv_with_units(tmp_path: Path):
+    path = tmp_path / "rig.csv"
+    path.write_text(
+        "# laboratory winder\nnip_load [kN/m], web.thickness [um], wound_on_tension [N/cm], "
+        "wound_on_tension +- [N/m]\n1.9, 66, 6.5, 10\n\n2.5, 57, , \n",
+        encoding="utf-8",
+    )
+    data = _read(path)
+    assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
+    assert data.inputs["web.thickness"] == pytest.approx([66e-6, 57e-6])
+    assert np.array_equal(data.outputs["wound_on_tension"], [650.0, np.nan], equal_nan=True)
+    assert data.deviations["wound_on_tension"][0] == 10.0
+
+
+def test_csv_of_a_locale_with_decimal_commas(tmp_path: Path):
+    path = tmp_path / "rig.csv"
+    path.write_text(
+        "\N{ZERO WIDTH NO-BREAK SPACE}nip_load [N/m];half_width [mm]\n1900,5;4,16\n",
+        encoding="utf-8",
+    )
+    data = _read(path)
+    assert data.inputs["nip_load"].tolist() == [1900.5]
+    assert data.outputs["half_width"] == pytest.approx([4.16e-3])
+
+
+def test_excel_reads_as_csv_does(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (
+        ["nip_load [kN/m]", "rig_tension [N/m]"], [1.9, 650], [None, None], [2.5, None]
+    ):  # fmt: skip
+        book.active.append(row)
+    book.save(tmp_path / "rig.xlsx")
+    data = _read(tmp_path / "rig.xlsx")
+    assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
+    assert np.array_equal(data.outputs["rig_tension"], [650.0, np.nan], equal_nan=True)
+
+
+def test_columns_by_name_are_si_and_can_be_renamed():
+    given = {"P [kN/m]": [1.9], "WOT": [650.0], "operator": ["Ann"]}
+    data = _read(given, {"P": "nip_load", "WOT": "wound_on_tension", "operator": None})
+    assert data.inputs["nip_load"] == pytest.approx([1900.0])
+    assert data.outputs["wound_on_tension"].tolist() == [650.0]
+
+
+GOOD = "wound_on_tension [N/m]"
+
+
+@pytest.mark.parametrize(
+    ("columns", "says"),
+    [
+        ({"nip_lode": [1.0], GOOD: [1.0]}, "nip_lode: no such field; did you mean 'nip_load'"),
+        ({"wound_on_tenson": [1.0]}, "among the outputs: did you mean 'wound_on_tension'"),
+        ({"nip_load": [1.0]}, "has no column that is an output"),
+        ({"nip_load [mm]": [1.0], GOOD: [1.0]}, "mm"),
+        ({"nip_load [lb]": [1.0], GOOD: [1.0]}, "lb"),
+        ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is no number"),
+        ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is no number"),
+        ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is no finite number"),
+        ({"nip_load": [1.0, 2.0], GOOD: [1.0]}, "columns differ in length: [1, 2]"),
+        ({"drum": ["steel"], GOOD: [1.0]}, "drum: is no number"),
+        ({GOOD: [1.0], "wound_on_tension +-": [0.0]}, "deviations of wound_on_tension must be > 0"),
+        ({GOOD: [1.0], "half_width +-": [1.0]}, "deviations of half_width must be > 0 wherever"),
+    ],
+)
+def test_bad_columns_are_refused(columns, says):
+    with pytest.raises(InvalidProblem) as fault:
+        _read(columns)
+    assert says in str(fault.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "holds no header with rows below it"),
+        (b"nip_load,half_width\n", "holds no header with rows below it"),
+        (b"nip_load,half_width\n1,2,3\n", "row 1 has 3 cells, the header 2"),
+        (b"half_width,half_width\n1,2\n", "two columns have the same header"),
+        (b"nip_load,half_width\n\xff,1\n", "is no UTF-8 text, from byte 20"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path: Path, content, says):
+    path = tmp_path / "rig.csv"
+    path.write_bytes(content)
+    with pytest.raises(InvalidProblem, match=says):
+        _read(path)
+
+
+def test_missing_and_broken_files_are_refused(tmp_path: Path):
+    with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
+        _read(tmp_path / "none.csv")
+    pytest.importorskip("openpyxl")
+    with pytest.raises(InvalidProblem, match="cannot be read: no such file"):
+        _read(tmp_path / "none.xlsx")
+    (tmp_path / "text.xlsx").write_text("nip_load", encoding="utf-8")
+    with pytest.raises(InvalidProblem, match="is no Excel file"):
+        _read(tmp_path / "text.xlsx")
+
+
+def test_a_column_to_rename_must_be_there():
+    with pytest.raises(InvalidProblem, match="has no column 'WOT'"):
+        _read({GOOD: [1.0]}, {"WOT": "wound_on_tension"})

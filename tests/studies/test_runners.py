@@ -1,0 +1,191 @@
+"""Who solves: this process, a pool, a Dask cluster; workers that die; Ctrl-C and kill -9."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import toys
+
+import woundon as wo
+from woundon.studies import runners
+from woundon.studies.design import make_design
+from woundon.studies.engine import run_study
+from woundon.studies.runners import DIED, DaskRunner, Here, Pool
+from woundon.thesis.cases import paper_nip
+
+DESIGN = make_design({"a": range(8)})
+
+
+def test_a_model_that_raises_fails_its_case_alone():
+    table = run_study(toys.Faulty(), DESIGN, Here())
+    assert table.failed.tolist() == [3]
+    assert table.failure[3] == "ZeroDivisionError: a is 3"
+    assert np.array_equal(np.delete(table.outputs["y"], 3), np.delete(2.0 * np.arange(8), 3))
+
+
+def test_a_worker_that_dies_changes_nothing(tmp_path: Path):
+    table = run_study(toys.Deadly(once=str(tmp_path / "died")), DESIGN, Pool(2), chunk=2)
+    assert (tmp_path / "died").exists()
+    assert table.failed.size == 0
+    assert np.array_equal(table.outputs["y"], 2.0 * np.arange(8))
+
+
+def test_a_chunk_that_kills_every_worker_fails_alone():
+    table = run_study(toys.Deadly(), DESIGN, Pool(2), chunk=2)
+    assert table.failed.tolist() == [2, 3]
+    assert set(table.failure[2:4]) == {DIED}
+    assert table.outputs["y"][4:].tolist() == [8.0, 10.0, 12.0, 14.0]
+
+
+def test_long_studies_move_to_a_pool_and_short_ones_do_not(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(runners, "WORTH_A_POOL", 0.3)
+
+    class Recorded:
+        chunks = 0
+
+        def solved(self, model, chunks):
+            self.chunks += len(chunks)
+            yield from Here().solved(model, chunks)
+
+    short, long = Recorded(), Recorded()
+    run_study(toys.Toy(), DESIGN, Here(then=short), chunk=1)
+    run_study(toys.Slow(seconds=0.01), make_design({"a": range(60)}), Here(then=long), chunk=1)
+    assert short.chunks == 0
+    assert long.chunks > 50
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+    ) as made:
+        yield made
+
+
+@pytest.mark.filterwarnings("ignore")  # of Dask's own event loops
+def test_dask_gives_the_same_numbers(cluster):
+    over = {"nip_load": np.linspace(1000, 3000, 12)}
+    here = wo.sweep(paper_nip(), over, nodes=17, workers=1, chunk=3)
+    there = wo.sweep(
+        paper_nip(), over, nodes=17, chunk=3, scheduler=cluster.scheduler_address
+    )  # fmt: skip
+    assert here.identical(there)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
+    pids = [worker.pid for worker in cluster.workers.values()]
+    killed = []
+
+    def kill_one(done: int, size: int) -> None:
+        if not killed and done >= 6:
+            os.kill(pids[0], signal.SIGKILL)
+            killed.append(done)
+
+    design = make_design({"a": range(30)})
+    table = run_study(
+        toys.Slow(seconds=0.05), design, DaskRunner(cluster.scheduler_address), chunk=2,
+        progress=kill_one,
+    )  # fmt: skip
+    assert killed
+    assert killed[0] < 30
+    assert pids[0] not in [worker.pid for worker in cluster.workers.values()]
+    assert table.failed.size == 0
+    assert np.array_equal(table.outputs["y"], 2.0 * np.arange(30))
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_out_of_reach_is_told():
+    with pytest.raises(wo.InvalidProblem, match=r"'tcp://127\.0\.0\.1:9' cannot be reached"):
+        run_study(toys.Toy(), DESIGN, DaskRunner("tcp://127.0.0.1:9", timeout=0.5))
+
+
+# a study of 80 nips, 5 to 15 ms each, in 16 chunks
+STUDY = """
+schema = 1
+case = "{case}"
+[over]
+nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 80 }}
+[solver]
+nodes = 65
+"""
+CASE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
+
+
+def _command(study: Path, out: Path, *more: str) -> list[str]:
+    return [
+        sys.executable, "-m", "woundon", "sweep", str(study), "--out", str(out), "--chunk", "5",
+        "--export", "csv", *more,
+    ]  # fmt: skip
+
+
+def _parts(out: Path) -> int:
+    return len(list((out / "parts").glob("[0-9]*.parquet")))
+
+
+def _stopped_in_the_middle(study: Path, out: Path, with_signal: int, *more: str) -> tuple[int, str]:
+    """Start the study, send the signal after the first parts; return exit code and what it said."""
+    process = subprocess.Popen(
+        _command(study, out, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    limit = time.monotonic() + 60
+    while _parts(out) < 3 and process.poll() is None and time.monotonic() < limit:
+        time.sleep(0.005)
+    # as a terminal's Ctrl-C does: to the whole group; a kill -9 hits the parent alone
+    if with_signal == signal.SIGINT:
+        os.killpg(process.pid, with_signal)
+    else:
+        process.send_signal(with_signal)
+    said = process.communicate(timeout=60)[1]
+    return process.returncode, said
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, bytes]:
+    """The study file, and its result when nothing interrupts it."""
+    folder = tmp_path_factory.mktemp("study")
+    study = folder / "study.toml"
+    study.write_text(STUDY.format(case=CASE), encoding="utf-8")
+    subprocess.run(_command(study, folder / "whole"), check=True, capture_output=True)
+    return study, (folder / "whole" / "study.csv").read_bytes()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_kill_9_loses_no_finished_part_and_changes_no_number(
+    whole: tuple[Path, bytes], tmp_path: Path
+):
+    study, expected = whole
+    code, _ = _stopped_in_the_middle(study, tmp_path / "out", signal.SIGKILL, "--workers", "2")
+    assert code == -signal.SIGKILL
+    kept = {p.name: p.stat().st_mtime_ns for p in (tmp_path / "out" / "parts").glob("[0-9]*")}
+    assert 3 <= len(kept) < 16
+    resumed = subprocess.run(
+        _command(study, tmp_path / "out", "--resume"), check=True, capture_output=True, text=True
+    )
+    assert resumed.stdout.startswith("80 cases in ")
+    assert (tmp_path / "out" / "study.csv").read_bytes() == expected
+    # what was finished was not solved again
+    for name, when in kept.items():
+        assert (tmp_path / "out" / "parts" / name).stat().st_mtime_ns == when
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_ctrl_c_ends_cleanly(whole: tuple[Path, bytes], tmp_path: Path, workers: str):
+    study, _ = whole
+    out = tmp_path / "out"
+    code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
+    assert code == 130
+    assert f"stopped; what was solved is in {out}, --resume goes on from there" in said
+    assert "Traceback" not in said
+    assert not list((out / "parts").glob(".*.part"))
+    assert 3 <= _parts(out) < 16

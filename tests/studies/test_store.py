@@ -1,0 +1,167 @@
+"""A study on disk: parts, manifest, queries, exports."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import toys
+import xarray
+
+import woundon as wo
+from woundon.studies.design import make_design
+from woundon.studies.engine import run_study
+from woundon.studies.export import export
+from woundon.studies.nip import sweep_table
+from woundon.studies.runners import Here
+from woundon.studies.table import failures
+from woundon.thesis.cases import paper_nip
+
+DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
+
+
+@pytest.fixture(scope="module")
+def table():
+    """Six cases, three of which have no steady state: |F| >= 0.4 P."""
+    over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
+    outputs = ("nip_induced_tension", "half_width")
+    return sweep_table(paper_nip(), over, outputs, nodes=17, workers=1)
+
+
+def test_resume_solves_only_what_is_missing(tmp_path: Path):
+    out, solved = tmp_path / "out", []
+    first = run_study(toys.Toy(), DESIGN, Here(), out=out, chunk=3)
+    (out / "parts" / "000001.parquet").unlink()
+    again = run_study(
+        toys.Toy(), DESIGN, Here(), out=out, chunk=3, resume=True,
+        progress=lambda done, size: solved.append((done, size)),
+    )  # fmt: skip
+    assert solved == [(8, 8)]  # 5 of 8 cases were there
+    assert np.array_equal(first.outputs["y"], again.outputs["y"])
+
+
+def test_parts_left_half_written_are_cleared_away(tmp_path: Path):
+    out = tmp_path / "out"
+    run_study(toys.Toy(), DESIGN, Here(), out=out)
+    leftover = out / "parts" / ".000000.parquet.99.part"
+    leftover.write_bytes(b"half")
+    run_study(toys.Toy(), DESIGN, Here(), out=out, resume=True)
+    assert not leftover.exists()
+
+
+def test_failures_are_kept_over_a_resume(tmp_path: Path):
+    design = make_design({"a": range(5)})
+    run_study(toys.Faulty(), design, Here(), out=tmp_path / "out")
+    again = run_study(toys.Faulty(), design, Here(), out=tmp_path / "out", resume=True)
+    assert again.failure[3] == "ZeroDivisionError: a is 3"
+    assert np.isnan(again.outputs["y"][3])
+
+
+@pytest.mark.parametrize(
+    ("over", "changes", "options", "differs"),
+    [
+        ({"nip_load": [1e3, 2e3]}, {}, {"nodes": 17}, "design differs"),
+        ({"nip_load": [1e3]}, {"roll_friction": 0.3}, {"nodes": 17}, "problem differs"),
+        ({"nip_load": [1e3]}, {}, {"nodes": 25}, "options differs"),
+        ({"nip_load": [1e3]}, {}, {"nodes": 17, "chunk": 5}, "chunk differs"),
+        ({"nip_load": [1e3]}, {}, {"nodes": 17, "outputs": ("half_width",)}, "outputs differs"),
+    ],
+)
+def test_the_manifest_guards_the_study(tmp_path: Path, over, changes, options, differs):
+    wo.sweep(paper_nip(), {"nip_load": [1e3]}, nodes=17, workers=1, out=tmp_path)
+    with pytest.raises(wo.InvalidProblem, match=f"holds another study than this: {differs}"):
+        wo.sweep(paper_nip(**changes), over, workers=1, out=tmp_path, resume=True, **options)
+
+
+def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
+    (tmp_path / "thesis.txt").write_text("mine", encoding="utf-8")
+    with pytest.raises(wo.InvalidProblem, match="is not empty and holds no study"):
+        run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
+    (tmp_path / "manifest.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(wo.InvalidProblem, match=r"its manifest\.json is none of a study"):
+        run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
+
+
+def test_a_study_is_not_overwritten(tmp_path: Path):
+    run_study(toys.Toy(), DESIGN, Here(), out=tmp_path)
+    with pytest.raises(wo.InvalidProblem, match="holds a study already; resume it"):
+        run_study(toys.Toy(), DESIGN, Here(), out=tmp_path)
+
+
+def test_parts_can_be_queried(tmp_path: Path, table):
+    duckdb = pytest.importorskip("duckdb")
+    over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
+    wo.sweep(paper_nip(), over, nodes=17, workers=1, out=tmp_path, chunk=2)
+    with duckdb.connect() as connection:
+        found = connection.execute(
+            f"SELECT max(nip_induced_tension) FROM '{tmp_path}/parts/*.parquet' "
+            "WHERE failure = '' AND nip_load = 2000"
+        ).fetchone()
+        failed = connection.execute(
+            f"SELECT count(*) FROM '{tmp_path}/parts/*.parquet' WHERE failure LIKE 'NoSteady%'"
+        ).fetchone()
+    expected = np.nanmax(table.outputs["nip_induced_tension"][3:])
+    # the chunks differ, so that other neighbours are the starts
+    assert found[0] == pytest.approx(expected, rel=1e-8)
+    assert failed[0] == table.failed.size == 3
+
+
+def test_netcdf_comes_back_as_it_was(tmp_path: Path, table):
+    export(table, tmp_path / "study.nc")
+    with xarray.open_dataset(tmp_path / "study.nc", engine="scipy") as read:
+        kept = table.to_dataset()
+        assert np.array_equal(
+            read.nip_induced_tension.values, kept.nip_induced_tension.values, equal_nan=True
+        )
+        assert read.half_width.attrs == kept.half_width.attrs
+        assert read.attrs == kept.attrs
+        assert [str(v) for v in read.failure.values.ravel()] == list(table.failure)
+
+
+def test_csv_has_units_in_its_header_and_every_digit(tmp_path: Path, table):
+    export(table, tmp_path / "study.csv")
+    with (tmp_path / "study.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == [
+        "case", "nip_load [N/m]", "winding_force [N/m]", "nip_induced_tension [N/m]",
+        "half_width [m]", "failure", "warnings",
+    ]  # fmt: skip
+    read = [float(row["half_width [m]"]) for row in rows]
+    assert np.array_equal(read, table.outputs["half_width"], equal_nan=True)
+    assert rows[1]["failure"].startswith("NoSteadyState")
+
+
+def test_excel_has_the_rows_and_says_what_they_hang_on(tmp_path: Path, table):
+    openpyxl = pytest.importorskip("openpyxl")
+    export(table, tmp_path / "study.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "study.xlsx")
+    rows = list(book["study"].iter_rows(values_only=True))
+    assert rows[0][1] == "nip_load [N/m]"
+    assert rows[1][4] == table.outputs["half_width"][0]
+    assert rows[2][4] is None  # a failed case
+    about = dict(book["about"].iter_rows(values_only=True))
+    assert about["version"] == wo.__version__
+    assert json.loads(about["options"]) == {"nodes": 17}
+
+
+def test_parquet_holds_the_same(tmp_path: Path, table):
+    duckdb = pytest.importorskip("duckdb")
+    export(table, tmp_path / "study.parquet")
+    with duckdb.connect() as connection:
+        found = connection.execute(
+            f"SELECT half_width FROM '{tmp_path}/study.parquet' ORDER BY \"case\""
+        ).fetchnumpy()["half_width"]
+    assert np.array_equal(np.ma.filled(found, np.nan), table.outputs["half_width"], equal_nan=True)
+
+
+def test_other_endings_are_refused(tmp_path: Path, table):
+    with pytest.raises(wo.InvalidProblem, match=r"ending '\.txt' names no format; must be \.nc"):
+        export(table, tmp_path / "study.txt")
+
+
+def test_failures_are_ranked_without_their_numbers():
+    reasons = np.array(["", "F = 3 too large", "F = 4.5e3 too large", "odd"], dtype=object)
+    assert failures(reasons) == [("F = 3 too large", 2), ("odd", 1)]

@@ -1,0 +1,188 @@
+"""wo.sweep against solve_nip case by case: same numbers, labels, failures and warnings."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.studies.nip import sweep_table
+from woundon.thesis.cases import paper_nip
+
+# both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
+SAME = 1e-8
+OUTPUTS = ("nip_induced_tension", "half_width", "drum_creep", "approach", "dual", "peak_pressure")
+
+
+@pytest.fixture(scope="module")
+def grid():
+    over = {"nip_load": [900.0, 1900.0, 4000.0], "roll.material.shear": [8e6, 1e7]}
+    return wo.sweep(paper_nip(), over, OUTPUTS, nodes=25, workers=1)
+
+
+def test_a_grid_gives_the_numbers_of_single_solves(grid):
+    for P in grid.nip_load.values:
+        for G in grid["roll.material.shear"].values:
+            single = wo.solve_nip(
+                paper_nip(nip_load=P, **{"roll.material.shear": G}), nodes=25
+            )  # fmt: skip
+            case = grid.sel({"nip_load": P, "roll.material.shear": G})
+            expected = {
+                "nip_induced_tension": single.nip_induced_tension,
+                "half_width": single.half_width,
+                "drum_creep": single.drum_creep,
+                "approach": single.approach,
+                "dual": single.slip_ratios.dual,
+                "peak_pressure": single.pressure.max(),
+            }
+            for name, value in expected.items():
+                assert float(case[name]) == pytest.approx(value, rel=SAME), name
+            assert str(case.failure.values) == ""
+            assert str(case.warnings.values) == "; ".join(single.warnings)
+
+
+def test_a_dataset_says_what_it_holds(grid):
+    assert grid.sizes == {"nip_load": 3, "roll.material.shear": 2}
+    assert grid.nip_load.attrs["units"] == "N/m"
+    assert grid["roll.material.shear"].attrs["units"] == "Pa"
+    assert grid.half_width.attrs["units"] == "m"
+    assert grid.half_width.attrs["long_name"] == "half-width of the nip"
+    assert "units" in grid.dual.attrs
+    assert grid.attrs["version"] == wo.__version__
+    assert json.loads(grid.attrs["options"]) == {"nodes": 25}
+    base = json.loads(grid.attrs["problem"])
+    assert wo.NipProblem(**base) == paper_nip()
+
+
+def test_default_nodes_agree_with_single_solves_within_the_stated_errors():
+    """Warm and cold solves may stop at different grids; each tells its error."""
+    over = {"nip_load": [1000.0, 1900.0, 3000.0], "winding_force": [-100.0, 100.0]}
+    outputs = ("nip_induced_tension", "nip_induced_tension_error")
+    data = wo.sweep(paper_nip(), over, outputs, workers=1)
+    for P in over["nip_load"]:
+        for F in over["winding_force"]:
+            single = wo.solve_nip(paper_nip(nip_load=P, winding_force=F))
+            case = data.sel(nip_load=P, winding_force=F)
+            apart = abs(float(case.nip_induced_tension) - single.nip_induced_tension)
+            stated = float(case.nip_induced_tension_error) + single.nip_induced_tension_error
+            assert apart <= stated
+
+
+def test_numbers_depend_neither_on_workers_nor_on_the_rest_of_the_study():
+    over = {"nip_load": np.linspace(1000, 3000, 24)}
+    one = wo.sweep(paper_nip(), over, nodes=17, workers=1, chunk=6)
+    two = wo.sweep(paper_nip(), over, nodes=17, workers=2, chunk=6)
+    assert one.identical(two)
+
+
+def test_a_failed_case_is_a_row_with_its_reason():
+    # |F| < mu- P = 400 N/m
+    over = {"winding_force": [0.0, 500.0, 100.0]}
+    table = sweep_table(paper_nip(nip_load=1000.0), over, nodes=17, workers=1)
+    assert table.failed.tolist() == [1]
+    assert table.failure[1].startswith("NoSteadyState: winding_force: 500 is out of range")
+    values = table.outputs["nip_induced_tension"]
+    assert np.isnan(values[1])
+    single = wo.solve_nip(paper_nip(nip_load=1000.0, winding_force=100.0), nodes=17)
+    assert values[2] == pytest.approx(single.nip_induced_tension, rel=SAME)
+
+
+def test_web_tension_is_free_and_right():
+    """The winding theorem: T_in shifts T_out, and moves creep and approach, which are solved."""
+    tensions = [100.0, 500.0, 900.0]
+    cheap = wo.sweep(
+        paper_nip(), {"web_tension": tensions}, ("wound_on_tension", "rig_tension"), nodes=17
+    )
+    whole = wo.sweep(
+        paper_nip(), {"web_tension": tensions}, ("wound_on_tension", "drum_creep"), nodes=17
+    )
+    for T_in in tensions:
+        single = wo.solve_nip(paper_nip(web_tension=T_in), nodes=17)
+        at = {"web_tension": T_in}
+        assert float(cheap.wound_on_tension.sel(at)) == pytest.approx(
+            single.wound_on_tension, rel=SAME
+        )
+        assert float(whole.wound_on_tension.sel(at)) == pytest.approx(
+            single.wound_on_tension, rel=SAME
+        )
+        assert float(whole.drum_creep.sel(at)) == pytest.approx(single.drum_creep, rel=SAME)
+        assert str(cheap.warnings.sel(at).values) == "; ".join(single.warnings)
+
+
+def test_bodies_and_materials_can_be_varied():
+    drums = [wo.Rigid(radius=0.5), wo.Cylinder(radius=0.5, core_radius=0.48, material="rubber")]
+    data = wo.sweep(
+        paper_nip(), {"drum": drums, "roll.material": ["paper", "newsprint"]}, nodes=17, workers=1
+    )
+    assert data.drum.values.tolist() == [repr(d) for d in drums]
+    assert data["roll.material"].values.tolist() == ["paper", "newsprint"]
+    single = wo.solve_nip(paper_nip(drum=drums[1], **{"roll.material": "newsprint"}), nodes=17)
+    assert float(data.nip_induced_tension[1, 1]) == pytest.approx(
+        single.nip_induced_tension, rel=SAME
+    )
+
+
+def test_a_tied_field_follows():
+    tie = {"web.material": "roll.material"}
+    over = {"roll.material.tangential": [2e9, 4e9]}
+    data = wo.sweep(paper_nip(), over, tie=tie, nodes=17, workers=1)
+    both = {"roll.material.tangential": 4e9, "web.material.tangential": 4e9}
+    single = wo.solve_nip(paper_nip(**both), nodes=17).nip_induced_tension
+    assert float(data.nip_induced_tension[1]) == pytest.approx(single, rel=SAME)
+
+
+def test_rollers_can_be_swept():
+    steel = wo.Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3)
+    body = wo.HalfPlane(radius=0.25, material=steel)
+    pair = wo.RollerProblem(upper=body, lower=body, load=89e3, tangential_load=8.4e3, friction=0.5)
+    data = wo.sweep(pair, {"tangential_load": [1e3, 8.4e3]}, ("creepage",), nodes=40, workers=1)
+    single = wo.solve_rollers(pair, nodes=40).creepage
+    assert float(data.creepage[1]) == pytest.approx(single, rel=SAME)
+    assert data.tangential_load.attrs["units"] == "N/m"
+
+
+def test_drawn_designs_are_tables_of_cases():
+    over = {"nip_load": (1e3, 3e3), "roll_friction": (0.1, 0.3)}
+    data = wo.sweep(paper_nip(), over, design="sobol", samples=8, seed=2, nodes=17, workers=1)
+    assert data.sizes == {"case": 8}
+    P, mu = float(data.nip_load[3]), float(data.roll_friction[3])
+    single = wo.solve_nip(paper_nip(nip_load=P, roll_friction=mu), nodes=17).nip_induced_tension
+    assert float(data.nip_induced_tension[3]) == pytest.approx(single, rel=SAME)
+
+
+def test_progress_is_told():
+    told = []
+    wo.sweep(
+        paper_nip(), {"nip_load": [1e3, 2e3, 3e3]}, nodes=17, workers=1, chunk=2,
+        progress=lambda done, size: told.append((done, size)),
+    )  # fmt: skip
+    assert told == [(2, 3), (3, 3)]
+
+
+@pytest.mark.parametrize(
+    ("over", "outputs", "options", "says"),
+    [
+        ({"nip_lode": [1.0]}, "half_width", {}, "nip_lode: no such field; did you mean 'nip_load'"),
+        ({"roll.material.sheer": [1.0]}, "half_width", {}, "did you mean 'shear'"),
+        ({"nip_load": [1e3]}, "half_with", {}, "half_with: no scalar output; did you mean"),
+        ({"nip_load": [1e3]}, (), {}, "outputs: none is asked for"),
+        ({"nip_load": [1e3]}, "half_width", {"node": 17}, "node: no such option; did you mean"),
+        ({"nip_load": [1e3]}, "half_width", {"workers": 0}, "workers: 0 is out of range"),
+        (
+            {"nip_load": [1e3]}, "half_width", {"workers": 2, "scheduler": "tcp://127.0.0.1:1"},
+            "workers: has no meaning with a scheduler",
+        ),
+        ({"nip_load": [1e3]}, "half_width", {"tie": {"web.materiel": "roll.material"}}, "materiel"),
+    ],
+)  # fmt: skip
+def test_bad_sweeps_are_refused(over, outputs, options, says):
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.sweep(paper_nip(), over, outputs, **options)
+    assert says in str(fault.value)
+
+
+def test_a_study_of_no_problem_is_refused():
+    with pytest.raises(wo.InvalidProblem, match="must be a NipProblem or a RollerProblem"):
+        wo.sweep({"nip_load": 1.0}, {"nip_load": [1.0]})

@@ -1,0 +1,133 @@
+"""Models with known answers for the study engine; in a module, so that workers can import them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from woundon.studies.model import Answer, Label
+
+
+@dataclass(frozen=True)
+class Toy:
+    """y = f(inputs), without gradients; ``state`` counts the cases solved in a row."""
+
+    outputs: tuple[str, ...] = ("y",)
+    names: tuple[str, ...] = ("a", "b", "x")
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        """y = 2 a + b."""
+        return 2 * inputs["a"] + inputs.get("b", 0.0)
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        return Answer((self.value(inputs),), "", (start or 0) + 1)
+
+    @property
+    def free_inputs(self) -> frozenset[str]:
+        return frozenset()
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        return None
+
+    def label(self, name: str) -> Label:
+        return Label("1", name)
+
+    def record(self) -> dict[str, Any]:
+        return {"toy": type(self).__name__}
+
+
+@dataclass(frozen=True)
+class Slow(Toy):
+    """Takes its time."""
+
+    seconds: float = 0.02
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        time.sleep(self.seconds)
+        return super().run(inputs, start)
+
+
+@dataclass(frozen=True)
+class Deadly(Toy):
+    """Kills its process at a = 3: the first time only if ``once`` names a file, else always."""
+
+    once: str = ""
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        if inputs["a"] == 3 and not (self.once and Path(self.once).exists()):
+            if self.once:
+                Path(self.once).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().run(inputs, start)
+
+
+@dataclass(frozen=True)
+class Faulty(Toy):
+    """Fails at a = 3."""
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        if inputs["a"] == 3:
+            raise ZeroDivisionError("a is 3")
+        return super().run(inputs, start)
+
+
+@dataclass(frozen=True)
+class Ishigami(Toy):
+    """y = sin a + 7 sin^2 b + 0.1 x^4 sin a on [-pi, pi]^3, whose indices are known."""
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        a, b, x = (inputs[name] for name in self.names)
+        return sin(a) + 7 * sin(b) ** 2 + 0.1 * x**4 * sin(a)
+
+    @staticmethod
+    def indices() -> tuple[list[float], list[float]]:
+        """Return first and total order in closed form (Ishigami and Homma 1990)."""
+        first = [0.5 * (1 + 0.1 * pi**4 / 5) ** 2, 49 / 8, 0.0]
+        mixed = 0.1**2 * pi**8 * (1 / 18 - 1 / 50)
+        whole = sum(first) + mixed
+        total = [first[0] + mixed, first[1], mixed]
+        return [v / whole for v in first], [v / whole for v in total]
+
+
+@dataclass(frozen=True)
+class Line(Toy):
+    """y = a + b x with its exact gradient."""
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        return inputs["a"] + inputs["b"] * inputs["x"]
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        return Answer((self.value(inputs),), "", dict(inputs))
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        by = {"a": 1.0, "b": state["x"]}
+        return np.array([[by[name] for name in names]])
+
+
+@dataclass(frozen=True)
+class Product(Line):
+    """y = a b x: the data tell the product only."""
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        return inputs["a"] * inputs["b"] * inputs["x"]
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        a, b, x = (state[name] for name in self.names)
+        by = {"a": b * x, "b": a * x}
+        return np.array([[by[name] for name in names]])
+
+
+@dataclass(frozen=True)
+class Waves(Toy):
+    """y = x + sin(3 a) + a/4: least squares on it has several minima."""
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        return inputs["x"] + sin(3 * inputs["a"]) + inputs["a"] / 4
