@@ -138,8 +138,9 @@ def main() -> None:
         _, start, _ = timed(lambda w=workers: list(Pool(w).solved(model, first)))
         _, both, share = timed(lambda w=workers: list(Pool(w).solved(model, chunks)))
         print(
-            f"pool of {workers}: {cases / (both - start):.0f} nips/s by the clock after {start:.1f} s "
-            f"of starting; {workers * cases / share:.0f} if every worker had a core to itself"
+            f"pool of {workers}: {cases / (both - start):.0f} nips/s by the clock after "
+            f"{start:.1f} s of starting; {workers * cases / share:.0f} "
+            "if every worker had a core to itself"
         )
     print(accuracy(model, chunks, blocks, given.check))
 

@@ -54,6 +54,7 @@ ERROR_WEIGHTS = (0.7, 0.2)
 # chance, as zone borders fall between nodes; so it counts less, and a share of the scale is added
 # which falls with the nodes: 95 % of random nips are within 2 estimates (4.3 of the change alone).
 CHANGE_WEIGHT, CHANCE = 0.4, 4e-4
+EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted grids
 
 
 def solve_nip(
@@ -108,13 +109,13 @@ def solve_nip(
         tensions.append(level.nip_induced_tension)
     tension = tensions[-1]
     scale = solver.tension_scale(tension)
-    error = _estimated_error(tensions, M, scale) if scheme == "graded" else float("nan")
+    error = _first_error(tensions, M, scale) if scheme == "graded" else float("nan")
     if scheme == "graded" and nodes is None and rtol is None:
         while M < DEFAULT_MOST_NODES and not error <= DEFAULT_RTOL * solver.tension_scale(tension):
             M = 2 * M - 1
             level = solver.solve(discretisation(scheme, M), level.start)
             tensions.append(level.nip_induced_tension)
-            tension, error = tensions[-1], _estimated_error(tensions, M, scale)
+            tension, error = tensions[-1], _estimated_error(tensions)
     if rtol is not None:
         level, tension, error = _refined(solver, level, tensions, error, rtol)
     result = nip_result(level.equations, level.state, scheme, algorithm, tension, error)
@@ -162,15 +163,22 @@ def _grids(scheme: str, M: int, algorithm: str) -> list[int]:
     return grids
 
 
-def _estimated_error(tensions: list[float], nodes: int, scale: float) -> float:
-    """Estimate NIT's error from its last changes under doubling [N/m]; nan from a single grid."""
+def _first_error(tensions: list[float], nodes: int, scale: float) -> float:
+    """Estimate NIT's error on the first grids, of which there may be two only [N/m]."""
+    if len(tensions) != 2:
+        return _estimated_error(tensions)
+    chance = CHANCE * (64 / (nodes - 1)) ** 1.6 * scale
+    return float(CHANGE_WEIGHT * abs(tensions[1] - tensions[0]) + chance)
+
+
+def _estimated_error(tensions: list[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
+    """Estimate NIT's error from its last two changes [N/m]; nan from a single grid."""
     changes = np.abs(np.diff(tensions))[::-1]
     if changes.size == 0:
         return float("nan")
     if changes.size == 1:
-        chance = CHANCE * (64 / (nodes - 1)) ** 1.6 * scale
-        return float(CHANGE_WEIGHT * changes[0] + chance)
-    return float(sum(w * c for w, c in zip(ERROR_WEIGHTS, changes, strict=False)))
+        return float(changes[0])
+    return float(sum(w * c for w, c in zip(weights, changes, strict=False)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,33 +299,32 @@ class _Solver:
 def _refined(
     solver: _Solver, level: _Level, tensions: list[float], error: float, rtol: float
 ) -> tuple[_Level, float, float]:
-    """Refine to ``rtol``: return the last level, NIT (extrapolated if need be) and its error."""
+    """Refine to ``rtol``: return the last level, NIT (extrapolated if need be) and its error.
+
+    The grids are fitted to the zone borders that the one before found.  Then NIT's error falls
+    regularly, by order two, and is extrapolated to zero cells.
+    """
     tension = tensions[-1]
     nodes = level.equations.disc.grid.nodes.size
     fitted: list[float] = []
-    while not error <= rtol * solver.tension_scale(tension) and 2 * nodes - 1 <= MOST_NODES:
-        nodes = 2 * nodes - 1
-        for _ in range(2):  # the second grid is fitted to what the first one found
+    while not error <= rtol * solver.tension_scale(tension) and nodes <= MOST_NODES:
+        for _ in range(1 if fitted else 2):  # the first fit is to borders of an unfitted grid
             level = solver.solve(on_grid(segmented_grid(_borders(level), nodes)), level.start)
         fitted.append(level.nip_induced_tension)
-        tension, error = _extrapolated(tensions[-1:] + fitted)
+        nodes = 2 * nodes - 1
+        if len(fitted) > 1:  # one alone tells nothing of its own error
+            values = [fitted[0], *(b + (b - a) / 3 for a, b in pairwise(fitted))]
+            weights = ERROR_WEIGHTS if len(values) < 4 else EXTRAPOLATED_WEIGHTS
+            tension, error = values[-1], _estimated_error([*tensions, *values], weights)
     return level, tension, error
-
-
-def _extrapolated(tensions: list[float]) -> tuple[float, float]:
-    """Extrapolate NIT of order two to zero cells; its error is what that last changed."""
-    values = [b + (b - a) / 3 for a, b in pairwise(tensions)]
-    if len(values) < 3:
-        return tensions[-1], ERROR_WEIGHTS[0] * abs(tensions[-1] - tensions[-2])
-    return values[-1], abs(values[-1] - values[-2])
 
 
 def _borders(level: _Level) -> Array:
     """Return where zones change on either face, in units of the half width."""
-    grid, zones = level.equations.disc.grid, level.state.solution.state
-    n = grid.unknowns
-    faces = (zone_borders(grid.nodes, zones[:n]), zone_borders(grid.nodes, zones[n:]))
-    return np.sort(np.concatenate(faces))
+    grid, solution = level.equations.disc.grid, level.state.solution
+    slack = solution.bound - np.abs(solution.traction)
+    faces = zip(np.split(solution.state, 2), np.split(slack, 2), strict=True)
+    return np.sort(np.concatenate([zone_borders(grid.nodes, *face) for face in faces]))
 
 
 def _pivoting(problem: StickSlip, start: Array | None) -> StickSlipSolution:

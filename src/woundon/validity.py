@@ -12,9 +12,12 @@ from itertools import pairwise
 import numpy as np
 
 from .bodies import Cylinder, Rigid
+from .elasticity.strip import compliance
 from .results import NipResult, Zone
 
 __all__ = ["nip_warnings"]
+
+Array = np.ndarray
 
 LARGE_STRAIN = 0.1  # quadratic terms of the strain are then a tenth of the linear ones
 WIDE_NIP = 0.2  # of the smaller radius: the parabola for the circle is then off by 1 %
@@ -25,8 +28,8 @@ SERIES_ERROR = 1e-4
 
 def nip_warnings(result: NipResult) -> tuple[str, ...]:
     """Return where a solved nip leaves the model's validity, with numbers."""
-    found = (*_geometry(result), *_strain(result), *_web(result), *_numerics(result))
-    return found
+    parts = (_geometry, _pressure, _surface, _web, _numerics)
+    return tuple(warning for part in parts for warning in part(result))
 
 
 def _geometry(r: NipResult) -> Iterator[str]:
@@ -44,7 +47,7 @@ def _geometry(r: NipResult) -> Iterator[str]:
             )
 
 
-def _strain(r: NipResult) -> Iterator[str]:
+def _pressure(r: NipResult) -> Iterator[str]:
     peak = float(np.max(r.pressure))
     for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
         if not isinstance(body, Rigid):
@@ -54,19 +57,53 @@ def _strain(r: NipResult) -> Iterator[str]:
                     f"the peak pressure {peak / 1e6:.3g} MPa is {peak / modulus:.0%} of the "
                     f"{name}'s stiffness {modulus / 1e6:.3g} MPa: the material is not linear there"
                 )
-            shear = float(np.max(np.abs(r.roll_traction if name == "roll" else r.drum_traction)))
-            angle = shear / body.material.stiffness.shear
-            if angle > LARGE_STRAIN:
-                yield (
-                    f"the {name}'s surface shear strain is {angle:.0%} "
-                    f"at a traction of {shear / 1e6:.3g} MPa: strains are not small"
-                )
     web = r.problem.web.material.stiffness
     if peak > LARGE_STRAIN * web.rr:
         yield (
             f"the peak pressure {peak / 1e6:.3g} MPa is {peak / web.rr:.0%} of the web's radial "
             f"stiffness {web.rr / 1e6:.3g} MPa: the web's thickness changes too much"
         )
+
+
+def _surface(r: NipResult) -> Iterator[str]:
+    for name, body, traction, strain in (
+        ("roll", r.problem.roll, r.roll_traction, _roll_strain(r)),
+        ("drum", r.problem.drum, r.drum_traction, _drum_strain(r)),
+    ):
+        if isinstance(body, Rigid):
+            continue
+        shear = float(np.max(np.abs(traction)))
+        angle = shear / body.material.stiffness.shear
+        if angle > LARGE_STRAIN:
+            yield (
+                f"the {name}'s surface shear strain is {angle:.0%} "
+                f"at a traction of {shear / 1e6:.3g} MPa: strains are not small"
+            )
+        k = int(np.argmax(np.abs(strain)))
+        if abs(strain[k]) > LARGE_STRAIN:
+            yield (
+                f"the {name}'s surface strain is {strain[k]:.0%} at x = {r.x[k] * 1e3:.3g} mm: "
+                f"strains are not small"
+            )
+
+
+def _web_strain(r: NipResult) -> Array:
+    """Return the web's strain (thesis eq. 72) where the slips are taken, (M,)."""
+    web = r.problem.web
+    c = compliance(*web.material.stiffness[:3])
+    strain = c.c11 / web.thickness * r.web_tension - c.c12 * r.pressure
+    return np.interp(r.slip_x, r.x, strain)
+
+
+def _drum_strain(r: NipResult) -> Array:
+    """Return the drum's tangential surface strain in the nip, by its slip (thesis eq. 133)."""
+    return _web_strain(r) + r.drum_creep - r.drum_slip
+
+
+def _roll_strain(r: NipResult) -> Array:
+    """Return the roll's tangential surface strain less that at the trailing edge."""
+    strain = _web_strain(r) - r.roll_slip
+    return strain - strain[-1]
 
 
 def _web(r: NipResult) -> Iterator[str]:

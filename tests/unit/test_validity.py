@@ -1,0 +1,177 @@
+"""Where a solved nip leaves the model: each warning by a case that earns it, with its numbers."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon import cli
+from woundon.thesis.cases import newsprint_nip, paper_nip
+from woundon.validity import nip_warnings
+
+NODES = 33  # warnings do not wait for accuracy
+
+
+def isotropic(youngs_modulus: float, poissons_ratio: float = 0.3) -> wo.Isotropic:
+    return wo.Isotropic(youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
+
+
+def cover(thickness: float, material: wo.Isotropic | wo.Orthotropic) -> wo.Cylinder:
+    return wo.Cylinder(radius=0.5, core_radius=0.5 - thickness, material=material)
+
+
+def solved(problem: wo.NipProblem, nodes: int = NODES) -> wo.NipResult:
+    return wo.solve_nip(problem, nodes=nodes)
+
+
+def the(result: wo.NipResult, pattern: str) -> list[float]:
+    """Return the numbers of the one warning that matches, percents as shares."""
+    matches = [match for text in result.warnings if (match := re.fullmatch(pattern, text))]
+    assert len(matches) == 1, result.warnings
+    return [float(n[:-1]) / 100 if n.endswith("%") else float(n) for n in matches[0].groups()]
+
+
+NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?)"
+PERCENT = r"(-?\d+%)"
+
+
+def test_an_ordinary_nip_earns_none() -> None:
+    for problem in (paper_nip(), newsprint_nip(), paper_nip(drum=cover(0.02, isotropic(1e8)))):
+        assert wo.solve_nip(problem).warnings == ()
+
+
+def test_a_wide_nip() -> None:
+    drum = wo.HalfPlane(radius=0.06, material=isotropic(5e5))
+    result = solved(paper_nip(drum=drum, nip_load=5000.0))
+    width, share = the(result, f"the half width {NUMBER} mm is {PERCENT} of the smaller radius: .*")
+    assert width == pytest.approx(1e3 * result.half_width, rel=5e-3)
+    assert share == pytest.approx(result.half_width / 0.06, abs=5e-3)
+
+
+def test_a_cover_pressed_deep() -> None:
+    result = solved(paper_nip(drum=cover(0.002, isotropic(1e6)), nip_load=3000.0))
+    approach, share, thickness = the(
+        result,
+        f"the approach {NUMBER} mm is {PERCENT} of the drum's elastic layer, {NUMBER} mm: .*",
+    )
+    assert approach == pytest.approx(1e3 * result.approach, rel=5e-3)
+    assert share == pytest.approx(result.approach / 0.002, abs=5e-3)
+    assert thickness == 2.0
+
+
+@pytest.mark.parametrize("body", ["roll", "drum"])
+def test_a_pressure_near_the_modulus(body: str) -> None:
+    soft = wo.HalfPlane(radius=0.3, material=isotropic(4e5))
+    result = solved(paper_nip(**{body: soft}, nip_load=8000.0))
+    peak, share, modulus = the(
+        result, f"the peak pressure {NUMBER} MPa is {PERCENT} of the {body}'s stiffness {NUMBER} .*"
+    )
+    assert peak == pytest.approx(result.pressure.max() / 1e6, rel=5e-3)
+    assert modulus == pytest.approx(soft.material.stiffness.rr / 1e6, rel=5e-3)
+    assert share == pytest.approx(peak / modulus, abs=1e-2)
+
+
+def test_a_web_pressed_thin() -> None:
+    paper = wo.material("paper").replace(radial=2e6)
+    result = solved(paper_nip(web=wo.Web(thickness=66e-6, material=paper)))
+    _, share, modulus = the(
+        result, f"the peak pressure {NUMBER} MPa is {PERCENT} of the web's radial stiffness "
+        f"{NUMBER} MPa: .*",
+    )  # fmt: skip
+    assert modulus == 2.0
+    assert share == pytest.approx(result.pressure.max() / 2e6, abs=5e-3)
+
+
+def test_a_surface_sheared_far() -> None:
+    drum = wo.HalfPlane(radius=0.5, material=isotropic(1e6))
+    result = solved(paper_nip(drum=drum, drum_friction=0.8, winding_force=1000.0))
+    share, traction = the(
+        result,
+        f"the drum's surface shear strain is {PERCENT} at a traction of {NUMBER} MPa: .*",
+    )
+    assert traction == pytest.approx(np.abs(result.drum_traction).max() / 1e6, rel=5e-3)
+    assert share == pytest.approx(1e6 * traction / drum.material.stiffness.shear, abs=1e-2)
+
+
+def test_a_surface_stretched_far() -> None:
+    # the web drags a thin soft cover along: squeezed before the nip's end, stretched behind
+    soft = cover(0.005, isotropic(1e6, 0.45))
+    result = solved(paper_nip(drum=soft, nip_load=8e3, drum_friction=0.8, winding_force=4e3))
+    strain, at = the(result, f"the drum's surface strain is {PERCENT} at x = {NUMBER} mm: .*")
+    assert strain == pytest.approx(-0.2, abs=0.01)
+    assert abs(at) < 1e3 * result.half_width
+
+
+def test_a_slack_web() -> None:
+    result = solved(paper_nip(web_tension=1.0))
+    lowest, _, missing = the(
+        result, f"the web is slack: its tension falls to {NUMBER} N/m at x = {NUMBER} mm; at least "
+        f"{NUMBER} N/m of web tension are needed",
+    )  # fmt: skip
+    assert lowest == pytest.approx(result.web_tension.min(), rel=1e-3)
+    # the winding theorem: NIT and all tractions stay, so that much tension is just enough
+    enough = solved(paper_nip(web_tension=missing * 1.001))
+    assert enough.web_tension.min() == pytest.approx(0.0, abs=0.01)
+    assert enough.warnings == ()
+
+
+def test_few_nodes_in_a_zone() -> None:
+    result = solved(newsprint_nip(), nodes=13)
+    texts = [text for text in result.warnings if "nodes in a" in text]
+    assert "2 nodes in a stick zone of the roll; use nodes=25" in texts
+    assert not any("nodes in a" in text for text in solved(newsprint_nip(), nodes=65).warnings)
+
+
+def test_a_series_cut_short() -> None:
+    stiff_outward = wo.Orthotropic(radial=1e12, tangential=1e4, cross=0.0, shear=1e4)
+    result = solved(paper_nip(drum=cover(0.005, stiff_outward)))
+    error, terms = the(
+        result, "the series of an elastic layer is truncated with an error of "
+        f"{NUMBER} after {NUMBER} terms",
+    )  # fmt: skip
+    assert error == pytest.approx(result.series_error, rel=0.05)
+    assert terms == result.series_terms
+
+
+SLACK = paper_nip(web_tension=1.0)
+
+
+@pytest.mark.parametrize("ending", [".json", ".nc"])
+def test_warnings_are_kept_in_files(ending: str, tmp_path: Path) -> None:
+    result = solved(SLACK)
+    result.save(tmp_path / f"nip{ending}")
+    kept = wo.load_result(tmp_path / f"nip{ending}")
+    assert kept.warnings == result.warnings != ()
+    # what is in the file is enough to find them again
+    assert nip_warnings(kept) == result.warnings
+
+
+def test_warnings_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    example = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
+    assert cli.main(["nip", example, "--nodes", "33", "--set", "web_tension=1 N/m"]) == 0
+    assert "warning: the web is slack: its tension falls to -" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("thickness", [66e-6, 33e-6])
+def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) -> None:
+    """The warning reads the strain off the web's and the slip; the kernels give it directly."""
+    from woundon.assembly import surface_response
+    from woundon.contact.discretisation import discretisation
+    from woundon.validity import _drum_strain
+
+    drum = cover(0.02, isotropic(2e6, 0.45))
+    problem = paper_nip(drum=drum, winding_force=300.0, **{"web.thickness": thickness})
+    result = solved(problem, nodes=129)
+    response = surface_response(drum, discretisation("graded", 129), result.half_width)
+    assert response is not None
+    direct = (
+        response.strain_p @ result.pressure[1:-1] + response.strain_q @ (result.drum_traction[1:-1])
+    )
+    # tensions are interpolated to the cells' middles: second order in the cells
+    np.testing.assert_allclose(
+        _drum_strain(result)[1:], direct[:-1], atol=1e-3 * np.abs(direct).max()
+    )

@@ -1,0 +1,126 @@
+"""The edges of the admissible range: solved, with every law kept, and reached continuously.
+
+A single grid of 65 nodes throughout, on which NIT is a continuous function of every field.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.thesis.cases import paper_nip
+
+
+def cover(thickness: float, poissons_ratio: float, youngs_modulus: float = 1e7) -> wo.Cylinder:
+    material = wo.Isotropic(youngs_modulus=youngs_modulus, poissons_ratio=poissons_ratio)
+    return wo.Cylinder(radius=0.5, core_radius=0.5 - thickness, material=material)
+
+
+STIFF = wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3)
+DRUMS = {
+    "hard": wo.Rigid(radius=0.5),
+    "half-plane": wo.HalfPlane(radius=0.5, material=STIFF),
+    "soft cover": cover(0.02, 0.1),
+}
+drums = pytest.mark.parametrize("drum", DRUMS.values(), ids=DRUMS)
+
+
+def solved(problem: wo.NipProblem) -> wo.NipResult:
+    result = wo.solve_nip(problem, nodes=65)
+    assert result.residuals.largest <= 1e-8
+    return result
+
+
+def share(result: wo.NipResult) -> float:
+    """Return (NIT - F)/(mu+ P), what the roll's friction is used."""
+    problem = result.problem
+    roll_side = result.nip_induced_tension - problem.winding_force
+    return roll_side / (problem.roll_friction * problem.nip_load)
+
+
+@drums
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_winding_force_may_come_as_near_to_sliding_as_numbers_allow(
+    drum: wo.Rigid, sign: int
+) -> None:
+    limit = 0.4 * 1900.0
+    near, nearer, nearest = (
+        solved(paper_nip(drum=drum, winding_force=sign * (1 - short) * limit))
+        for short in (1e-4, 1e-9, 1e-15)
+    )
+    # the last node in stick gives way: all the drum slips one way, but for what holds the creep
+    assert np.count_nonzero(nearest.drum_zone[1:-1] != sign) <= 1
+    assert share(nearer) == pytest.approx(share(near), abs=1e-4)
+    assert share(nearest) == pytest.approx(share(nearer), abs=1e-8)
+    for beyond in (1.0, 1.0 + 1e-12):
+        with pytest.raises(wo.NoSteadyState):
+            paper_nip(drum=drum, winding_force=sign * beyond * limit)
+
+
+@drums
+@pytest.mark.parametrize("short", [1e-2, 1e-6, 1e-12])
+def test_with_the_whole_roll_side_slipping_nit_is_mu_p_plus_f(drum: wo.Rigid, short: float) -> None:
+    result = solved(paper_nip(drum=drum, winding_force=-(1 - short) * 0.4 * 1900.0))
+    assert np.all(result.roll_zone == wo.Zone.FORWARD)
+    # the load is carried to 1e-10
+    assert share(result) == pytest.approx(1.0, abs=1e-9)
+
+
+@drums
+def test_at_vanishing_load_only_the_web_is_left(drum: wo.Rigid) -> None:
+    """A nip much narrower than the web is thick: all drums give the same share of mu+ P.
+
+    The drum and the roll still bend the nip's pressure by a relative a/2h, 1.5e-3 at 1e-9 N/m.
+    """
+    loads = [1.0, 1e-3, 1e-6, 1e-9]
+    results = [solved(paper_nip(drum=drum, nip_load=P, winding_force=0.1 * P)) for P in loads]
+    widths = [result.half_width for result in results]
+    assert np.all(np.diff(widths) < 0)
+    # the web's own squeezing: a third root of the load, no longer Hertz's square root
+    assert np.log10(widths[2] / widths[3]) == pytest.approx(1.0, abs=0.01)
+    assert share(results[3]) == pytest.approx(0.8676, abs=1e-4)
+
+
+@pytest.mark.parametrize("thickness", [0.005, 0.001, 0.0005])
+def test_a_thin_cover_becomes_incompressible_smoothly(thickness: float) -> None:
+    """NIT's way to nu = 0.5 is linear in 1/2 - nu: a tenth of it leaves a tenth of the change."""
+    ratios = [0.499, 0.4999, 0.49999, 0.499999]
+    results = [solved(paper_nip(drum=cover(thickness, nu, 3e6), nip_load=5000.0)) for nu in ratios]
+    changes = np.diff([result.nip_induced_tension for result in results])
+    np.testing.assert_allclose(changes[1:] / changes[:-1], 0.1, rtol=0.1)
+    # and none of them is solved with more effort than others
+    assert max(result.iterations for result in results) <= 30
+
+
+@drums
+def test_no_cross_stiffness_is_no_special_case(drum: wo.Rigid) -> None:
+    def nip(cross: float) -> wo.NipResult:
+        fields = {"roll.material.cross": cross, "web.material.cross": cross}
+        return solved(paper_nip(drum=drum, **fields))
+
+    none = nip(0.0)
+    assert none.nip_induced_tension == pytest.approx(nip(1.0).nip_induced_tension, rel=1e-5)
+
+
+@drums
+def test_equal_friction_is_no_special_case(drum: wo.Rigid) -> None:
+    below, equal, above = (
+        solved(paper_nip(drum=drum, roll_friction=0.4 * (1 + change))).nip_induced_tension
+        for change in (-1e-8, 0.0, 1e-8)
+    )
+    # scale: mu+ P = 760 N/m
+    assert below == pytest.approx(equal, abs=1e-4)
+    assert above == pytest.approx(equal, abs=1e-4)
+
+
+@drums
+@pytest.mark.parametrize("friction", [1e-3, 1e-6, 1e-7])
+def test_hardly_any_friction_leaves_slip_everywhere(drum: wo.Rigid, friction: float) -> None:
+    """Slips stay as the normal problem makes them, tractions are mu p: NIT/(mu P) has a limit."""
+    low = solved(paper_nip(drum=drum, roll_friction=friction, drum_friction=friction,
+                           winding_force=0.0))  # fmt: skip
+    lower = solved(paper_nip(drum=drum, roll_friction=friction / 10, drum_friction=friction / 10,
+                             winding_force=0.0))  # fmt: skip
+    assert share(low) == pytest.approx(share(lower), abs=0.02)
+    assert abs(share(low)) <= 1.0
