@@ -121,6 +121,11 @@ class Discretisation:
             return share * self.grid.weights
         return np.where(nodes < cells, self.grid.weights, 0.0)
 
+    @cached_property
+    def behind(self) -> Array:
+        """Less the integral of the traction from each cell to the trailing edge, (N, n)."""
+        return self.upstream - self.grid.weights
+
     def pressure_slope(self, kernels: Kernels, a: float) -> Array:
         """Return the slope in each cell by nodal pressures alone, (N, n)."""
         rank = interpolation_rank(kernels.length, a)
