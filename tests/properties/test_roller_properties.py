@@ -8,7 +8,7 @@ this mirror belongs to the static contact alone.
 
 from __future__ import annotations
 
-from math import asinh, log10
+from math import log10
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 import woundon as wo
+from woundon.contact.discretisation import interpolation_rank
 from woundon.contact.grid import Grid
 
 
@@ -91,9 +92,8 @@ def test_bettis_theorem_on_the_assembled_response(
     points = (nodes[:-1, None] + cells[:, None] * (gauss + 1) / 2).ravel()
     measure = a * (cells[:, None] * weight / 2).ravel()
     grid, kernels = Grid(nodes, points), body.surface(2 * a)
-    rank = max(24, round(20 / asinh(kernels.length / a)))  # as the program's own
     put = [
-        grid.integrate(kernel, a, rank=rank)
+        grid.integrate(kernel, a, rank=interpolation_rank(kernels.length, a))
         for kernel in (kernels.normal_p, kernels.normal_q, kernels.tangent_p, kernels.tangent_q)
     ]
     p, q = np.random.default_rng(seed).normal(size=(2, 2, nodes.size - 2))

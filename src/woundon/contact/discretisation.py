@@ -21,7 +21,7 @@ import numpy as np
 
 from .grid import Grid, KernelParts, cosine_grid, uniform_grid
 
-__all__ = ["Discretisation", "Response", "discretisation", "on_grid"]
+__all__ = ["Discretisation", "Response", "discretisation", "interpolation_rank", "on_grid"]
 
 Array = np.ndarray
 
@@ -51,6 +51,11 @@ class Kernels(Protocol):
     def gradients(self) -> tuple[KernelParts, KernelParts, KernelParts, KernelParts]: ...
     @property
     def smooth(self) -> Callable[[Array], Array] | None: ...
+
+
+def interpolation_rank(length: float, a: float, least: int = 24) -> int:
+    """Return the interpolation points that resolve kernels varying on ``length`` over [-a, a]."""
+    return int(min(max(least, round(20 / asinh(length / a))), 600))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,13 +95,13 @@ class Discretisation:
         return self.grid.unknowns
 
     def rank(self, length: float, a: float) -> int:
-        """Return the interpolation points that resolve kernels varying on ``length`` over [-a, a].
+        """Return ``interpolation_rank`` for this grid.
 
-        At least as many as the weak kink at t = 0 asks for: 24 leave up to 6e-7 of NIT on random
+        The least rank is what the weak kink at t = 0 asks for: 24 leave up to 6e-7 of NIT on random
         nips, 12 leave 4e-6, a hundredth of what the cells of a coarse graded grid leave.
         """
         least = min(max(12, self.unknowns // 4), 24) if self.scheme == "graded" else 24
-        return int(min(max(least, round(20 / asinh(length / a))), 600))
+        return interpolation_rank(length, a, least)
 
     @cached_property
     def middle(self) -> Array:
