@@ -22,6 +22,7 @@ _HOME = {
     "RollerResult": "results",
     "ValidityWarning": "errors",
     "Web": "problems",
+    "WrappedNipResult": "wrap",
     "Zone": "results",
     "fit": "studies.nip",
     "global_sensitivity": "studies.nip",
@@ -30,6 +31,7 @@ _HOME = {
     "material": "materials",
     "solve_nip": "nip",
     "solve_rollers": "rollers",
+    "solve_wrapped_nip": "wrap",
     "sweep": "studies.nip",
     "theories": "",
 }
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     from .results import NipResult, RollerResult, Zone
     from .rollers import solve_rollers
     from .studies.nip import fit, global_sensitivity, sweep
+    from .wrap import WrappedNipResult, solve_wrapped_nip
 
 
 def __getattr__(name: str) -> Any:

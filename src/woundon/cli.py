@@ -20,6 +20,7 @@ from .studies import commands as study_commands
 if TYPE_CHECKING:
     from .results import NipResult, Sensitivity
     from .thesis.frame import Scheme
+    from .wrap import WrappedNipResult
 
 __all__ = ["main"]
 
@@ -80,6 +81,14 @@ def commands() -> None:
 @click.option("--algorithm", default="pivoting", help="pivoting (default) or panagiotopoulos.")
 @click.option("--nodes", type=int, help="Number of nodes along the nip, fixed.")
 @click.option("--rtol", type=float, help="Refine until the added tension is known to RTOL.")
+@click.option(
+    "--roll-wrap",
+    metavar="ANGLE",
+    help='Wrap the web on the roll behind the nip, e.g. "180 deg", where it is then held.',
+)
+@click.option(
+    "--drum-wrap", metavar="ANGLE", help='Wrap the web on the drum before the nip, e.g. "90 deg".'
+)
 def nip(
     case: Path,
     settings: tuple[str, ...],
@@ -87,6 +96,8 @@ def nip(
     sensitivity: bool,
     save: Path | None,
     plot: Path | None,
+    roll_wrap: str | None,
+    drum_wrap: str | None,
     **options: Any,
 ) -> None:
     """Solve the winding nip of a case file ('woundon new' writes one)."""
@@ -94,12 +105,18 @@ def nip(
 
     problem = load_case(case, settings)
     _check_outputs(save, plot)
-    result = _solved(problem, options)
+    result: NipResult | WrappedNipResult
+    slopes = None
+    if roll_wrap is None and drum_wrap is None:
+        result = _solved(problem, options)
+        slopes = result.sensitivity() if sensitivity else None
+    else:
+        options["sensitivity"] = sensitivity
+        result = _solved_with_wraps(problem, roll_wrap, drum_wrap, options)
     if save:
         result.save(save)
     if plot:
         result.plot(plot)
-    slopes = result.sensitivity() if sensitivity else None
     if as_json:
         from .resultfile import result_to_json
 
@@ -135,7 +152,29 @@ def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
         return solve_nip(problem, **options)
 
 
-def _show(result: NipResult, sensitivity: Sensitivity | None) -> None:
+def _solved_with_wraps(
+    problem: Any, roll_wrap: str | None, drum_wrap: str | None, options: dict[str, Any]
+) -> WrappedNipResult:
+    from .units import parse
+    from .wrap import solve_wrapped_nip
+
+    plain = {"scheme": "graded", "algorithm": "pivoting", "rtol": None, "sensitivity": False}
+    for name, usual in plain.items():
+        if options[name] != usual:
+            text = f"{options[name]!r} is not admissible with a wrap; leave it out, or the wraps"
+            raise InvalidProblem.at(f"--{name}", text)
+    given = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap}
+    chosen: dict[str, Any] = {
+        name: parse(text, "rad", f"--{name.replace('_', '-')}")
+        for name, text in given.items()
+        if text is not None
+    }
+    if options["nodes"] is not None:
+        chosen["nodes"] = options["nodes"]
+    return solve_wrapped_nip(problem, **chosen)
+
+
+def _show(result: NipResult | WrappedNipResult, sensitivity: Sensitivity | None) -> None:
     from rich.console import Console
 
     from .report import print_report, print_sensitivity

@@ -19,9 +19,18 @@ from matplotlib.patches import Patch
 from .errors import InvalidProblem
 from .quantities import QUANTITIES
 from .results import NipResult, Zone
+from .wrap import WrappedNipResult
 from .zones import zone_runs
 
-__all__ = ["check_format", "draw_slips", "draw_tractions", "plot_nip", "save_figure", "style"]
+__all__ = [
+    "check_format",
+    "draw_slips",
+    "draw_tractions",
+    "plot_nip",
+    "plot_wrapped",
+    "save_figure",
+    "style",
+]
 
 Array = np.ndarray
 
@@ -94,6 +103,61 @@ def plot_nip(result: NipResult, path: str | Path | None = None) -> Figure:
     if path is not None:
         save_figure(figure, path)
     return figure
+
+
+def plot_wrapped(result: WrappedNipResult, path: str | Path | None = None) -> Figure:
+    """Draw a nip with its wraps: the nip as :func:`plot_nip` does, then the web along the roll.
+
+    Panel (c): web tension over the angle behind the line of centres [deg], on a logarithmic scale
+    from the trailing edge on; panel (d): pressure on the roll and hoop pressure [kPa].
+
+    Parameters
+    ----------
+    result : WrappedNipResult
+    path : path, optional
+        Where to save, ``.png``, ``.svg`` or ``.pdf``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with style():
+        figure = Figure(figsize=(11.4, 6.6), layout="constrained")
+        (tractions, tension), (slips, pressure) = figure.subplots(2, 2)
+        draw_tractions(tractions, result.nip)
+        draw_slips(slips, result.nip)
+        slips.set_xlabel(_axis_label("Position along the nip $x$", "x"))
+        _draw_along_roll(tension, pressure, result)
+    if path is not None:
+        save_figure(figure, path)
+    return figure
+
+
+def _draw_along_roll(tension: Axes, pressure: Axes, result: WrappedNipResult) -> None:
+    """Draw tension and pressures behind the nip, over the angle from the trailing edge [deg]."""
+    first = result.in_nip.stop  # the node behind the trailing edge
+    behind = result.x[first:] - result.half_width
+    angle = np.degrees(behind / result.problem.roll.radius)
+    tension.plot(angle, result.web_tension[first:], "-.", color=_TENSION, label="$T$")
+    (border,) = (tension.axvline(x, color=_ROLL, linewidth=0.8) for x in [_slip_end(result)])
+    border.set_label("end of slip")
+    tension.set_ylabel(_axis_label("Web tension $T$", "web_tension"))
+    tension.set_title("(c)", loc="right", fontsize=9)
+    for values, line, name in (
+        (result.roll_pressure, "-", "$p^{+}$"),
+        (np.abs(result.roll_traction) / result.wrap_friction, ":", r"$|q^{+}|/\mu^{+}$"),
+    ):
+        pressure.plot(angle, _shown("pressure", values[first:]), line, color=_ROLL, label=name)
+    pressure.set_ylabel(_axis_label("Pressure $p$", "pressure"))
+    pressure.set_title("(d)", loc="right", fontsize=9)
+    pressure.set_xlabel(r"Angle behind the trailing edge $\theta$ [deg]")
+    for axes in (tension, pressure):
+        axes.set_xscale("log")
+        _legend(axes, axes.get_lines())
+
+
+def _slip_end(result: WrappedNipResult) -> float:
+    return float(np.degrees(result.slip_angle)) or float("nan")
 
 
 def check_format(path: str | Path) -> str:

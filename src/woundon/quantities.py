@@ -6,6 +6,7 @@ The command line, the files' labels and the nomenclature in the documentation al
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import pi
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -42,6 +43,10 @@ def _stress(symbol: str, description: str) -> Quantity:
 
 def _strain(symbol: str, description: str) -> Quantity:
     return Quantity(symbol, "1", description, "%", 1e2)
+
+
+def _angle(symbol: str, description: str) -> Quantity:
+    return Quantity(symbol, "rad", description, "deg", 180 / pi)
 
 
 def _line_load(symbol: str, description: str) -> Quantity:
@@ -85,9 +90,25 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "leading_roll": _strain("s_l+", "slip length at the roll's leading edge / nip width"),
         "trailing_roll": _strain("s_t+", "slip length at the roll's trailing edge / nip width"),
         "dual": _strain("s_d", "length of slip at both roll and drum / nip width"),
+        # the web wrapped on roll and drum
+        "wound_on_tension_error": _line_load(
+            "WOT error", "estimated discretisation error of the wound-on tension"
+        ),
+        "tension_before_nip": _line_load("T_n", "web tension at the leading edge of the nip"),
+        "tension_behind_nip": _line_load("T_out", "web tension at the trailing edge of the nip"),
+        "roll_wrap_traction": _line_load("Q_w+", "traction on the roll behind the nip, integrated"),
+        "drum_wrap_traction": _line_load("Q_w-", "traction on the drum before the nip, integrated"),
+        "roll_wrap": _angle("theta+", "angle from the nip to where the web is held to the roll"),
+        "drum_wrap": _angle("theta-", "arc of the web on the drum before the nip"),
+        "slip_angle": _angle("theta_s", "how far the web slips on the roll behind the nip"),
+        "wrap_friction": Quantity("mu_w+", "1", "friction on the roll behind the nip"),
+        "roll_pressure": _stress("p+", "pressure of the web on the roll"),
+        "hoop_pressure": _stress("p_h", "hoop pressure, web tension times curvature"),
+        "curvature": Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll"),
         # two rollers
         "creepage": _strain("xi", "creepage, surface speed of the lower roller less the upper's"),
         "tangential_load": _line_load("Q", "tangential load on the upper roller"),
+        "traction_error": _strain("e_q", "estimated error of the traction (L2), relative"),
         "traction": _stress("q", "traction on the upper roller"),
         "slip": _strain("v", "slip speed, > 0: lower surface faster"),
         "static_slip": Quantity("v", "m", "slip of static rollers, > 0: lower surface along +x"),

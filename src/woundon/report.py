@@ -13,6 +13,7 @@ from . import theories
 from .bodies import HalfPlane
 from .quantities import QUANTITIES
 from .results import NipResult, Sensitivity, Zone
+from .wrap import WrappedNipResult
 from .zones import zone_runs
 
 __all__ = ["print_report", "print_sensitivity", "zone_line"]
@@ -25,15 +26,22 @@ _ASCII_MARKS = {Zone.BACKWARD: "<", Zone.STICK: ".", Zone.FORWARD: ">"}
 _STYLES = {Zone.BACKWARD: "yellow", Zone.STICK: "dim", Zone.FORWARD: "blue"}
 
 
-def print_report(result: NipResult, console: Console) -> None:
-    """Print the report of a solved nip."""
+def print_report(result: NipResult | WrappedNipResult, console: Console) -> None:
+    """Print the report of a solved nip, with its wraps if it has any."""
     ascii_only = console.options.ascii_only
-    solved = f"{result.scheme} scheme, {result.nodes} nodes, {result.iterations} linear systems"
+    plus_minus, marks = ("+-", _ASCII_MARKS) if ascii_only else ("±", _MARKS)
+    nip = result if isinstance(result, NipResult) else result.nip
+    solved = f"{nip.scheme} scheme, {result.nodes} nodes, {result.iterations} linear systems"
     console.print(Text(solved, style="dim"))
     console.print(_load_table(result))
-    console.print(_main_table(result, "+-" if ascii_only else "±"))
-    console.print(_zones(result, _ASCII_MARKS if ascii_only else _MARKS))
-    console.print(_rivals(result))
+    if isinstance(result, NipResult):
+        console.print(_main_table(result, plus_minus))
+    else:
+        console.print(_wrap_table(result, plus_minus))
+        console.print(_main_table(nip, plus_minus, inner=True))
+    console.print(_zones(nip, marks))
+    if isinstance(result, NipResult):
+        console.print(_rivals(result))
     for number, warning in enumerate(result.warnings):
         gap = "" if number else "\n"
         console.print(Text(f"{gap}warning: {warning}", style="bold yellow"))
@@ -51,14 +59,16 @@ def _table(title: str) -> Table:
     return table
 
 
-def _row(table: Table, name: str, value: float, *, note: str = "", label: str = "") -> None:
+def _row(
+    table: Table, name: str, value: float, *, note: str = "", label: str = "", symbol: str = ""
+) -> None:
     quantity = QUANTITIES[name]
     text = f"{quantity.shown(value):.5g}"
     unit = f"{quantity.display}{note}"
-    table.add_row(label or quantity.description, quantity.symbol, text, unit)
+    table.add_row(label or quantity.description, symbol or quantity.symbol, text, unit)
 
 
-def _load_table(result: NipResult) -> Table:
+def _load_table(result: NipResult | WrappedNipResult) -> Table:
     table = _table("\nLoads")
     _row(table, "nip_load", result.problem.nip_load)
     _row(table, "winding_force", result.problem.winding_force)
@@ -66,13 +76,31 @@ def _load_table(result: NipResult) -> Table:
     return table
 
 
-def _main_table(result: NipResult, plus_minus: str) -> Table:
+def _wrap_table(result: WrappedNipResult, plus_minus: str) -> Table:
+    table = _table("\nWraps")
+    note = f"  {plus_minus} {result.wound_on_tension_error:.2g}"
+    _row(table, "roll_wrap", result.roll_wrap)
+    _row(table, "wound_on_tension", result.wound_on_tension, note=note, symbol="WOT")
+    _row(table, "tension_behind_nip", result.tension_behind_nip)
+    _row(table, "roll_wrap_traction", result.roll_wrap_traction)
+    way = {Zone.STICK: "", Zone.FORWARD: ", web faster", Zone.BACKWARD: ", web slower"}
+    _row(table, "slip_angle", result.slip_angle, note=way[result.slip_zone])
+    if result.drum_wrap:
+        _row(table, "drum_wrap", result.drum_wrap)
+        _row(table, "tension_before_nip", result.tension_before_nip)
+        _row(table, "drum_wrap_traction", result.drum_wrap_traction)
+    return table
+
+
+def _main_table(result: NipResult, plus_minus: str, *, inner: bool = False) -> Table:
+    """Tabulate the nip; ``inner`` is one between wraps, which tell its tensions themselves."""
     slips = result.slip_ratios
     table = _table("\nWinding nip")
     error = result.nip_induced_tension_error
-    note = f"  {plus_minus} {error:.2g}" if np.isfinite(error) else ""
+    note = f"  {plus_minus} {error:.2g}" if np.isfinite(error) and not inner else ""
     _row(table, "nip_induced_tension", result.nip_induced_tension, note=note)
-    _row(table, "wound_on_tension", result.wound_on_tension)
+    if not inner:
+        _row(table, "wound_on_tension", result.wound_on_tension)
     _row(table, "nip_width", 2 * result.half_width)
     _row(table, "peak_pressure", float(result.pressure.max()))
     _row(table, "approach", result.approach)
@@ -138,7 +166,7 @@ def _rival_tensions(result: NipResult) -> Iterator[tuple[str, float]]:
         yield "Jalkanen, with the solved approach", jalkanen
 
 
-def _certificate(result: NipResult) -> str:
+def _certificate(result: NipResult | WrappedNipResult) -> str:
     law, value = max(result.residuals.items(), key=lambda item: item[1])
     count = sum(1 for _ in result.residuals.items())
     return (

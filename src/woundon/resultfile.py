@@ -24,6 +24,7 @@ from .errors import InvalidProblem
 from .problems import NipProblem, RollerProblem
 from .quantities import QUANTITIES, Quantity
 from .results import NipResult, Residuals, RollerResult, Sensitivity, SlipRatios
+from .wrap import WrappedNipResult, WrappedResiduals
 
 if TYPE_CHECKING:
     import xarray
@@ -33,13 +34,13 @@ __all__ = ["load_result", "result_to_dataset", "result_to_json", "save_result", 
 FORMAT = "woundon-result"
 SCHEMA = 1
 
-Result = NipResult | RollerResult
+Result = NipResult | RollerResult | WrappedNipResult
 
 _KINDS: dict[str, tuple[type[Any], type[Any]]] = {
     "nip": (NipProblem, NipResult),
     "rollers": (RollerProblem, RollerResult),
+    "wrapped_nip": (NipProblem, WrappedNipResult),
 }
-_PARTS: dict[str, type[Any]] = {"slip_ratios": SlipRatios, "residuals": Residuals}
 
 
 def save_result(result: Result, path: str | Path) -> None:
@@ -126,6 +127,8 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (str, int)):
         return value
     if isinstance(value, np.ndarray):
+        if np.isnan(value).any():  # slips where the web touches nothing
+            return [v if np.isfinite(v) else None for v in value.tolist()]
         return value.tolist()
     if isinstance(value, tuple):
         return list(value)
@@ -136,26 +139,35 @@ def _plain(value: Any) -> Any:
 
 def _from_record(record: dict[str, Any]) -> Result:
     problem_type, result_type = _KINDS[record["kind"]]
+    parts = {
+        "slip_ratios": SlipRatios,
+        "residuals": WrappedResiduals if result_type is WrappedNipResult else Residuals,
+    }
     values = {
-        f.name: _restored(f.name, record[f.name])
+        f.name: _restored(f.name, record[f.name], parts)
         for f in fields(result_type)
         if f.name != "problem"
     }
     return result_type(problem=problem_type(**record["problem"]), **values)
 
 
-def _restored(name: str, value: Any) -> Any:
-    if name in _PARTS:
-        return _PARTS[name](**{part: _restored(part, inner) for part, inner in value.items()})
+def _restored(name: str, value: Any, parts: dict[str, type[Any]]) -> Any:
+    if name in parts:
+        return parts[name](**{part: _restored(part, v, parts) for part, v in value.items()})
     if name == "warnings":
         return tuple(value)
     if isinstance(value, list):
-        array = np.asarray(value)
+        array = _numbers(value)
         if array.dtype.kind == "i":  # zones
             array = array.astype(np.int8)
         array.setflags(write=False)
         return array
     return nan if value is None else value
+
+
+def _numbers(values: list[Any]) -> Any:
+    """Return a list as an array, null as nan."""
+    return np.asarray([nan if v is None else v for v in values])
 
 
 def result_to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
@@ -213,7 +225,7 @@ def result_to_dataset(result: Result) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     for name, value in record.items():
         if isinstance(value, list) and name in QUANTITIES:
-            variables[name] = ("x", np.asarray(value), _labels(_quantity(result, name)))
+            variables[name] = ("x", _numbers(value), _labels(_quantity(result, name)))
         elif name in QUANTITIES:
             variables[name] = (
                 (),

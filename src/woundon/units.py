@@ -20,6 +20,8 @@ __all__ = ["known_units", "parse"]
 _DEFINITIONS = """
 m = [length]
 s = [time]
+rad = [angle]
+deg = 0.017453292519943295 rad
 kg = [mass]
 percent = 0.01
 um = 1e-6 m
@@ -63,6 +65,7 @@ _EXAMPLES = {
     "m": ", e.g. '66 um' or 66e-6",
     "N/m": ", e.g. '3.5 kN/m', '20 pli' or 3500",
     "Pa": ", e.g. '10 MPa' or 10e6",
+    "rad": ", e.g. '90 deg' or '1.57 rad'",
     "1": ", e.g. 0.2 or '20 %'",
 }
 

@@ -1,0 +1,378 @@
+r"""The equations of the nip with the web wrapped on the roll behind it and on the drum before it.
+
+The web is a wire: it carries its tension T along curved surfaces and weighs on them,
+
+    dT/ds = q+ + q-          p+ = p- + T kappa        (thesis eq. 139)
+
+where p+ presses the roll, p- the drum, and kappa is the web's curvature, centre on the roll's side:
+that of the deformed roll where the web touches it, minus that of the drum where it touches only the
+drum.  Along the web, from the drum's arc through the nip to the far side of the roll:
+
+                       drum's arc            nip                        roll's arc
+    pressures     p- = T kappa2, p+ = 0   p+ - p- = T kappa1        p+ = T kappa1, p- = 0
+    geometry                              indentation (82)'
+    slip at drum  eps - eps2 + xi-        the same
+    slip at roll                          eps - eps1 - [eps - eps1](far)   the same
+
+(the last: thesis eq. 96) with eps = c11 T/(2h) - c12 p+ everywhere.  p+ begins with zero at the
+leading edge; at the trailing edge it goes over into the hoop pressure while p- ends with a jump.
+
+T kappa is the only product of unknowns.  It is linearised about a known (T0, kappa0),
+
+    T kappa  ~  T0 kappa + kappa0 (T - T0),
+
+which leaves, as in the plain nip, a linear normal problem for z = (p+, p-, Delta/R*), z = z0 + Z q,
+and a stick-slip problem in q = (q+, q-).  A few such Newton steps, taken together with those for
+the half width, settle it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import lapack
+
+from ..assembly import contact_radius
+from ..bodies import Rigid
+from ..contact.stick_slip import StickSlip, StickSlipSolution
+from ..elasticity.strip import Compliance, compliance
+from ..problems import NipProblem
+from .face import Face, face
+from .grid import WrapGrid
+
+__all__ = ["Loads", "WrapEquations", "WrapState"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Loads:
+    """How the web is wrapped.
+
+    Attributes
+    ----------
+    roll_arc, drum_arc : bool
+        Whether there is an arc behind the nip and one before it.
+    friction : float
+        mu+ behind the nip.
+    force : float
+        F on nip and drum's arc [N/m].
+    """
+
+    roll_arc: bool
+    drum_arc: bool
+    friction: float
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class WrapState:
+    """A solved contact; arrays over all nodes, zero where a face has none."""
+
+    half_width: float
+    solution: StickSlipSolution
+    roll_pressure: Array
+    drum_pressure: Array
+    roll_traction: Array
+    drum_traction: Array
+    tension: Array
+    bend: Array  # kappa [1/m]
+    roll_slip: Array  # nan where a face has no contact
+    drum_slip: Array
+    shift: float  # Delta/R*
+
+
+@dataclass(frozen=True, eq=False)
+class WrapEquations:
+    """The equations for one half width, linearised about a tension and a curvature.
+
+    Columns of z are p+ on the nodes from the leading edge to the far side, p- on those from the
+    drum's arc (or inside the leading edge) to inside the trailing edge, and the shift; columns of q
+    are q+ and q- on the same nodes less the outermost ones.
+
+    Attributes
+    ----------
+    tension, bend : (N+1,) arrays
+        T0 [N/m] and kappa0 [1/m].
+    """
+
+    problem: NipProblem
+    loads: Loads
+    grid: WrapGrid
+    half_width: float
+    tension: Array
+    bend: Array
+
+    @cached_property
+    def web(self) -> Compliance:
+        """The web's compliances."""
+        return compliance(*self.problem.web.material.stiffness[:3])
+
+    @cached_property
+    def roll(self) -> Face:
+        """The roll's matrices."""
+        grid = self.grid
+        return face(self.problem.roll, grid, grid.first, grid.size - 1, grid.last, self.half_width)
+
+    @cached_property
+    def drum(self) -> Face:
+        """The drum's matrices."""
+        grid = self.grid
+        return face(self.problem.drum, grid, 0, grid.last, grid.first, self.half_width)
+
+    # ---- which node each column belongs to -----------------------------------------------------
+
+    @cached_property
+    def roll_nodes(self) -> Array:
+        """Nodes of p+."""
+        return np.arange(self.grid.first, self.grid.size)
+
+    @cached_property
+    def drum_nodes(self) -> Array:
+        """Nodes of p-."""
+        return np.arange(0 if self.loads.drum_arc else 1, self.grid.last)
+
+    @cached_property
+    def roll_q(self) -> Array:
+        """Nodes of q+."""
+        return np.arange(self.grid.first + 1, self.grid.size - 1)
+
+    @cached_property
+    def drum_q(self) -> Array:
+        """Nodes of q-."""
+        return np.arange(1, self.grid.last)
+
+    @cached_property
+    def columns(self) -> Array:
+        """Nodes of q."""
+        return np.concatenate([self.roll_q, self.drum_q])
+
+    # ---- linear maps from z and q --------------------------------------------------------------
+
+    @cached_property
+    def tension_q(self) -> Array:
+        """T at the nodes less T_in, (N+1, m)."""
+        return self.half_width * self.grid.to_nodes[:, self.columns]
+
+    @cached_property
+    def drum_p(self) -> slice:
+        """Columns of the drum's matrices that belong to p-."""
+        return slice(self.drum_nodes[0], self.grid.last)
+
+    def curvature(self) -> tuple[Array, Array, Array]:
+        """Return kappa at the nodes as constant (N+1,), by z (N+1, k) and by q (N+1, m).
+
+        The web bends with the roll behind the nip, with the drum before it and inside it.  There
+        the surfaces differ by the web's change of thickness; that they share the drum's curvature
+        is exact for a rigid drum.  Inside a nip of a rigid roll the web bends with the roll.
+        """
+        grid, roll, drum = self.grid, self.roll, self.drum
+        n_p, n_q, first = self.roll_nodes.size, self.roll_q.size, grid.first
+        constant = np.empty(grid.size)
+        by_z = np.zeros((grid.size, n_p + self.drum_nodes.size + 1))
+        by_q = np.zeros((grid.size, self.columns.size))
+        turn = first + 1 if isinstance(self.problem.roll, Rigid) else grid.last
+        behind, before, own = slice(turn, None), slice(0, turn), slice(turn - first, None)
+        constant[behind] = roll.bend[own]
+        by_z[behind, :n_p] = roll.bend_p[own]
+        by_q[behind, :n_q] = roll.bend_q[own, 1:-1]
+        constant[before] = -drum.bend[before]
+        by_z[before, n_p:-1] = -drum.bend_p[before, self.drum_p]
+        by_q[before, n_q:] = -drum.bend_q[before, 1:-1]
+        return constant, by_z, by_q
+
+    def indentation(self) -> tuple[Array, Array, Array]:
+        """Return the gap's slope in the nip's cells (M,) and what closes it, by z and by q."""
+        problem, grid, web, a = self.problem, self.grid, self.web, self.half_width
+        n_p, n_q = self.roll_nodes.size, self.roll_q.size
+        cells = slice(grid.first, grid.last)  # in the row of all cells
+        own = slice(0, grid.last - grid.first)  # among the roll's
+        gap = grid.points[cells] * (a / contact_radius(problem))
+        by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
+        by_q = web.c12 * grid.value[cells][:, self.columns]
+        by_z[:, :n_p] = self.roll.slope_p[own]
+        thinner = problem.web.thickness * web.c22 / (a * grid.cells[cells])
+        k = np.arange(gap.size)
+        by_z[k, k] += thinner
+        by_z[k, k + 1] -= thinner
+        by_z[:, n_p:-1] += self.drum.slope_p[cells, self.drum_p]
+        by_z[:, -1] = 1.0
+        by_q[:, :n_q] += self.roll.slope_q[own, 1:-1]
+        by_q[:, n_q:] += self.drum.slope_q[cells, 1:-1]
+        return gap, by_z, by_q
+
+    def weight(self) -> tuple[Array, Array, Array]:
+        """Return T kappa at the nodes, linearised: constant, by z and by q."""
+        constant, by_z, by_q = self.curvature()
+        T, bend = self.tension, self.bend
+        by_q = T[:, None] * by_q + bend[:, None] * self.tension_q
+        constant = T * constant + bend * (self.problem.web_tension - T)
+        return constant, T[:, None] * by_z, by_q
+
+    def balance(self) -> tuple[Array, Array, Array]:
+        """Return the web's normal balance p+ - p- - T kappa = 0, one row a node: constant, z, q."""
+        grid = self.grid
+        n_p, k = self.roll_nodes.size, self.roll_nodes.size + self.drum_nodes.size + 1
+        pressures = np.zeros((grid.size, k))
+        pressures[self.roll_nodes, np.arange(n_p)] = 1.0
+        pressures[self.drum_nodes, n_p + np.arange(self.drum_nodes.size)] = -1.0
+        weighs = self.weighs
+        if not weighs.any():
+            return np.zeros(grid.size), pressures, np.zeros((grid.size, self.columns.size))
+        constant, by_z, by_q = self.weight()
+        return (
+            -constant * weighs,
+            pressures - by_z * weighs[:, None],
+            -by_q * weighs[:, None],
+        )
+
+    @cached_property
+    def weighs(self) -> Array:
+        """Nodes at which the web's weight T kappa acts, (N+1,) bool."""
+        grid, loads = self.grid, self.loads
+        weighs = np.full(grid.size, loads.roll_arc)  # without: one pressure on both faces
+        # p+ begins with zero at the leading edge, but may set in suddenly on a rigid roll
+        weighs[: grid.first + 1] = loads.drum_arc
+        weighs[grid.first] |= loads.roll_arc and isinstance(self.problem.roll, Rigid)
+        return weighs
+
+    # ---- the two problems ----------------------------------------------------------------------
+
+    @cached_property
+    def normal(self) -> tuple[Array, Array]:
+        """Return z0 (k,) and Z (k, m) of z = z0 + Z q."""
+        gap, closing_z, closing_q = self.indentation()
+        constant, by_z, by_q = self.balance()
+        scale = float(np.max(np.abs(closing_z[:, :-1])))
+        k = closing_z.shape[1]
+        matrix, right = np.zeros((k, k), order="F"), np.zeros((k, 1 + by_q.shape[1]), order="F")
+        M, N = gap.size, gap.size + constant.size
+        matrix[:M], right[:M, 0], right[:M, 1:] = closing_z / scale, gap / scale, -closing_q / scale
+        matrix[M:N], right[M:N, 0], right[M:N, 1:] = by_z, -constant, -by_q
+        if self.loads.drum_arc:
+            matrix[N, 0] = 1.0  # p+ begins with zero where the web comes off the drum's arc
+        matrix[:M, -1] = 1.0
+        _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
+        if info != 0:
+            raise ArithmeticError("the normal problem is singular")
+        solved[-1] *= scale
+        return solved[:, 0], solved[:, 1:]
+
+    @cached_property
+    def slips(self) -> tuple[Array, Array]:
+        """Return v+ and v- less its creep in all cells of both faces, by z and by q."""
+        grid, web, roll, drum = self.grid, self.web, self.roll, self.drum
+        n_p, n_q = self.roll_nodes.size, self.roll_q.size
+        cells = np.concatenate([np.arange(grid.first, grid.size - 1), np.arange(grid.last)])
+        N = n_p - 1  # of the roll
+        stretch = grid.to_points[:, self.columns] - grid.weights[self.columns]
+        by_q = (self.half_width * web.c11 / self.problem.web.thickness) * stretch[cells]
+        by_z = np.zeros((cells.size, n_p + self.drum_nodes.size + 1))
+        by_z[:, :n_p] = -web.c12 * grid.value[cells][:, self.roll_nodes]
+        by_z[:N, n_p - 1] += web.c12  # v+ is referred to the far side
+        by_z[:N, :n_p] -= roll.strain_p[:-1] - roll.strain_p[-1]
+        by_q[:N, :n_q] -= (roll.strain_q[:-1] - roll.strain_q[-1])[:, 1:-1]
+        by_z[N:, n_p:-1] -= drum.strain_p[:-1, self.drum_p]
+        by_q[N:, n_q:] -= drum.strain_q[:-1, 1:-1]
+        return by_z, by_q
+
+    def stick_slip(self) -> StickSlip:
+        """Return the stick-slip problem of both faces; every node has a pressure of its own."""
+        problem, grid = self.problem, self.grid
+        z, by_q = self.normal
+        n_q, m = self.roll_q.size, self.columns.size
+        # a node belongs with the cell before it; each face's last cell belongs to no unknown
+        slip_z, slip_q = (np.delete(part, [n_q, m + 1], axis=0) for part in self.slips)
+        own = self.own_pressure
+        rest = np.setdiff1d(np.arange(z.size), own)  # pressures that bound no traction
+        friction = np.full(m, problem.drum_friction)
+        friction[:n_q] = np.where(
+            self.roll_q < grid.last, problem.roll_friction, self.loads.friction
+        )
+        creep = np.zeros(m)
+        creep[n_q:] = 1.0
+        resultant = creep * (self.half_width * grid.weights[self.columns])
+        # the nip's part of F in proportion to the load that this half width carries: a steady
+        # state at any width; the wrap takes what the nip cannot
+        F, most = self.loads.force, problem.drum_friction * problem.nip_load
+        share = min(max(F, -most), most) / problem.nip_load
+        resultant -= share * (self.carried @ by_q)
+        force = F + share * (float(self.carried @ z) - problem.nip_load)
+        return StickSlip(
+            slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own], slip_z[:, rest] @ z[rest],
+            z[own], by_q[own], friction, faces=1,
+            creep=creep, resultant=resultant, force=force,
+        )  # fmt: skip
+
+    @cached_property
+    def own_pressure(self) -> Array:
+        """Entries of z that bound each traction, (m,)."""
+        n_p = self.roll_nodes.size
+        return np.concatenate(
+            [self.roll_q - self.roll_nodes[0], n_p + self.drum_q - self.drum_nodes[0]]
+        )
+
+    def state(self, solution: StickSlipSolution) -> WrapState:
+        """Return the state that belongs to solved tractions."""
+        z0, by_q = self.normal
+        q, size = solution.traction, self.grid.size
+        n_p, n_q = self.roll_nodes.size, self.roll_q.size
+        z = z0 + by_q @ q
+        fields = np.zeros((4, size))
+        fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
+        fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
+        constant, bend_z, bend_q = self.curvature()
+        slips = self._slips_at_nodes(z, q, solution.creep)
+        return WrapState(
+            half_width=self.half_width,
+            solution=solution,
+            roll_pressure=fields[0],
+            drum_pressure=fields[1],
+            roll_traction=fields[2],
+            drum_traction=fields[3],
+            tension=self.problem.web_tension + self.tension_q @ q,
+            bend=constant + bend_z @ z + bend_q @ q,
+            roll_slip=slips[0],
+            drum_slip=slips[1],
+            shift=float(z[-1]),
+        )
+
+    def _slips_at_nodes(self, z: Array, q: Array, creep: float) -> Array:
+        """Return v+ and v- along all nodes, each that of the cell before it, (2, N+1)."""
+        grid, N = self.grid, self.roll_nodes.size - 1
+        by_z, by_q = self.slips
+        v = by_z @ z + by_q @ q
+        out = np.full((2, grid.size), np.nan)
+        out[0, grid.first + 1 :], out[1, 1 : grid.last + 1] = v[:N], v[N:] + creep
+        out[0, grid.first], out[1, 0] = out[0, grid.first + 1], out[1, 1]
+        return out
+
+    @cached_property
+    def carried(self) -> Array:
+        """What integrates p- over the nip, by z, (k,)."""
+        grid = self.grid
+        cells = np.where(np.arange(grid.cells.size) >= grid.first, grid.cells, 0.0)
+        hats = (np.append(cells, 0.0) + np.append(0.0, cells)) / 2
+        out = np.zeros(self.roll_nodes.size + self.drum_nodes.size + 1)
+        out[self.roll_nodes.size : -1] = self.half_width * hats[self.drum_nodes]
+        return out
+
+    def nip_load(self, state: WrapState) -> float:
+        """Return the integral of p- over the nip [N/m]."""
+        return float(self.carried @ self.unknowns(state))
+
+    def unknowns(self, state: WrapState) -> Array:
+        """Return z of a state, (k,)."""
+        return np.concatenate(
+            [state.roll_pressure[self.roll_nodes], state.drum_pressure[self.drum_nodes],
+             [state.shift]]
+        )  # fmt: skip
+
+    def imbalance(self, state: WrapState) -> float:
+        """Return the largest violation of p+ - p- = T kappa over the largest T kappa."""
+        weight = np.where(self.weighs, state.tension * state.bend, 0.0)
+        miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
+        top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
+        return float(miss / top)

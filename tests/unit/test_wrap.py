@@ -1,0 +1,151 @@
+"""The wrapped nip as its user meets it: refusals, files, figure, command line."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon import cli
+from woundon.results import NipResult
+from woundon.thesis.cases import paper_nip
+from woundon.units import parse
+
+EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
+PAPER = paper_nip(web_tension=300.0)
+QUICK = {"nodes": 25, "wrap_nodes": 16}
+
+
+@pytest.fixture(scope="module")
+def result() -> wo.WrappedNipResult:
+    return wo.solve_wrapped_nip(PAPER, drum_wrap=pi / 2, **QUICK)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"roll_wrap": -0.1}, "roll_wrap: -0.1 is out of range; must be >= 0 and <= 3.14159 [rad]"),
+        ({"roll_wrap": 180.0}, "(angles are in radians: 180 degrees are 3.14159)"),
+        ({"roll_wrap": 3.2}, "must be >= 0 and <= 3.14159 [rad]"),
+        ({"roll_wrap": "pi"}, "roll_wrap: 'pi' is out of range"),
+        ({"roll_wrap": float("nan")}, "roll_wrap: nan is out of range"),
+        ({"roll_wrap": 0.014}, "the nip's trailing edge is at"),
+        ({"drum_wrap": 3.5}, "drum_wrap: 3.5 is out of range"),
+        ({"drum_wrap": True}, "drum_wrap: True is out of range"),
+        ({"wrap_friction": 0.0}, "wrap_friction: 0.0 is out of range"),
+        ({"nodes": 16}, "nodes: 16 is out of range: must be a whole number, 17 to 1025"),
+        ({"wrap_nodes": 2.5}, "wrap_nodes: 2.5 is out of range"),
+        ({"winding_force": "all"}, "winding_force: 'all' is out of range"),
+    ],
+)
+def test_bad_options_are_named(options, said):
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.solve_wrapped_nip(PAPER, **options)
+    assert said in str(fault.value)
+
+
+def test_a_slack_web_is_refused():
+    slack = PAPER.replace(web_tension=0.0)
+    with pytest.raises(wo.InvalidProblem, match=r"web_tension: 0 is .*must be taut"):
+        wo.solve_wrapped_nip(slack, drum_wrap=1.0)
+    pulled = PAPER.replace(winding_force=-700.0)  # NIT is about -320 N/m there
+    with pytest.raises(wo.NoSteadyState, match="leaves the web slack behind the nip") as fault:
+        wo.solve_wrapped_nip(pulled)
+    needed = float(str(fault.value).split()[-1])
+    wo.solve_wrapped_nip(pulled.replace(web_tension=needed + 40), **QUICK)
+
+
+def test_forces_that_slide_the_drum_are_refused():
+    with pytest.raises(wo.NoSteadyState, match="winding_force: 770 is out of range"):
+        wo.solve_wrapped_nip(PAPER, winding_force=770.0)
+    assert wo.solve_wrapped_nip(PAPER, winding_force=770.0, drum_wrap=1.0, **QUICK)
+
+
+@pytest.mark.parametrize("ending", ["nc", "json"])
+def test_files_hold_the_whole_result(result, tmp_path, ending):
+    path = tmp_path / f"wrapped.{ending}"
+    result.save(path)
+    again = wo.load_result(path)
+    assert type(again) is wo.WrappedNipResult
+    for field in fields(result):
+        ours, theirs = getattr(result, field.name), getattr(again, field.name)
+        if isinstance(ours, np.ndarray):
+            np.testing.assert_array_equal(theirs, ours)
+            assert theirs.dtype == ours.dtype
+        else:
+            assert theirs == ours
+
+
+def test_columns_of_csv_name_their_units(result, tmp_path):
+    path = tmp_path / "wrapped.csv"
+    result.save(path)
+    head, *rows = path.read_text("utf-8").splitlines()
+    assert "hoop_pressure [Pa]" in head
+    assert "curvature [1/m]" in head
+    assert len(rows) == result.x.size
+
+
+def test_the_nip_alone_is_a_plain_result(result):
+    nip = result.nip
+    assert isinstance(nip, NipResult)
+    assert (nip.x[0], nip.x[-1]) == (-result.half_width, result.half_width)
+    assert nip.problem.web_tension == result.tension_before_nip
+    assert nip.wound_on_tension == pytest.approx(result.tension_behind_nip)
+    assert nip.problem.winding_force == pytest.approx(100 - result.drum_wrap_traction)
+    assert result.nodes == nip.nodes == 25
+    assert np.isnan(result.roll_slip[: result.in_nip.start]).all()
+    assert np.isnan(result.drum_slip[result.in_nip.stop :]).all()
+
+
+def test_the_figure_shows_nip_and_roll(result, tmp_path):
+    path = tmp_path / "wrapped.png"
+    figure = result.plot(path)
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels[1] == "Web tension $T$ [N/m]"
+    assert labels[3] == "Pressure $p$ [kPa]"
+    first = path.read_bytes()
+    result.plot(path)
+    assert path.read_bytes() == first
+
+
+def test_the_command_line_wraps(capsys, tmp_path):
+    drawn = str(tmp_path / "wraps.svg")
+    words = ["nip", EXAMPLE, "--roll-wrap", "180 deg", "--drum-wrap", "90 deg", "--nodes", "33"]
+    assert cli.main([*words, "--plot", drawn]) == 0
+    lines = {" ".join(line.split()) for line in capsys.readouterr().out.splitlines()}
+    solved = wo.solve_wrapped_nip(wo.load_case(EXAMPLE), drum_wrap=pi / 2, nodes=33)
+    error = f"{solved.wound_on_tension_error:.2g}"
+    assert f"wound-on tension WOT {solved.wound_on_tension:.5g} N/m ± {error}" in lines
+    assert "arc of the web on the drum before the nip theta- 90 deg" in lines
+    assert cli.main([*words, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["kind"] == "wrapped_nip"
+    assert record["wound_on_tension"] == solved.wound_on_tension
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--roll-wrap", "180"], "--roll-wrap: '180' has no unit; expected a value in rad"),
+        (["--roll-wrap", ""], "--roll-wrap: '' is not a number with a unit"),
+        (["--drum-wrap", "90 mm"], "--drum-wrap: '90 mm' has the wrong dimension"),
+        (["--drum-wrap", "200 deg"], "drum_wrap: 3.49"),
+        (["--roll-wrap", "90 deg", "--rtol", "1e-4"], "--rtol: 0.0001 is not admissible"),
+        (["--drum-wrap", "9 deg", "--set", "web_tension=0"], "must be taut"),
+    ],
+)
+def test_the_command_line_refuses(capsys, words, said):
+    assert cli.main(["nip", EXAMPLE, *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_angles_have_units():
+    assert parse("180 deg", "rad") == pytest.approx(pi, rel=1e-15)
+    assert parse("1.5 rad", "rad") == 1.5
+    with pytest.raises(wo.InvalidProblem, match="wrong dimension"):
+        parse("90 deg", "1")

@@ -1,0 +1,176 @@
+"""The wrapped nip where something simpler is known: no wrap, no friction behind, a sliding drum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from math import exp, pi
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.assembly import NipEquations, NipMatrices, surface_response
+from woundon.contact.discretisation import discretisation
+from woundon.contact.grid import Grid
+from woundon.contact.stick_slip import solve_stick_slip
+from woundon.contact.width import width_for_load
+from woundon.thesis.cases import newsprint_nip, paper_nip
+
+FOAM = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
+RUBBER = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.45)
+PAPER = paper_nip(web_tension=300.0)
+FOAM_DRUM = wo.Cylinder(radius=0.5, core_radius=0.48, material=FOAM)
+NIPS = {
+    "paper": PAPER,
+    "surface winding": PAPER.replace(winding_force=-300.0),
+    "newsprint": newsprint_nip(),
+    "foam cover": PAPER.replace(drum=FOAM_DRUM),
+    "rubber cover": PAPER.replace(drum=wo.Cylinder(radius=0.5, core_radius=0.48, material=RUBBER)),
+    "half-plane roll": PAPER.replace(roll=wo.HalfPlane(radius=0.3, material=PAPER.roll.material)),
+    "rigid roll": PAPER.replace(roll=wo.Rigid(radius=0.3), drum=FOAM_DRUM),
+}
+
+
+@pytest.mark.parametrize("name", NIPS)
+def test_without_wraps_it_is_the_plain_nip(name: str) -> None:
+    problem = NIPS[name]
+    plain = wo.solve_nip(problem, nodes=65)
+    bare = wo.solve_wrapped_nip(problem, roll_wrap=0.0, nodes=65)
+    # asked: 1e-8; both carry the load to 1e-9 or better
+    assert bare.wound_on_tension == pytest.approx(plain.wound_on_tension, rel=1e-8)
+    for field in ("half_width", "approach", "drum_creep", "nip_induced_tension"):
+        assert getattr(bare, field) == pytest.approx(getattr(plain, field), rel=1e-8)
+    for field in ("pressure", "roll_traction", "drum_traction"):
+        difference = np.abs(getattr(bare, field) - getattr(plain, field)).max()
+        assert difference < 1e-8 * plain.pressure.max()
+    np.testing.assert_array_equal(bare.roll_zone, plain.roll_zone)
+
+
+def _held_far_away(problem: wo.NipProblem) -> float:
+    """Solve a plain nip whose web is held to the roll half a turn away (96), no load between."""
+    disc, R = discretisation("graded", 65), problem.roll.radius
+    kernels = problem.roll.surface(pi * R)
+
+    def evaluate(a: float) -> tuple[float, float]:
+        made, far = NipMatrices.at(problem, disc, a), pi * R * (1 - 1e-12)
+        edge = surface_response(problem.roll, disc, a)
+        assert edge is not None
+        grid = Grid(disc.grid.nodes, np.array([far / a]))
+        rows = []
+        for kernel in (kernels.strain_p, kernels.strain_q):
+            row = grid.integrate(replace(kernel, smooth=None), a)[0]
+            assert kernel.smooth is not None
+            rows.append(row + kernel.smooth(far - a * disc.grid.nodes[1:-1]) * made.weights)
+        n = disc.unknowns
+        direct, through = made.direct.copy(), made.through_pressure.copy()
+        through[: n + 1] += rows[0] - edge.strain_p[-1]
+        direct[: n + 1, :n] += rows[1] - edge.strain_q[-1]
+        equations = replace(
+            NipEquations.at(problem, disc, a),
+            matrices=replace(made, direct=direct, through_pressure=through),
+        )
+        state = equations.state(solve_stick_slip(equations.stick_slip()))
+        tension = equations.matrices.weights @ (state.roll_traction + state.drum_traction)
+        return float(tension), float(equations.matrices.weights @ state.pressure)
+
+    return width_for_load(evaluate, problem.nip_load, 0.004, 1e-10)[0]
+
+
+def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
+    """T_in -> 0 with little friction anywhere: tension, and with it hoop pressure, all but vanish.
+
+    What is left is the plain nip with the web held half a turn away (96).  The trailing edge (97)
+    gives less: there the roll is compressed, and the web held to it at once is pressed together.
+    """
+    problem = PAPER.replace(
+        web_tension=0.0, winding_force=0.0, roll_friction=2e-4, drum_friction=4e-4
+    )
+    wrapped = wo.solve_wrapped_nip(problem, wrap_friction=1e-9)
+    alone, unit = _held_far_away(problem), problem.roll_friction * problem.nip_load
+    # the hoop pressure left is T/R = 1 Pa beside 300 kPa
+    assert wrapped.nip_induced_tension == pytest.approx(alone, abs=2e-5 * unit)
+    assert wrapped.wound_on_tension == pytest.approx(wrapped.tension_behind_nip, abs=1e-8)
+
+
+def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone() -> None:
+    """With T_in the nip's hoop pressure falls in proportion; T_out is left of it."""
+    alone = _held_far_away(PAPER)
+    far = [
+        wo.solve_wrapped_nip(PAPER.replace(web_tension=T), wrap_friction=1e-9).nip_induced_tension
+        - alone
+        for T in (800.0, 400.0, 200.0, 100.0)
+    ]
+    assert all(abs(b) < abs(a) for a, b in pairwise(far))
+    # linear in T_in + NIT (about 170): from 800 to 100 N/m by (970/270) = 3.6
+    assert far[0] / far[3] == pytest.approx(3.6, rel=0.25)
+
+
+def test_friction_behind_the_nip_vanishes() -> None:
+    for mu in (1e-2, 1e-4, 1e-6):
+        added = wo.solve_wrapped_nip(PAPER, wrap_friction=mu).roll_wrap_traction
+        # at most mu T theta, the whole arc slipping one way
+        assert 0 < abs(added) < mu * pi * 500
+
+
+def test_a_large_roll_does_not_hold_the_web_near_the_nip() -> None:
+    """R1 -> large: the hoop pressure T/R1 goes to zero, so does what friction adds near the nip."""
+    half_plane = NIPS["half-plane roll"]
+    results = [
+        wo.solve_wrapped_nip(half_plane.replace(**{"roll.radius": R})) for R in (0.6, 2.4, 9.6)
+    ]
+    added = [r.roll_wrap_traction for r in results]
+    assert added[0] > added[1] > added[2] > 0
+    # slipping length and gain both go with the root of the radius
+    assert added[2] < 0.7 * added[1]
+    hoop = [r.hoop_pressure[-2] * r.problem.roll.radius / r.wound_on_tension for r in results]
+    assert hoop == pytest.approx([1.0] * 3, rel=1e-2)
+
+
+def test_the_drum_takes_force_by_nip_first_then_by_the_wrap_to_the_capstan_bound() -> None:
+    mu, T_in, angle = PAPER.drum_friction, PAPER.web_tension, pi / 2
+    nip_limit = mu * PAPER.nip_load
+    below = wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=0.98 * nip_limit)
+    assert abs(below.drum_wrap_traction) < 0.2
+    above = wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=nip_limit + 100)
+    # the nip slides wholly; the last cell before it is shared by hats of nip and wrap
+    assert above.drum_wrap_traction == pytest.approx(100, abs=0.1)
+    assert np.all(above.drum_zone[above.in_nip] == wo.Zone.FORWARD)
+    # capstan on the undeformed drum: exp over the slipping arc, from its border to the nip
+    slipping = np.nonzero(above.drum_zone[: above.in_nip.start] == wo.Zone.FORWARD)[0]
+    at = slipping[len(slipping) // 2 :]
+    x, T = above.x[at], above.web_tension[at]
+    np.testing.assert_allclose(
+        np.log(T[-1] / T[0]), mu * (x[-1] - x[0]) / PAPER.drum.radius, rtol=2e-3
+    )
+    bound = nip_limit + T_in * (exp(mu * angle) - 1)
+    nearly = wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=0.995 * bound)
+    assert nearly.tension_before_nip < wo.theories.capstan(T_in, mu, angle)
+    with pytest.raises(wo.NoSteadyState, match="the drum slides"):
+        wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=1.0001 * bound)
+
+
+def test_on_a_hard_drum_the_web_sticks_up_to_the_nip() -> None:
+    """Its strain cannot change where the drum has none: all but the last cells before the nip."""
+    for angle in (pi / 6, pi / 2, pi):
+        result = wo.solve_wrapped_nip(PAPER, drum_wrap=angle)
+        before = slice(0, result.in_nip.start)
+        slipping = result.x[before][result.drum_zone[before] != 0]
+        assert slipping.size == 0 or slipping[0] > -1.5 * result.half_width
+        stuck = result.drum_zone[before] == 0
+        np.testing.assert_allclose(result.web_tension[before][stuck][:-1], 300.0, rtol=1e-12)
+        # what it brings to the nip differs by what slips there at the leading edge
+        assert result.tension_before_nip == pytest.approx(300.0, abs=0.2)
+
+
+def test_capstan_behind_the_nip() -> None:
+    """Where the web slips behind the nip T grows as exp(mu int kappa ds) (thesis eq. 178)."""
+    result = wo.solve_wrapped_nip(newsprint_nip())
+    first = result.in_nip.stop - 1
+    last = first + np.nonzero(result.roll_zone[first:] != wo.Zone.FORWARD)[0][0] - 1
+    x, kappa = result.x[first : last + 1], result.curvature[first : last + 1]
+    turned = float(np.trapezoid(kappa, x))
+    gained = float(np.log(result.web_tension[last] / result.web_tension[first]))
+    # exact but for the rule of integration; measured 2e-6
+    assert gained == pytest.approx(0.19 * turned, rel=1e-4)
+    assert result.roll_pressure[last] == pytest.approx(result.web_tension[last] * kappa[-1])
