@@ -116,7 +116,8 @@ class StickSlip:
     @cached_property
     def scale(self) -> float:
         """Slip per traction; slipping rows are multiplied by it to balance the system."""
-        return max(float(self.stick_matrix.max()), -float(self.stick_matrix.min()))
+        matrix = self.stick_matrix
+        return float(max(matrix.max(), -matrix.min()))
 
     def system(self, state: Array) -> tuple[Array, Array]:
         """Return matrix and right side of one state, slipping rows balanced by ``scale``."""

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -106,6 +107,7 @@ class SurfaceKernels:
         return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])
 
     @classmethod
+    @cache
     def zero(cls) -> SurfaceKernels:
         """Return the response of a body that does not deform."""
         return cls(deforms=False)
