@@ -100,8 +100,8 @@ class Discretisation:
         The least rank is what the weak kink at t = 0 asks for: 24 leave up to 6e-7 of NIT on random
         nips, 12 leave 4e-6, a hundredth of what the cells of a coarse graded grid leave.
         """
-        least = min(max(12, self.unknowns // 4), 24) if self.scheme == "graded" else 24
-        return interpolation_rank(length, a, least)
+        coarse = self.scheme == "graded" and self.unknowns < 48
+        return interpolation_rank(length, a, 12 if coarse else 24)
 
     @cached_property
     def middle(self) -> Array:
