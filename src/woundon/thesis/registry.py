@@ -18,6 +18,8 @@ _MODULES = {
     "fig16": "fig16_18",
     "fig17": "fig16_18",
     "fig18": "fig16_18",
+    "fig34": "fig34",
+    "fig35": "fig35",
     "table3": "table3",
     "table4": "table4",
 }
