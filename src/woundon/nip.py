@@ -50,6 +50,7 @@ ACCEPTED_RESIDUAL = 1e-8
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
 # so both weights are larger, set by benchmarks/campaign (95 % of cases within 1.5 estimates).
 ERROR_WEIGHTS = (0.7, 0.2)
+EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted grids
 
 
 def solve_nip(
@@ -157,14 +158,14 @@ def _grids(scheme: str, M: int, algorithm: str) -> list[int]:
     return grids
 
 
-def _estimated_error(tensions: list[float]) -> float:
+def _estimated_error(tensions: list[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
     """Estimate NIT's error from its last two changes [N/m]; nan from a single grid."""
     changes = np.abs(np.diff(tensions))[::-1]
     if changes.size == 0:
         return float("nan")
     if changes.size == 1:
         return float(changes[0])
-    return float(sum(w * c for w, c in zip(ERROR_WEIGHTS, changes, strict=False)))
+    return float(sum(w * c for w, c in zip(weights, changes, strict=False)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,33 +270,32 @@ class _Solver:
 def _refined(
     solver: _Solver, level: _Level, tensions: list[float], rtol: float
 ) -> tuple[_Level, float, float]:
-    """Refine to ``rtol``: return the last level, NIT (extrapolated if need be) and its error."""
+    """Refine to ``rtol``: return the last level, NIT (extrapolated if need be) and its error.
+
+    The grids are fitted to the zone borders that the one before found.  Then NIT's error falls
+    regularly, by order two, and is extrapolated to zero cells.
+    """
     tension, error = tensions[-1], _estimated_error(tensions)
     nodes = level.equations.disc.grid.nodes.size
     fitted: list[float] = []
-    while not error <= rtol * solver.tension_scale(tension) and 2 * nodes - 1 <= MOST_NODES:
-        nodes = 2 * nodes - 1
-        for _ in range(2):  # the second grid is fitted to what the first one found
+    while not error <= rtol * solver.tension_scale(tension) and nodes <= MOST_NODES:
+        for _ in range(1 if fitted else 2):  # the first fit is to borders of an unfitted grid
             level = solver.solve(on_grid(segmented_grid(_borders(level), nodes)), level.start)
         fitted.append(level.nip_induced_tension)
-        tension, error = _extrapolated(tensions[-1:] + fitted)
+        nodes = 2 * nodes - 1
+        if len(fitted) > 1:  # one alone tells nothing of its own error
+            values = [fitted[0], *(b + (b - a) / 3 for a, b in pairwise(fitted))]
+            weights = ERROR_WEIGHTS if len(values) < 4 else EXTRAPOLATED_WEIGHTS
+            tension, error = values[-1], _estimated_error([*tensions, *values], weights)
     return level, tension, error
-
-
-def _extrapolated(tensions: list[float]) -> tuple[float, float]:
-    """Extrapolate NIT of order two to zero cells; its error is what that last changed."""
-    values = [b + (b - a) / 3 for a, b in pairwise(tensions)]
-    if len(values) < 3:
-        return tensions[-1], ERROR_WEIGHTS[0] * abs(tensions[-1] - tensions[-2])
-    return values[-1], abs(values[-1] - values[-2])
 
 
 def _borders(level: _Level) -> Array:
     """Return where zones change on either face, in units of the half width."""
-    grid, zones = level.equations.disc.grid, level.state.solution.state
-    n = grid.unknowns
-    faces = (zone_borders(grid.nodes, zones[:n]), zone_borders(grid.nodes, zones[n:]))
-    return np.sort(np.concatenate(faces))
+    grid, solution = level.equations.disc.grid, level.state.solution
+    slack = solution.bound - np.abs(solution.traction)
+    faces = zip(np.split(solution.state, 2), np.split(slack, 2), strict=True)
+    return np.sort(np.concatenate([zone_borders(grid.nodes, *face) for face in faces]))
 
 
 def _pivoting(problem: StickSlip, start: Array | None) -> StickSlipSolution:

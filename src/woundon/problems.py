@@ -19,7 +19,8 @@ def _line_load(what: str, **kw: Any) -> Any:
 
 
 def _friction(what: str) -> Any:
-    return Field(description=what, gt=0, le=10.0, json_schema_extra={"unit": "1"})
+    # below 1e-8 rounding decides on stick and slip
+    return Field(description=what, ge=1e-8, le=10.0, json_schema_extra={"unit": "1"})
 
 
 class Web(Description):

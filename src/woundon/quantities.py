@@ -109,6 +109,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         # two rollers
         "creepage": _strain("xi", "creepage, surface speed of the lower roller less the upper's"),
         "tangential_load": _line_load("Q", "tangential load on the upper roller"),
+        "traction_error": _strain("e_q", "estimated error of the traction (L2), relative"),
         "traction": _stress("q", "traction on the upper roller"),
         "slip": _strain("v", "slip speed, > 0: lower surface faster"),
         "static_slip": Quantity("v", "m", "slip of static rollers, > 0: lower surface along +x"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -243,6 +244,8 @@ class RollerResult:
     x, pressure, traction, slip, zone : (M,) arrays
         Nodes [m], p and q [Pa] (on the upper roller), relative slip of the surfaces, zones.
     residuals : Residuals
+    traction_error : float
+        Estimated discretisation error of the traction, L2 norm relative to its own [1].
     """
 
     problem: RollerProblem
@@ -257,5 +260,6 @@ class RollerResult:
     slip: Array
     zone: Array
     residuals: Residuals
+    traction_error: float = nan
     warnings: tuple[str, ...] = field(default=())
     iterations: int = 0

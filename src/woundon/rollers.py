@@ -12,7 +12,7 @@ grows; the pressure is taken to be there before the tangential load.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import nan
 
 import numpy as np
@@ -31,7 +31,7 @@ from .results import Residuals, RollerResult
 __all__ = ["solve_rollers"]
 
 Array = np.ndarray
-REFITS = 3  # each brings the borders to within a cell of the grid before, which is graded there
+MOST_NODES = 1700  # of the grids that rtol asks for
 
 
 class _RollerEquations:
@@ -148,14 +148,19 @@ def _no_response(disc: Discretisation) -> Response:
     return Response(cells, cells, edge, edge)
 
 
-def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
+def solve_rollers(
+    problem: RollerProblem, *, nodes: int = 101, rtol: float | None = None
+) -> RollerResult:
     """Solve two rollers in contact: pressure, traction, stick and slip.
 
     Parameters
     ----------
     problem : RollerProblem
     nodes : int
-        Number of nodes, 7 to 4000.
+        Number of nodes, 7 to 4000; a few more where short zones ask for them.
+    rtol : float, optional
+        Double the nodes until the estimated relative error of the traction (L2) is below; 1e-8 to
+        0.1.
 
     Returns
     -------
@@ -164,9 +169,9 @@ def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
     Raises
     ------
     InvalidProblem
-        For a number of nodes out of range.
+        For options out of range.
     NotConverged
-        If stick and slip or the half width were not found.
+        If stick and slip or the half width were not found, or ``rtol`` not reached.
     """
     if (
         isinstance(nodes, bool)
@@ -176,28 +181,99 @@ def solve_rollers(problem: RollerProblem, *, nodes: int = 101) -> RollerResult:
         raise InvalidProblem(
             [("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")]
         )
-    disc = discretisation("graded", int(nodes))
-    equations, solution = _solve_on(problem, disc, None)
-    solves = solution.solves
-    for _ in range(REFITS):
-        # the traction leaves a border like the root of the distance: nodes go there
-        x, zones = equations.disc.grid.nodes, solution.state
-        if not np.any(np.diff(zones)):
-            break
-        grid = segmented_grid(zone_borders(x, zones), int(nodes))
-        start = zones[np.clip(np.searchsorted(x[1:-1], grid.nodes[1:-1]), 0, zones.size - 1)]
-        equations, solution = _solve_on(problem, on_grid(grid), start, equations.a)
-        solves += solution.solves
-    return equations.result(replace(solution, solves=solves))
+    result = _solve_fitted(problem, int(nodes))
+    if rtol is None:
+        return result
+    _check_rtol(rtol)
+    while not result.traction_error <= rtol:
+        count = 2 * result.x.size - 1
+        if count > MOST_NODES:
+            raise NotConverged(
+                f"rtol={rtol:g} is not reached with {result.x.size} nodes: the estimated error of "
+                f"the traction is {result.traction_error:.2g}", result
+            )  # fmt: skip
+        result = _solve_fitted(problem, count)
+    return result
+
+
+def _check_rtol(rtol: float) -> None:
+    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-8 <= rtol <= 0.1:
+        raise InvalidProblem([("rtol", f"{rtol!r} is out of range: must be >= 1e-8 and <= 0.1")])
+
+
+def _solve_fitted(problem: RollerProblem, nodes: int) -> RollerResult:
+    """Solve on grids ever better fitted to the zone borders, the last with all the nodes.
+
+    The traction leaves a border like the root of the distance, so the grid is graded there.
+    """
+    quarter, half = max((nodes + 3) // 4, min(nodes, 13)), max((nodes + 1) // 2, min(nodes, 13))
+    sizes = (quarter, quarter, half, nodes)
+    before: _Solved | None = None
+    levels: list[RollerResult] = []
+    for k, size in enumerate(sizes):
+        last = k + 1 == len(sizes)
+        disc = _fitted_grid(before, size)
+        try:
+            before = _solve_on(problem, disc, before, 1e-11 if last else 1e-6)
+        except NotConverged:
+            if last:
+                raise
+            continue  # too coarse for a layer much thinner than the contact
+        levels.append(before.equations.result(before.solution))
+    change = _traction_change(levels[-2], levels[-1]) if len(levels) > 1 else nan
+    return replace(
+        levels[-1],
+        traction_error=change / 2,
+        iterations=sum(level.iterations for level in levels),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A solved grid, from which a finer one starts."""
+
+    equations: _RollerEquations
+    solution: StickSlipSolution
+
+    @property
+    def nodes(self) -> Array:
+        return self.equations.disc.grid.nodes
+
+    def zones_on(self, nodes: Array) -> Array:
+        """Carry zones over to other interior nodes: each takes those of the nearest old one."""
+        old = self.nodes[1:-1]
+        return self.solution.state[np.searchsorted((old[1:] + old[:-1]) / 2, nodes)]
+
+
+def _fitted_grid(before: _Solved | None, nodes: int) -> Discretisation:
+    """Return a grid fitted to the zone borders found before; to the edges where there are none."""
+    if before is not None:
+        solution = before.solution
+        slack = solution.bound - np.abs(solution.traction)
+        borders = zone_borders(before.nodes, solution.state, slack)
+        if borders.size:
+            return on_grid(segmented_grid(borders, nodes))
+    return discretisation("graded", nodes)
+
+
+def _traction_change(coarse: RollerResult, fine: RollerResult) -> float:
+    """Return the L2 norm of the traction's change from grid to grid, relative to its own."""
+    x = fine.x / fine.half_width
+    other = np.interp(x, coarse.x / coarse.half_width, coarse.traction)
+    whole = float(np.trapezoid(fine.traction**2, x))
+    if whole == 0.0:
+        return 0.0
+    return float(np.sqrt(np.trapezoid((fine.traction - other) ** 2, x) / whole))
 
 
 def _solve_on(
-    problem: RollerProblem, disc: Discretisation, zones: Array | None, guess: float | None = None
-) -> tuple[_RollerEquations, StickSlipSolution]:
+    problem: RollerProblem, disc: Discretisation, before: _Solved | None, load_rtol: float
+) -> _Solved:
     """Solve on one grid: stick and slip for a half width, inside the iteration on the width."""
+    zones = None if before is None else before.zones_on(disc.grid.nodes[1:-1])
     solves = 0
 
-    def evaluate(a: float) -> tuple[tuple[_RollerEquations, StickSlipSolution], float]:
+    def evaluate(a: float) -> tuple[_Solved, float]:
         nonlocal zones, solves
         equations = _RollerEquations(problem, disc, a)
         solution = solve_stick_slip(equations.stick_slip, zones)
@@ -205,13 +281,12 @@ def _solve_on(
         if solution.ending is not Ending.SOLVED:
             raise NotConverged(f"stick and slip not found: {solution.ending.value}")
         zones = solution.state
-        state = (equations, replace(solution, solves=solves))
-        return state, float(equations.weights @ equations.pressure(solution))
+        found = _Solved(equations, replace(solution, solves=solves))
+        return found, float(equations.weights @ equations.pressure(solution))
 
-    if guess is None:
-        guess = _frictionless_width(problem, disc)
+    guess = _frictionless_width(problem, disc) if before is None else before.equations.a
     try:
-        return width_for_load(evaluate, problem.load, guess, rtol=1e-11, widest=_widest(problem))[0]
+        return width_for_load(evaluate, problem.load, guess, load_rtol, widest=_widest(problem))[0]
     except WidthNotFound as stop:
         raise NotConverged(str(stop)) from None
 

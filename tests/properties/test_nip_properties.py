@@ -4,8 +4,8 @@ The program solves to 1e-11 of the load and 1e-11 of each law, so 1e-8 leaves ro
 
 Of mirrors: the rolling direction is not reversible (friction remembers what comes from upstream),
 and the wound-on condition tells the roll from the drum, so a nip has no mirror of its own.  What
-holds is the mirror of its normal problem: without friction the pressure is even and does not ask
-which body is which.  The mirrors of two rollers are in test_roller_properties.py.
+holds is the mirror of its normal problem, and there the two bodies may change places as well.  The
+mirrors of two rollers are in test_roller_properties.py.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import woundon as wo
+from woundon.assembly import NipEquations, contact_radius, half_width_guess
+from woundon.contact.discretisation import discretisation
 from woundon.elasticity import strip
 
 
@@ -218,15 +220,24 @@ def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
 
 @settings(max_examples=40)
 @given(admissible_nips())
-def test_without_friction_the_pressure_is_even_and_ignores_which_body_is_which(
-    problem: wo.NipProblem,
-) -> None:
-    # friction bends the pressure by less than its coefficient
-    smooth = problem.replace(roll_friction=1e-9, drum_friction=1e-9, winding_force=0.0)
-    one = wo.solve_nip(smooth)
-    two = wo.solve_nip(smooth.replace(roll=problem.drum, drum=problem.roll))
-    top = np.max(one.pressure)
-    np.testing.assert_allclose(one.pressure, one.pressure[::-1], rtol=0, atol=1e-8 * top)
-    np.testing.assert_allclose(one.pressure, two.pressure, rtol=0, atol=1e-8 * top)
-    assert one.offset == pytest.approx(0.0, abs=1e-8 * one.half_width)
-    assert two.half_width == pytest.approx(one.half_width, rel=1e-8)
+def test_the_normal_problem_mirrors(problem: wo.NipProblem) -> None:
+    """x -> -x turns tractions round, and roll and drum may change places.
+
+    The pressure without friction, p0, is even and the same for exchanged bodies; the pressure's
+    answer K to the tractions is odd under the mirror, and its faces go with their bodies.
+    """
+    disc, n = discretisation("graded", 41), 39
+    widest = 0.3 * min(problem.roll.radius, problem.drum.radius)
+    bodies = (problem.roll, problem.drum)
+    a = min(half_width_guess(problem.nip_load, contact_radius(problem), bodies), widest)
+    one = NipEquations.at(problem, disc, a)
+    two = NipEquations.at(problem.replace(roll=problem.drum, drum=problem.roll), disc, a)
+    p0, K = one.pressure, one.pressure_response.reshape(n, 2, n)
+    small = 1e-8 * np.max(np.abs(p0))
+    np.testing.assert_allclose(p0[::-1], p0, rtol=0, atol=small)
+    np.testing.assert_allclose(two.pressure, p0, rtol=0, atol=small)
+    assert one.shift == pytest.approx(0.0, abs=1e-8 * a / contact_radius(problem))
+    small = 1e-8 * np.max(np.abs(K))
+    np.testing.assert_allclose(K[::-1, :, ::-1], -K, rtol=0, atol=small)
+    exchanged = two.pressure_response.reshape(n, 2, n)
+    np.testing.assert_allclose(exchanged[:, ::-1], K, rtol=0, atol=small)

@@ -185,7 +185,7 @@ def test_a_value_out_of_range(
 
 
 SLIDES = "|winding_force| must be < drum_friction * nip_load = 700.4 [N/m], or the drum slides"
-FRICTION = "friction: {} is out of range; must be > 0 and <= 10"
+FRICTION = "friction: {} is out of range; must be >= 1e-08 and <= 10"
 
 PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     (nip, {"winding_force": 701}, f"winding_force: 701 is out of range; {SLIDES}"),
@@ -308,8 +308,8 @@ def test_an_empty_problem_names_all_that_is_missing() -> None:
         "web: missing; must be Web (or a table of its fields)",
         f"roll: missing; must be {BODY}",
         f"drum: missing; must be {BODY}",
-        "roll_friction: missing; must be > 0 and <= 10",
-        "drum_friction: missing; must be > 0 and <= 10",
+        "roll_friction: missing; must be >= 1e-08 and <= 10",
+        "drum_friction: missing; must be >= 1e-08 and <= 10",
         f"nip_load: missing; must be {LOAD}",
     ]
 
@@ -542,7 +542,7 @@ CASES: list[tuple[str, str, str]] = [
     ('"66 um"', "66", r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\].*66 um is 6.6e-05"),
     ('"66 um"', '"66 m"', r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\]"),
     ('"66 um"', '"0,066 mm"', r"web\.thickness: '0,066 mm' .*66 um"),
-    ("0.20", "20", r"drum_friction: 20 .*> 0 and <= 10.*20 % is 0.2"),
+    ("0.20", "20", r"drum_friction: 20 .*>= 1e-08 and <= 10.*20 % is 0.2"),
     ("0.20", '"20 um"', r"drum_friction: '20 um' .*dimension.*plain number"),
     ('"0 N/m"', '"1 kN/m"', r"winding_force: 1000 .*drum_friction \* nip_load = 700.4 \[N/m\]"),
     ('"5 MPa"', '"500 MPa"', r"roll\.material\.cross: 500000000 .*sqrt\(radial"),

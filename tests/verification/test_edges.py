@@ -115,7 +115,7 @@ def test_equal_friction_is_no_special_case(drum: wo.Rigid) -> None:
 
 
 @drums
-@pytest.mark.parametrize("friction", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("friction", [1e-3, 1e-6, 1e-7])
 def test_hardly_any_friction_leaves_slip_everywhere(drum: wo.Rigid, friction: float) -> None:
     """Slips stay as the normal problem makes them, tractions are mu p: NIT/(mu P) has a limit."""
     low = solved(paper_nip(drum=drum, roll_friction=friction, drum_friction=friction,
