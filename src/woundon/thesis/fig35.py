@@ -7,7 +7,7 @@ What the section concludes from them is tested on the solved wrap.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -102,7 +102,8 @@ def _of_the_nip_alone(nips: list[_Nip]) -> tuple[Verdict, ...]:
             "behind the nip the roll's strain changes faster than that of a slipping web only "
             "within 0.5 degrees",
             crossing, high=CLAIMED, unit="deg",
-            note="where the rates cross, measured from the trailing edge, the farther of the two",
+            note="where the rates cross, measured from the trailing edge, the farther of the two; "
+            f"to cross at 0.5 degrees the web would have to pull with {_tension_to_cross(nips)}",
         ),
     )  # fmt: skip
 
@@ -113,12 +114,25 @@ def _crossing(table: Table) -> float:
     return float(np.degrees(table["angle"][faster[-1]])) if faster.size else 0.0
 
 
+def _tension_to_cross(nips: list[_Nip]) -> str:
+    """Return the tensions at which the rates cross at the angle claimed; T_in is not given."""
+    needed = []
+    for alone, _, table in nips:
+        behind = table.within("angle", 1e-12)
+        k = int(np.argmin(np.abs(behind["angle"] - np.radians(CLAIMED))))
+        share = behind["roll_rate"][k] / behind["web_rate"][k]
+        needed.append(f"{share * alone.wound_on_tension / 1e3:.1f} kN/m")
+    return " and ".join(needed)
+
+
 def _of_the_wrap(nips: list[_Nip]) -> tuple[Verdict, ...]:
     angles = [float(np.degrees(w.slip_angle)) for _, w, _ in nips]
     forward = all(w.slip_zone is Zone.FORWARD for _, w, _ in nips)
     errors = [100 * abs(r.wound_on_tension / w.wound_on_tension - 1) for r, w, _ in nips]
-    which = " and ".join(f"{e:.1f} % for mu+ = {mu:g}" for e, mu in zip(errors, FRICTIONS))
-    far = " and ".join(f"{e:.2f} for mu+ = {mu:g}" for e, mu in zip(angles, FRICTIONS))
+    which = " and ".join(
+        f"{e:.1f} % for mu+ = {mu:g}" for e, mu in zip(errors, FRICTIONS, strict=True)
+    )
+    far = " and ".join(f"{e:.2f} for mu+ = {mu:g}" for e, mu in zip(angles, FRICTIONS, strict=True))
     return (
         Verdict.whether(
             "so in centre winding the web slips on behind the nip, faster than the roll", forward,
@@ -146,7 +160,7 @@ def _draw(table: Table) -> Drawing:
         rows = table.where(roll_friction=mu)
         angle = np.degrees(rows["angle"])
         behind = angle > 0
-        look = {"color": ("#0072B2", "#D55E00")[k]}
+        look: Any = {"color": ("#0072B2", "#D55E00")[k]}
         strains.plot(
             angle, 100 * rows["roll_strain"], "-", label=rf"roll, $\mu^+$ = {mu:g}", **look
         )
