@@ -29,10 +29,11 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
+    "gallery",
     "mathml",
     "tables",
 ]
-exclude_patterns = ["_build", "requirements.in"]
+exclude_patterns = ["_build", "requirements.in", "thesis/figures/summary.md"]
 source_suffix = {".md": "myst-nb"}
 
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]

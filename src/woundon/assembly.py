@@ -86,15 +86,16 @@ class NipState:
 class NipMatrices:
     """Every matrix of the nip's equations for one half width a, nothing solved yet.
 
-    N cells, n = N - 1 unknown nodes; tractions are stacked (q+, q-).
+    N cells, n = N - 1 unknown nodes; tractions are stacked (q+, q-).  Slips are those of the nodes'
+    cells first, roll then drum; the last cell, which belongs to no unknown, follows for both.
     """
 
     half_width: float
     slope_p: Array  # (N, n)
     slope_q: Array  # (N, 2n)
     gap: Array  # (N,) slope of the gap, x/R*
-    direct: Array  # (2n + 2, 2n): slips by tractions in all cells, roll's N first
-    through_pressure: Array  # (2n + 2, n)
+    direct: Array  # (2n + 2, 2n) slips by tractions
+    through_pressure: Array  # (2n + 2, n) slips by pressures
     weights: Array  # (n,) integrate a traction over the nip [m]
 
     @classmethod
@@ -120,21 +121,27 @@ class NipMatrices:
         slope_q = np.empty((N, 2 * n))
         slope_q[:, :n] = slope_q[:, n:] = web.c12 * disc.value
         # the web: its tension between the point and the trailing edge, and its squeezing
-        direct = np.empty((2 * N, 2 * n))
-        stretch = (web.c11 / problem.web.thickness) * (a * disc.upstream - weights)
-        direct[:N, :n] = direct[:N, n:] = direct[N:, :n] = direct[N:, n:] = stretch
-        through = np.empty((2 * N, n))
-        through[:N] = through[N:] = -web.c12 * disc.value
-        for response, cells, nodes, edge in (
-            (roll, slice(0, N), slice(0, n), 1.0),
-            (drum, slice(N, 2 * N), slice(n, 2 * n), 0.0),
-        ):
-            if response is not None:
-                slope_p = slope_p + response.slope_p
-                slope_q[:, nodes] += response.slope_q
-                # the wound-on condition refers the roll's strain to the trailing edge
-                direct[cells, nodes] -= response.strain_q[:-1] - edge * response.strain_q[-1]
-                through[cells] -= response.strain_p[:-1] - edge * response.strain_p[-1]
+        direct, through = np.empty((2 * N, 2 * n)), np.empty((2 * N, n))
+        stretch = (a * web.c11 / problem.web.thickness) * disc.behind
+        squeeze = -web.c12 * disc.value
+        direct[: 2 * n].reshape(2, n, 2, n)[...] = stretch[:-1, None]
+        direct[2 * n :] = np.tile(stretch[-1], 2)
+        through[: 2 * n].reshape(2, n, n)[...] = squeeze[:-1]
+        through[2 * n :] = squeeze[-1]
+        for face, response in enumerate((roll, drum)):
+            if response is None:
+                continue
+            own, last = slice(face * n, (face + 1) * n), 2 * n + face
+            slope_p = slope_p + response.slope_p
+            slope_q[:, own] += response.slope_q
+            strain_q, strain_p = response.strain_q[:-1], response.strain_p[:-1]
+            if face == 0:  # the wound-on condition refers the roll's strain to the trailing edge
+                strain_q = strain_q - response.strain_q[-1]
+                strain_p = strain_p - response.strain_p[-1]
+            direct[own, own] -= strain_q[:-1]
+            direct[last, own] -= strain_q[-1]
+            through[own] -= strain_p[:-1]
+            through[last] -= strain_p[-1]
         gap = disc.middle * (a / contact_radius(problem))
         return cls(a, slope_p, slope_q, gap, direct, through, weights)
 
@@ -177,8 +184,7 @@ class NipEquations:
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
         n, made, problem = self.disc.unknowns, self.matrices, self.problem
-        # a node belongs with the cell before it; the last cell belongs to no unknown
-        nodes = np.r_[0:n, n + 1 : 2 * n + 1]
+        nodes = slice(0, 2 * n)
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
         # F in proportion to the load that this half width carries: a steady state at any width
@@ -203,7 +209,7 @@ class NipEquations:
 
     def last_slips(self, state: NipState) -> tuple[float, float]:
         """Return v+ and v- in the last cell, which belongs to no unknown."""
-        last = [self.disc.unknowns, -1]
+        last = slice(2 * self.disc.unknowns, None)
         slips = self.matrices.direct[last] @ state.solution.traction
         slips += self.matrices.through_pressure[last] @ state.pressure
         return float(slips[0]), float(slips[1]) + state.solution.creep

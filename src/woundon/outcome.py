@@ -6,7 +6,6 @@ import numpy as np
 
 from .assembly import NipEquations, NipState, contact_radius
 from .contact.certificate import certify
-from .contact.discretisation import interpolation_rank
 from .elasticity.strip import compliance
 from .problems import NipProblem
 from .results import NipResult, Residuals, SlipRatios
@@ -103,7 +102,7 @@ def _approach(equations: NipEquations, state: NipState) -> float:
     for body, q in ((problem.roll, state.roll_traction), (problem.drum, state.drum_traction)):
         kernels = body.surface(2 * a)
         if kernels.deforms:
-            rank = interpolation_rank(kernels.length, a)
+            rank = equations.disc.rank(kernels.length, a)
             v += float((put(kernels.normal_p, a, edge, rank) @ state.pressure)[0])
             v += float((put(kernels.normal_q, a, edge, rank) @ q)[0])
     return -(v + state.shift * a - a**2 / (2 * contact_radius(problem)))

@@ -118,7 +118,7 @@ class _Equations:
         radius = 1 / (1 / problem.roll.radius + 1 / problem.drum.radius)
         zones = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
         self.u = _Unknowns(result.pressure[1:-1], result.offset / radius, traction, creep, a, zones)
-        self.nodes = np.r_[0 : self.n, self.n + 1 : 2 * self.n + 1]
+        self.nodes = slice(0, 2 * self.n)
         self.rest = self.residual(problem, self.here)
 
     def residual(self, problem: NipProblem, made: NipMatrices) -> Array:

@@ -143,3 +143,16 @@ def test_describing_needs_no_scipy() -> None:
         "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'pint', 'xarray')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_gradients_smooth_parts_come_together() -> None:
+    from dataclasses import replace
+
+    kernels = wo.Cylinder(radius=0.3, core_radius=0.1, material=wo.material("paper")).surface(0.01)
+    t = np.linspace(-0.02, 0.02, 7)
+    assert kernels.smooth is not None
+    one_by_one = replace(kernels, together=None).smooth
+    assert one_by_one is not None
+    np.testing.assert_allclose(kernels.smooth(t), one_by_one(t), rtol=1e-13)
+    flat = wo.HalfPlane(radius=0.3, material=wo.material("paper")).surface(0.01)
+    assert flat.smooth is None

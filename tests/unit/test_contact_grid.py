@@ -209,6 +209,25 @@ def test_all_parts_together_in_metres() -> None:
     assert not UNEVEN.integrate(Kernel(), a).any()
 
 
+@pytest.mark.parametrize("smooth", [True, False])
+def test_several_kernels_together_are_each_of_them(smooth: bool) -> None:
+    a, grid = 4e-3, cosine_grid(33)
+    waves = (
+        [lambda t: np.cos(40.0 * t), np.sin, lambda t: 3.0 * t, np.cosh] if smooth else [None] * 4
+    )
+    kernels = [
+        Kernel(inverse=2.0, sign=-1.1, smooth=waves[0]),
+        Kernel(delta=-0.3, log=0.7, smooth=waves[1]),
+        Kernel(log=-0.2, smooth=waves[2]),
+        Kernel(smooth=waves[3]),
+    ]
+    at_once = (lambda t: np.array([wave(t) for wave in waves])) if smooth else None
+    for rank in (12, 24):
+        together = grid.integrate_together(kernels, at_once, a, rank)
+        alone = [grid.integrate(kernel, a, rank=rank) for kernel in kernels]
+        np.testing.assert_allclose(together, alone, rtol=0, atol=1e-13)
+
+
 # ---- the grids ----------------------------------------------------------------------------------
 
 

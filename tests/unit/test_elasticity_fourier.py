@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from woundon.elasticity.fourier import HarmonicSum, polylogarithm
+from woundon.elasticity.fourier import HarmonicSum, HarmonicSums, polylogarithm
 from woundon.elasticity.kernels import Kernel
 
 R = 0.4
@@ -85,3 +85,20 @@ def test_regular_at_zero() -> None:
     t = R * np.logspace(-12, -3, 10)
     bounded = f(t) / (t / R * np.log(t / R))
     assert np.all(np.abs(bounded) < 2)
+
+
+def test_several_sums_at_once_are_each_of_them() -> None:
+    rng = np.random.default_rng(2)
+    rest = rng.normal(size=(4, 40)) / np.arange(1, 41) ** 9
+    tails = [rng.normal(size=size) for size in (7, 7, 4, 2)]  # with fewer powers, and with one
+    odd = [True, False, False, True]
+    sums = tuple(
+        HarmonicSum(o, R, 1.5, 0.0 if o else 0.3, tail, r)
+        for o, tail, r in zip(odd, tails, rest, strict=True)
+    )
+    t = rng.uniform(-3.1 * R, 3.1 * R, (5, 6))
+    t[0, 0] = 0.0
+    together = HarmonicSums(sums)(t)
+    assert together.shape == (4, 5, 6)
+    for one, values in zip(sums, together, strict=True):
+        np.testing.assert_allclose(values, one(t), rtol=1e-13, atol=1e-13)

@@ -108,5 +108,5 @@ def test_verdicts_of_both_schemes_must_be_the_same_statements():
 def test_the_registry_knows_its_figures():
     assert registry.chosen(("table4", "fig16")) == ("fig16", "table4")
     assert registry.modules(("fig17", "fig16", "table4")) == ("fig16_18", "table4")
-    with pytest.raises(InvalidProblem, match="fig1: unknown; did you mean 'fig1"):
+    with pytest.raises(InvalidProblem, match="fig1: unknown; did you mean 'fig"):
         registry.chosen(("fig1",))

@@ -11,6 +11,7 @@ thesis   even nodes; slope and strain as backward differences of the nodal displ
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from math import asinh
@@ -46,11 +47,15 @@ class Kernels(Protocol):
     def strain_q(self) -> KernelParts: ...
     @property
     def length(self) -> float: ...
+    @property
+    def gradients(self) -> tuple[KernelParts, KernelParts, KernelParts, KernelParts]: ...
+    @property
+    def smooth(self) -> Callable[[Array], Array] | None: ...
 
 
-def interpolation_rank(length: float, a: float) -> int:
+def interpolation_rank(length: float, a: float, least: int = 24) -> int:
     """Return the interpolation points that resolve kernels varying on ``length`` over [-a, a]."""
-    return int(min(max(24, round(20 / asinh(length / a))), 600))
+    return int(min(max(least, round(20 / asinh(length / a))), 600))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +94,15 @@ class Discretisation:
         """Number n of interior nodes."""
         return self.grid.unknowns
 
+    def rank(self, length: float, a: float) -> int:
+        """Return ``interpolation_rank`` for this grid.
+
+        The least rank is what the weak kink at t = 0 asks for: 24 leave up to 6e-7 of NIT on random
+        nips, 12 leave 4e-6, a hundredth of what the cells of a coarse graded grid leave.
+        """
+        coarse = self.scheme == "graded" and self.unknowns < 48
+        return interpolation_rank(length, a, 12 if coarse else 24)
+
     @cached_property
     def middle(self) -> Array:
         """Where the slope of the gap is taken, one point a cell, (N,)."""
@@ -121,9 +135,14 @@ class Discretisation:
             return share * self.grid.weights
         return np.where(nodes < cells, self.grid.weights, 0.0)
 
+    @cached_property
+    def behind(self) -> Array:
+        """Less the integral of the traction from each cell to the trailing edge, (N, n)."""
+        return self.upstream - self.grid.weights
+
     def pressure_slope(self, kernels: Kernels, a: float) -> Array:
         """Return the slope in each cell by nodal pressures alone, (N, n)."""
-        rank = interpolation_rank(kernels.length, a)
+        rank = self.rank(kernels.length, a)
         if self.scheme == "graded":
             return self.grid.integrate(kernels.slope_p, a, slice(0, -1), rank)
         displacement = self.grid.integrate(kernels.normal_p, a, rank=rank)
@@ -140,15 +159,13 @@ class Discretisation:
         a : float
             Half width [m].
         """
-        put = partial(self.grid.integrate, rank=interpolation_rank(kernels.length, a))
+        rank = self.rank(kernels.length, a)
         if self.scheme == "graded":
-            cells = slice(0, -1)
-            return Response(
-                put(kernels.slope_p, a, rows=cells),
-                put(kernels.slope_q, a, rows=cells),
-                put(kernels.strain_p, a),
-                put(kernels.strain_q, a),
+            slope_p, slope_q, strain_p, strain_q = self.grid.integrate_together(
+                kernels.gradients, kernels.smooth, a, rank
             )
+            return Response(slope_p[:-1], slope_q[:-1], strain_p, strain_q)
+        put = partial(self.grid.integrate, rank=rank)
         dx = a * self.grid.cells[:, None]
         v_p, v_q = put(kernels.normal_p, a), put(kernels.normal_q, a)
         u_p, u_q = put(kernels.tangent_p, a), put(kernels.tangent_q, a)

@@ -105,11 +105,6 @@ class StickSlip:
         return self.offset + self.through_pressure @ self.pressure
 
     @cached_property
-    def bound_matrix(self) -> Array:
-        """mu K for all faces, (m, m)."""
-        return self.friction[:, None] * self.on_faces(self.pressure_response)
-
-    @cached_property
     def bound_offset(self) -> Array:
         """mu p0 for all faces, (m,)."""
         return self.friction * self.on_faces(self.pressure)
@@ -121,7 +116,8 @@ class StickSlip:
     @cached_property
     def scale(self) -> float:
         """Slip per traction; slipping rows are multiplied by it to balance the system."""
-        return float(np.max(np.abs(self.stick_matrix)))
+        matrix = self.stick_matrix
+        return float(max(matrix.max(), -matrix.min()))
 
     def system(self, state: Array) -> tuple[Array, Array]:
         """Return matrix and right side of one state, slipping rows balanced by ``scale``."""
@@ -132,7 +128,8 @@ class StickSlip:
         right[:m] = -self.stick_offset
         slips = np.nonzero(state)[0]
         sign = scale * state[slips]
-        matrix[slips, :m] = -sign[:, None] * self.bound_matrix[slips]
+        bound = self.pressure_response[slips % self.pressure.size]
+        matrix[slips, :m] = (-sign * self.friction[slips])[:, None] * bound
         matrix[slips, slips] += scale
         right[slips] = sign * self.bound_offset[slips]
         if self.creep is not None and self.resultant is not None:
@@ -164,7 +161,8 @@ class StickSlip:
         if self.creep is not None:
             slip += self.creep * creep
         slip[state == 0] = 0.0  # solved for: what is left is rounding
-        bound = self.bound_offset + self.bound_matrix @ traction
+        pressure = self.pressure + self.pressure_response @ traction
+        bound = self.friction * self.on_faces(pressure)
         return StickSlipSolution(state, traction, creep, slip, bound)
 
 
@@ -260,8 +258,12 @@ def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array
     held = np.nonzero(problem.creep)[0]
     if np.any(state[held] == 0):
         return state
-    # the node that turns between the two directions; not the one just found unable to stick
-    distance = np.where(solution.state[held] == 0, np.inf, np.abs(solution.slip[held]))
+    # the node that turns between the two directions: of those that pull against what the nodes just
+    # unable to stick ask for, the one that slips least
+    free = solution.state[held] == 0
+    asked = np.sign(np.sum(state[held][free]))
+    against = ~free & (state[held] * asked <= 0)
+    distance = np.where(against if against.any() else ~free, np.abs(solution.slip[held]), np.inf)
     last = held[np.argmin(distance)] if np.isfinite(distance).any() else held[0]
     state = state.copy()
     state[last] = 0

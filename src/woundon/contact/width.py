@@ -58,10 +58,11 @@ def width_for_load(
     for _ in range(60):
         state, carried = evaluate(exp(ln_a))
         miss = log(carried / load) if carried > 0 else -2.0
+        # a shorter step tells rounding, not the power
+        if last is not None and abs(ln_a - last[0]) > 1e-9:
+            power = min(max((miss - last[1]) / (ln_a - last[0]), 0.7), 12.0)
         if abs(miss) <= rtol:
             return state, power
-        if last is not None and abs(ln_a - last[0]) > 1e-12:
-            power = min(max((miss - last[1]) / (ln_a - last[0]), 0.7), 12.0)
         if ln_a >= log(widest) and miss < 0:
             raise WidthNotFound(
                 f"a contact as wide as {widest:.3g} m to either side carries {carried:.3g} N/m only"

@@ -35,9 +35,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .fourier import HarmonicSum
+from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
-from .kernels import Kernel, SurfaceKernels
+from .kernels import SurfaceKernels
 
 __all__ = [
     "Sequences",
@@ -298,20 +298,28 @@ def _kernels(
     still, moved = tail[: J + 1], tail[1 : J + 2]
     stretch, sums = still[:, 0] + moved[:, 1], Y[0] + n * Y[1]
 
-    def kernel(odd: bool, scale: float, a: Array, c: Array, constant: float = 0.0) -> Kernel:
-        return HarmonicSum(odd, R, scale, constant, a, c - _powers(a, n)).kernel()
+    def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
+        return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n))
 
-    coupling = kernel(True, -1 / pi, still[:, 0, 1], Y[0, 1])
+    coupling = harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]).kernel()
     slope = 1 / (pi * R)
+    gradients = HarmonicSums((
+        harmonics(True, slope, moved[:, 0, 0], n * Y[0, 0]),
+        harmonics(False, -slope, moved[:, 0, 1], n * Y[0, 1]),
+        harmonics(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
+        harmonics(True, -slope, stretch[:, 1], sums[1]),
+    ))  # fmt: skip
+    slope_p, slope_q, strain_p, strain_q = (of_one.kernel() for of_one in gradients.sums)
     return SurfaceKernels(
-        normal_p=kernel(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
+        normal_p=harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]).kernel(),
         normal_q=coupling,
         tangent_p=coupling,
-        tangent_q=kernel(False, 1 / pi, still[:, 1, 1], Y[1, 1], mean[1, 1]),
-        slope_p=kernel(True, slope, moved[:, 0, 0], n * Y[0, 0]),
-        slope_q=kernel(False, -slope, moved[:, 0, 1], n * Y[0, 1]),
-        strain_p=kernel(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
-        strain_q=kernel(True, -slope, stretch[:, 1], sums[1]),
+        tangent_q=harmonics(False, 1 / pi, still[:, 1, 1], Y[1, 1], mean[1, 1]).kernel(),
+        slope_p=slope_p,
+        slope_q=slope_q,
+        strain_p=strain_p,
+        strain_q=strain_q,
+        together=gradients,
         reach=pi * R,
         length=R * min(1.0, 2 * _decay(depth, stiffness)),
         truncation_error=_truncation_error(n * Y - _powers(moved, n), tail, depth, stiffness, J),

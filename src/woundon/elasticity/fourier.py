@@ -25,7 +25,7 @@ import numpy as np
 
 from .kernels import Kernel
 
-__all__ = ["HarmonicSum", "polylogarithm"]
+__all__ = ["HarmonicSum", "HarmonicSums", "polylogarithm"]
 
 Array = np.ndarray
 
@@ -114,45 +114,23 @@ class HarmonicSum:
 
     def __call__(self, t: Array) -> Array:
         """Return the smooth part at the arc lengths t [m], any shape, |t| <= pi R."""
-        t = np.asarray(t, dtype=float)
-        theta = np.abs(np.atleast_1d(t)) * (1 / self.radius)
-        coefficients, per_step = self._table
-        x = theta * per_step
-        i = x.astype(np.intp)
-        np.minimum(i, coefficients.shape[0] - 1, out=i)
-        x -= i
-        c = coefficients.take(i, axis=0)
-        y = c[..., 5] * x
-        for k in (4, 3, 2, 1):
-            y += c[..., k]
-            y *= x
-        y += c[..., 0]
-        logs = self._logs
-        if logs:
-            square = theta * theta
-            weight = logs[-1] * square
-            for log_k in logs[-2::-1]:
-                weight += log_k
-                weight *= square
-            if self.odd:
-                weight /= np.maximum(theta, 1e-150)
-            y += weight * np.log(np.maximum(theta, 1e-150))
-        y = y.reshape(t.shape)
-        return y * np.sign(t) if self.odd else y
+        return self._alone(t)[0]
 
     @cached_property
-    def _logs(self) -> list[float]:
-        """Coefficients of theta^(j-1) ln(theta), j = 2, 4, ... (odd) or 3, 5, ... (even)."""
+    def _alone(self) -> HarmonicSums:
+        return HarmonicSums((self,))
+
+    def logs(self) -> Array:
+        """Return the coefficients of theta^(j-1) ln(theta); j = 2, 4, ... if odd, else 3, 5, ..."""
         orders = range(2 if self.odd else 3, self.tail.size, 2)
         weights = np.array([polylogarithm(j).log for j in orders])
-        return list(self.scale * self.tail[orders.start :: 2] * self._part(weights))
+        return np.array(self.scale * self.tail[orders.start :: 2] * self._part(weights))
 
     def _part(self, z: Array) -> Array:
         return z.imag if self.odd else z.real
 
-    @cached_property
-    def _table(self) -> tuple[Array, float]:
-        """Quintics on equal steps of [0, pi], and the number of steps per radian."""
+    def table(self) -> tuple[Array, float]:
+        """Return quintics on equal steps of [0, pi], (steps, 6), and the steps per radian."""
         # 4 points per shortest wave: there the coefficients have died out already
         size = max(256, 1 << (4 * self.rest.size - 1).bit_length())
         step = 2 * pi / size
@@ -182,6 +160,69 @@ class HarmonicSum:
         k = np.arange(POWERS)
         first, second = (k * c)[1:], (k * (k - 1) * c)[2:]
         return np.array([_polynomial(d, theta) for d in (c, first, second)])
+
+
+@dataclass(frozen=True, eq=False)
+class HarmonicSums:
+    """The smooth parts of several sums on one circle, with equally many terms, at once.
+
+    Where they are needed together, this costs hardly more than one of them.
+    """
+
+    sums: tuple[HarmonicSum, ...]
+
+    def __call__(self, t: Array) -> Array:
+        """Return them at the arc lengths t [m], shape (sums, *t.shape), |t| <= pi R."""
+        t = np.asarray(t, dtype=float)
+        flat = t.ravel()
+        theta = np.abs(flat) * (1 / self.sums[0].radius)
+        coefficients, per_step = self._table
+        x = theta * per_step
+        i = x.astype(np.intp)
+        np.minimum(i, coefficients.shape[-1] - 1, out=i)
+        x -= i
+        c = coefficients.take(i, axis=-1)
+        y = c[5] * x
+        for k in (4, 3, 2, 1):
+            y += c[k]
+            y *= x
+        y += c[0]
+        y += self._weak(theta)
+        y *= np.where(self._odd, np.sign(flat), 1.0)
+        return y.reshape(-1, *t.shape)
+
+    def _weak(self, theta: Array) -> Array:
+        """Return the terms theta^(j-1) ln(theta), (sums, theta)."""
+        square = theta * theta
+        powers = np.empty((self._logs.shape[1], theta.size))
+        powers[0] = square
+        for k in range(1, len(powers)):
+            np.multiply(powers[k - 1], square, out=powers[k])
+        least = np.maximum(theta, 1e-150)
+        logarithm = np.log(least)
+        weak: Array = self._logs @ powers
+        weak *= np.where(self._odd, logarithm / least, logarithm)
+        return weak
+
+    @cached_property
+    def _odd(self) -> Array:
+        return np.array([[sum_.odd] for sum_ in self.sums])
+
+    @cached_property
+    def _table(self) -> tuple[Array, float]:
+        """Coefficients of the quintics, (6, sums, steps), and the steps per radian."""
+        tables = [sum_.table() for sum_ in self.sums]
+        coefficients = np.array([c for c, _ in tables]).transpose(2, 0, 1)
+        return np.ascontiguousarray(coefficients), tables[0][1]
+
+    @cached_property
+    def _logs(self) -> Array:
+        """Coefficients of the weak terms, (sums, orders); at least one, for the sake of shape."""
+        found = [sum_.logs() for sum_ in self.sums]
+        logs = np.zeros((len(found), max(f.size for f in (*found, np.zeros(1)))))
+        for row, of_one in zip(logs, found, strict=True):
+            row[: of_one.size] = of_one
+        return logs
 
 
 def _polynomial(c: Array, x: Array) -> Array:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -73,6 +74,8 @@ class SurfaceKernels:
         Number of Fourier terms summed; 0 where there is no series.
     deforms : bool
         False for a rigid body, whose kernels are all zero.
+    together : callable, optional
+        t -> the smooth parts of ``gradients``, (4, *t.shape), where quicker than one by one.
     """
 
     normal_p: Kernel = field(default_factory=Kernel)
@@ -88,8 +91,23 @@ class SurfaceKernels:
     truncation_error: float = 0.0
     terms: int = 0
     deforms: bool = True
+    together: Callable[[Array], Array] | None = None
+
+    @property
+    def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:
+        """The kernels of slope and strain, which the nip's equations are made of."""
+        return self.slope_p, self.slope_q, self.strain_p, self.strain_q
+
+    @property
+    def smooth(self) -> Callable[[Array], Array] | None:
+        """The smooth parts of ``gradients``, t -> (4, *t.shape); None where there are none."""
+        parts = [kernel.smooth for kernel in self.gradients]
+        if self.together is not None or not any(parts):
+            return self.together
+        return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])
 
     @classmethod
+    @cache
     def zero(cls) -> SurfaceKernels:
         """Return the response of a body that does not deform."""
         return cls(deforms=False)

@@ -13,14 +13,23 @@ from .. import plots
 from .frame import Table
 from .sweep import WINDING_FORCES
 
-__all__ = ["Curve", "blank", "curves", "force_curves", "panel_letter", "shared_legend", "style"]
+__all__ = [
+    "Curve",
+    "blank",
+    "curves",
+    "force_curves",
+    "panel_letter",
+    "plain",
+    "shared_legend",
+    "style",
+]
 
 Array = np.ndarray
 style = plots.style
 
 # the thesis's line styles in its order; the colours tell its two solid lines apart
 _LINES = ("-", "--", "-.", ":", "-")
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#444444")
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#444444")
 
 
 class Curve:
@@ -39,7 +48,7 @@ class Curve:
         self, k: int, label: str, *, line: str = "", colour: str = "", **where: float
     ) -> None:
         self.label, self.where = label, where
-        self.line, self.colour = line or _LINES[k], colour or _COLOURS[k]
+        self.line, self.colour = line or _LINES[k], colour or COLOURS[k]
 
 
 def force_curves() -> list[Curve]:
@@ -93,6 +102,11 @@ def curves(
         )
     axes.set_xlabel(x[1])
     axes.set_ylabel(y[1])
+
+
+def plain(axes: Axes, x: Array, y: Array, k: int, label: str) -> None:
+    """Draw one curve in the ``k``-th line style."""
+    axes.plot(x, y, _LINES[k], color=COLOURS[k], label=label)
 
 
 def shared_legend(figure: Figure, columns: int = 5) -> None:

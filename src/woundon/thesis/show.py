@@ -39,8 +39,11 @@ def _endings(figures: list[Published]) -> str:
     return ", ".join(paths) if len(paths) <= 8 else f"{len(paths)} files"
 
 
-def summary(figures: Iterable[Published]) -> str:
-    """Return a Markdown table of the figures with how many of their statements hold."""
+def summary(figures: Iterable[Published], folder: str = "") -> str:
+    """Return a Markdown table of the figures with how many of their statements hold.
+
+    ``folder``, ending in a slash, is where the pages lie, seen from the table.
+    """
     words = [outcome.value for outcome in Outcome]
     lines = [
         f"| | shows | {' | '.join(words)} |",
@@ -48,7 +51,7 @@ def summary(figures: Iterable[Published]) -> str:
     ]
     for figure in sorted(figures, key=_order):
         counts = " | ".join(str(count) for count in figure.counts)
-        lines.append(f"| [{figure.label}]({figure.name}.md) | {figure.title} | {counts} |")
+        lines.append(f"| [{figure.label}]({folder}{figure.name}.md) | {figure.title} | {counts} |")
     return "\n".join(lines) + "\n"
 
 
