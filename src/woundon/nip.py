@@ -80,7 +80,8 @@ def solve_nip(
         of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
         Refine until the estimated error of NIT is below ``rtol`` times the larger of |NIT| and 1 %
-        of mu+ P; 1e-10 to 0.1; graded scheme only.
+        of mu+ P; 1e-10 to 0.1; graded scheme only.  The grids are then fitted to the zones, and
+        ``nip_induced_tension`` is extrapolated from them; the arrays are those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional

@@ -48,14 +48,14 @@ def test_values_with_the_printed_web_coefficients(nodes: int) -> None:
     assert result.residuals.largest <= 1e-8
 
 
-def test_the_published_process_with_the_printed_coefficients_may_cycle() -> None:
-    """It repeats itself at M = 200 and is not passed off as a solution."""
+def test_the_published_process_with_the_printed_coefficients_may_not_settle() -> None:
+    """It goes on for ever at M = 200 and is not passed off as a solution."""
     for nodes in (50, 100):
         result = wo.solve_nip(
             PROBLEM, scheme="thesis-printed", nodes=nodes, algorithm="panagiotopoulos"
         )
         assert result.nip_induced_tension == pytest.approx(PRINTED[nodes], abs=6e-4)
-    with pytest.raises(wo.NotConverged, match=r"CYCLE.*use algorithm='pivoting'"):
+    with pytest.raises(wo.NotConverged, match=r"CYCLE|LIMIT"):
         wo.solve_nip(PROBLEM, scheme="thesis-printed", nodes=200, algorithm="panagiotopoulos")
 
 

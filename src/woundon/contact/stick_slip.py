@@ -258,8 +258,12 @@ def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array
     held = np.nonzero(problem.creep)[0]
     if np.any(state[held] == 0):
         return state
-    # the node that turns between the two directions; not the one just found unable to stick
-    distance = np.where(solution.state[held] == 0, np.inf, np.abs(solution.slip[held]))
+    # the node that turns between the two directions: of those that pull against what the nodes just
+    # unable to stick ask for, the one that slips least
+    free = solution.state[held] == 0
+    asked = np.sign(np.sum(state[held][free]))
+    against = ~free & (state[held] * asked <= 0)
+    distance = np.where(against if against.any() else ~free, np.abs(solution.slip[held]), np.inf)
     last = held[np.argmin(distance)] if np.isfinite(distance).any() else held[0]
     state = state.copy()
     state[last] = 0
