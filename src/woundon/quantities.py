@@ -102,6 +102,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "drum_wrap": _angle("theta-", "arc of the web on the drum before the nip"),
         "slip_angle": _angle("theta_s", "how far the web slips on the roll behind the nip"),
         "wrap_friction": Quantity("mu_w+", "1", "friction on the roll behind the nip"),
+        "roll_strain": _strain("eps1", "strain of the roll's surface along the web"),
         "roll_pressure": _stress("p+", "pressure of the web on the roll"),
         "hoop_pressure": _stress("p_h", "hoop pressure, web tension times curvature"),
         "curvature": Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll"),

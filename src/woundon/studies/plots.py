@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..plots import save_figure, style
 from .model import Label
@@ -26,6 +28,10 @@ Array = np.ndarray
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 _LINES = ("-", "--", "-.", ":")
 _MOST_CURVES, _MOST_PANELS = 7, 4
+_SHOWN = {
+    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa")),
+    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")),
+}
 
 
 def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Figure:
@@ -50,7 +56,8 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
 
 def _grid_figure(table: Table, output: str) -> Figure:
     design = table.design
-    values = table.outputs[output].reshape(design.shape)
+    flat, text = _scaled(table.labels.get(output), output, table.outputs[output])
+    values = flat.reshape(design.shape)
     ranked = sorted(
         range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
     )
@@ -69,7 +76,7 @@ def _grid_figure(table: Table, output: str) -> Figure:
         _curves(panel, table, drawn, values[:, :, k])
         if len(drawn) > 2:
             panel.set_title(_at(table, drawn[2], k), fontsize=9)
-    axes[0].set_ylabel(_axis(table.labels.get(output), output))
+    axes[0].set_ylabel(text)
     if len(drawn) > 1:
         axes[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     if fixed:
@@ -81,7 +88,9 @@ def _grid_figure(table: Table, output: str) -> Figure:
 def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
     x = table.design.columns[drawn[0]]
     numeric = x.numeric
-    at = x.labels.astype(float) if numeric else np.arange(len(x.values))
+    at, text = np.arange(len(x.values)), x.name
+    if numeric:
+        at, text = _scaled(table.labels.get(x.name), x.name, x.labels.astype(float))
     order = np.argsort(at, kind="stable")
     for place, k in enumerate(_spread(values.shape[1], _MOST_CURVES)):
         label = _at(table, drawn[1], k) if len(drawn) > 1 else None
@@ -93,8 +102,8 @@ def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
     if not numeric:
         axes.set_xticks(at, [str(label) for label in x.labels], rotation=20)
     elif _logarithmic(at):
-        axes.set_xscale("log")
-    axes.set_xlabel(_axis(table.labels.get(x.name), x.name))
+        _log_axis(axes.xaxis)
+    axes.set_xlabel(text)
 
 
 def _scatter(table: Table, output: str) -> Figure:
@@ -105,15 +114,16 @@ def _scatter(table: Table, output: str) -> Figure:
     panels = figure.subplots(rows, wide, sharey=True, squeeze=False)
     for axes in panels.flat[len(columns) :]:
         axes.set_visible(False)
-    values = table.outputs[output]
+    values, text = _scaled(table.labels.get(output), output, table.outputs[output])
     for axes, column in zip(panels.flat, columns, strict=False):
-        at = column.labels.astype(float)
+        label = table.labels.get(column.name)
+        at, along = _scaled(label, column.name, column.labels.astype(float), words=False)
         axes.plot(at, values, ".", color=_COLOURS[0], markersize=3, alpha=0.6, rasterized=True)
         if _logarithmic(at):
-            axes.set_xscale("log")
-        axes.set_xlabel(_axis(table.labels.get(column.name), column.name))
+            _log_axis(axes.xaxis)
+        axes.set_xlabel(along)
     for axes in panels[:, 0]:
-        axes.set_ylabel(_axis(table.labels.get(output), output))
+        axes.set_ylabel(text)
     return figure
 
 
@@ -132,16 +142,23 @@ def plot_fit(fit: FitResult, path: str | Path | None = None) -> Figure:
         panels = figure.subplots(1, count, squeeze=False)[0]
         _draw_agreement(panels[0], fit)
         for axes, profile in zip(panels[1:], fit.profiles, strict=True):
-            axes.plot(profile.values, profile.rms, ".-", color=_COLOURS[0], label="others refitted")
+            label = fit.labels.get(profile.name)
+            at, text = _scaled(label, profile.name, profile.values, words=False)
+            axes.plot(at, profile.rms, ".-", color=_COLOURS[0], label="others refitted")
             axes.axhline(profile.rms_limit, color=_COLOURS[1], linestyle="--", label="95 % limit")
-            if _logarithmic(profile.values):
-                axes.set_xscale("log")
-            axes.set_xlabel(_axis(fit.labels.get(profile.name), profile.name, words=False))
-            axes.set_ylabel("RMS of the fit [in units of the error]" if fit.weighted else "RMS")
+            if _logarithmic(at):
+                _log_axis(axes.xaxis)
+            axes.set_xlabel(text)
+            axes.set_ylabel(f"RMS of the fit [{_rms_unit(fit)}]")
             axes.legend()
     if path is not None:
         save_figure(figure, path)
     return figure
+
+
+def _rms_unit(fit: FitResult) -> str:
+    label = fit.labels.get(fit.row_outputs[0])
+    return "standard deviations" if fit.weighted else label.unit if label else "1"
 
 
 def _draw_agreement(axes: Axes, fit: FitResult) -> None:
@@ -154,8 +171,10 @@ def _draw_agreement(axes: Axes, fit: FitResult) -> None:
     ends = [float(min(fit.measured.min(), fit.fitted.min())),
             float(max(fit.measured.max(), fit.fitted.max()))]  # fmt: skip
     axes.plot(ends, ends, color="#888888", linewidth=0.8)
-    axes.set_xlabel("measured")
-    axes.set_ylabel("fitted")
+    units = {label.unit for name in fit.row_outputs if (label := fit.labels.get(name))}
+    unit = f" [{units.pop()}]" if len(units) == 1 else " [SI]"
+    axes.set_xlabel(f"measured{unit}")
+    axes.set_ylabel(f"fitted{unit}")
     axes.legend()
 
 
@@ -185,7 +204,8 @@ def plot_indices(indices: SobolIndices, path: str | Path | None = None) -> Figur
             axes.invert_yaxis()
             axes.set_title(indices.outputs[k].replace("_", " "), fontsize=9, loc="left")
         axes.set_xlabel("share of the variance")
-        axes.legend(loc="lower right")
+        handles, texts = axes.get_legend_handles_labels()
+        figure.legend(handles, texts, loc="outside lower center", ncols=2)
     if path is not None:
         save_figure(figure, path)
     return figure
@@ -203,11 +223,30 @@ def _logarithmic(values: Array) -> bool:
     return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
 
 
-def _axis(label: Label | None, name: str, words: bool = True) -> str:
+def _prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """Return factor and unit that show values up to ``largest`` with few digits."""
+    for factor, shown in _SHOWN.get(unit, ()):
+        if largest >= factor:
+            return 1 / factor, shown
+    return 1.0, unit
+
+
+def _scaled(label: Label | None, name: str, values: Array, words: bool = True) -> tuple[Array, str]:
+    """Return values as they are drawn, and the axis's text with their unit."""
     if label is None:
-        return name.replace("_", " ")
+        return values, name.replace("_", " ")
+    finite = np.abs(values[np.isfinite(values)])
+    factor, unit = _prefixed(label.unit, float(finite.max()) if finite.size else 0.0)
     text = label.description if words else name.replace("_", " ")
-    return text if label.unit in ("", "1") else f"{text} [{label.unit}]"
+    return values * factor, text if unit in ("", "1") else f"{text} [{unit}]"
+
+
+def _log_axis(axis: Axis) -> None:
+    """Number 1, 2 and 5 of every decade, plainly."""
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})  # type: ignore[attr-defined]
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _at(table: Table, axis: int, place: int) -> str:
@@ -216,5 +255,9 @@ def _at(table: Table, axis: int, place: int) -> str:
     label: Mapping[str, Label] = table.labels
     value = column.labels[place]
     unit = label[column.name].unit if column.name in label else ""
+    if column.numeric:
+        factor, unit = _prefixed(unit, abs(float(value)))
+        value = value * factor
     shown = f"{value:.4g}" if column.numeric else str(value)
-    return f"{column.name.rpartition('.')[2].replace('_', ' ')} = {shown} {unit.strip('1')}".strip()
+    name = column.name.rpartition(".")[2].replace("_", " ")
+    return f"{name} = {shown} {unit if unit != '1' else ''}".strip()

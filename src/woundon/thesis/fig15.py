@@ -11,7 +11,8 @@ from ..zones import zone_runs
 from .cases import paper_nip
 from .frame import Figure, Scheme, Verdict
 from .profiles import profiles
-from .sweep import FINE, solved, zone_lengths
+from .slip_zones import zone_lengths
+from .sweep import FINE, solved
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing

@@ -32,6 +32,8 @@ _MODULES = {
     "fig29": "fig28_29",
     "fig30": "fig30",
     "fig33": "fig33",
+    "fig34": "fig34",
+    "fig35": "fig35",
     "table3": "chapter5",
     "fig37": "chapter5",
     "table4": "table4",

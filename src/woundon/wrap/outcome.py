@@ -65,6 +65,7 @@ def wrapped_result(
         drum_traction=state.drum_traction,
         roll_slip=state.roll_slip,
         drum_slip=state.drum_slip,
+        roll_strain=_roll_strain(equations, state),
         roll_zone=zones[0],
         drum_zone=zones[1],
         web_tension=T,
@@ -75,6 +76,17 @@ def wrapped_result(
         series_error=max(s.truncation_error for s in surfaces),
     )
     return replace(result, warnings=nip_warnings(result.nip))
+
+
+def _roll_strain(equations: WrapEquations, state: WrapState) -> Array:
+    """Return the roll's surface strain in the cell before each node, (N+1,); nan before the nip."""
+    first, face = equations.grid.first, equations.roll
+    strain = (
+        face.strain_p @ state.roll_pressure[first:] + face.strain_q @ state.roll_traction[first:]
+    )
+    out = np.full(equations.grid.size, np.nan)
+    out[first], out[first + 1 :] = strain[0], strain[:-1]
+    return out
 
 
 def _creep(equations: WrapEquations, state: WrapState) -> float:

@@ -72,6 +72,8 @@ class WrappedNipResult:
         q+, q- [Pa].
     roll_slip, drum_slip : (N,) arrays
         v+, v-; nan where the web does not touch the body.
+    roll_strain : (N,) array
+        eps_theta1 of the roll's surface where the slips are taken; nan before the nip.
     roll_zone, drum_zone : (N,) int arrays
         :class:`~woundon.results.Zone` of each node.
     web_tension : (N,) array
@@ -106,6 +108,7 @@ class WrappedNipResult:
     drum_traction: Array
     roll_slip: Array
     drum_slip: Array
+    roll_strain: Array
     roll_zone: Array
     drum_zone: Array
     web_tension: Array

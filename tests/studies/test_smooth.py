@@ -1,0 +1,59 @@
+"""Outputs vary smoothly with inputs: no jumps with the grid larger than the stated error.
+
+Otherwise a fit ends in a false minimum with confident errors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.thesis.cases import paper_nip
+
+LOADS = np.geomspace(1000.0, 3000.0, 120)
+OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error")
+
+
+def _scan(**options):
+    data = wo.sweep(
+        paper_nip(winding_force=0.0), {"nip_load": LOADS}, OUTPUTS, workers=1, **options
+    )
+    NIT, error = (data[name].values for name in OUTPUTS)
+    # how far each value lies off the chord through its neighbours
+    off = np.abs(np.diff(NIT, 2)) / 2
+    return NIT, error, off
+
+
+def test_on_one_grid_there_are_no_jumps():
+    """Only kinks, where a node changes its zone: far below the stated error of the grid."""
+    NIT, error, off = _scan(nodes=33)
+    curvature = np.median(off)
+    assert np.all(np.diff(NIT) > 0)
+    assert off.max() < 0.1 * np.median(error)
+    assert off.max() < 1e-4 * NIT.max()
+    assert curvature < 2e-5 * NIT.max()
+
+
+def test_between_grids_the_jumps_stay_below_the_stated_error():
+    """Where the estimate asks for a finer grid the result moves by the error it told."""
+    NIT, error, off = _scan()
+    told = np.maximum(np.maximum(error[:-2], error[1:-1]), error[2:])
+    assert np.all(off <= told)
+    assert off.max() < 1e-3 * NIT.max()
+    assert np.all(np.diff(NIT) > 0)
+
+
+@pytest.mark.parametrize("nodes", [33, 65])
+def test_warm_and_cold_solves_agree(nodes: int):
+    """What a case starts from does not show in its numbers."""
+    near = wo.solve_nip(paper_nip(nip_load=1400.0), nodes=nodes)
+    far = wo.solve_nip(paper_nip(nip_load=6000.0, winding_force=-300.0), nodes=nodes)
+    cold, *warm = (
+        wo.solve_nip(paper_nip(nip_load=1500.0), nodes=nodes, start=start)
+        for start in (None, near, far)
+    )
+    for result in warm:
+        # both carry the load to 3e-9
+        assert result.nip_induced_tension == pytest.approx(cold.nip_induced_tension, rel=1e-8)
+        assert np.array_equal(result.roll_zone, cold.roll_zone)
