@@ -30,7 +30,8 @@ FALL_LOAD = 3000.0  # where the web tension falls by what the text says [N/m]
 
 def _soft(nip_load: float) -> NipProblem:
     cover = Cylinder(radius=0.5, core_radius=0.48, material=material("soft-cover"))
-    return paper_nip(nip_load=nip_load, drum=cover)
+    # T is then what the nip has added so far, as the thesis shows it
+    return paper_nip(nip_load=nip_load, drum=cover, web_tension=0.0)
 
 
 def figures(scheme: Scheme = "graded") -> tuple[Figure, ...]:
@@ -71,18 +72,17 @@ def _pattern(r: NipResult) -> tuple[Verdict, ...]:
     forward = max((run for run in drum if run[0] == 1), key=lambda run: run[2] - run[1])
     turn = 100 * (r.half_width - forward[2]) / (2 * r.half_width)
     return (
-        Verdict(
+        Verdict.whether(
             "the roll's pattern is that of the hard drum: backward, stick, forward",
-            float([int(zone) for zone, *_ in roll] == [-1, 0, 1]), 1, 1, note="1: yes",
+            [int(zone) for zone, *_ in roll] == [-1, 0, 1],
         ),
-        Verdict(
-            "the drum has a leading slip zone too, the web behind it", float(signs[0]), -1, -1,
-            note=f"sign of v-; {100 * (drum[0][2] - drum[0][1]) / (2 * r.half_width):.1f} % of "
+        Verdict.whether(
+            "the drum has a leading slip zone too, the web behind it", signs[0] == -1,
+            f"v- < 0 on {100 * (drum[0][2] - drum[0][1]) / (2 * r.half_width):.1f} % of "
             "the width",
         ),
-        Verdict(
-            "at the trailing edge the web is ahead of the drum first", float(max(signs[1:])), 1, 1,
-            note="sign of v-",
+        Verdict.whether(
+            "at the trailing edge the web is ahead of the drum first", max(signs[1:]) == 1, "v- > 0"
         ),
         Verdict(
             "and behind it very near the edge", float(signs[-1]), -1, -1, note="sign of v-"
@@ -136,4 +136,6 @@ def _tension(r: NipResult, heavier: NipResult) -> tuple[Verdict, ...]:
 def _draw(result: NipResult) -> Drawing:
     from .. import plots
 
-    return plots.plot_nip(result)
+    figure = plots.plot_nip(result)
+    figure.axes[-1].set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
+    return figure

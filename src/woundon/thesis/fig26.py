@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..bodies import HalfPlane
 from .covers import covered_nip
 from .fig16_18 import NIP_LOADS
 from .frame import Figure, Scheme, Table, Verdict
-from .sweep import sweep
+from .sweep import solved, sweep
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -34,10 +35,21 @@ def figures(scheme: Scheme = "graded") -> tuple[Figure, ...]:
     )
     table = sweep(cases, scheme)
     title = "NIT and nip width against the nip load for three drum covers"
-    return (Figure("fig26", title, scheme, table, _verdicts(table), lambda: _draw(table)),)
+    verdicts = _verdicts(table, _without_shell(scheme))
+    return (Figure("fig26", title, scheme, table, verdicts, lambda: _draw(table)),)
 
 
-def _verdicts(table: Table) -> tuple[Verdict, ...]:
+def _without_shell(scheme: Scheme) -> list[float]:
+    """Return NIT on a half-plane of rubber at 2, 5 and 11 kN/m [N/m]."""
+    covered = covered_nip(*COVERS["rubber"])
+    drum = HalfPlane(radius=covered.drum.radius, material=covered.drum.material)  # type: ignore[union-attr]
+    return [
+        solved(covered.replace(drum=drum, nip_load=P), scheme).nip_induced_tension
+        for P in (2000.0, 5000.0, 11000.0)
+    ]
+
+
+def _verdicts(table: Table, without: list[float]) -> tuple[Verdict, ...]:
     NIT = table["nip_induced_tension"].reshape(len(COVERS), -1)
     width = table["nip_width"].reshape(len(COVERS), -1)
     hard, rubber, cellular = NIT
@@ -64,9 +76,14 @@ def _verdicts(table: Table) -> tuple[Verdict, ...]:
             note="slope at the heaviest load over that at the lightest.  It grows, as Peters found "
             "and the text denies: rubber cannot change its volume, so that the cover stiffens as "
             f"the nip, {1e3 * width[1, 0]:.0f} to {1e3 * width[1, -1]:.0f} mm wide, outgrows its "
-            "20 mm, and comes nearer to a hard drum",
+            "20 mm, and comes nearer to a hard drum.  On a half-plane of rubber NIT would be "
+            f"{without[0]:.1f}, {without[1]:.1f} and {without[2]:.1f} N/m at 2, 5 and 11 kN/m",
         ),
     )  # fmt: skip
+
+
+def _modulus(E: float) -> str:
+    return f"{E / 1e9:g} GPa" if E >= 1e9 else f"{E / 1e6:g} MPa"
 
 
 def _draw(table: Table) -> Drawing:
@@ -74,7 +91,7 @@ def _draw(table: Table) -> Drawing:
 
     figure = drawing.blank()
     lines = [
-        drawing.Curve(k, f"{name}, $E_2$ = {E / 1e6:g} MPa, $\\nu_2$ = {nu:g}",
+        drawing.Curve(k, f"{name}, {_modulus(E)}, $\\nu_2$ = {nu:g}",
                       youngs_modulus=E, poissons_ratio=nu)
         for k, (name, (E, nu)) in enumerate(COVERS.items())
     ]  # fmt: skip

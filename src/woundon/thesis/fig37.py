@@ -132,9 +132,10 @@ def _draw(table: Table) -> Drawing:
     for T in TENSIONS:
         last = table.where(web_tension=T)["measured"][-1]
         axes.annotate(
-            rf"$T_\mathrm{{in}} = {T:.0f}$ N/m", (NIP_LOADS[-1] / 1e3, last), xytext=(-4, -14),
-            textcoords="offset points", ha="right", fontsize=8,
+            rf"$T_\mathrm{{in}} = {T:.0f}$ N/m", (NIP_LOADS[-1] / 1e3, last), xytext=(7, -3),
+            textcoords="offset points", fontsize=8,
         )  # fmt: skip
+    axes.set_xlim(right=7.2)  # room for the names
     axes.set_xlabel("Nip load $P$ [kN/m]")
     axes.set_ylabel("Wound-on tension [N/m]")
     drawing.shared_legend(figure, 2)

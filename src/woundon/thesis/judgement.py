@@ -39,17 +39,19 @@ class Judged:
         ]
         return f"{len(figure.verdicts)} statements: {', '.join(words)}"
 
-    def lines(self) -> list[str]:
-        """Return a sentence for each statement."""
+    def lines(self, *, strong: str = "") -> list[str]:
+        """Return a sentence for each statement, outcome and number between marks if given."""
         others: tuple[Verdict | None, ...] = self.others or (None,) * len(self.figure.verdicts)
-        return [self._line(mine, it) for mine, it in zip(self.figure.verdicts, others, strict=True)]
+        pairs = zip(self.figure.verdicts, others, strict=True)
+        return [self._line(mine, other, strong) for mine, other in pairs]
 
-    def _line(self, verdict: Verdict, other: Verdict | None) -> str:
+    def _line(self, verdict: Verdict, other: Verdict | None, strong: str) -> str:
         # failures are to meet the eye of who runs down the list
         word = verdict.outcome.value
-        text = f"{word.upper() if verdict.outcome is Outcome.FAILS else word}: {verdict.statement}"
+        word = word.upper() if verdict.outcome is Outcome.FAILS else word
+        text = f"{strong}{word}{strong}: {verdict.statement}"
         if verdict.outcome is not Outcome.UNTESTED:
-            text += f": {verdict.measured}, asked {verdict.expected}"
+            text += f": {strong}{verdict.measured}{strong}, asked {verdict.expected}"
         if other is not None and verdict.outcome is Outcome.FAILS:
             name = SCHEME_NAMES["thesis" if self.figure.scheme == "graded" else "graded"]
             text += f"; with {name} {other.measured}, {other.outcome.value}"
@@ -71,7 +73,8 @@ class Judged:
             lines += [f"![{figure.label}]({picture})", ""]
         if figure.text:
             lines += ["```text", figure.text, "```", ""]
-        return "\n".join([*lines, *(f"- {line}" for line in self.lines())]) + "\n"
+        said = (f"- {line}" for line in self.lines(strong="**"))
+        return "\n".join([*lines, *said]) + "\n"
 
     def _how(self) -> str:
         if self.figure.one_scheme:
