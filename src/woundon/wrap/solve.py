@@ -275,8 +275,8 @@ class _Solver:
             ("behind the nip", T[grid.last :], self.loads.roll_arc),
             ("before the nip", T[: grid.first + 1], self.loads.drum_arc),
         ):
-            if present and not float(np.min(arc)) > 0:
-                T_in, least = self.problem.web_tension, float(np.min(arc))
+            T_in, least = self.problem.web_tension, float(np.min(arc))
+            if present and least <= 0:
                 raise NoSteadyState.at(
                     "web_tension",
                     f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} "
