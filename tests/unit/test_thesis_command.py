@@ -25,7 +25,9 @@ def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
     header, *rows = (out / "fig15.csv").read_text().splitlines()
     assert header.startswith("x [m],pressure [Pa],roll_traction [Pa]")
     assert len(rows) == 257
-    assert "- **holds**: before C it falls a little: **-4.77 N/m**" in (out / "fig15.md").read_text()
+    assert (
+        "- **holds**: before C it falls a little: **-4.77 N/m**" in (out / "fig15.md").read_text()
+    )
 
 
 def test_the_scheme_of_the_thesis_on_request(tmp_path, capsys: Capture):
