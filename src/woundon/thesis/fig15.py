@@ -10,7 +10,7 @@ from ..results import NipResult
 from ..zones import zone_runs
 from .cases import paper_nip
 from .frame import Figure, Scheme, Verdict
-from .profiles import profiles
+from .profiles import profiles, squeezed
 from .slip_zones import zone_lengths
 from .sweep import FINE, solved
 
@@ -86,9 +86,7 @@ def _tension(r: NipResult) -> tuple[Verdict, ...]:
     C = r.half_width * (1 - 2 * zone_lengths(r).dual)
     before = np.flatnonzero(r.x < C)[:-1]  # the drum's stick zone, less the node beside C
     gained = r.nip_induced_tension - float(T[before][-1])
-    paper, web = r.problem.web.material.stiffness, r.problem.web
-    squeezed = -web.thickness * paper.rt / paper.rr * r.pressure
-    miss = float(np.max(np.abs(T - squeezed)[before]))
+    share, begins = squeezed(r)
     return (
         Verdict(
             "the tension grows in the dual slip zone only: its gain there over NIT",
@@ -100,10 +98,10 @@ def _tension(r: NipResult) -> tuple[Verdict, ...]:
             note=f"lowest tension, less T_in; the highest is {T[before].max():.2g}",
         ),
         Verdict(
-            "because the pressure squeezes the web that the rigid drum holds (Poisson's effect): "
-            "distance from -2h (A_rt/A_rr) p",
-            100 * miss / float(-T.min()), high=5.0, unit="%",
-            note="largest, over the deepest fall",
+            "because the pressure squeezes the web, which cannot stretch where it sticks to the "
+            "rigid drum (Poisson's effect): the fall over 2h (A_rt/A_rr) times the rise of p",
+            share, 0.95, 1.05,
+            note=f"from where stick begins, at {100 * begins:.1f} % of the width",
         ),
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..results import NipResult
 from .fig28_29 import constants_nip
 from .frame import Figure, Scheme, Table, Verdict
-from .profiles import profiles
+from .profiles import profiles, squeezed
 from .slip_zones import zone_lengths
 from .sweep import FINE, solved
 
@@ -44,19 +44,8 @@ def _gain(r: NipResult) -> float:
     return float(r.web_tension[-1] - r.web_tension[k])
 
 
-def _squeezed(r: NipResult) -> tuple[float, float]:
-    """Return the share of Poisson's effect in the fall, and where the drum's stick zone begins."""
-    low = int(np.argmin(r.web_tension))
-    first = int(np.flatnonzero(r.drum_zone[:low] != 0)[-1]) + 1
-    paper, thickness = r.problem.web.material.stiffness, r.problem.web.thickness
-    rise = float(r.pressure[low] - r.pressure[first])
-    fall = float(r.web_tension[first] - r.web_tension[low])
-    begins = float(r.x[first] / r.half_width + 1) / 2
-    return fall / (thickness * paper.rt / paper.rr * rise), begins
-
-
 def _verdicts(large: NipResult, small: NipResult) -> tuple[Verdict, ...]:
-    share, slipped = _squeezed(large)
+    share, slipped = squeezed(large)
     return (
         Verdict(
             "with A_rt = 40 MPa the tension falls by almost 100 N/m before the dual slip zone",

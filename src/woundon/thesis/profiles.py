@@ -9,7 +9,7 @@ import numpy as np
 from ..results import NipResult
 from .frame import Table
 
-__all__ = ["profiles"]
+__all__ = ["profiles", "squeezed"]
 
 Array = np.ndarray
 
@@ -43,3 +43,29 @@ def profiles(results: Sequence[tuple[Mapping[str, float], NipResult]]) -> Table:
     for block in blocks[1:]:
         table = table.stacked(block)
     return table
+
+
+def squeezed(r: NipResult) -> tuple[float, float]:
+    """Compare the fall of the tension where the web sticks to a rigid drum with Poisson's effect.
+
+    There the web cannot stretch, so that T falls by 2h (A_rt/A_rr) times the rise of p.
+
+    Parameters
+    ----------
+    r : NipResult
+
+    Returns
+    -------
+    share : float
+        The fall to the lowest tension over that, from where the web first sticks.
+    begins : float
+        Where it does, as a share of the nip's width.
+    """
+    low = int(np.argmin(r.web_tension))
+    slips = np.flatnonzero(r.drum_zone[:low] != 0)
+    first = int(slips[-1]) + 1 if slips.size else 0
+    paper, thickness = r.problem.web.material.stiffness, r.problem.web.thickness
+    rise = float(r.pressure[low] - r.pressure[first])
+    fall = float(r.web_tension[first] - r.web_tension[low])
+    begins = float(r.x[first] / r.half_width + 1) / 2
+    return fall / (thickness * paper.rt / paper.rr * rise), begins
