@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..results import NipResult
+from ..theories import dual_slip
 from .fig28_29 import constants_nip
 from .frame import Figure, Scheme, Table, Verdict
 from .profiles import profiles, squeezed
@@ -44,6 +45,11 @@ def _gain(r: NipResult) -> float:
     return float(r.web_tension[-1] - r.web_tension[k])
 
 
+def _off(r: NipResult) -> float:
+    """Return by how much eq. (173) misses NIT [%]."""
+    return 100 * abs(float(dual_slip(r.problem, zone_lengths(r).dual)) / r.nip_induced_tension - 1)
+
+
 def _verdicts(large: NipResult, small: NipResult) -> tuple[Verdict, ...]:
     share, slipped = squeezed(large)
     return (
@@ -69,6 +75,13 @@ def _verdicts(large: NipResult, small: NipResult) -> tuple[Verdict, ...]:
             "but the whole nip less", large.nip_induced_tension - small.nip_induced_tension,
             high=0.0, unit="N/m",
             note=f"NIT {large.nip_induced_tension:.0f} against {small.nip_induced_tension:.0f} N/m",
+        ),
+        Verdict(
+            "eq. (173), NIT by the dual slip ratio alone, does not apply to the larger A_rt: it is "
+            "off by", _off(large), 10.0, unit="%",
+        ),
+        Verdict(
+            "but does to the smaller one: it is off by", _off(small), high=10.0, unit="%",
         ),
     )  # fmt: skip
 
