@@ -135,11 +135,11 @@ def main() -> None:
     )
     first = [Chunk(0, chunks[0].cases[:1], {k: v[:1] for k, v in chunks[0].inputs.items()})]
     for workers in (1, 2):
-        _, start, _ = timed(lambda w=workers: list(Pool(w).solved(model, first)))
+        _, start, begun = timed(lambda w=workers: list(Pool(w).solved(model, first)))
         _, both, share = timed(lambda w=workers: list(Pool(w).solved(model, chunks)))
         print(
             f"pool of {workers}: {cases / (both - start):.0f} nips/s by the clock after "
-            f"{start:.1f} s of starting; {workers * cases / share:.0f} "
+            f"{start:.1f} s of starting; {workers * cases / (share - begun):.0f} "
             "if every worker had a core to itself"
         )
     print(accuracy(model, chunks, blocks, given.check))

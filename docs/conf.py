@@ -33,7 +33,7 @@ extensions = [
     "mathml",
     "tables",
 ]
-exclude_patterns = ["_build", "requirements.in", "thesis/figures/summary.md"]
+exclude_patterns = ["_build", "tables", "requirements.in", "thesis/figures/summary.md"]
 source_suffix = {".md": "myst-nb"}
 
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]

@@ -218,3 +218,21 @@ def test_no_drum_traction_falls_with_the_creep_whatever_sticks(web: float, drum:
         growth = np.linalg.solve(A[np.ix_(stuck, stuck)], on_drum.astype(float))
         # rounding, by the condition of a stiff web's matrix
         assert growth[on_drum].min(initial=0.0) >= -1e-9 * np.abs(growth).max()
+
+
+def test_a_start_that_leads_astray_is_let_go() -> None:
+    """From all nodes slipping backward single pivots wander for good on this grid."""
+    from random_nips import random_nip
+
+    import woundon as wo
+    from woundon.assembly import NipEquations
+    from woundon.contact.discretisation import discretisation
+
+    result = wo.solve_nip(random_nip(254), nodes=65)
+    disc = discretisation("graded", 65)
+    problem = NipEquations.at(result.problem, disc, result.half_width).stick_slip()
+    expected = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
+    for state in (-1, 0, 1):
+        found = solve_stick_slip(problem, np.full(expected.size, state, dtype=np.int8))
+        assert found.ending is Ending.SOLVED
+        np.testing.assert_array_equal(found.state, expected)

@@ -218,15 +218,17 @@ def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSli
     StickSlipSolution
         With ``ending`` SOLVED, or the best that was found.
     """
-    if start is None:
-        start = np.zeros(problem.friction.size, dtype=np.int8)
-    direct = _pivot(problem, start, limit=60)
-    if direct.ending is Ending.SOLVED:
-        return direct
+    all_stick, solves = np.zeros(problem.friction.size, dtype=np.int8), 0
+    # a start that leads astray is let go; from all in stick one gets to the answer nearly always
+    for state in (start, all_stick) if start is not None and start.any() else (all_stick,):
+        direct = _pivot(problem, state, limit=60)
+        solves += direct.solves
+        if direct.ending is Ending.SOLVED:
+            return replace(direct, solves=solves)
     if problem.creep is None:
-        return direct
+        return replace(direct, solves=solves)
     bracketed = _bracket_creep(problem, direct.state, direct.creep)
-    return replace(bracketed, solves=bracketed.solves + direct.solves)
+    return replace(bracketed, solves=bracketed.solves + solves)
 
 
 def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:

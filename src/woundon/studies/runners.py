@@ -25,8 +25,13 @@ from .model import Model
 
 __all__ = ["DaskRunner", "Here", "Pool", "Runner", "runner_for", "usable_cores"]
 
-# a second BLAS thread makes matrices of this size slower, and every core has its own worker
-BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+WORKER_SETTINGS = {
+    # a second BLAS thread makes matrices of this size slower, and every core has its own worker
+    "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1",
+    # glibc keeps freed memory: to get each matrix of 129 nodes anew costs a tenth of a solve
+    "MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "268435456",
+    "MALLOC_TOP_PAD_": "67108864",
+}  # fmt: skip
 WORTH_A_POOL = 3.0  # seconds of work ahead; starting the workers costs about one
 DIED = "the worker process died while it solved this chunk, twice"
 
@@ -139,7 +144,7 @@ def _processes(workers: int, model: Model) -> Iterator[ProcessPoolExecutor]:
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, context, initializer=_start_worker)
     try:
-        with _one_blas_thread(), _without_main(model):
+        with _worker_settings(), _without_main(model):
             # all processes of a pool that spawns start with the first task
             first = pool.submit(usable_cores)
         try:
@@ -179,10 +184,10 @@ def _start_worker() -> None:
 
 
 @contextmanager
-def _one_blas_thread() -> Iterator[None]:
-    """Let processes started within run BLAS on one thread; it must be said before NumPy loads."""
-    kept = {name: os.environ.get(name) for name in BLAS_THREADS}
-    os.environ.update(dict.fromkeys(BLAS_THREADS, "1"))
+def _worker_settings() -> Iterator[None]:
+    """Start processes within under these settings, which must be there before NumPy loads."""
+    kept = {name: os.environ.get(name) for name in WORKER_SETTINGS}
+    os.environ.update(WORKER_SETTINGS)
     try:
         yield
     finally:

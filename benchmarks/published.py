@@ -1,0 +1,116 @@
+"""The published procedure, kept to compare with: thesis sec. 3.4 and 3.6 to the letter.
+
+Even nodes, backward differences, web coefficients (121) as printed; the cylinder's displacements by
+Fourier series of 20 000 terms, summed plainly over the differences of the nodes (113); for each
+half width the modified Panagiotopoulos process from a cold start, all nodes in stick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+import woundon as wo
+from woundon.assembly import (
+    NipEquations,
+    NipMatrices,
+    NipState,
+    contact_radius,
+    half_width_guess,
+)
+from woundon.contact.discretisation import Discretisation, Response, discretisation
+from woundon.contact.normal import solve_normal
+from woundon.contact.panagiotopoulos import panagiotopoulos
+from woundon.contact.stick_slip import Ending
+from woundon.contact.width import width_for_load
+from woundon.elasticity.cylinder import Sequences, sequences
+
+__all__ = ["solve_as_published"]
+
+Array = np.ndarray
+LOAD_RTOL = 1e-6
+
+
+def solve_as_published(
+    problem: wo.NipProblem, nodes: int = 200, terms: int = 20_000, scheme: str = "thesis-printed"
+) -> tuple[float, int]:
+    """Return NIT [N/m] and the number of linear systems solved."""
+    disc, solves = discretisation(scheme, nodes), 0
+
+    def evaluate(a: float) -> tuple[tuple[NipEquations, NipState], float]:
+        nonlocal solves
+        equations = _equations(problem, disc, a, terms)
+        solution = panagiotopoulos(equations.stick_slip())
+        solves += solution.solves
+        if solution.ending is not Ending.SOLVED:
+            raise wo.NotConverged(solution.ending.value)
+        state = equations.state(replace(solution, solves=solves))
+        return (equations, state), float(equations.matrices.weights @ state.pressure)
+
+    bodies = (problem.roll, problem.drum)
+    guess = half_width_guess(problem.nip_load, contact_radius(problem), bodies)
+    (equations, state), _ = width_for_load(evaluate, problem.nip_load, guess, LOAD_RTOL)
+    total = state.roll_traction + state.drum_traction
+    return float(equations.matrices.weights @ total), solves
+
+
+def _equations(problem: wo.NipProblem, disc: Discretisation, a: float, terms: int) -> NipEquations:
+    responses = (_response(body, disc, a, terms) for body in (problem.roll, problem.drum))
+    made = NipMatrices.of(problem, disc, a, *responses)
+    solved = solve_normal(made.slope_p, made.gap, made.slope_q)
+    return NipEquations(
+        problem, disc, made,
+        solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
+    )  # fmt: skip
+
+
+@lru_cache
+def _sequences(body: wo.Cylinder, terms: int) -> Sequences:
+    n = np.arange(terms + 1)
+    return sequences(n, body.radius, body.core_radius, *body.material.stiffness)
+
+
+def _response(
+    body: wo.Rigid | wo.HalfPlane | wo.Cylinder, disc: Discretisation, a: float, terms: int
+) -> Response | None:
+    """Return the body's matrices, by sums over all terms for each difference of two nodes."""
+    if isinstance(body, wo.Rigid):
+        return None
+    if isinstance(body, wo.HalfPlane):
+        return disc.response(body.surface(2 * a), body.curvature, a)
+    M, R = disc.grid.nodes.size, body.radius
+    gamma_1, gamma_2, chi_1, chi_2 = _sequences(body, terms)
+    n, delta = np.arange(1, terms + 1), a * float(disc.grid.cells[0]) / R
+    # a hat of base 2 delta R as a Fourier series
+    hat = 4 * np.sin(n * delta / 2) ** 2 / (np.pi * n**2 * delta)
+    mean = delta / (2 * np.pi)
+    angle = np.outer(np.arange(M) * delta, n)
+    cos, sin = np.cos(angle), np.sin(angle)
+    v_p = _even(-(cos @ (gamma_1[1:] * hat)) - gamma_1[0] * mean)
+    u_q = _even(cos @ (chi_2[1:] * hat))
+    v_q = _odd(sin @ (gamma_2[1:] * hat))
+    u_p = _odd(sin @ (chi_1[1:] * hat))
+    dx = delta * R
+    strain_p = np.diff(u_p, axis=0) / dx + v_p[1:] / R
+    strain_q = np.diff(u_q, axis=0) / dx + v_q[1:] / R
+    return Response(
+        np.diff(v_p, axis=0) / dx,
+        np.diff(v_q, axis=0) / dx,
+        np.vstack([strain_p, strain_p[-1:]]),
+        np.vstack([strain_q, strain_q[-1:]]),
+    )
+
+
+def _even(values: Array) -> Array:
+    """Spread a function of |x_l - x_m| over all nodes l and interior nodes m, (M, M-2)."""
+    M = values.size
+    distance = np.arange(M)[:, None] - np.arange(1, M - 1)
+    return values[np.abs(distance)]
+
+
+def _odd(values: Array) -> Array:
+    M = values.size
+    distance = np.arange(M)[:, None] - np.arange(1, M - 1)
+    return np.sign(distance) * values[np.abs(distance)]

@@ -1,0 +1,233 @@
+"""How long things take, as multiples of one dense LU solve of 398 x 398 in the same run.
+
+    python benchmarks/speed.py                          all tables
+    python benchmarks/speed.py --write docs/tables      as files that docs/performance.md includes
+
+398 x 398 is the thesis's system (M = 200, both faces).  One thread; processor time, so that a busy
+machine matters little; each work between two solves of the baseline, medians of the ratios.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from published import solve_as_published
+from scipy.linalg import lu_factor, lu_solve
+
+import woundon as wo
+from woundon.thesis.cases import paper_nip
+
+warnings.simplefilter("ignore", wo.ValidityWarning)
+
+PAPER = wo.material("paper")
+COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
+HALF_PLANE_ROLL = paper_nip(roll=wo.HalfPlane(radius=0.3, material=PAPER))
+COVERED = paper_nip(drum=COVER)
+# NIT [N/m] on 1025 nodes graded towards the edges and towards the borders (test_convergence.py)
+LIMITS = {HALF_PLANE_ROLL: 134.7535, COVERED: 32.4856}
+
+STEEL = wo.HalfPlane(radius=0.25, material=wo.material("steel"))
+CARTER = wo.RollerProblem(
+    upper=STEEL, lower=STEEL, load=89e3, tangential_load=8.4e3, friction=0.5, motion="rolling"
+)
+
+
+class Baseline:
+    """The dense solve that everything is measured by."""
+
+    def __init__(self, size: int = 398) -> None:
+        random = np.random.default_rng(0)
+        self.matrix = random.normal(size=(size, size)) + size * np.eye(size)
+        self.right = random.normal(size=size)
+        self.seconds: list[float] = []
+
+    def once(self) -> float:
+        """Return the seconds of one solve."""
+        self.seconds.append(_timed(lambda: lu_solve(lu_factor(self.matrix), self.right)))
+        return self.seconds[-1]
+
+    def ratio(self, work: Callable[[], object], repeats: int = 25) -> float:
+        """Return the median of the work's time over the baseline's around it."""
+        work()  # what is made once and kept
+        ratios = []
+        for _ in range(repeats):
+            before = self.once()
+            spent = _timed(work)
+            ratios.append(2 * spent / (before + self.once()))
+        return float(np.median(ratios))
+
+
+def _timed(work: Callable[[], object]) -> float:
+    start = time.process_time()
+    work()
+    return time.process_time() - start
+
+
+def _others(problem: wo.NipProblem) -> Iterator[wo.NipProblem]:
+    """Yield the same nip with other loads, about one percent to either side."""
+    random = np.random.default_rng(1)
+    while True:
+        yield problem.replace(nip_load=problem.nip_load * (1 + random.uniform(-0.01, 0.01)))
+
+
+def _new_radii(problem: wo.NipProblem) -> Iterator[wo.NipProblem]:
+    """Yield it with radii that were never met before."""
+    random = np.random.default_rng(2)
+    while True:
+        factor = 1 + 1e-3 * random.uniform()
+        fields = {"roll.radius": problem.roll.radius * factor,
+                  "drum.radius": problem.drum.radius * factor}  # fmt: skip
+        yield problem.replace(**fields)
+
+
+def _error(problem: wo.NipProblem, tension: float) -> float:
+    return abs(tension / LIMITS[problem] - 1)
+
+
+def nip_table(baseline: Baseline) -> str:
+    """Return the times of the nip."""
+    rows = []
+    for name, problem in (("half-plane roll, hard drum", HALF_PLANE_ROLL),
+                          ("cylinder roll, 20 mm cover", COVERED)):  # fmt: skip
+        for nodes in (None, 65):
+            result = wo.solve_nip(problem, nodes=nodes)
+            others, radii = _others(problem), _new_radii(problem)
+            error = _error(problem, result.nip_induced_tension)
+            label = f"{name}, {result.nodes} nodes{' chosen by the program' * (nodes is None)}"
+
+            def other() -> object:
+                return wo.solve_nip(next(others), nodes=nodes)  # noqa: B023
+
+            def first() -> object:
+                return wo.solve_nip(next(radii), nodes=nodes)  # noqa: B023
+
+            def near() -> object:
+                return wo.solve_nip(next(others), nodes=nodes, start=result)  # noqa: B023
+
+            if problem is COVERED:
+                rows.append((f"{label}: first call with new radii", baseline.ratio(first), error))
+            rows.append((f"{label}: another load", baseline.ratio(other), error))
+            rows.append((f"{label}: another load, `start=` its neighbour",
+                         baseline.ratio(near), error))  # fmt: skip
+            slopes = baseline.ratio(result.sensitivity, 9)
+            rows.append((f"{label}: all its sensitivities", slopes, None))
+    head = "| work | dense solves | true error of NIT |\n|---|---|---|\n"
+    return head + "".join(
+        f"| {label} | {ratio:.1f} | {'' if error is None else f'{error:.1e}'} |\n"
+        for label, ratio, error in rows
+    )
+
+
+def published_table(baseline: Baseline) -> str:
+    """Compare with the published procedure."""
+    head = (
+        "| nip | procedure | dense solves | milliseconds here | NIT N/m | error |\n"
+        "|---|---|---|---|---|---|\n"
+    )
+    text = head
+    for name, problem, scheme in (("20 mm cover", COVERED, "thesis-printed"),
+                                  ("half-plane roll", HALF_PLANE_ROLL, "thesis")):  # fmt: skip
+        tension, _ = solve_as_published(problem, scheme=scheme)
+
+        def published() -> object:
+            return solve_as_published(problem, scheme=scheme)  # noqa: B023
+
+        slow = baseline.ratio(published, 3)
+        unit = 1e3 * float(np.median(baseline.seconds))
+        text += (f"| {name} | published | {slow:.0f} | {slow * unit:.0f} | {tension:.3f} | "
+                 f"{_error(problem, tension):.1e} |\n")  # fmt: skip
+        for nodes in (65, None):
+            result = wo.solve_nip(problem, nodes=nodes)
+
+            def default() -> object:
+                return wo.solve_nip(problem, nodes=nodes)  # noqa: B023
+
+            quick = baseline.ratio(default)
+            error = _error(problem, result.nip_induced_tension)
+            gain = _error(problem, tension) / error
+            label = f"{'default' if nodes is None else 'graded'}, {result.nodes} nodes"
+            text += (
+                f"| | {label}: {slow / quick:.0f} times faster, {gain:.0f} times more accurate | "
+                f"{quick:.1f} | {quick * unit:.1f} | {result.nip_induced_tension:.3f} | "
+                f"{error:.1e} |\n"
+            )
+    return text
+
+
+def carter_table(baseline: Baseline) -> str:
+    """Return times and errors of two rollers against Carter's closed form."""
+    exact = wo.theories.carter(CARTER)
+    text = ("| nodes | dense solves | traction L2 | nodal traction L2 | creepage |\n"
+            "|---|---|---|---|---|\n")  # fmt: skip
+    for nodes in (25, 51, 101, 200, 401):
+        result = wo.solve_rollers(CARTER, nodes=nodes)
+        known = exact.traction(result.x)
+        miss = (result.traction - known) ** 2
+        nodal = np.sqrt(miss.mean() / (known**2).mean())
+        along = np.sqrt(np.trapezoid(miss, result.x) / np.trapezoid(known**2, result.x))
+        ratio = baseline.ratio(lambda: wo.solve_rollers(CARTER, nodes=nodes), 9)  # noqa: B023
+        creepage = abs(result.creepage / exact.creepage - 1)
+        text += f"| {nodes} | {ratio:.1f} | {along:.1e} | {nodal:.1e} | {creepage:.1e} |\n"
+    return text
+
+
+def import_table() -> str:
+    """Compare imports, each in a process of its own."""
+    works = {
+        "`import numpy, scipy`": "import numpy, scipy",
+        "`import woundon`": "import woundon",
+        "`import woundon` and all that `solve_nip` needs": "import woundon; woundon.solve_nip",
+    }
+    spent: dict[str, list[float]] = {name: [] for name in works}
+    for _ in range(9):
+        for name, code in works.items():
+            program = f"import time; t = time.process_time(); {code}; print(time.process_time()-t)"
+            done = subprocess.run(
+                [sys.executable, "-c", program], capture_output=True, text=True, check=True
+            )
+            spent[name].append(float(done.stdout))
+    medians = {name: float(np.median(values)) for name, values in spent.items()}
+    unit = medians["`import numpy, scipy`"]
+    text = "| import | milliseconds here | ratio |\n|---|---|---|\n"
+    return text + "".join(
+        f"| {name} | {1e3 * value:.0f} | {value / unit:.2f} |\n" for name, value in medians.items()
+    )
+
+
+def main() -> int:
+    """Print the tables, or write them."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--write", type=Path, help="folder for a file a table")
+    options.add_argument("--only", nargs="+", help="names of the tables")
+    given = options.parse_args()
+    baseline = Baseline()
+    tables: dict[str, Callable[[], str]] = {
+        "nip": lambda: nip_table(baseline),
+        "published": lambda: published_table(baseline),
+        "carter": lambda: carter_table(baseline),
+        "imports": import_table,
+    }
+    for name in given.only or tables:
+        text = tables[name]()
+        print(f"{name}\n\n{text}", flush=True)
+        if given.write:
+            given.write.mkdir(parents=True, exist_ok=True)
+            (given.write / f"speed_{name}.md").write_text(text, encoding="utf-8")
+    print(f"baseline: {1e3 * float(np.median(baseline.seconds or [np.nan])):.2f} ms")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
