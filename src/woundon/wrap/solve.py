@@ -34,7 +34,7 @@ __all__ = ["solve_wrapped_nip"]
 
 Array = np.ndarray
 
-LOAD_RTOL, COARSE_LOAD_RTOL = 1e-9, 1e-4
+LOAD_RTOL, COARSE_LOAD_RTOL = 8e-9, 1e-4  # the certificate allows 1e-8
 BALANCE_RTOL, COARSE_BALANCE_RTOL = 1e-9, 1e-2
 ACCEPTED_RESIDUAL = 1e-8
 COARSEST = 24  # nodes
@@ -64,7 +64,7 @@ def solve_wrapped_nip(
     drum_wrap : float
         Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
     wrap_friction : float, optional
-        mu+ behind the nip, > 0; by default that in the nip.
+        mu+ behind the nip, >= 1e-6; by default that in the nip.
     winding_force : float, optional
         F on nip and drum wrap together [N/m]; by default the problem's, which must stay below the
         nip's own mu- P.  With a wrap the drum can take mu- P + T_in (exp(mu- drum_wrap) - 1).
@@ -90,7 +90,8 @@ def solve_wrapped_nip(
     mu = problem.roll_friction if wrap_friction is None else wrap_friction
     _check("roll_wrap", roll_wrap, 0.0, pi, "rad")
     _check("drum_wrap", drum_wrap, 0.0, pi, "rad")
-    _check("wrap_friction", mu, 1e-9, 10.0, "1")
+    if wrap_friction is not None:
+        _check("wrap_friction", mu, 1e-6, 10.0, "1")
     nodes = whole_number("nodes", nodes, 17, 1025)
     cells = 3 * (nodes - 1) // 4 if wrap_nodes is None else wrap_nodes
     cells = whole_number("wrap_nodes", cells, 12, 2048)
@@ -268,8 +269,8 @@ class _Solver:
             ("behind the nip", T[grid.last :], self.loads.roll_arc),
             ("before the nip", T[: grid.first + 1], self.loads.drum_arc),
         ):
-            if present and not float(np.min(arc)) > 0:
-                T_in, least = self.problem.web_tension, float(np.min(arc))
+            T_in, least = self.problem.web_tension, float(np.min(arc))
+            if present and least <= 0:
                 raise NoSteadyState.at(
                     "web_tension",
                     f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} "
