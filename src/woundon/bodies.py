@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Protocol
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from .description import Description, Number
-from .elasticity import half_plane
+from .elasticity import cylinder, half_plane
 from .elasticity.kernels import SurfaceKernels
 from .errors import InvalidProblem
 from .materials import Material
@@ -137,8 +137,6 @@ class Cylinder(Description):
 
     def surface(self, reach: float) -> SurfaceKernels:
         """Return the cylinder's response (thesis eq. 59), series summed beyond the half-plane."""
-        from .elasticity import cylinder  # brings SciPy's splines, needed by no other body
-
         return cylinder.surface_kernels(
             self.radius, self.core_radius, *self.material.stiffness, reach=reach
         )

@@ -71,7 +71,7 @@ def test_the_report_states_the_numbers() -> None:
         "RMS one-point fit (G): 12.1 N/m",
         "RMS one-point fit (A_rr): 12.1 N/m",
         "RMS full fit (G and A_rr): 10.5 N/m",
-        "RMS full fit (G and A_rr): 10.4 N/m",
+        "RMS full fit (G and A_rr): 10.3 N/m",
         "RMS theory as printed in the thesis: 11.9 N/m",
         "RMS best model without influence of T_in: 9.5 N/m",
     ):
