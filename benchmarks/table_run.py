@@ -15,6 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import cache
 from pathlib import Path
 
 Row = dict[str, object]
@@ -105,8 +106,9 @@ def _kept(path: Path, columns: Sequence[str]) -> dict[int, dict[str, str]]:
     return {int(row["seed"]): row for row in rows}
 
 
+@cache
 def sources() -> str:
-    """Return a short digest of the program's source files."""
+    """Return a short digest of the program's source files, as they were when first asked."""
     import woundon
 
     digest = hashlib.sha256()

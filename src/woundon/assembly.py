@@ -125,7 +125,7 @@ class NipMatrices:
         stretch = (a * web.c11 / problem.web.thickness) * disc.behind
         squeeze = -web.c12 * disc.value
         direct[: 2 * n].reshape(2, n, 2, n)[...] = stretch[:-1, None]
-        direct[2 * n :] = np.tile(stretch[-1], 2)
+        direct[2 * n :].reshape(2, 2, n)[...] = stretch[-1]
         through[: 2 * n].reshape(2, n, n)[...] = squeeze[:-1]
         through[2 * n :] = squeeze[-1]
         for face, response in enumerate((roll, drum)):

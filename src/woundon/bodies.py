@@ -12,12 +12,16 @@ from typing import Annotated, Any, Literal, Protocol
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from .description import Description, Number
-from .elasticity import half_plane
+from .elasticity import cylinder, half_plane
 from .elasticity.kernels import SurfaceKernels
 from .errors import InvalidProblem
 from .materials import Material
 
 __all__ = ["AnyBody", "Body", "Cylinder", "HalfPlane", "Rigid"]
+
+
+# of the radius; a core that is smaller still is no other roll, but its powers overflow
+SMALLEST_CORE = 1e-9
 
 
 class Body(Protocol):
@@ -39,7 +43,7 @@ class Body(Protocol):
 
 
 def _radius(what: str) -> Any:
-    return Field(description=what, gt=1e-4, le=100.0, json_schema_extra={"unit": "m"})
+    return Field(description=what, gt=1e-4, le=10.0, json_schema_extra={"unit": "m"})
 
 
 class Rigid(Description):
@@ -94,7 +98,7 @@ class Cylinder(Description):
     Parameters
     ----------
     radius, core_radius : float
-        R and R0 [m], 0 < R0 < R.
+        R and R0 [m], 1e-9 R <= R0 <= 0.9995 R.
     material : Orthotropic or Isotropic
 
     Raises
@@ -112,12 +116,12 @@ class Cylinder(Description):
 
     @model_validator(mode="after")
     def _core_inside(self) -> Cylinder:
-        limit = self.radius * (1 - 1 / 2000)
-        if self.core_radius > limit:
+        least, limit = self.radius * SMALLEST_CORE, self.radius * (1 - 1 / 2000)
+        if not least <= self.core_radius <= limit:
             raise InvalidProblem.at(
                 "core_radius",
-                f"{self.core_radius:.10g} is out of range; must be > 0 and <= "
-                f"0.9995 * radius = {limit:.10g} [m]",
+                f"{self.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
+                f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
             )
         return self
 
@@ -133,8 +137,6 @@ class Cylinder(Description):
 
     def surface(self, reach: float) -> SurfaceKernels:
         """Return the cylinder's response (thesis eq. 59), series summed beyond the half-plane."""
-        from .elasticity import cylinder  # brings SciPy's splines, needed by no other body
-
         return cylinder.surface_kernels(
             self.radius, self.core_radius, *self.material.stiffness, reach=reach
         )

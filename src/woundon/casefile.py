@@ -6,6 +6,7 @@ unit of each field is the one that the description itself states; there is no se
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
@@ -32,6 +33,8 @@ __all__ = [
 ]
 
 SCHEMA = 1
+
+_BARE = re.compile(r"[\w.-]+\s*=\s*[\d.+-]+\s*[^\W\d_].*")  # nip_load = 3.5 kN/m
 
 Models = tuple[type[BaseModel], ...]
 
@@ -72,19 +75,33 @@ def read_case(path: str | Path) -> dict[str, Any]:
         If the file cannot be read, is empty, or is no TOML (with the line).
     """
     try:
-        text = Path(path).read_bytes().decode("utf-8")
+        # Windows editors put a mark before the first byte of UTF-8
+        text = Path(path).read_bytes().decode("utf-8-sig")
         case = tomllib.loads(text)
     except OSError as fault:
         raise InvalidProblem([(str(path), f"cannot be read: {fault.strerror}")]) from None
     except UnicodeDecodeError as fault:
-        raise InvalidProblem([(str(path), f"is no UTF-8 text, from byte {fault.start}")]) from None
+        why = f"is no UTF-8 text, from byte {fault.start}; save it as UTF-8"
+        raise InvalidProblem([(str(path), why)]) from None
     except tomllib.TOMLDecodeError as fault:
-        raise InvalidProblem([(str(path), f"is no valid TOML: {fault}")]) from None
+        why = f"is no valid TOML: {fault}{_line_at_fault(text, str(fault))}"
+        raise InvalidProblem([(str(path), why)]) from None
+    except RecursionError:
+        raise InvalidProblem([(str(path), "is no case file: nested too deeply")]) from None
     if not case:
         raise InvalidProblem(
             [(str(path), "is empty; 'woundon new > case.toml' writes a case to start from")]
         )
     return case
+
+
+def _line_at_fault(text: str, fault: str) -> str:
+    """Return the line that a TOML error names, for its value is what must be changed."""
+    found = re.search(r"line (\d+)", fault)
+    lines = text.rstrip().split("\n")
+    line = lines[min(int(found[1]), len(lines)) - 1 if found else -1].split("#")[0].strip()
+    hint = '; text with a unit needs quotes: "3.5 kN/m"' if _BARE.fullmatch(line) else ""
+    return f": {line[:60]}{hint}"
 
 
 def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ import click
 
 from . import __version__
 from .errors import InvalidProblem, NotConverged
+from .outputs import check_writable
 from .studies import commands as study_commands
 
 if TYPE_CHECKING:
@@ -39,6 +40,9 @@ def main(args: Sequence[str] | None = None) -> int:
         return _refuse(str(fault).splitlines(), BAD_INPUT)
     except NotConverged as fault:
         return _refuse([f"not converged: {fault}"], NOT_CONVERGED)
+    except click.exceptions.NoArgsIsHelpError as told:
+        click.echo(told.format_message(), err=True)
+        return BAD_INPUT
     except click.ClickException as fault:
         return _refuse([fault.format_message()], BAD_INPUT)
     except click.Abort:
@@ -64,7 +68,7 @@ def commands() -> None:
     """Winding mechanics: what the winding nip does to a paper or film web."""
 
 
-@commands.command()
+@commands.command(short_help="Solve the winding nip of a case file.")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option(
     "--set",
@@ -77,8 +81,10 @@ def commands() -> None:
 @click.option("--sensitivity", is_flag=True, help="Tell what the outputs depend on most.")
 @click.option("--save", type=click.Path(path_type=Path), help="Save as .nc, .json or .csv.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
-@click.option("--scheme", default="graded", show_default=True, help="graded or thesis.")
-@click.option("--algorithm", default="pivoting", help="pivoting (default) or panagiotopoulos.")
+@click.option(
+    "--scheme", default="graded", show_default=True, help="graded, thesis or thesis-printed."
+)
+@click.option("--algorithm", default="pivoting", show_default=True, help="Or panagiotopoulos.")
 @click.option("--nodes", type=int, help="Number of nodes along the nip, fixed.")
 @click.option("--rtol", type=float, help="Refine until the added tension is known to RTOL.")
 @click.option(
@@ -136,8 +142,7 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
 
         check_format(plot)
     for path in filter(None, (save, plot)):
-        if not path.parent.is_dir():
-            raise InvalidProblem([(str(path), f"the folder {str(path.parent)!r} does not exist")])
+        check_writable(path)
 
 
 def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
@@ -164,7 +169,8 @@ def _solved_with_wraps(
             text = f"{options[name]!r} is not admissible with a wrap; leave it out, or the wraps"
             raise InvalidProblem.at(f"--{name}", text)
     given = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap}
-    chosen: dict[str, Any] = {
+    # a wrap that is not asked for is none; without one the web is held at the trailing edge
+    chosen: dict[str, Any] = {"roll_wrap": 0.0} | {
         name: parse(text, "rad", f"--{name.replace('_', '-')}")
         for name, text in given.items()
         if text is not None
@@ -187,7 +193,7 @@ def _show(result: NipResult | WrappedNipResult, sensitivity: Sensitivity | None)
         print_sensitivity(sensitivity, console)
 
 
-@commands.command()
+@commands.command(short_help="Recompute figures and tables of the thesis.")
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--all", "everything", is_flag=True, help="Every figure and table.")
 @click.option(
@@ -208,7 +214,7 @@ def _show(result: NipResult | WrappedNipResult, sensitivity: Sensitivity | None)
 def thesis(
     names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
 ) -> None:
-    """Recompute figures and tables of the thesis (fig16, table3, ...) and test what it says."""
+    """Recompute figures and tables of the thesis, and test what it says: fig16, table3, ..."""
     from .thesis.publication import publish
     from .thesis.registry import NAMES, chosen
     from .thesis.show import show
@@ -221,7 +227,7 @@ def thesis(
     show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
 
 
-@commands.command()
+@commands.command(short_help="Print a commented case file to start from.")
 def new() -> None:
     """Print a commented case file to start from: woundon new > case.toml."""
     from .casefile import template

@@ -36,17 +36,21 @@ def _modulus(what: str, **kw: Any) -> Any:
     return Field(description=what, json_schema_extra={"unit": "Pa"}, le=1e14, **kw)
 
 
+# softer than any solid, and soft enough for numbers without dimension around 1
+SOFTEST = 1e-3
+
+
 class Orthotropic(Description):
     """An orthotropic material by its plane-strain stiffness (thesis eq. 34).
 
     Parameters
     ----------
     radial, tangential : float
-        A_rr and A_tt, direct stiffness through the thickness and along the web [Pa], > 0.
+        A_rr and A_tt, direct stiffness through the thickness and along the web [Pa], 1e-3 to 1e14.
     cross : float
         A_rt [Pa], 0 <= A_rt < sqrt(A_rr A_tt).
     shear : float
-        G_rt [Pa], > 0.
+        G_rt [Pa], in the same range.
 
     Raises
     ------
@@ -55,10 +59,10 @@ class Orthotropic(Description):
     """
 
     kind: Literal["orthotropic"] = Field(default="orthotropic", repr=False)
-    radial: Number = _modulus("A_rr, direct stiffness through the thickness", gt=0)
-    tangential: Number = _modulus("A_tt, direct stiffness along the web", gt=0)
+    radial: Number = _modulus("A_rr, direct stiffness through the thickness", ge=SOFTEST)
+    tangential: Number = _modulus("A_tt, direct stiffness along the web", ge=SOFTEST)
     cross: Number = _modulus("A_rt, cross stiffness", ge=0)
-    shear: Number = _modulus("G_rt, shear modulus", gt=0)
+    shear: Number = _modulus("G_rt, shear modulus", ge=SOFTEST)
 
     @model_validator(mode="after")
     def _positive_energy(self) -> Orthotropic:
@@ -83,7 +87,7 @@ class Isotropic(Description):
     Parameters
     ----------
     youngs_modulus : float
-        E [Pa], > 0.
+        E [Pa], 1e-3 to 1e14.
     poissons_ratio : float
         nu, 0 <= nu < 0.5; the model excludes incompressible bodies (thesis sec. 2.1).
 
@@ -94,7 +98,7 @@ class Isotropic(Description):
     """
 
     kind: Literal["isotropic"] = Field(default="isotropic", repr=False)
-    youngs_modulus: Number = _modulus("E, Young's modulus", gt=0)
+    youngs_modulus: Number = _modulus("E, Young's modulus", ge=SOFTEST)
     poissons_ratio: Number = Field(
         description="nu, Poisson's ratio", ge=0, lt=0.5, json_schema_extra={"unit": "1"}
     )

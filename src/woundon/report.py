@@ -42,9 +42,10 @@ def print_report(result: NipResult | WrappedNipResult, console: Console) -> None
     console.print(_zones(nip, marks))
     if isinstance(result, NipResult):
         console.print(_rivals(result))
-    for number, warning in enumerate(result.warnings):
-        gap = "" if number else "\n"
-        console.print(Text(f"{gap}warning: {warning}", style="bold yellow"))
+        console.print()
+    if result.warnings:
+        lines = "\n".join(f"warning: {warning}" for warning in result.warnings)
+        console.print(Text(f"{lines}\n", style="bold yellow"))
     console.print(Text(_certificate(result), style="green"))
 
 
@@ -170,7 +171,7 @@ def _certificate(result: NipResult | WrappedNipResult) -> str:
     law, value = max(result.residuals.items(), key=lambda item: item[1])
     count = sum(1 for _ in result.residuals.items())
     return (
-        f"\nCertificate: all {count} contact laws hold; the largest residual is {value:.1e} "
+        f"Certificate: all {count} contact laws hold; the largest residual is {value:.1e} "
         f"({law.replace('_', ' ')})"
     )
 

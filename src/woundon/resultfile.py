@@ -55,10 +55,13 @@ def save_result(result: Result, path: str | Path) -> None:
     """
     path = Path(path)
     content = writer_for(path)(result)
+    # written aside: a result is whole or not there
     aside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         aside.write_bytes(content)
         os.replace(aside, path)
+    except OSError as fault:
+        raise OSError(fault.errno, fault.strerror, str(path)) from None
     finally:
         aside.unlink(missing_ok=True)
 

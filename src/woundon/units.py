@@ -57,8 +57,25 @@ fpm = ft / min
 _SPELLINGS = {
     "in": "inch",
     "%": "percent",
+    "\N{DEGREE SIGN}": "deg",
     "\N{MICRO SIGN}m": "um",
     "\N{GREEK SMALL LETTER MU}m": "um",
+}
+
+# full names are not read (one spelling a unit), but told
+_FULL_NAMES = {
+    "micron": "um", "micrometer": "um", "micrometre": "um", "millimeter": "mm",
+    "millimetre": "mm", "centimeter": "cm", "centimetre": "cm", "meter": "m", "metre": "m",
+    "inches": "in", "foot": "ft", "feet": "ft", "newton": "N", "pascal": "Pa", "degree": "deg",
+    "radian": "rad", "pound": "lbf", "second": "s", "minute": "min", "u": "um",
+}  # fmt: skip
+
+# what is typed in place of a decimal point and a minus
+_MISTYPED = {
+    ",": "; write a decimal point, and no mark between thousands",
+    "\N{MINUS SIGN}": "; write the minus as '-'",
+    "\N{EN DASH}": "; write the minus as '-'",
+    "\N{EM DASH}": "; write the minus as '-'",
 }
 
 _EXAMPLES = {
@@ -69,7 +86,7 @@ _EXAMPLES = {
     "1": ", e.g. 0.2 or '20 %'",
 }
 
-_NAME = r"[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%]+"
+_NAME = r"[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%\N{DEGREE SIGN}]+"
 _FACTOR = rf"{_NAME}(?:(?:\*\*|\^)?-?\d|[\N{{SUPERSCRIPT TWO}}\N{{SUPERSCRIPT THREE}}])?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
@@ -151,7 +168,11 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
 
 def _nearest(name: str) -> str:
     """Return the hint for an unknown unit; a wrong case is the likeliest slip ("mpa")."""
-    same = [known for known in known_units() if known.lower() == name.lower()]
+    word = name.lower()
+    full = _FULL_NAMES.get(word) or _FULL_NAMES.get(word.removesuffix("s"))
+    if full:
+        return f"; did you mean {full!r}?"
+    same = [known for known in known_units() if known.lower() == word]
     return f"; did you mean {same[0]!r}?" if same else did_you_mean(name, known_units())
 
 
@@ -165,4 +186,6 @@ def _spelled_for_pint(text: str) -> str:
 def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:
     due = "a plain number" if unit == "1" else f"a value in {unit}"
     example = _EXAMPLES.get(unit, "")
+    if isinstance(value, str):
+        hint += next((told for mark, told in _MISTYPED.items() if mark in value), "")
     return InvalidProblem([(field, f"{value!r} {what}; expected {due}{example}{hint}")])

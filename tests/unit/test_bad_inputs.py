@@ -6,6 +6,7 @@ of the program.  Three doors, one answer: Python, the case file, the command lin
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
 from decimal import Decimal
@@ -23,7 +24,7 @@ BODY = "Rigid, HalfPlane or Cylinder (or a table of its fields)"
 MATERIAL = (
     "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
 )
-LOAD = "> 0 and <= 1e+07 [N/m]"
+LOAD = ">= 1e-06 and <= 1e+07 [N/m]"
 NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_tension, winding_force"
 MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
 
@@ -98,9 +99,10 @@ def test_a_number_that_is_none(value: Any, text: str) -> None:
 
 ORTHOTROPIC = {"radial": 20e6, "tangential": 3e9, "cross": 5e6, "shear": 10e6}
 CYLINDER = {"radius": 0.1, "core_radius": 0.05, "material": "steel"}
-MODULUS = "> 0 and <= 1e+14 [Pa]"
+MODULUS = ">= 0.001 and <= 1e+14 [Pa]"
 THICKNESS = "thickness: {} is out of range; must be >= 1e-07 and <= 0.01 [m]"
-RADIUS = "radius: {} is out of range; must be > 0.0001 and <= 100 [m]"
+CORE = ">= 1e-09 * radius = 1e-10 and <= 0.9995 * radius = 0.09995 [m]"
+RADIUS = "radius: {} is out of range; must be > 0.0001 and <= 10 [m]"
 
 RANGES: list[tuple[Any, dict[str, Any], dict[str, Any], str]] = [
     # (description, its fields, the bad ones, the text)
@@ -123,10 +125,9 @@ RANGES: list[tuple[Any, dict[str, Any], dict[str, Any], str]] = [
         "sqrt(radial * tangential) = 10000000 [Pa]",
     ),
     (
-        # the product of the two would underflow
-        wo.Orthotropic, ORTHOTROPIC | {"radial": 1e-200, "tangential": 1e-200}, {"cross": 1e-100},
-        "cross: 1e-100 is out of range; must be >= 0 and < "
-        "sqrt(radial * tangential) = 1e-200 [Pa]",
+        # the solvers would end in overflow
+        wo.Orthotropic, ORTHOTROPIC, {"shear": 1e-300},
+        f"shear: 1e-300 is out of range; must be {MODULUS}",
     ),
     (
         wo.Isotropic, {"youngs_modulus": 1e9}, {"poissons_ratio": 0.5},
@@ -165,11 +166,19 @@ RANGES: list[tuple[Any, dict[str, Any], dict[str, Any], str]] = [
     (wo.Cylinder, CYLINDER, {"radius": 1e-9}, RADIUS.format("1e-09")),
     (
         wo.Cylinder, CYLINDER, {"core_radius": 0.1},
-        "core_radius: 0.1 is out of range; must be > 0 and <= 0.9995 * radius = 0.09995 [m]",
+        f"core_radius: 0.1 is out of range; must be {CORE}",
     ),
     (
         wo.Cylinder, CYLINDER, {"core_radius": 76},
-        "core_radius: 76 is out of range; must be > 0 and <= 0.9995 * radius = 0.09995 [m]",
+        f"core_radius: 76 is out of range; must be {CORE}",
+    ),
+    (
+        wo.Cylinder, CYLINDER, {"core_radius": 1e-300},
+        f"core_radius: 1e-300 is out of range; must be {CORE}",
+    ),
+    (
+        wo.Rigid, {}, {"radius": 100},
+        RADIUS.format(100) + " (plain numbers are SI: 100 mm is 0.1)",
     ),
     (wo.Cylinder, CYLINDER, {"core_radius": 0}, "core_radius: 0 is out of range; must be > 0 [m]"),
 ]  # fmt: skip
@@ -235,7 +244,7 @@ PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
         "tangential_load: -44500 is out of range; |tangential_load| must be < "
         "friction * load = 44500 [N/m], or the rollers slide",
     ),
-    (rollers, {"load": 0}, "load: 0 is out of range; must be > 0 and <= 1e+09 [N/m]"),
+    (rollers, {"load": 0}, "load: 0 is out of range; must be >= 1e-06 and <= 1e+09 [N/m]"),
 ]  # fmt: skip
 
 
@@ -288,7 +297,7 @@ NAMES: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     ),
     (wo.Web, {"thickness": 66e-6}, f"material: missing; must be {MATERIAL}"),
     (wo.Cylinder, {**CYLINDER, "radius": None}, "radius: None is not a number; "
-     "must be > 0.0001 and <= 100 [m]"),
+     "must be > 0.0001 and <= 10 [m]"),
     (rollers, {"motion": "roling"}, "motion: 'roling' is unknown; must be 'rolling' or 'static'; "
      "did you mean 'rolling'?"),
     (rollers, {"motion": 5}, "motion: 5 is unknown; must be 'rolling' or 'static'"),
@@ -338,7 +347,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
         {"drum": wo.material("steel")},
         f"drum: Isotropic(youngs_m...poissons_ratio=0.3) is out of place; must be {BODY}",
     ),
-    ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 100 [m]"),
+    ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 10 [m]"),
     (
         {"drum": {"kind": "rigd", "radius": 1}},
         "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
@@ -386,12 +395,12 @@ PLACES: list[tuple[dict[str, Any], str]] = [
         {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
         "web.thickness: '66 um' is not a number; must be >= 1e-07 and <= 0.01 [m] "
         "(units are read in case files only)\n"
-        "web.material.radial: -1 is out of range; must be > 0 and <= 1e+14 [Pa]\n"
+        "web.material.radial: -1 is out of range; must be >= 0.001 and <= 1e+14 [Pa]\n"
         "web.material.shaer: no such field; did you mean 'shear'?",
     ),
     (
         {"web": {"thickness": 66e-6, "material": {"young": 1e9, "poissons_ratio": 0.3}}},
-        "web.material.youngs_modulus: missing; must be > 0 and <= 1e+14 [Pa]\n"
+        "web.material.youngs_modulus: missing; must be >= 0.001 and <= 1e+14 [Pa]\n"
         "web.material.young: no such field; did you mean 'youngs_modulus'?",
     ),
 ]  # fmt: skip
@@ -417,7 +426,7 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
     ({"web.material.shaer": 1}, "web.material.shaer: no such field; did you mean 'shear'?"),
     (
         {"web.material.shear": -1},
-        "web.material.shear: -1 is out of range; must be > 0 and <= 1e+14 [Pa]",
+        "web.material.shear: -1 is out of range; must be >= 0.001 and <= 1e+14 [Pa]",
     ),
     (
         {"web.material.shear.x": 1},
@@ -430,7 +439,7 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
     ({"web..thickness": 1}, "web..thickness: no such field; known: material, thickness"),
     (
         {"roll.core_radius": 0.2},
-        "roll.core_radius: 0.2 is out of range; must be > 0 and <= 0.9995 * radius = 0.09995 [m]",
+        f"roll.core_radius: 0.2 is out of range; must be {CORE}",
     ),
     (
         {"drum.core_radius": 0.05},
@@ -448,7 +457,7 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
         {"web.thicknes": 1, "rolll": 2, "roll.radius": True},
         "rolll: no such field; did you mean 'roll'?\n"
         "web.thicknes: no such field; did you mean 'thickness'?\n"
-        "roll.radius: True is not a number; must be > 0.0001 and <= 100 [m]",
+        "roll.radius: True is not a number; must be > 0.0001 and <= 10 [m]",
     ),
 ]  # fmt: skip
 
@@ -520,7 +529,7 @@ shear = "10 MPa"
 kind = "rigid"
 radius = "76.2 mm"
 """
-RANGE = r"> 0 and <= 1e\+07 \[N/m\]"
+RANGE = r">= 1e-06 and <= 1e\+07 \[N/m\]"
 # (what to replace in CASE, by what, fragments of the answer)
 CASES: list[tuple[str, str, str]] = [
     ('"3502 N/m"', "-5", rf"nip_load: -5 .*{RANGE}"),
@@ -541,7 +550,11 @@ CASES: list[tuple[str, str, str]] = [
     ('"3502 N/m"', '"3.5 kn/m"', r"nip_load: '3.5 kn/m' .*did you mean 'kN'"),
     ('"66 um"', "66", r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\].*66 um is 6.6e-05"),
     ('"66 um"', '"66 m"', r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\]"),
-    ('"66 um"', '"0,066 mm"', r"web\.thickness: '0,066 mm' .*66 um"),
+    ('"66 um"', '"0,066 mm"', r"web\.thickness: '0,066 mm' .*66 um.*decimal point"),
+    ('"66 um"', '"66 microns"', r"web\.thickness: '66 microns' .*did you mean 'um'"),
+    ('"66 um"', '"0.066 millimeter"', r"web\.thickness: .*did you mean 'mm'"),
+    ('"0 N/m"', '"\N{MINUS SIGN}400 N/m"', r"winding_force: .*write the minus as '-'"),
+    ('"0 N/m"', '"\N{EN DASH}400 N/m"', r"winding_force: .*write the minus as '-'"),
     ("0.20", "20", r"drum_friction: 20 .*>= 1e-08 and <= 10.*20 % is 0.2"),
     ("0.20", '"20 um"', r"drum_friction: '20 um' .*dimension.*plain number"),
     ('"0 N/m"', '"1 kN/m"', r"winding_force: 1000 .*drum_friction \* nip_load = 700.4 \[N/m\]"),
@@ -554,7 +567,7 @@ CASES: list[tuple[str, str, str]] = [
     ("shear =", "shaer =", r"roll\.material\.shaer: no such field; did you mean 'shear'"),
     ("core_radius = ", "core_raduis = ", r"roll\.core_raduis: .*did you mean 'core_radius'"),
     ("[drum]", "[durm]", r"durm: no such field; did you mean 'drum'"),
-    ("nip_load =", "# ", r"nip_load: missing.*> 0"),
+    ("nip_load =", "# ", r"nip_load: missing.*>= 1e-06"),
     ("[web]", "[[web]]", r"web: .*must be Web"),
     ("schema = 1", "schema = 2", r"schema: 2 .*schema = 1"),
     ("schema = 1", "schema = true", r"schema: True .*schema = 1"),
@@ -594,6 +607,12 @@ FILES: list[tuple[bytes, str]] = [
     (bytes(range(256)), "UTF-8"),
     (b"\x00\x01\x02", "TOML"),
     (b"\x89PNG\r\n\x1a\n", "UTF-8"),
+    (CASE.encode("utf-16"), "is no UTF-8 text, from byte 0; save it as UTF-8"),
+    (b"a = " + b"[" * 5000 + b"]" * 5000, "nested too deeply"),
+    # the line is shown, for it names field and value
+    (b"nip_load = 1\nnip_load = 2\n", "(at line 2, column 13): nip_load = 2"),
+    (b"nip_load = 1\nnip_load = 2", "(at end of document): nip_load = 2"),
+    (b"nip_load = 3.5 kN/m # P", 'nip_load = 3.5 kN/m; text with a unit needs quotes: "3.5 kN/m"'),
 ]
 
 
@@ -637,6 +656,8 @@ COMMANDS: list[tuple[list[str], str]] = [
     (["--save", "x.xyz"], ".nc"),
     (["--plot", "x.xyz"], ".png"),
     (["--save", "no/such/folder/x.nc"], "folder"),
+    (["--save", "case.toml/x.nc"], "case.toml/x.nc: the folder 'case.toml' does not exist"),
+    (["--roll-wrap", "180 degrees"], "--roll-wrap: '180 degrees' has the unknown unit"),
     (["--colour", "red"], "--colour"),
 ]
 
@@ -653,3 +674,91 @@ def test_a_bad_command(
     Path("case.toml").write_text(CASE, encoding="utf-8")
     assert text in refused_by_command(capsys, "case.toml", *args)
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]  # nothing was written
+
+
+@pytest.mark.parametrize("option", ["--save", "--plot"])
+def test_an_output_is_refused_before_anything_is_solved(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_solving(*_: object, **__: object) -> None:
+        raise AssertionError("solved first")
+
+    monkeypatch.setattr("woundon.nip.solve_nip", no_solving)
+    case = tmp_path / "case.toml"
+    case.write_text(CASE, encoding="utf-8")
+    target = tmp_path / ("x.nc" if option == "--save" else "x.png")
+    # root may write anywhere, so the system's answer is put in place of its permissions
+    monkeypatch.setattr("os.access", lambda _, mode: mode != os.W_OK)
+    said = refused_by_command(capsys, str(case), option, str(target))
+    assert f"{target}: cannot be written: no permission" in said
+    target.mkdir()
+    said = refused_by_command(capsys, str(case), option, str(target))
+    assert f"{target}: is a folder; name a file" in said
+
+
+def test_windows_files_are_read(tmp_path: Path) -> None:
+    plain, windows = tmp_path / "plain.toml", tmp_path / "windows.toml"
+    plain.write_bytes(CASE.encode())
+    windows.write_bytes(b"\xef\xbb\xbf" + CASE.replace("\n", "\r\n").encode())
+    assert wo.load_case(windows) == wo.load_case(plain)
+
+
+# ---- arguments of the solvers -------------------------------------------------------------------
+
+SOLVERS: list[tuple[Callable[..., Any], Any, str]] = [
+    (wo.solve_nip, rollers, "NipProblem"),
+    (wo.solve_wrapped_nip, rollers, "NipProblem"),
+    (wo.solve_rollers, nip, "RollerProblem"),
+]
+
+
+@pytest.mark.parametrize(("solver", "other", "kind"), SOLVERS, ids=lambda v: str(v)[:30])
+@pytest.mark.parametrize("given", [None, 5, "case.toml", {"nip_load": 1}, wo.NipProblem, "other"])
+def test_a_solver_takes_its_problem_only(
+    solver: Callable[..., Any], other: Callable[[], Any], kind: str, given: Any
+) -> None:
+    problem = other() if given == "other" else given
+    text = refusal(solver, problem)
+    assert text.startswith("problem: ")
+    assert text.endswith(f" is out of place; must be a {kind}")
+
+
+OPTIONS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
+    (wo.solve_nip, {"nodes": True}, "nodes: True is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"nodes": 33.0}, "nodes: 33 is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"nodes": nan}, "nodes: nan is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"nodes": "9"}, "nodes: '9' is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"rtol": nan}, "rtol: nan is out of range: must be >= 1e-10 and <= 0.1"),
+    (wo.solve_nip, {"rtol": True}, "rtol: True is out of range: must be >= 1e-10 and <= 0.1"),
+    (wo.solve_nip, {"scheme": []}, "scheme: [] is unknown; known: graded, thesis"),
+    (wo.solve_nip, {"algorithm": None}, "algorithm: None is unknown; known: panagiotopoulos"),
+    (wo.solve_nip, {"start": 5}, "start: 5 is out of place; must be a NipResult"),
+    (wo.solve_nip, {"start": nip()}, "start: NipProblem("),
+    (wo.solve_rollers, {"nodes": None}, "nodes: None is out of range: must be a whole number"),
+    (wo.solve_rollers, {"rtol": inf}, "rtol: inf is out of range: must be >= 1e-08 and <= 0.1"),
+    (wo.solve_wrapped_nip, {"nodes": 7}, "nodes: 7 is out of range: must be a whole number, 17"),
+    (wo.solve_wrapped_nip, {"wrap_nodes": 0.5}, "wrap_nodes: 0.5 is out of range: must be a whole"),
+    (
+        wo.solve_wrapped_nip, {"roll_wrap": 3.5},
+        "roll_wrap: 3.5 is out of range; must be >= 0 and <= 3.14159 [rad] (3.5 rad is 200.5 deg)",
+    ),
+    (
+        wo.solve_wrapped_nip, {"roll_wrap": 180},
+        "roll_wrap: 180 is out of range; must be >= 0 and <= 3.14159 [rad] "
+        "(angles are in radians: 180 degrees are 3.14159)",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("solver", "bad", "text"), OPTIONS, ids=lambda v: str(v)[:30])
+def test_an_option_that_cannot_be(
+    solver: Callable[..., Any], bad: dict[str, Any], text: str
+) -> None:
+    problem = rollers() if solver is wo.solve_rollers else nip()
+    assert refusal(solver, problem, **bad).startswith(text)
+
+
+def test_options_may_be_numpys() -> None:
+    assert wo.solve_nip(nip(), nodes=np.int64(17)).nodes == 17
+    assert wo.solve_rollers(rollers(), nodes=np.int32(33), rtol=np.float32(0.1)).x.size >= 33
+    assert wo.solve_wrapped_nip(nip(), nodes=np.int64(17)).nip.nodes == 17

@@ -31,7 +31,7 @@ def test_a_rigid_body_has_a_radius_and_nothing_else() -> None:
 
 
 def test_a_half_planes_strain_has_no_curvature_and_its_answer_no_radius() -> None:
-    near, far = (wo.HalfPlane(radius=R, material=STEEL) for R in (0.1, 50.0))
+    near, far = (wo.HalfPlane(radius=R, material=STEEL) for R in (0.1, 5.0))
     assert near.curvature == far.curvature == 0.0
     assert near.surface(1e-3) == far.surface(10.0)
     # Hertz: slope C/pi of ln|t| with C = 2 (1 - nu^2)/E

@@ -101,8 +101,8 @@ def test_settings_leave_the_tables_as_they_were():
 
 # (setting, field named, what the text says); the value is in the text wherever there is one
 BAD_SETTINGS = [
-    ("nip_load=-3502", "nip_load", "-3502*must be > 0*[N/m]"),
-    ("nip_load=0", "nip_load", "0*must be > 0*[N/m]"),
+    ("nip_load=-3502", "nip_load", "-3502*must be >= 1e-06*[N/m]"),
+    ("nip_load=0", "nip_load", "0*must be >= 1e-06*[N/m]"),
     ("nip_load=nan", "nip_load", "nan*not a finite number"),
     ("nip_load=inf", "nip_load", "inf*not a finite number"),
     ("nip_load=1e12", "nip_load", "<= 1e+07 [N/m]"),
@@ -116,7 +116,7 @@ BAD_SETTINGS = [
     ("web.thickness=66 MPa", "web.thickness", "wrong dimension*in m"),
     ("web.thickness=0", "web.thickness", "[m]"),
     ("web.material=newsprnt", "web.material", "'newsprnt'*did you mean 'newsprint'?"),
-    ("web.material.shear=0", "web.material.shear", "must be > 0*[Pa]"),
+    ("web.material.shear=0", "web.material.shear", "must be >= 0.001*[Pa]"),
     ("roll.material.cross=400 MPa", "roll.material.cross", "sqrt(radial * tangential)"),
     ("roll.material.cross=-1", "roll.material.cross", "must be >= 0*[Pa]"),
     ("roll.core_radius=100 mm", "roll.core_radius", "0.1*radius"),

@@ -159,6 +159,21 @@ def test_an_unwritable_file_is_one_line(tmp_path, capsys: Capture):
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+def test_without_a_command_the_help_is_shown(capsys: Capture):
+    assert cli.main([]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("Usage: woundon [OPTIONS] COMMAND")
+    assert "..." not in said.err.partition("Commands:")[2]  # no sentence is cut short
+
+
+def test_a_wrap_that_is_not_asked_for_is_none(capsys: Capture):
+    assert cli.main(["nip", EXAMPLE, "--drum-wrap", "90 deg", "--nodes", "17"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "theta+ 0 deg" in said
+    assert "theta- 90 deg" in said
+
+
 def run_apart(*args: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
     return subprocess.run(
         [sys.executable, *args],

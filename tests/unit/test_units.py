@@ -29,6 +29,8 @@ from woundon.units import known_units, parse
         ("3000 ft/min", "m/s", 15.24),
         ("3000 fpm", "m/s", 15.24),
         ("3 min", "s", 180.0),
+        ("180\N{DEGREE SIGN}", "rad", 3.141592653589793),
+        ("66\N{NO-BREAK SPACE}um", "m", 66e-6),
         ("19 %", "1", 0.19),
         ("0.19", "1", 0.19),
         (3502, "N/m", 3502.0),
@@ -55,6 +57,8 @@ def test_mill_units():
     [
         ("17 plx", "N/m", "unknown unit 'plx'; expected a value in N/m*did you mean 'pli'?"),
         ("17 mpa", "Pa", "unknown unit 'mpa'*did you mean 'MPa'?"),
+        ("17 newtons", "N/m", "did you mean 'N'?"),
+        ("3,502 N/m", "N/m", "write a decimal point, and no mark between thousands"),
         ("17 N", "N/m", "wrong dimension; expected a value in N/m"),
         ("17 N m", "N/m", "wrong dimension"),
         ("0.2 N", "1", "wrong dimension; expected a plain number"),

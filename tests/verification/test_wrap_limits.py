@@ -86,24 +86,31 @@ def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
     problem = PAPER.replace(
         web_tension=0.0, winding_force=0.0, roll_friction=2e-4, drum_friction=4e-4
     )
-    wrapped = wo.solve_wrapped_nip(problem, wrap_friction=1e-9)
+    wrapped = wo.solve_wrapped_nip(problem, wrap_friction=1e-6)
     alone, unit = _held_far_away(problem), problem.roll_friction * problem.nip_load
     # the hoop pressure left is T/R = 1 Pa beside 300 kPa
     assert wrapped.nip_induced_tension == pytest.approx(alone, abs=2e-5 * unit)
-    assert wrapped.wound_on_tension == pytest.approx(wrapped.tension_behind_nip, abs=1e-8)
+    assert wrapped.wound_on_tension == pytest.approx(wrapped.tension_behind_nip, abs=2e-6)
 
 
-def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone() -> None:
-    """With T_in the nip's hoop pressure falls in proportion; T_out is left of it."""
-    alone = _held_far_away(PAPER)
+@pytest.mark.parametrize(
+    "problem", [PAPER, PAPER.replace(nip_load=10e3, roll_friction=0.7), newsprint_nip()]
+)
+def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProblem) -> None:
+    """With T_in the nip's hoop pressure falls in proportion; that of T_out is left."""
+    alone = _held_far_away(problem)
     far = [
-        wo.solve_wrapped_nip(PAPER.replace(web_tension=T), wrap_friction=1e-9).nip_induced_tension
-        - alone
+        wo.solve_wrapped_nip(problem.replace(web_tension=T), wrap_friction=1e-6)
         for T in (800.0, 400.0, 200.0, 100.0)
     ]
-    assert all(abs(b) < abs(a) for a, b in pairwise(far))
-    # linear in T_in + NIT (about 170): from 800 to 100 N/m by (970/270) = 3.6
-    assert far[0] / far[3] == pytest.approx(3.6, rel=0.25)
+    differences = [r.nip_induced_tension - alone for r in far]
+    assert all(abs(b) < abs(a) for a, b in pairwise(differences))
+    # linear in the tension between T_in and T_out
+    between = [(r.tension_before_nip + r.tension_behind_nip) / 2 for r in far]
+    assert differences[0] / differences[3] == pytest.approx(between[0] / between[3], rel=0.4)
+    # trailing edge (97) against far side (96): most of what the wrap changes in the nip
+    held = wo.solve_nip(problem, nodes=65).nip_induced_tension
+    assert abs(differences[3]) < 0.15 * abs(alone - held)
 
 
 def test_friction_behind_the_nip_vanishes() -> None:

@@ -65,7 +65,8 @@ def width_for_load(
             return state, power
         if ln_a >= log(widest) and miss < 0:
             raise WidthNotFound(
-                f"a contact as wide as {widest:.3g} m to either side carries {carried:.3g} N/m only"
+                f"no contact carries {load:.4g} N/m: the widest, {widest:.3g} m to either side, "
+                f"{max(carried, 0.0):.3g} N/m; the load is too large, or the bodies are too soft"
             )
         last = (ln_a, miss)
         ln_a = min(ln_a - min(max(miss / power, -1.5), 1.5), log(widest))

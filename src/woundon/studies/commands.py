@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InvalidProblem
+from ..outputs import check_writable
 
 if TYPE_CHECKING:
     from .table import Table
@@ -31,7 +32,7 @@ def _running(command: Any) -> Any:
     return command
 
 
-@click.command()
+@click.command(short_help="Solve all cases of a study file.")
 @click.argument("study", type=_PATH)
 @_running
 @click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
@@ -42,7 +43,7 @@ def _running(command: Any) -> Any:
 def sweep(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
     chunk: int | None, exports: tuple[str, ...],
-) -> None:  # fmt: skip
+) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
     DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
@@ -69,8 +70,9 @@ def sweep(
     figures = [out / f"{output}.png" for output in told.outputs]
     for output, figure in zip(told.outputs, figures, strict=True):
         plot_sweep(table, output, figure)
-    _summary(table, seconds)
+    code = _summary(table, seconds)
     _written([*targets, *figures])
+    return code
 
 
 def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
@@ -83,7 +85,8 @@ def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
         raise click.Abort from None
 
 
-def _summary(table: Table, seconds: float) -> None:
+def _summary(table: Table, seconds: float) -> int:
+    """Show what came out; return the exit code, 3 where no case at all was solved."""
     import numpy as np
 
     from .table import failures
@@ -102,13 +105,14 @@ def _summary(table: Table, seconds: float) -> None:
             unit = "" if label.unit == "1" else f" {label.unit}"
             low, high = np.nanmin(values), np.nanmax(values)
             click.echo(f"{label.description}: {low:.5g} to {high:.5g}{unit}")
+    return 3 if failed == size else 0
 
 
 def _written(paths: list[Path]) -> None:
     click.echo("written: " + ", ".join(str(path) for path in paths))
 
 
-@click.command()
+@click.command(short_help="Tell which inputs of a study file matter (Sobol indices).")
 @click.argument("study", type=_PATH)
 @_running
 @click.option("--samples", type=int, help="Base samples, a power of 2; 256 by default.")
@@ -141,7 +145,7 @@ def sensitivity(
     _written(targets)
 
 
-@click.command()
+@click.command(short_help="Fit fields of a case to measured data.")
 @click.argument("case", type=_PATH)
 @click.argument("data", type=_PATH)
 @click.option(
@@ -181,6 +185,10 @@ def fit(
         from ..plots import check_format
 
         check_format(plot)
+    if save and save.suffix != ".json":
+        raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
+    for path in filter(None, (save, plot)):
+        check_writable(path)
     found = fit_problem(
         problem, data, dict(_varied(problem, text) for text in varied),
         tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,

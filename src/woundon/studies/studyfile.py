@@ -134,7 +134,14 @@ def _values(problem: NipProblem, name: str, given: Any, drawn: bool) -> Any:
     if not isinstance(given, list) or drawn:
         wanted = "{ from = ..., to = ... }" if drawn else "a list, or { from, to, count }"
         raise InvalidProblem([(where, f"{given!r} is no set of values; write {wanted}")])
-    return [parse(v, unit, where) if unit else v for v in given]
+    return [_finite(v, unit, where) if unit else v for v in given]
+
+
+def _finite(value: Any, unit: str, where: str) -> float:
+    number = parse(value, unit, where)
+    if not np.isfinite(number):
+        raise InvalidProblem([(where, f"{value!r} is not a finite number")])
+    return number
 
 
 def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any:
@@ -145,7 +152,7 @@ def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any
     for name in set(known) - {"spacing"}:
         if name not in given:
             raise InvalidProblem([(f"{where}.{name}", "missing")])
-    low, high = (parse(given[end], unit, f"{where}.{end}") for end in ("from", "to"))
+    low, high = (_finite(given[end], unit, f"{where}.{end}") for end in ("from", "to"))
     spacing = given.get("spacing", "linear")
     if spacing not in _SPACING:
         text = f"{spacing!r} is unknown; must be linear or log"
@@ -154,7 +161,7 @@ def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any
         return (low, high, "log") if spacing == "log" else (low, high)
     count = given["count"]
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= 1_000_000:
-        raise InvalidProblem([(f"{where}.count", f"{count!r} is no whole number, at least 2")])
+        raise InvalidProblem([(f"{where}.count", f"{count!r} is no whole number, 2 to 1000000")])
     if spacing == "linear":
         return np.linspace(low, high, count)
     if low <= 0 or high <= 0:

@@ -254,11 +254,24 @@ class WrapEquations:
         if self.loads.drum_arc:
             matrix[N, 0] = 1.0  # p+ begins with zero where the web comes off the drum's arc
         matrix[:M, -1] = 1.0
-        _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
-        if info != 0:
-            raise ArithmeticError("the normal problem is singular")
+        if isinstance(self.problem.drum, Rigid):
+            solved = self._without_drum_pressure(matrix, right, M)
+        else:
+            solved = _solve(matrix, right)
         solved[-1] *= scale
         return solved[:, 0], solved[:, 1:]
+
+    def _without_drum_pressure(self, matrix: Array, right: Array, first: int) -> Array:
+        """Solve with p- eliminated: on a rigid drum it is in its own balance only, ``first`` on."""
+        k, n_p = matrix.shape[0], self.roll_nodes.size
+        own, others = first + self.drum_nodes, np.append(np.arange(n_p), k - 1)
+        rows = np.delete(np.arange(k), own)
+        solved = np.empty_like(right)
+        solved[others] = _solve(
+            np.asfortranarray(matrix[np.ix_(rows, others)]), np.asfortranarray(right[rows])
+        )
+        solved[n_p:-1] = matrix[np.ix_(own, others)] @ solved[others] - right[own]
+        return solved
 
     @cached_property
     def slips(self) -> tuple[Array, Array]:
@@ -376,3 +389,12 @@ class WrapEquations:
         miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
         top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
         return float(miss / top)
+
+
+def _solve(matrix: Array, right: Array) -> Array:
+    """Solve in place, columns first."""
+    _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
+    if info != 0:
+        raise ArithmeticError("the normal problem is singular")
+    out: Array = solved
+    return out

@@ -99,7 +99,11 @@ class WrapGrid:
     @cached_property
     def value(self) -> Array:
         """Value of the piecewise linear function at the points, (N, N+1)."""
-        return OpenGrid(self.nodes, self.points).value
+        k = np.arange(self.cells.size)  # one point in each cell
+        part = (self.points - self.nodes[:-1]) / self.cells
+        out = np.zeros((k.size, self.size))
+        out[k, k], out[k, k + 1] = 1 - part, part
+        return out
 
 
 def wrap_grid(
@@ -133,18 +137,17 @@ def _arc(length: float, cells: int, entry: bool) -> Array:
         half = _arc(length / 2, max(cells // 2, 2), False)
         return np.concatenate([half, (length - half)[-2::-1]])
 
-    whole = 2 * np.log1p(np.sqrt(length / FINE)) + EVENNESS
-
-    def count(d: Array) -> Array:
-        return (2 * np.log1p(np.sqrt(d / FINE)) + EVENNESS * d / length) / whole
-
-    t = np.arange(2 * cells + 1) / (2 * cells)
-    low, high = np.zeros_like(t), np.full_like(t, length)
-    for _ in range(60):  # bisection: the count grows with the distance
-        middle = (low + high) / 2
-        below = count(middle) < t
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    distance = (low + high) / 2
+    # cells are counted by 2 ln(1 + u) + even u^2, with u the root of the distance over FINE
+    even = EVENNESS * FINE / length
+    most = float(np.sqrt(length / FINE))
+    t = np.linspace(0.0, 1.0, 2 * cells + 1) * (2 * np.log1p(most) + even * most**2)
+    u = np.minimum(np.expm1(t / 2), most)
+    for _ in range(50):  # Newton's method from above, on a growing function
+        step = (2 * np.log1p(u) + even * u**2 - t) / (2 / (1 + u) + 2 * even * u)
+        u = np.clip(u - step, 0.0, most)
+        if np.max(np.abs(step)) < 1e-14 * most:
+            break
+    distance = FINE * u**2
     distance[0], distance[-1] = 0.0, length
     return distance
 

@@ -23,6 +23,7 @@ from ..contact.discretisation import Discretisation, discretisation
 from ..contact.stick_slip import Ending, solve_stick_slip
 from ..contact.width import WidthNotFound, width_for_load
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
+from ..options import check_kind, whole_number
 from ..problems import NipProblem
 from .equations import Loads, WrapEquations, WrapState
 from .grid import WrapGrid, wrap_grid
@@ -33,7 +34,7 @@ __all__ = ["solve_wrapped_nip"]
 
 Array = np.ndarray
 
-LOAD_RTOL, COARSE_LOAD_RTOL = 1e-9, 1e-4
+LOAD_RTOL, COARSE_LOAD_RTOL = 8e-9, 1e-4  # the certificate allows 1e-8
 BALANCE_RTOL, COARSE_BALANCE_RTOL = 1e-9, 1e-2
 ACCEPTED_RESIDUAL = 1e-8
 COARSEST = 24  # nodes
@@ -63,7 +64,7 @@ def solve_wrapped_nip(
     drum_wrap : float
         Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
     wrap_friction : float, optional
-        mu+ behind the nip, > 0; by default that in the nip.
+        mu+ behind the nip, >= 1e-6; by default that in the nip.
     winding_force : float, optional
         F on nip and drum wrap together [N/m]; by default the problem's, which must stay below the
         nip's own mu- P.  With a wrap the drum can take mu- P + T_in (exp(mu- drum_wrap) - 1).
@@ -85,23 +86,24 @@ def solve_wrapped_nip(
     NotConverged
         If a law is not satisfied to 1e-8; carries the best result.
     """
-    cells = 3 * (nodes - 1) // 4 if wrap_nodes is None and isinstance(nodes, int) else wrap_nodes
+    check_kind("problem", problem, NipProblem)
     mu = problem.roll_friction if wrap_friction is None else wrap_friction
     _check("roll_wrap", roll_wrap, 0.0, pi, "rad")
     _check("drum_wrap", drum_wrap, 0.0, pi, "rad")
-    _check("wrap_friction", mu, 1e-9, 10.0, "1")
-    _check_count("nodes", nodes, 17, 1025)
-    _check_count("wrap_nodes", cells, 12, 2048)
-    assert cells is not None
+    if wrap_friction is not None:
+        _check("wrap_friction", mu, 1e-6, 10.0, "1")
+    nodes = whole_number("nodes", nodes, 17, 1025)
+    cells = 3 * (nodes - 1) // 4 if wrap_nodes is None else wrap_nodes
+    cells = whole_number("wrap_nodes", cells, 12, 2048)
     F = problem.winding_force if winding_force is None else winding_force
     _check_loads(problem, F, drum_wrap)
     loads = Loads(roll_wrap > 0, drum_wrap > 0, float(mu), float(F))
     solver = _Solver(problem, float(roll_wrap), float(drum_wrap), loads)
     level: _Level | None = None
     tensions: list[float] = []
-    for count in _grids(int(nodes)):
+    for count in _grids(nodes):
         fine = count == nodes
-        on_arcs = max(8, int(cells) * (count - 1) // (int(nodes) - 1))
+        on_arcs = max(8, cells * (count - 1) // (nodes - 1))
         level = solver.solve(discretisation("graded", count), on_arcs, level, fine)
         tensions.append(float(level.state.tension[-1]))
     assert level is not None
@@ -141,19 +143,12 @@ def _check(name: str, value: float, low: float, high: float, unit: str) -> None:
     hint = ""
     if good and unit == "rad" and 2 * pi < value <= degrees(high):
         hint = f" (angles are in radians: {value:g} degrees are {value * pi / 180:.6g})"
+    elif good and unit == "rad":
+        hint = f" ({value:.6g} rad is {degrees(value):.4g} deg)"
+    given = f"{value:.6g}" if good else repr(value)
     raise InvalidProblem.at(
-        name, f"{value!r} is out of range; must be >= {low:g} and <= {high:.6g} [{unit}]{hint}"
+        name, f"{given} is out of range; must be >= {low:g} and <= {high:.6g} [{unit}]{hint}"
     )
-
-
-def _check_count(name: str, value: int | None, low: int, high: int) -> None:
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, np.integer))
-        or not (low <= value <= high)
-    ):
-        text = f"{value!r} is out of range: must be a whole number, {low} to {high}"
-        raise InvalidProblem.at(name, text)
 
 
 def _grids(nodes: int) -> list[int]:
@@ -274,8 +269,8 @@ class _Solver:
             ("behind the nip", T[grid.last :], self.loads.roll_arc),
             ("before the nip", T[: grid.first + 1], self.loads.drum_arc),
         ):
-            if present and not float(np.min(arc)) > 0:
-                T_in, least = self.problem.web_tension, float(np.min(arc))
+            T_in, least = self.problem.web_tension, float(np.min(arc))
+            if present and least <= 0:
                 raise NoSteadyState.at(
                     "web_tension",
                     f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} "
