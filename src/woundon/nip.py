@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -28,11 +28,12 @@ from .contact.panagiotopoulos import panagiotopoulos
 from .contact.stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
 from .contact.width import WidthNotFound, width_for_load
 from .errors import InvalidProblem, NotConverged, did_you_mean
+from .options import check_kind, tolerance, whole_number
 from .outcome import nip_result
 from .problems import NipProblem
 from .results import NipResult
 
-__all__ = ["solve_nip"]
+__all__ = ["check_options", "solve_nip"]
 
 Array = np.ndarray
 T = TypeVar("T")
@@ -99,7 +100,10 @@ def solve_nip(
     NotConverged
         If a law is not satisfied to 1e-8, or ``rtol`` not reached; carries the best result.
     """
-    M = _checked(scheme, nodes, rtol, algorithm)
+    check_kind("problem", problem, NipProblem)
+    M = check_options(scheme=scheme, nodes=nodes, rtol=rtol, algorithm=algorithm)
+    if start is not None:
+        check_kind("start", start, NipResult)
     solver = _Solver(problem, algorithm)
     begin = None if start is None else _Start.of(start, problem.nip_load)
     tensions: list[float] = []
@@ -131,28 +135,30 @@ def solve_nip(
     return result
 
 
-def _checked(scheme: str, nodes: int | None, rtol: float | None, algorithm: str) -> int:
-    """Check the options; return the number of nodes."""
+def check_options(
+    *,
+    scheme: Any = "graded",
+    nodes: Any = None,
+    rtol: Any = None,
+    algorithm: Any = "pivoting",
+) -> int:
+    """Check the options of :func:`solve_nip`; return the number of nodes.
+
+    Raises
+    ------
+    InvalidProblem
+        For an option out of range.
+    """
     for name, value, known in (
         ("scheme", scheme, DEFAULT_NODES), ("algorithm", algorithm, _ALGORITHMS)
     ):  # fmt: skip
-        if value not in known:
+        if not isinstance(value, str) or value not in known:
             raise InvalidProblem([(name, f"{value!r} is unknown{did_you_mean(str(value), known)}")])
-    M = DEFAULT_NODES[scheme] if nodes is None else nodes
-    if isinstance(M, bool) or not isinstance(M, (int, np.integer)) or not 7 <= M <= 4000:
-        text = f"{nodes!r} is out of range: must be a whole number, 7 to 4000"
-        raise InvalidProblem([("nodes", text)])
     if rtol is not None:
-        if (
-            isinstance(rtol, bool)
-            or not isinstance(rtol, (int, float, np.floating))
-            or not (1e-10 <= rtol <= 0.1)
-        ):
-            text = f"{rtol!r} is out of range: must be >= 1e-10 and <= 0.1"
-            raise InvalidProblem([("rtol", text)])
+        tolerance("rtol", rtol, 1e-10, 0.1)
         if scheme != "graded":
             raise InvalidProblem([("rtol", f"{rtol!r} is not admissible with scheme {scheme!r}")])
-    return int(M)
+    return DEFAULT_NODES[scheme] if nodes is None else whole_number("nodes", nodes, 7, 4000)
 
 
 def _grids(scheme: str, M: int, algorithm: str) -> list[int]:

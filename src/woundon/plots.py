@@ -108,8 +108,8 @@ def plot_nip(result: NipResult, path: str | Path | None = None) -> Figure:
 def plot_wrapped(result: WrappedNipResult, path: str | Path | None = None) -> Figure:
     """Draw a nip with its wraps: the nip as :func:`plot_nip` does, then the web along the roll.
 
-    Panel (c): web tension over the angle behind the line of centres [deg], on a logarithmic scale
-    from the trailing edge on; panel (d): pressure on the roll and hoop pressure [kPa].
+    Panel (c): web tension over the angle behind the trailing edge [deg], on a logarithmic scale;
+    panel (d): pressure on the roll and |q+|/mu+, the pressure that its traction needs [kPa].
 
     Parameters
     ----------

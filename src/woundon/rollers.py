@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import nan
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,8 @@ from .contact.grid import Grid, segmented_grid, zone_borders
 from .contact.normal import solve_normal
 from .contact.stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
 from .contact.width import WidthNotFound, width_for_load
-from .errors import InvalidProblem, NotConverged
+from .errors import NotConverged
+from .options import check_kind, tolerance, whole_number
 from .problems import RollerProblem
 from .results import Residuals, RollerResult
 
@@ -173,18 +175,11 @@ def solve_rollers(
     NotConverged
         If stick and slip or the half width were not found, or ``rtol`` not reached.
     """
-    if (
-        isinstance(nodes, bool)
-        or not isinstance(nodes, (int, np.integer))
-        or not 7 <= nodes <= 4000
-    ):
-        raise InvalidProblem(
-            [("nodes", f"{nodes!r} is out of range: must be a whole number, 7 to 4000")]
-        )
+    check_kind("problem", problem, RollerProblem)
+    check_options(nodes=nodes, rtol=rtol)
     result = _solve_fitted(problem, int(nodes))
     if rtol is None:
         return result
-    _check_rtol(rtol)
     while not result.traction_error <= rtol:
         count = 2 * result.x.size - 1
         if count > MOST_NODES:
@@ -196,9 +191,17 @@ def solve_rollers(
     return result
 
 
-def _check_rtol(rtol: float) -> None:
-    if isinstance(rtol, bool) or not isinstance(rtol, (int, float)) or not 1e-8 <= rtol <= 0.1:
-        raise InvalidProblem([("rtol", f"{rtol!r} is out of range: must be >= 1e-8 and <= 0.1")])
+def check_options(*, nodes: Any = 101, rtol: Any = None) -> None:
+    """Check the options of :func:`solve_rollers`.
+
+    Raises
+    ------
+    InvalidProblem
+        For an option out of range.
+    """
+    whole_number("nodes", nodes, 7, 4000)
+    if rtol is not None:
+        tolerance("rtol", rtol, 1e-8, 0.1)
 
 
 def _solve_fitted(problem: RollerProblem, nodes: int) -> RollerResult:

@@ -120,6 +120,13 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
         (["--vary", "roll_friction", "--tie", "web.material"], "must be written NAME=NAME"),
         (["--vary", "roll_friction", "--column", "WOT=half_width"], "has no column 'WOT'"),
         (["--vary", "roll_friction", "--plot", "fit.bmp"], "bmp"),
+        (["--vary", "roll_friction", "--plot", "no/fit.png"], "the folder 'no' does not exist"),
+        (["--vary", "roll_friction", "--save", "fit.txt"], "the ending '.txt' is not .json"),
+        (["--vary", "roll.material.shear=-5 MPa:5 MPa"], "bounds: -5000000 is out of range"),
+        (
+            ["--vary", "roll_friction", "--tie", "roll_friction=drum_friction"],
+            "roll_friction: cannot be varied, for roll_friction is tied to drum_friction",
+        ),
     ],
 )
 def test_bad_fit_commands(
@@ -159,6 +166,14 @@ def test_example_studies_load(name: str):
         ("[solver]", "[design]\nsample = 8\n[solver]", "design.sample: no such field"),
         ("nodes = 17", "node = 17", "node: no such option; did you mean 'nodes'"),
         ("nodes = 17", "nodes = ", "line"),
+        ("nodes = 17", "nodes = 3", "nodes: 3 is out of range: must be a whole number, 7 to 4000"),
+        ("nodes = 17", "rtol = nan", "rtol: nan is out of range"),
+        (
+            "[solver]",
+            '[tie]\nnip_load = "web_tension"\n[solver]',
+            "nip_load: cannot be varied, for nip_load is tied to web_tension",
+        ),
+        ("[solver]", '[tie]\n"web.material" = 5\n[solver]', "tie.web.material: 5 is no name"),
         ('"4 kN/m"', "inf", "over.nip_load.to: inf is not a finite number"),
         ('["0 N/m", "300 N/m"]', "[0, nan]", "nan is not a finite number"),
         (
@@ -219,3 +234,26 @@ def test_figures_of_many_inputs(tmp_path: Path):
     )
     scatter = plot_sweep(cases, "nip_induced_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        ("nip_load,half_width\n-5,0.001\n", "row 1.nip_load: -5 is out of range; must be >= 1e-06"),
+        ("nip_load [N/m],nip_load [kN/m],half_width\n1,1,1\n", "two columns are nip_load"),
+    ],
+)
+def test_bad_measured_data(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: str, says: str
+):
+    data = tmp_path / "rig.csv"
+    data.write_text(rows, encoding="utf-8")
+    assert cli.main(["fit", str(CASE), str(data), "--vary", "roll_friction"]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_a_sweep_without_any_solution_is_told_apart(tmp_path: Path):
+    study = tmp_path / "study.toml"
+    text = f'schema = 1\ncase = "{CASE.as_posix()}"\n[over]\nwinding_force = ["5 kN/m", "6 kN/m"]\n'
+    study.write_text(text, encoding="utf-8")
+    assert cli.main(["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1"]) == 3

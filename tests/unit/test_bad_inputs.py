@@ -701,3 +701,64 @@ def test_windows_files_are_read(tmp_path: Path) -> None:
     plain.write_bytes(CASE.encode())
     windows.write_bytes(b"\xef\xbb\xbf" + CASE.replace("\n", "\r\n").encode())
     assert wo.load_case(windows) == wo.load_case(plain)
+
+
+# ---- arguments of the solvers -------------------------------------------------------------------
+
+SOLVERS: list[tuple[Callable[..., Any], Any, str]] = [
+    (wo.solve_nip, rollers, "NipProblem"),
+    (wo.solve_wrapped_nip, rollers, "NipProblem"),
+    (wo.solve_rollers, nip, "RollerProblem"),
+]
+
+
+@pytest.mark.parametrize(("solver", "other", "kind"), SOLVERS, ids=lambda v: str(v)[:30])
+@pytest.mark.parametrize("given", [None, 5, "case.toml", {"nip_load": 1}, wo.NipProblem, "other"])
+def test_a_solver_takes_its_problem_only(
+    solver: Callable[..., Any], other: Callable[[], Any], kind: str, given: Any
+) -> None:
+    problem = other() if given == "other" else given
+    text = refusal(solver, problem)
+    assert text.startswith("problem: ")
+    assert text.endswith(f" is out of place; must be a {kind}")
+
+
+OPTIONS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
+    (wo.solve_nip, {"nodes": True}, "nodes: True is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"nodes": 33.0}, "nodes: 33 is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"nodes": nan}, "nodes: nan is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"nodes": "9"}, "nodes: '9' is out of range: must be a whole number, 7 to"),
+    (wo.solve_nip, {"rtol": nan}, "rtol: nan is out of range: must be >= 1e-10 and <= 0.1"),
+    (wo.solve_nip, {"rtol": True}, "rtol: True is out of range: must be >= 1e-10 and <= 0.1"),
+    (wo.solve_nip, {"scheme": []}, "scheme: [] is unknown; known: graded, thesis"),
+    (wo.solve_nip, {"algorithm": None}, "algorithm: None is unknown; known: panagiotopoulos"),
+    (wo.solve_nip, {"start": 5}, "start: 5 is out of place; must be a NipResult"),
+    (wo.solve_nip, {"start": nip()}, "start: NipProblem("),
+    (wo.solve_rollers, {"nodes": None}, "nodes: None is out of range: must be a whole number"),
+    (wo.solve_rollers, {"rtol": inf}, "rtol: inf is out of range: must be >= 1e-08 and <= 0.1"),
+    (wo.solve_wrapped_nip, {"nodes": 7}, "nodes: 7 is out of range: must be a whole number, 17"),
+    (wo.solve_wrapped_nip, {"wrap_nodes": 0.5}, "wrap_nodes: 0.5 is out of range: must be a whole"),
+    (
+        wo.solve_wrapped_nip, {"roll_wrap": 3.5},
+        "roll_wrap: 3.5 is out of range; must be >= 0 and <= 3.14159 [rad] (3.5 rad is 200.5 deg)",
+    ),
+    (
+        wo.solve_wrapped_nip, {"roll_wrap": 180},
+        "roll_wrap: 180 is out of range; must be >= 0 and <= 3.14159 [rad] "
+        "(angles are in radians: 180 degrees are 3.14159)",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("solver", "bad", "text"), OPTIONS, ids=lambda v: str(v)[:30])
+def test_an_option_that_cannot_be(
+    solver: Callable[..., Any], bad: dict[str, Any], text: str
+) -> None:
+    problem = rollers() if solver is wo.solve_rollers else nip()
+    assert refusal(solver, problem, **bad).startswith(text)
+
+
+def test_options_may_be_numpys() -> None:
+    assert wo.solve_nip(nip(), nodes=np.int64(17)).nodes == 17
+    assert wo.solve_rollers(rollers(), nodes=np.int32(33), rtol=np.float32(0.1)).x.size >= 33
+    assert wo.solve_wrapped_nip(nip(), nodes=np.int64(17)).nip.nodes == 17

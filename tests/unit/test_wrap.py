@@ -37,7 +37,7 @@ def result() -> wo.WrappedNipResult:
         ({"roll_wrap": 0.014}, "the nip's trailing edge is at"),
         ({"drum_wrap": 3.5}, "drum_wrap: 3.5 is out of range"),
         ({"drum_wrap": True}, "drum_wrap: True is out of range"),
-        ({"wrap_friction": 0.0}, "wrap_friction: 0.0 is out of range"),
+        ({"wrap_friction": 0.0}, "wrap_friction: 0 is out of range"),
         ({"nodes": 16}, "nodes: 16 is out of range: must be a whole number, 17 to 1025"),
         ({"wrap_nodes": 2.5}, "wrap_nodes: 2.5 is out of range"),
         ({"winding_force": "all"}, "winding_force: 'all' is out of range"),

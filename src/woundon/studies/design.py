@@ -246,6 +246,8 @@ def _drawn(kind: str, inputs: int, samples: int, seed: int) -> Array:
     """Draw points of the unit cube, (samples, inputs)."""
     from scipy.stats import qmc
 
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise InvalidProblem([("seed", f"{seed!r} is no whole number, at least 0")])
     if kind == "sobol":
         return np.asarray(qmc.Sobol(inputs, rng=seed).random_base2(int(log2(samples))))
     return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))

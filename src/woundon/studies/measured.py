@@ -86,6 +86,8 @@ def read_measured(
         if target is None:
             continue
         kind, target, of = _role(target, outputs, label, where)
+        if target in found[kind]:
+            raise InvalidProblem([(where, f"two columns are {target}")])
         gap = kind != "inputs"
         found[kind][target] = _si(cells, unit, of, f"{where}: {name}", gap)
     _check(found, renames, where)

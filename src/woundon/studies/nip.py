@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, NoSteadyState
 from ..problems import RollerProblem
 from .design import make_design
 from .engine import Progress, run_study
@@ -99,6 +99,7 @@ def sweep_table(
 ) -> Table:
     """Return the table of :func:`sweep`."""
     model = solver_model(problem, outputs, tie, options)
+    model.check_free(over or ())
     return run_study(
         model, make_design(over, design, samples, seed), runner_for(workers, scheduler),
         out=out, resume=resume, chunk=chunk, progress=progress,
@@ -139,6 +140,7 @@ def global_sensitivity(
         Also if a case of the ranges cannot be solved: the indices need every one.
     """
     model = solver_model(problem, outputs, tie, options)
+    model.check_free(over or ())
     table = run_study(
         model, saltelli_design(over, samples, seed), runner_for(workers, scheduler),
         out=out, resume=resume, progress=progress,
@@ -200,6 +202,10 @@ def fit(
     )
     model = solver_model(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
     parameters = tuple(_parameter(problem, name, bounds) for name, bounds in _bounds(vary).items())
+    model.check_free([*(p.name for p in parameters), *data.inputs])
+    for parameter in parameters:
+        _check_bounds(problem, parameter)
+    _check_rows(problem, data)
     labels = {n: model.label(n) for n in (*(p.name for p in parameters), *data.outputs)}
     _one_unit(labels, data)
     found = fit_parameters(
@@ -240,6 +246,31 @@ def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
     except (TypeError, ValueError):
         raise InvalidProblem([(name, f"{bounds!r} are no bounds; write (low, high)")]) from None
     return Parameter(name, low, high, base)
+
+
+def _check_bounds(problem: Problem, parameter: Parameter) -> None:
+    """Refuse bounds that the field itself does not admit."""
+    for end in (parameter.low, parameter.high):
+        try:
+            problem.replace(**{parameter.name: end})
+        except NoSteadyState:
+            continue
+        except InvalidProblem as fault:
+            own = [text for field, text in fault.faults if field == parameter.name]
+            if own:
+                raise InvalidProblem([(parameter.name, f"bounds: {own[0]}")]) from None
+
+
+def _check_rows(problem: Problem, data: Measured) -> None:
+    """Refuse inputs that a field does not admit; what no steady state carries is the fit's."""
+    columns = [values.tolist() for values in data.inputs.values()]
+    for number, row in enumerate(zip(*columns, strict=True), 1):
+        try:
+            problem.replace(**dict(zip(data.inputs, row, strict=True)))
+        except NoSteadyState:
+            continue
+        except InvalidProblem as fault:
+            raise fault.under(f"measured: row {number}") from None
 
 
 def _one_unit(labels: Mapping[str, Label], data: Measured) -> None:

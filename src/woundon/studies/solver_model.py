@@ -5,7 +5,7 @@ What knows of nips in this folder is here, in ``nip`` and in ``studyfile``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache, cached_property
 from inspect import signature
@@ -102,6 +102,18 @@ def _solver_of(problem: Problem) -> Callable[..., Result]:
     return solve_nip
 
 
+def _check_values(problem: Problem, options: Mapping[str, Any]) -> None:
+    """Refuse options out of range before any case is solved."""
+    if isinstance(problem, RollerProblem):
+        from .. import rollers
+
+        rollers.check_options(**options)
+    else:
+        from .. import nip
+
+        nip.check_options(**options)
+
+
 @cache
 def _keywords(solver: Callable[..., Result]) -> frozenset[str]:
     parameters = signature(solver).parameters.values()
@@ -138,6 +150,9 @@ class SolverModel:
         known = _outputs_of(self.problem)
         if not self.outputs:
             raise InvalidProblem([("outputs", f"none is asked for; known: {', '.join(known)}")])
+        twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
+        if twice:
+            raise InvalidProblem([("outputs", f"{twice[0]!r} is given twice")])
         faults = [
             (name, f"no scalar output{did_you_mean(name, known)}")
             for name in self.outputs
@@ -149,8 +164,25 @@ class SolverModel:
         for name in self.options:
             if name not in keywords:
                 raise InvalidProblem([(name, f"no such option{did_you_mean(name, keywords)}")])
+        self._check_ties()
+        _check_values(self.problem, self.options)
         self.variant({})
         return self
+
+    def _check_ties(self) -> None:
+        given: Mapping[Any, Any] = self.tie
+        for follower, leader in given.items():
+            if not isinstance(follower, str) or not isinstance(leader, str):
+                text = f"{leader!r} is no name of a field; write FIELD = 'FIELD'"
+                raise InvalidProblem([(f"tie.{follower}", text)])
+
+    def check_free(self, names: Iterable[Any]) -> None:
+        """Refuse to vary a field that follows another: its values would never be used."""
+        for name in names:
+            for follower, leader in self.tie.items():
+                if name == follower or str(name).startswith(f"{follower}."):
+                    text = f"cannot be varied, for {follower} is tied to {leader}"
+                    raise InvalidProblem([(str(name), text)])
 
     def variant(self, inputs: Mapping[str, Any]) -> Problem:
         """Return the problem of one case."""

@@ -101,9 +101,6 @@ def _outputs(given: Any) -> tuple[str, ...]:
     names = [given] if isinstance(given, str) else given
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise InvalidProblem([("outputs", f"{given!r} is no list of names")])
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    if twice:
-        raise InvalidProblem([("outputs", f"{twice[0]!r} is given twice")])
     return tuple(names)
 
 

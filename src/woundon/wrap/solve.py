@@ -23,6 +23,7 @@ from ..contact.discretisation import Discretisation, discretisation
 from ..contact.stick_slip import Ending, solve_stick_slip
 from ..contact.width import WidthNotFound, width_for_load
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
+from ..options import check_kind, whole_number
 from ..problems import NipProblem
 from .equations import Loads, WrapEquations, WrapState
 from .grid import WrapGrid, wrap_grid
@@ -85,24 +86,24 @@ def solve_wrapped_nip(
     NotConverged
         If a law is not satisfied to 1e-8; carries the best result.
     """
-    cells = 3 * (nodes - 1) // 4 if wrap_nodes is None and isinstance(nodes, int) else wrap_nodes
+    check_kind("problem", problem, NipProblem)
     mu = problem.roll_friction if wrap_friction is None else wrap_friction
     _check("roll_wrap", roll_wrap, 0.0, pi, "rad")
     _check("drum_wrap", drum_wrap, 0.0, pi, "rad")
     if wrap_friction is not None:
         _check("wrap_friction", mu, 1e-6, 10.0, "1")
-    _check_count("nodes", nodes, 17, 1025)
-    _check_count("wrap_nodes", cells, 12, 2048)
-    assert cells is not None
+    nodes = whole_number("nodes", nodes, 17, 1025)
+    cells = 3 * (nodes - 1) // 4 if wrap_nodes is None else wrap_nodes
+    cells = whole_number("wrap_nodes", cells, 12, 2048)
     F = problem.winding_force if winding_force is None else winding_force
     _check_loads(problem, F, drum_wrap)
     loads = Loads(roll_wrap > 0, drum_wrap > 0, float(mu), float(F))
     solver = _Solver(problem, float(roll_wrap), float(drum_wrap), loads)
     level: _Level | None = None
     tensions: list[float] = []
-    for count in _grids(int(nodes)):
+    for count in _grids(nodes):
         fine = count == nodes
-        on_arcs = max(8, int(cells) * (count - 1) // (int(nodes) - 1))
+        on_arcs = max(8, cells * (count - 1) // (nodes - 1))
         level = solver.solve(discretisation("graded", count), on_arcs, level, fine)
         tensions.append(float(level.state.tension[-1]))
     assert level is not None
@@ -142,19 +143,12 @@ def _check(name: str, value: float, low: float, high: float, unit: str) -> None:
     hint = ""
     if good and unit == "rad" and 2 * pi < value <= degrees(high):
         hint = f" (angles are in radians: {value:g} degrees are {value * pi / 180:.6g})"
+    elif good and unit == "rad":
+        hint = f" ({value:.6g} rad is {degrees(value):.4g} deg)"
+    given = f"{value:.6g}" if good else repr(value)
     raise InvalidProblem.at(
-        name, f"{value!r} is out of range; must be >= {low:g} and <= {high:.6g} [{unit}]{hint}"
+        name, f"{given} is out of range; must be >= {low:g} and <= {high:.6g} [{unit}]{hint}"
     )
-
-
-def _check_count(name: str, value: int | None, low: int, high: int) -> None:
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, np.integer))
-        or not (low <= value <= high)
-    ):
-        text = f"{value!r} is out of range: must be a whole number, {low} to {high}"
-        raise InvalidProblem.at(name, text)
 
 
 def _grids(nodes: int) -> list[int]:
