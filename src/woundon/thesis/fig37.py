@@ -9,8 +9,8 @@ import numpy as np
 from ..surface import rig_tension
 from .cases import measured_tensions, newsprint_nip
 from .frame import Figure, Scheme, Table, Verdict
+from .newsprint import NIP_LOADS, Theory, table3
 from .sweep import solved
-from .table3 import NIP_LOADS, Theory, table3
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
