@@ -43,7 +43,7 @@ class Body(Protocol):
 
 
 def _radius(what: str) -> Any:
-    return Field(description=what, gt=1e-4, le=10.0, json_schema_extra={"unit": "m"})
+    return Field(description=what, gt=1e-4, le=50.0, json_schema_extra={"unit": "m"})
 
 
 class Rigid(Description):

@@ -46,7 +46,7 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> NipProblem:
     ----------
     path : path
         TOML file (see :func:`template`).
-    settings : iterable of str
+    settings : str or iterable of str
         Changes such as "nip_load=3.5 kN/m" or "web.thickness=57 um", made before validation.
 
     Raises
@@ -115,7 +115,7 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         For a text that is no setting, or a dotted name through a field that has no fields.
     """
     changed = deepcopy(dict(case))
-    for setting in settings:
+    for setting in [settings] if isinstance(settings, str) else settings:
         path, sign, value = setting.partition("=")
         *heads, leaf = path.strip().split(".")
         if not sign or not all((*heads, leaf, value.strip())):

@@ -51,7 +51,7 @@ class NipProblem(Description):
     roll_friction, drum_friction : float
         mu+ between the layers and mu- between web and drum, 1e-8 to 10.
     nip_load : float
-        P [N/m], 1e-6 to 1e7.
+        P [N/m], 1e-12 to 1e7.
     winding_force : float
         F = integral of q- = -M2/R2 [N/m]; F > 0: the drum brakes, F = 0: centre winding,
         F = -web_tension: surface winding.  |F| < mu- P.
@@ -71,7 +71,7 @@ class NipProblem(Description):
     drum: AnyBody
     roll_friction: Number = _friction("mu+, friction between the layers")
     drum_friction: Number = _friction("mu-, friction between web and drum")
-    nip_load: Number = _line_load("nip load P", ge=1e-6, le=1e7)
+    nip_load: Number = _line_load("nip load P", ge=1e-12, le=1e7)
     winding_force: Number = _line_load("winding force F", default=0.0)
     web_tension: Number = _line_load("web tension T_in before the nip", default=0.0, ge=0, le=1e6)
 
@@ -98,7 +98,7 @@ class RollerProblem(Description):
     ----------
     upper, lower : Rigid, HalfPlane or Cylinder
     load : float
-        P [N/m], 1e-6 to 1e9.
+        P [N/m], 1e-12 to 1e9.
     friction : float
         mu, > 0.
     tangential_load : float, optional
@@ -119,7 +119,7 @@ class RollerProblem(Description):
 
     upper: AnyBody
     lower: AnyBody
-    load: Number = _line_load("load P", ge=1e-6, le=1e9)
+    load: Number = _line_load("load P", ge=1e-12, le=1e9)
     friction: Number = _friction("mu, friction between the rollers")
     tangential_load: Number | None = _line_load("tangential load Q", default=None)
     creepage: Number | None = Field(

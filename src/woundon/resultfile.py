@@ -161,6 +161,8 @@ def _restored(name: str, value: Any, parts: dict[str, type[Any]]) -> Any:
         return tuple(value)
     if isinstance(value, list):
         array = _numbers(value)
+        if array.dtype.kind not in "iuf":
+            raise TypeError("not numbers")
         if array.dtype.kind == "i":  # zones
             array = array.astype(np.int8)
         array.setflags(write=False)

@@ -26,6 +26,7 @@ import numpy as np
 from .bodies import Rigid
 from .elasticity import half_plane, strip
 from .errors import InvalidProblem
+from .options import check_kind
 from .problems import NipProblem, RollerProblem
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def _compliance(body: AnyBody) -> half_plane.Coefficients:
 
 
 def _pair(problem: NipProblem | RollerProblem) -> _Pair:
+    check_kind("problem", problem, NipProblem, RollerProblem)
     if isinstance(problem, NipProblem):
         one, two = problem.roll, problem.drum
     else:
@@ -120,7 +122,7 @@ def hertz(problem: NipProblem | RollerProblem) -> Hertz:
 
     Source: thesis eqs. (102)-(105); (104) is printed with E* in place of a^2.
     """
-    P, (_, C, _, R) = _load(problem), _pair(problem)
+    (_, C, _, R), P = _pair(problem), _load(problem)
     E = 2 / C
     a = 2 * sqrt(P * R / (pi * E))
     return Hertz(half_width=a, peak_pressure=2 * P / (pi * a), modulus=E, radius=R)
@@ -140,6 +142,7 @@ def friction_limit(problem: NipProblem) -> float:
 
     Source: thesis eqs. (4)-(6), after Good; sec. 4.3.
     """
+    check_kind("problem", problem, NipProblem)
     mu, P, F = problem.roll_friction, problem.nip_load, problem.winding_force
     return mu * P + F
 
@@ -162,6 +165,7 @@ def jalkanen(problem: NipProblem, approach: float) -> float:
 
     Source: thesis eq. (9).
     """
+    check_kind("problem", problem, NipProblem)
     t, R = problem.web.thickness, problem.roll.radius
     A_rr, A_tt, A_rt, _ = problem.web.material.stiffness
     E_t = 1 / strip.compliance(A_rr, A_tt, A_rt).c11
@@ -186,6 +190,7 @@ def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
 
     Source: thesis eq. (173).
     """
+    check_kind("problem", problem, NipProblem)
     mu, P = problem.roll_friction + problem.drum_friction, problem.nip_load
     s_d = np.asarray(dual_slip_ratio, dtype=float)
     s = np.abs(s_d)
@@ -263,6 +268,7 @@ def carter(problem: RollerProblem) -> PartialSlip:
 
     Source: Carter 1926; Johnson, Contact Mechanics, sec. 8.3.
     """
+    check_kind("problem", problem, RollerProblem)
     if problem.motion != "rolling":
         raise InvalidProblem([("motion", "Carter's theory is of rolling; use cattaneo")])
     (B, C, _, R), contact = _similar(problem), hertz(problem)
@@ -291,6 +297,7 @@ def cattaneo(problem: RollerProblem) -> PartialSlip:
 
     Source: Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, sec. 7.2.
     """
+    check_kind("problem", problem, RollerProblem)
     if problem.motion != "static":
         raise InvalidProblem([("motion", "Cattaneo's theory is of static contact; use carter")])
     _similar(problem)
@@ -326,6 +333,7 @@ def bentall_johnson_frictionless(problem: RollerProblem) -> float:
 
     Source: Bentall and Johnson 1967, re-derived with the number in closed form.
     """
+    check_kind("problem", problem, RollerProblem)
     return -_pair(problem).D * _REVERSAL * hertz(problem).peak_pressure
 
 
@@ -382,6 +390,7 @@ def bentall_johnson_stick(problem: RollerProblem) -> FullStick:
 
     Source: Bentall and Johnson 1967; the exact inversion by the Hilbert transform, re-derived.
     """
+    check_kind("problem", problem, RollerProblem)
     B, C, D, R = _pair(problem)
     eta = atanh(D / sqrt(B * C)) / pi
     a = sqrt(2 * problem.load * R * C / (pi * (1 + 4 * eta**2)))

@@ -239,7 +239,7 @@ def test_figures_of_many_inputs(tmp_path: Path):
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ("nip_load,half_width\n-5,0.001\n", "row 1.nip_load: -5 is out of range; must be >= 1e-06"),
+        ("nip_load,half_width\n-5,0.001\n", "row 1.nip_load: -5 is out of range; must be >= 1e-12"),
         ("nip_load [N/m],nip_load [kN/m],half_width\n1,1,1\n", "two columns are nip_load"),
     ],
 )

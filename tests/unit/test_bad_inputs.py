@@ -24,7 +24,7 @@ BODY = "Rigid, HalfPlane or Cylinder (or a table of its fields)"
 MATERIAL = (
     "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
 )
-LOAD = ">= 1e-06 and <= 1e+07 [N/m]"
+LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
 NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_tension, winding_force"
 MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
 
@@ -102,7 +102,7 @@ CYLINDER = {"radius": 0.1, "core_radius": 0.05, "material": "steel"}
 MODULUS = ">= 0.001 and <= 1e+14 [Pa]"
 THICKNESS = "thickness: {} is out of range; must be >= 1e-07 and <= 0.01 [m]"
 CORE = ">= 1e-09 * radius = 1e-10 and <= 0.9995 * radius = 0.09995 [m]"
-RADIUS = "radius: {} is out of range; must be > 0.0001 and <= 10 [m]"
+RADIUS = "radius: {} is out of range; must be > 0.0001 and <= 50 [m]"
 
 RANGES: list[tuple[Any, dict[str, Any], dict[str, Any], str]] = [
     # (description, its fields, the bad ones, the text)
@@ -244,7 +244,7 @@ PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
         "tangential_load: -44500 is out of range; |tangential_load| must be < "
         "friction * load = 44500 [N/m], or the rollers slide",
     ),
-    (rollers, {"load": 0}, "load: 0 is out of range; must be >= 1e-06 and <= 1e+09 [N/m]"),
+    (rollers, {"load": 0}, "load: 0 is out of range; must be >= 1e-12 and <= 1e+09 [N/m]"),
 ]  # fmt: skip
 
 
@@ -297,7 +297,7 @@ NAMES: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     ),
     (wo.Web, {"thickness": 66e-6}, f"material: missing; must be {MATERIAL}"),
     (wo.Cylinder, {**CYLINDER, "radius": None}, "radius: None is not a number; "
-     "must be > 0.0001 and <= 10 [m]"),
+     "must be > 0.0001 and <= 50 [m]"),
     (rollers, {"motion": "roling"}, "motion: 'roling' is unknown; must be 'rolling' or 'static'; "
      "did you mean 'rolling'?"),
     (rollers, {"motion": 5}, "motion: 5 is unknown; must be 'rolling' or 'static'"),
@@ -347,7 +347,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
         {"drum": wo.material("steel")},
         f"drum: Isotropic(youngs_m...poissons_ratio=0.3) is out of place; must be {BODY}",
     ),
-    ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 10 [m]"),
+    ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 50 [m]"),
     (
         {"drum": {"kind": "rigd", "radius": 1}},
         "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
@@ -457,7 +457,7 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
         {"web.thicknes": 1, "rolll": 2, "roll.radius": True},
         "rolll: no such field; did you mean 'roll'?\n"
         "web.thicknes: no such field; did you mean 'thickness'?\n"
-        "roll.radius: True is not a number; must be > 0.0001 and <= 10 [m]",
+        "roll.radius: True is not a number; must be > 0.0001 and <= 50 [m]",
     ),
 ]  # fmt: skip
 
@@ -529,7 +529,7 @@ shear = "10 MPa"
 kind = "rigid"
 radius = "76.2 mm"
 """
-RANGE = r">= 1e-06 and <= 1e\+07 \[N/m\]"
+RANGE = r">= 1e-12 and <= 1e\+07 \[N/m\]"
 # (what to replace in CASE, by what, fragments of the answer)
 CASES: list[tuple[str, str, str]] = [
     ('"3502 N/m"', "-5", rf"nip_load: -5 .*{RANGE}"),
@@ -567,7 +567,7 @@ CASES: list[tuple[str, str, str]] = [
     ("shear =", "shaer =", r"roll\.material\.shaer: no such field; did you mean 'shear'"),
     ("core_radius = ", "core_raduis = ", r"roll\.core_raduis: .*did you mean 'core_radius'"),
     ("[drum]", "[durm]", r"durm: no such field; did you mean 'drum'"),
-    ("nip_load =", "# ", r"nip_load: missing.*>= 1e-06"),
+    ("nip_load =", "# ", r"nip_load: missing.*>= 1e-12"),
     ("[web]", "[[web]]", r"web: .*must be Web"),
     ("schema = 1", "schema = 2", r"schema: 2 .*schema = 1"),
     ("schema = 1", "schema = true", r"schema: True .*schema = 1"),
@@ -762,3 +762,16 @@ def test_options_may_be_numpys() -> None:
     assert wo.solve_nip(nip(), nodes=np.int64(17)).nodes == 17
     assert wo.solve_rollers(rollers(), nodes=np.int32(33), rtol=np.float32(0.1)).x.size >= 33
     assert wo.solve_wrapped_nip(nip(), nodes=np.int64(17)).nip.nodes == 17
+
+
+ROLLER_THEORIES = ["bentall_johnson_frictionless", "bentall_johnson_stick", "carter", "cattaneo"]
+
+
+@pytest.mark.parametrize("name", [*ROLLER_THEORIES, "friction_limit", "jalkanen", "dual_slip"])
+@pytest.mark.parametrize("given", [None, "other"])
+def test_a_theory_takes_its_problem_only(name: str, given: Any) -> None:
+    of_rollers = name in ROLLER_THEORIES
+    problem = given and (nip() if of_rollers else rollers())
+    extra = (1e-4,) if name in ("jalkanen", "dual_slip") else ()
+    text = refusal(getattr(wo.theories, name), problem, *extra)
+    assert text.endswith(f"must be a {'RollerProblem' if of_rollers else 'NipProblem'}")

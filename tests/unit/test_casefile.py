@@ -101,8 +101,8 @@ def test_settings_leave_the_tables_as_they_were():
 
 # (setting, field named, what the text says); the value is in the text wherever there is one
 BAD_SETTINGS = [
-    ("nip_load=-3502", "nip_load", "-3502*must be >= 1e-06*[N/m]"),
-    ("nip_load=0", "nip_load", "0*must be >= 1e-06*[N/m]"),
+    ("nip_load=-3502", "nip_load", "-3502*must be >= 1e-12*[N/m]"),
+    ("nip_load=0", "nip_load", "0*must be >= 1e-12*[N/m]"),
     ("nip_load=nan", "nip_load", "nan*not a finite number"),
     ("nip_load=inf", "nip_load", "inf*not a finite number"),
     ("nip_load=1e12", "nip_load", "<= 1e+07 [N/m]"),

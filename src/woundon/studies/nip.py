@@ -99,7 +99,7 @@ def sweep_table(
 ) -> Table:
     """Return the table of :func:`sweep`."""
     model = solver_model(problem, outputs, tie, options)
-    model.check_free(over or ())
+    model.check_free(over if isinstance(over, Mapping) else ())
     return run_study(
         model, make_design(over, design, samples, seed), runner_for(workers, scheduler),
         out=out, resume=resume, chunk=chunk, progress=progress,
@@ -140,7 +140,7 @@ def global_sensitivity(
         Also if a case of the ranges cannot be solved: the indices need every one.
     """
     model = solver_model(problem, outputs, tie, options)
-    model.check_free(over or ())
+    model.check_free(over if isinstance(over, Mapping) else ())
     table = run_study(
         model, saltelli_design(over, samples, seed), runner_for(workers, scheduler),
         out=out, resume=resume, progress=progress,

@@ -141,10 +141,11 @@ def plot_fit(fit: FitResult, path: str | Path | None = None) -> Figure:
         figure = Figure(figsize=(3.1 * count + 0.4, 3.3), layout="constrained")
         panels = figure.subplots(1, count, squeeze=False)[0]
         _draw_agreement(panels[0], fit)
+        told = "others refitted" if len(fit.profiles) > 1 else "profile"
         for axes, profile in zip(panels[1:], fit.profiles, strict=True):
             label = fit.labels.get(profile.name)
             at, text = _scaled(label, profile.name, profile.values, words=False)
-            axes.plot(at, profile.rms, ".-", color=_COLOURS[0], label="others refitted")
+            axes.plot(at, profile.rms, ".-", color=_COLOURS[0], label=told)
             axes.axhline(profile.rms_limit, color=_COLOURS[1], linestyle="--", label="95 % limit")
             if _logarithmic(at):
                 _log_axis(axes.xaxis)
@@ -163,10 +164,11 @@ def _rms_unit(fit: FitResult) -> str:
 
 def _draw_agreement(axes: Axes, fit: FitResult) -> None:
     for place, output in enumerate(dict.fromkeys(fit.row_outputs)):
+        known = fit.labels.get(output)
         rows = np.array([name == output for name in fit.row_outputs])
         axes.plot(
             fit.measured[rows], fit.fitted[rows], "os^dv"[place % 5], color=_COLOURS[place % 7],
-            markersize=4, label=output.replace("_", " "),
+            markersize=4, label=known.description if known else output.replace("_", " "),
         )  # fmt: skip
     ends = [float(min(fit.measured.min(), fit.fitted.min())),
             float(max(fit.measured.max(), fit.fitted.max()))]  # fmt: skip
