@@ -131,11 +131,16 @@ def _parts(out: Path) -> int:
     return len(list((out / "parts").glob("[0-9]*.parquet")))
 
 
+def _hear_ctrl_c() -> None:
+    """Undo what a shell does to jobs in its background: there Ctrl-C is ignored, and inherited."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def _stopped_in_the_middle(study: Path, out: Path, with_signal: int, *more: str) -> tuple[int, str]:
     """Start the study, send the signal after the first parts; return exit code and what it said."""
     process = subprocess.Popen(
         _command(study, out, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
-        start_new_session=True,
+        start_new_session=True, preexec_fn=_hear_ctrl_c,
     )  # fmt: skip
     limit = time.monotonic() + 60
     while _parts(out) < 3 and process.poll() is None and time.monotonic() < limit:
