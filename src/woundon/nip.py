@@ -196,7 +196,9 @@ class _Start:
     nodes: Array  # interior ones, in units of the half width
     zones: Array  # of the roll, then of the drum
     power: float = 2.0
-    disc: Discretisation | None = None  # where the same problem was solved on another grid
+    # where the same problem was solved on another grid: a half width, and the load that it would
+    # carry there without friction
+    frictionless: tuple[float, float] | None = None
 
     @classmethod
     def of(cls, result: NipResult, nip_load: float) -> _Start:
@@ -227,10 +229,12 @@ class _Level:
 
     @property
     def start(self) -> _Start:
-        disc, state = self.equations.disc, self.state
-        carried = float(self.equations.matrices.weights @ state.pressure)
+        made, state = self.equations.matrices, self.state
+        carried = float(made.weights @ state.pressure)
         a = state.half_width * (self.equations.problem.nip_load / carried) ** (1 / self.power)
-        return _Start(a, disc.grid.nodes[1:-1], state.solution.state, self.power, disc)
+        nodes = self.equations.disc.grid.nodes[1:-1]
+        frictionless = (made.half_width, float(made.weights @ self.equations.pressure))
+        return _Start(a, nodes, state.solution.state, self.power, frictionless)
 
 
 class _Solver:
@@ -274,13 +278,12 @@ class _Solver:
 
         By how much, a contact without friction tells to a tenth, at a tenth of the cost.
         """
-        a = start.half_width
-        if start.disc is None:
-            return a
-        before, now = (
-            NipEquations.frictionless_load(self.problem, d, a) for d in (start.disc, disc)
-        )
-        return a * (before / now) ** (1 / start.power) if min(before, now) > 0 else a
+        if start.frictionless is None:
+            return start.half_width
+        a, before = start.frictionless
+        now = NipEquations.frictionless_load(self.problem, disc, a)
+        share = before / now if min(before, now) > 0 else 1.0
+        return float(start.half_width * share ** (1 / start.power))
 
     def _frictionless(self, disc: Discretisation) -> tuple[float, float]:
         """Return the half width that carries the nip load without friction, and its power."""
