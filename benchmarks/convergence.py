@@ -140,6 +140,8 @@ def figure(plains: dict[str, list[Point]], fits: dict[str, list[Point]], path: P
             axes[1].loglog([p.dense_solves for p in points], errors, style, color=f"C{k}", ms=4)
     nodes = np.array([25.0, 800.0])
     axes[0].loglog(nodes, 3e-3 * (25 / nodes) ** 2, color="0.6", lw=1, label="order 2")
+    axes[0].set_xticks(PLAIN, [str(n) for n in PLAIN])
+    axes[0].set_xticks([], minor=True)
     axes[0].set(xlabel="nodes", ylabel="error of NIT, relative")
     axes[1].set(xlabel="time / dense solve of 398 x 398")
     axes[0].legend(fontsize=7, frameon=False)
