@@ -2,18 +2,42 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from .assembly import NipEquations, NipState, contact_radius
 from .contact.certificate import certify
 from .elasticity.strip import compliance
+from .errors import NotConverged
 from .problems import NipProblem
 from .results import NipResult, Residuals, SlipRatios
 from .validity import nip_warnings
 
-__all__ = ["nip_result"]
+__all__ = ["check_certificate", "nip_result", "slip_ratios"]
 
 Array = np.ndarray
+ACCEPTED_RESIDUAL = 1e-8
+
+
+class Certified(Protocol):
+    """Any result that carries residuals."""
+
+    @property
+    def residuals(self) -> Residuals: ...
+
+
+def check_certificate(result: Certified) -> None:
+    """Refuse a result that breaks a law, so that nothing unsolved is passed off as solved.
+
+    Raises
+    ------
+    NotConverged
+        Naming every law not satisfied to 1e-8; carries the result.
+    """
+    broken = [f"{k} {v:.2g}" for k, v in result.residuals.items() if not v <= ACCEPTED_RESIDUAL]
+    if broken:
+        raise NotConverged(f"laws are not satisfied to 1e-8: {', '.join(broken)}", result)
 
 
 def nip_result(
@@ -63,7 +87,7 @@ def nip_result(
         roll_zone=np.concatenate([zones[:1], zones[:n], zones[n - 1 : n]]),
         drum_zone=np.concatenate([zones[n : n + 1], zones[n:], zones[-1:]]),
         web_tension=web_tension,
-        slip_ratios=_slip_ratios(x, zones[:n], zones[n:]),
+        slip_ratios=slip_ratios(x, zones[:n], zones[n:]),
         residuals=_residuals(equations, state),
         scheme=scheme,
         algorithm=algorithm,
@@ -108,7 +132,7 @@ def _approach(equations: NipEquations, state: NipState) -> float:
     return -(v + state.shift * a - a**2 / (2 * contact_radius(problem)))
 
 
-def _slip_ratios(x: Array, roll: Array, drum: Array) -> SlipRatios:
+def slip_ratios(x: Array, roll: Array, drum: Array) -> SlipRatios:
     """Measure slip lengths, zone borders half-way between nodes (thesis eq. 172)."""
     border = (x[1:] + x[:-1]) / 2
     border[0], border[-1] = x[0], x[-1]

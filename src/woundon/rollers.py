@@ -21,12 +21,13 @@ import numpy as np
 from .assembly import half_width_guess, surface_response
 from .contact.certificate import certify
 from .contact.discretisation import Discretisation, Response, discretisation, on_grid
-from .contact.grid import Grid, segmented_grid, zone_borders
+from .contact.grid import Grid, nearest_nodes, segmented_grid, zone_borders
 from .contact.normal import solve_normal
 from .contact.stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
 from .contact.width import WidthNotFound, width_for_load
 from .errors import NotConverged
 from .options import check_kind, tolerance, whole_number
+from .outcome import check_certificate
 from .problems import RollerProblem
 from .results import Residuals, RollerResult
 
@@ -173,14 +174,13 @@ def solve_rollers(
     InvalidProblem
         For options out of range.
     NotConverged
-        If stick and slip or the half width were not found, or ``rtol`` not reached.
+        If stick and slip or the half width were not found, a law is not satisfied to 1e-8, or
+        ``rtol`` is not reached; the last two carry the best result.
     """
     check_kind("problem", problem, RollerProblem)
     check_options(nodes=nodes, rtol=rtol)
     result = _solve_fitted(problem, int(nodes))
-    if rtol is None:
-        return result
-    while not result.traction_error <= rtol:
+    while rtol is not None and not result.traction_error <= rtol:
         count = 2 * result.x.size - 1
         if count > MOST_NODES:
             raise NotConverged(
@@ -188,6 +188,7 @@ def solve_rollers(
                 f"the traction is {result.traction_error:.2g}", result
             )  # fmt: skip
         result = _solve_fitted(problem, count)
+    check_certificate(result)
     return result
 
 
@@ -245,7 +246,7 @@ class _Solved:
     def zones_on(self, nodes: Array) -> Array:
         """Carry zones over to other interior nodes: each takes those of the nearest old one."""
         old = self.nodes[1:-1]
-        return self.solution.state[np.searchsorted((old[1:] + old[:-1]) / 2, nodes)]
+        return self.solution.state[nearest_nodes(old, nodes)]
 
 
 def _fitted_grid(before: _Solved | None, nodes: int) -> Discretisation:

@@ -21,7 +21,15 @@ from typing import Protocol
 
 import numpy as np
 
-__all__ = ["Grid", "KernelParts", "cosine_grid", "segmented_grid", "uniform_grid", "zone_borders"]
+__all__ = [
+    "Grid",
+    "KernelParts",
+    "cosine_grid",
+    "nearest_nodes",
+    "segmented_grid",
+    "uniform_grid",
+    "zone_borders",
+]
 
 Array = np.ndarray
 
@@ -315,6 +323,11 @@ def segmented_grid(borders: Array, nodes: int) -> Grid:
         x.append(left + (right - left) * t**2.2 / (t**2.2 + (1 - t) ** 2.2))
     both = np.concatenate(x)
     return Grid(np.append(both[0::2], 1.0), _midpoints_and_edge(both[1::2]))
+
+
+def nearest_nodes(old: Array, new: Array) -> Array:
+    """Return which of the ``old`` nodes is nearest to each ``new`` one, (new.size,) int."""
+    return np.searchsorted((old[1:] + old[:-1]) / 2, new)
 
 
 def zone_borders(nodes: Array, zones: Array, slack: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..assembly import contact_radius
 from ..contact.certificate import certify
-from ..outcome import _slip_ratios
+from ..outcome import slip_ratios
 from ..validity import nip_warnings
 from .equations import WrapEquations, WrapState
 from .result import WrappedNipResult, WrappedResiduals
@@ -69,7 +69,7 @@ def wrapped_result(
         roll_zone=zones[0],
         drum_zone=zones[1],
         web_tension=T,
-        slip_ratios=_slip_ratios(x[nip], zones[0, inside], zones[1, inside]),
+        slip_ratios=slip_ratios(x[nip], zones[0, inside], zones[1, inside]),
         residuals=_residuals(equations, state),
         iterations=state.solution.solves,
         series_terms=max(s.terms for s in surfaces),
