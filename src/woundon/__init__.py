@@ -5,51 +5,90 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 
 _HOME = {
-    "Cylinder": "bodies",
-    "HalfPlane": "bodies",
+    "Body": "problems.bodies",
+    "Cylinder": "problems.bodies",
+    "Graded": "contact.schemes",
+    "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
-    "Isotropic": "materials",
-    "NipProblem": "problems",
-    "NipResult": "results",
+    "Isotropic": "problems.materials",
+    "Material": "problems.materials",
+    "NipProblem": "problems.nip",
+    "NipResult": "nip.result",
     "NoSteadyState": "errors",
     "NotConverged": "errors",
-    "Orthotropic": "materials",
-    "Rigid": "bodies",
-    "RollerProblem": "problems",
-    "RollerResult": "results",
+    "Orthotropic": "problems.materials",
+    "Problem": "problems.fields",
+    "Quantity": "quantities",
+    "Residuals": "results",
+    "Response": "contact.response",
+    "Result": "results",
+    "Rigid": "problems.bodies",
+    "RollerProblem": "problems.rollers",
+    "RollerResult": "rollers.result",
+    "Thesis": "contact.schemes",
     "ValidityWarning": "errors",
-    "Web": "problems",
-    "WrappedNipResult": "wrap",
+    "Web": "problems.nip",
+    "WrappedNipProblem": "problems.nip",
+    "WrappedNipResult": "wrap.result",
     "Zone": "results",
-    "fit": "studies.nip",
-    "global_sensitivity": "studies.nip",
-    "load_case": "casefile",
-    "load_result": "casefile",
-    "material": "materials",
-    "solve_nip": "nip",
-    "solve_rollers": "rollers",
-    "solve_wrapped_nip": "wrap",
-    "sweep": "studies.nip",
+    "fit": "studies.api",
+    "global_sensitivity": "studies.api",
+    "kinds": "",
+    "load_case": "io.case_files",
+    "load_result": "io.result_files",
+    "material": "problems.materials",
+    "solve": "kinds",
+    "solve_nip": "nip.solve",
+    "solve_rollers": "rollers.solve",
+    "solve_wrapped_nip": "wrap.solve",
+    "sweep": "studies.api",
     "theories": "",
 }
 
 __all__ = ["__version__", *sorted(_HOME)]
 
 if TYPE_CHECKING:
-    from . import theories
-    from .bodies import Cylinder, HalfPlane, Rigid
-    from .casefile import load_case, load_result
-    from .errors import InvalidProblem, NoSteadyState, NotConverged, ValidityWarning
-    from .materials import Isotropic, Orthotropic, material
-    from .nip import solve_nip
-    from .problems import NipProblem, RollerProblem, Web
-    from .results import NipResult, RollerResult, Zone
-    from .rollers import solve_rollers
-    from .studies.nip import fit, global_sensitivity, sweep
-    from .wrap import WrappedNipResult, solve_wrapped_nip
+    from . import kinds as kinds
+    from . import theories as theories
+    from .contact.response import Response as Response
+    from .contact.schemes import Graded as Graded
+    from .contact.schemes import Thesis as Thesis
+    from .errors import InvalidProblem as InvalidProblem
+    from .errors import NoSteadyState as NoSteadyState
+    from .errors import NotConverged as NotConverged
+    from .errors import ValidityWarning as ValidityWarning
+    from .io.case_files import load_case as load_case
+    from .io.result_files import load_result as load_result
+    from .kinds import solve as solve
+    from .nip.result import NipResult as NipResult
+    from .nip.solve import solve_nip as solve_nip
+    from .problems.bodies import Body as Body
+    from .problems.bodies import Cylinder as Cylinder
+    from .problems.bodies import HalfPlane as HalfPlane
+    from .problems.bodies import Rigid as Rigid
+    from .problems.fields import Problem as Problem
+    from .problems.materials import Isotropic as Isotropic
+    from .problems.materials import Material as Material
+    from .problems.materials import Orthotropic as Orthotropic
+    from .problems.materials import material as material
+    from .problems.nip import NipProblem as NipProblem
+    from .problems.nip import Web as Web
+    from .problems.nip import WrappedNipProblem as WrappedNipProblem
+    from .problems.rollers import RollerProblem as RollerProblem
+    from .quantities import Quantity as Quantity
+    from .results import Residuals as Residuals
+    from .results import Result as Result
+    from .results import Zone as Zone
+    from .rollers.result import RollerResult as RollerResult
+    from .rollers.solve import solve_rollers as solve_rollers
+    from .studies.api import fit as fit
+    from .studies.api import global_sensitivity as global_sensitivity
+    from .studies.api import sweep as sweep
+    from .wrap.result import WrappedNipResult as WrappedNipResult
+    from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 
 
 def __getattr__(name: str) -> Any:

@@ -1,30 +1,62 @@
-"""The one table of a result's quantities: symbol, SI unit, unit for display, description.
+"""A quantity is one thing: its symbol, units and meaning stand once, on the field that holds it.
 
-The command line, the files' labels and the nomenclature in the documentation all read it.
+A :class:`Quantity` is metadata of an annotation, of a description's field, a result's field, or what
+a result's property or method returns:
+
+    nip_load: Annotated[Number, line_load("P", "nip load"), Field(ge=1e-12, le=1e7)]
+    half_width: Annotated[float, length("a", "half-width of the nip")]
+
+    @property
+    def nip_width(self) -> Annotated[float, length("2a", "nip width")]: ...
+
+and one function, :func:`walk`, goes over all of them: case files, ``--set``, studies, reports, plot
+labels, result files and the tables of the documentation read them there; none keeps its own list.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from inspect import Parameter, signature
 from math import pi
-from types import MappingProxyType
-from typing import NamedTuple
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
-__all__ = ["QUANTITIES", "Quantity"]
+__all__ = [
+    "Place", "Quantity", "angle", "find", "length", "line_load", "members_of", "output", "outputs",
+    "pure", "scalar_outputs", "strain", "stress", "value_of", "walk",
+]  # fmt: skip
+
+_PER_SI = {"mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi}
 
 
-class Quantity(NamedTuple):
-    """A result's quantity; ``value_shown = value * per_si`` in the unit ``shown_unit``."""
+@dataclasses.dataclass(frozen=True, slots=True)
+class Quantity:
+    """What a number is.
+
+    Attributes
+    ----------
+    symbol : str
+        As in the formulas.
+    unit : str
+        SI; "1" for a pure number.
+    meaning : str
+        A few words, the sign convention where there is one.
+    shown_unit : str
+        In which people see it; as ``unit`` where empty.
+    typical : (low, high), optional
+        The range met in practice, SI; a slider's ends, not a limit.
+    """
 
     symbol: str
     unit: str
-    description: str
+    meaning: str
     shown_unit: str = ""
-    per_si: float = 1.0
+    typical: tuple[float, float] | None = None
 
-    def shown(self, value: float) -> float:
-        """Return an SI value in the unit for display."""
-        return value * self.per_si
+    def shown(self, value: Any) -> Any:
+        """Return an SI value, or an array of them, in the unit for display."""
+        return value * _PER_SI.get(self.shown_unit, 1.0)
 
     @property
     def display(self) -> str:
@@ -33,93 +65,233 @@ class Quantity(NamedTuple):
         return "" if unit == "1" else unit
 
 
-def _length(symbol: str, description: str) -> Quantity:
-    return Quantity(symbol, "m", description, "mm", 1e3)
+Range = tuple[float, float] | None
+_POSITIONAL = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
 
 
-def _stress(symbol: str, description: str) -> Quantity:
-    return Quantity(symbol, "Pa", description, "kPa", 1e-3)
+def length(symbol: str, meaning: str, shown: str = "mm", typical: Range = None) -> Quantity:
+    """Return a length [m]."""
+    return Quantity(symbol, "m", meaning, shown, typical)
 
 
-def _strain(symbol: str, description: str) -> Quantity:
-    return Quantity(symbol, "1", description, "%", 1e2)
+def stress(symbol: str, meaning: str, shown: str = "kPa", typical: Range = None) -> Quantity:
+    """Return a stress, a pressure or a modulus [Pa]."""
+    return Quantity(symbol, "Pa", meaning, shown, typical)
 
 
-def _angle(symbol: str, description: str) -> Quantity:
-    return Quantity(symbol, "rad", description, "deg", 180 / pi)
+def strain(symbol: str, meaning: str) -> Quantity:
+    """Return a strain, a relative speed or another share, shown in percent [1]."""
+    return Quantity(symbol, "1", meaning, "%")
 
 
-def _line_load(symbol: str, description: str) -> Quantity:
-    return Quantity(symbol, "N/m", description)
+def angle(symbol: str, meaning: str, typical: Range = None) -> Quantity:
+    """Return an angle [rad]."""
+    return Quantity(symbol, "rad", meaning, "deg", typical)
 
 
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        # loads of the problem
-        "nip_load": _line_load("P", "nip load"),
-        "winding_force": _line_load("F", "winding force, integral of the drum traction"),
-        "incoming_tension": _line_load("T_in", "web tension before the nip"),
-        # scalars of a nip
-        "nip_induced_tension": _line_load("NIT", "nip-induced tension"),
-        "nip_induced_tension_error": _line_load(
-            "NIT error", "estimated discretisation error of the nip-induced tension"
-        ),
-        "wound_on_tension": _line_load("T_out", "wound-on tension"),
-        "half_width": _length("a", "half-width of the nip"),
-        "nip_width": _length("2a", "nip width"),
-        "approach": _length("delta", "approach of the centres of roll and drum"),
-        "offset": _length("Delta", "shift of the contact centre from the line of centres"),
-        "drum_creep": _strain("xi-", "creep of web and drum"),
-        "peak_pressure": _stress("p_max", "largest pressure"),
-        # arrays along the nip
-        "x": _length("x", "position along the nip, with the web; the contact is [-a, a]"),
-        "pressure": _stress("p", "pressure"),
-        "roll_traction": _stress("q+", "traction of the web on the roll"),
-        "drum_traction": _stress("q-", "traction of the web on the drum"),
-        "slip_x": _length("x_v", "where the slips are taken, the middle of the cell before a node"),
-        "roll_slip": _strain("v+", "slip of the web against the roll, > 0: web faster"),
-        "drum_slip": _strain("v-", "slip of the web against the drum, > 0: web faster"),
-        "web_tension": _line_load("T", "web tension along the nip"),
-        "roll_zone": Quantity(
-            "z+", "1", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"
-        ),
-        "drum_zone": Quantity(
-            "z-", "1", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"
-        ),
-        # signed slip lengths over the nip width
-        "leading_roll": _strain("s_l+", "slip length at the roll's leading edge / nip width"),
-        "trailing_roll": _strain("s_t+", "slip length at the roll's trailing edge / nip width"),
-        "dual": _strain("s_d", "length of slip at both roll and drum / nip width"),
-        # the web wrapped on roll and drum
-        "wound_on_tension_error": _line_load(
-            "WOT error", "estimated discretisation error of the wound-on tension"
-        ),
-        "tension_before_nip": _line_load("T_n", "web tension at the leading edge of the nip"),
-        "tension_behind_nip": _line_load("T_out", "web tension at the trailing edge of the nip"),
-        "roll_wrap_traction": _line_load("Q_w+", "traction on the roll behind the nip, integrated"),
-        "drum_wrap_traction": _line_load("Q_w-", "traction on the drum before the nip, integrated"),
-        "roll_wrap": _angle("theta+", "angle from the nip to where the web is held to the roll"),
-        "drum_wrap": _angle("theta-", "arc of the web on the drum before the nip"),
-        "slip_angle": _angle("theta_s", "how far the web slips on the roll behind the nip"),
-        "wrap_friction": Quantity("mu_w+", "1", "friction on the roll behind the nip"),
-        "roll_strain": _strain("eps1", "strain of the roll's surface along the web"),
-        "roll_pressure": _stress("p+", "pressure of the web on the roll"),
-        "hoop_pressure": _stress("p_h", "hoop pressure, web tension times curvature"),
-        "curvature": Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll"),
-        # two rollers
-        "creepage": _strain("xi", "creepage, surface speed of the lower roller less the upper's"),
-        "tangential_load": _line_load("Q", "tangential load on the upper roller"),
-        "traction_error": _strain("e_q", "estimated error of the traction (L2), relative"),
-        "traction": _stress("q", "traction on the upper roller"),
-        "slip": _strain("v", "slip speed, > 0: lower surface faster"),
-        "static_slip": Quantity("v", "m", "slip of static rollers, > 0: lower surface along +x"),
-        "zone": Quantity(
-            "z", "1", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower"
-        ),
-        # how it was solved
-        "iterations": Quantity("n_it", "1", "linear stick-slip systems solved"),
-        "series_terms": Quantity("n_s", "1", "Fourier terms summed"),
-        "series_error": Quantity("e_s", "1", "estimated truncation error of the series"),
-        "residual": Quantity("r", "1", "largest violation of a contact law, dimensionless"),
+def line_load(symbol: str, meaning: str, typical: Range = None) -> Quantity:
+    """Return a force per metre of width [N/m]."""
+    return Quantity(symbol, "N/m", meaning, "", typical)
+
+
+def pure(symbol: str, meaning: str, typical: Range = None) -> Quantity:
+    """Return a pure number [1]."""
+    return Quantity(symbol, "1", meaning, "", typical)
+
+
+# ---- the one walk -------------------------------------------------------------------------------
+
+
+class Place(NamedTuple):
+    """Where a quantity stands.
+
+    Attributes
+    ----------
+    path : str
+        Dotted name; items of a list by their number, or ``*`` where a class is walked.
+    quantity : Quantity or None
+        None for a field that is no number: a word, a name, a curve's law.
+    field : object
+        A description's pydantic ``FieldInfo``; of a result's output, what its annotation says.
+    owner : type
+        The class that has it.
+    value : object
+        Its value where an instance is walked, else None.
+    """
+
+    path: str
+    quantity: Quantity | None
+    field: Any
+    owner: type
+    value: Any = None
+
+    @property
+    def name(self) -> str:
+        """The last part of the path."""
+        return self.path.rpartition(".")[2]
+
+
+def walk(thing: Any, prefix: str = "") -> Iterator[Place]:
+    """Yield every leaf of a description, or every output of a result, in the order of definition.
+
+    Parameters
+    ----------
+    thing : class or instance
+        Of a description (nested ones and lists of them are entered; of a class, all members of an
+        open set) or of a result (fields, then properties and methods that take no argument).
+    prefix : str
+        Put before every path.
+    """
+    of = thing if isinstance(thing, type) else type(thing)
+    if not hasattr(of, "model_fields"):
+        yield from _walk_outputs(thing, of, prefix)
+        return
+    for name, field in of.model_fields.items():
+        path = f"{prefix}{name}"
+        if thing is of:
+            yield from _walk_annotation(field, path, of)
+        else:
+            yield from _walk_value(getattr(thing, name), field, path, of)
+
+
+def _walk_value(value: Any, field: Any, path: str, owner: type) -> Iterator[Place]:
+    if hasattr(type(value), "model_fields"):
+        yield from walk(value, f"{path}.")
+    elif isinstance(value, tuple) and any(hasattr(type(v), "model_fields") for v in value):
+        for k, item in enumerate(value):
+            yield from _walk_value(item, field, f"{path}.{k}", owner)
+    else:
+        yield Place(path, quantity_of(field), field, owner, value)
+
+
+def _walk_annotation(field: Any, path: str, owner: type) -> Iterator[Place]:
+    inner = members_of(field.annotation)
+    if not inner:
+        yield Place(path, quantity_of(field), field, owner)
+    part = f"{path}.*." if _is_list(field.annotation) else f"{path}."
+    for model in inner:
+        yield from walk(model, part)
+
+
+def find(thing: Any, path: str) -> tuple[Place, ...]:
+    """Return the places of a dotted name below a description's class or instance; () if none.
+
+    A field that only another body or material than the present one has is found too, and so is one
+    of any item of a list; a path that ends at a description gives the places of its field.
+    """
+    of = thing if isinstance(thing, type) else type(thing)
+    models: tuple[type, ...] = (of,)
+    found: tuple[Place, ...] = ()
+    parts = path.split(".")
+    for k, name in enumerate(parts):
+        if found and name.isdigit() and _is_list(found[0].field.annotation):
+            continue
+        found = tuple(
+            Place(".".join(parts[: k + 1]), quantity_of(m.model_fields[name]),  # type: ignore[attr-defined]
+                  m.model_fields[name], m)  # type: ignore[attr-defined]
+            for m in models if name in m.model_fields  # type: ignore[attr-defined]
+        )  # fmt: skip
+        models = tuple(m for place in found for m in members_of(place.field.annotation))
+    return found
+
+
+def quantity_of(field: Any) -> Quantity | None:
+    """Return the quantity in a pydantic field's metadata."""
+    return next((part for part in field.metadata if isinstance(part, Quantity)), None)
+
+
+def members_of(annotation: Any) -> tuple[type, ...]:
+    """Return the descriptions that an annotation admits, all members of an open set."""
+    if isinstance(annotation, type) and hasattr(annotation, "model_fields"):
+        members: Mapping[str, type] | None = getattr(annotation, "members", lambda: None)()
+        return (annotation,) if members is None else tuple(members.values())
+    found = (model for part in get_args(annotation) for model in members_of(part))
+    return tuple(dict.fromkeys(found))
+
+
+def _is_list(annotation: Any) -> bool:
+    if get_origin(annotation) in (tuple, list):
+        return True
+    return any(_is_list(part) for part in get_args(annotation) if get_origin(part) is not None)
+
+
+# ---- outputs ------------------------------------------------------------------------------------
+
+
+def output(thing: Any, name: str) -> Place | None:
+    """Return one output of a result's class or instance, without its value."""
+    return next((p for p in outputs(thing) if p.path == name), None)
+
+
+def outputs(thing: Any) -> tuple[Place, ...]:
+    """Return the outputs of a result's class or instance, without values."""
+    of = thing if isinstance(thing, type) else type(thing)
+    return tuple(_walk_outputs(of, of, ""))
+
+
+def scalar_outputs(thing: Any) -> dict[str, Quantity]:
+    """Return the quantities of the outputs that are single numbers, by name."""
+    return {
+        place.path: place.quantity
+        for place in outputs(thing)
+        if place.quantity is not None and get_args(place.field)[0] in (float, int)
     }
-)
+
+
+def value_of(thing: Any, name: str) -> Any:
+    """Return an output's value; a method without arguments is called."""
+    value = getattr(thing, name)
+    return value() if callable(value) else value
+
+
+def _walk_outputs(thing: Any, of: type, prefix: str) -> Iterator[Place]:
+    for name, (quantity, hint) in _annotated(of, _version(of)).items():
+        value = None if thing is of else value_of(thing, name)
+        yield Place(f"{prefix}{name}", quantity, hint, of, value)
+
+
+def _version(of: type) -> tuple[tuple[str, int], ...]:
+    """Return what changes when somebody sets another output on a class."""
+    return tuple((name, id(made)) for base in of.__mro__ for name, made in vars(base).items()
+                 if isinstance(made, property) or callable(made))  # fmt: skip
+
+
+@cache
+def _annotated(of: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
+    """Return the outputs of a class by name with what their annotation says."""
+    found: dict[str, Any] = {}
+    if dataclasses.is_dataclass(of):
+        hints = get_type_hints(of, include_extras=True)
+        found = {field.name: hints[field.name] for field in dataclasses.fields(of)}
+    for base in reversed(of.__mro__):
+        for name, made in vars(base).items():
+            hint = _returned(made)
+            if hint is not None and not name.startswith("_"):
+                found[name] = hint
+    return {
+        name: (quantity, hint)
+        for name, hint in found.items()
+        if (quantity := _quantity_in(hint)) is not None
+    }
+
+
+def _returned(made: Any) -> Any:
+    """Return what a property, or a method that needs no argument, is annotated to return."""
+    function: Callable[..., Any] | None = made.fget if isinstance(made, property) else made
+    hint = getattr(function, "__annotations__", {}).get("return")
+    if function is None or hint is None:
+        return None
+    if isinstance(hint, str):
+        try:
+            hint = eval(hint, function.__globals__)  # as typing.get_type_hints does, return only
+        except NameError:  # a name that type checkers alone import: no quantity
+            return None
+    parameters = list(signature(function).parameters.values())[1:]
+    needed = [p for p in parameters if p.default is p.empty and p.kind in _POSITIONAL]
+    return None if needed else hint
+
+
+def _quantity_in(hint: Any) -> Quantity | None:
+    if get_origin(hint) is not Annotated:
+        return None
+    return next((part for part in get_args(hint) if isinstance(part, Quantity)), None)

@@ -1,20 +1,30 @@
-"""What a solve returns: immutable results that carry their problem and their certificate."""
+"""What all results share: their problem, their certificate, their errors, and how they are shown.
+
+A result's outputs are its fields and properties that carry a
+:class:`~woundon.quantities.Quantity`; saving, drawing and reporting find what they need through
+:mod:`woundon.kinds`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
-from math import nan
-from typing import Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 
-from .problems import NipProblem, RollerProblem
+from . import kinds
+from .errors import NotConverged
+from .quantities import pure, walk
 
-__all__ = ["NipResult", "Residuals", "RollerResult", "Sensitivity", "SlipRatios", "Zone"]
+if TYPE_CHECKING:
+    import xarray
 
-Array = np.ndarray
+__all__ = ["ACCEPTED_RESIDUAL", "Residuals", "Result", "Zone"]
+
+ACCEPTED_RESIDUAL = 1e-8
 
 
 class Zone(IntEnum):
@@ -25,241 +35,173 @@ class Zone(IntEnum):
     FORWARD = 1
 
 
-@dataclass(frozen=True)
 class Residuals:
-    """The certificate: the largest violation of each law, dimensionless.
+    """The certificate: the largest violation of each law, dimensionless, by the law's name.
 
     Pressures and tractions are measured by the largest pressure (times mu for the tractions),
-    slips by the largest strain that the contact produces, loads by the nip load.
+    slips by the largest slope of the gap, loads by the load.
     """
 
-    indentation: float
-    positive_pressure: float
-    stick: float
-    friction_bound: float
-    slip_traction: float
-    slip_direction: float
-    load_equilibrium: float
-    force_equilibrium: float
-    web_equilibrium: float = 0.0
+    def __init__(self, **laws: float) -> None:
+        self._laws = MappingProxyType({law: float(value) for law, value in laws.items()})
 
     def items(self) -> Iterator[tuple[str, float]]:
         """Yield (law, violation)."""
-        return ((f.name, getattr(self, f.name)) for f in fields(self))
+        return iter(self._laws.items())
 
     @property
     def largest(self) -> float:
-        """The largest of them."""
-        return max(value for _, value in self.items())
-
-
-@dataclass(frozen=True)
-class SlipRatios:
-    """Slip lengths over the nip width, > 0 where the web is the faster one (thesis eq. 172)."""
-
-    leading_roll: float
-    trailing_roll: float
-    dual: float
-
-
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
-    """First derivatives of a nip's outputs at one problem.
-
-    Attributes
-    ----------
-    outputs : tuple of str
-        ``nip_induced_tension``, ``half_width``, ``drum_creep``.
-    parameters : tuple of str
-        Dotted names of the fields.
-    derivatives : (outputs, parameters) array
-        SI units of output per SI unit of field.
-    values, fields : (outputs,), (parameters,) arrays
-        Where they were taken.
-    zone_change : str
-        Empty, or the nodes that are about to change between stick and slip: there the
-        derivatives to both sides differ.
-    """
-
-    outputs: tuple[str, ...]
-    parameters: tuple[str, ...]
-    derivatives: Array
-    values: Array
-    fields: Array
-    zone_change: str = ""
-
-    def derivative(self, output: str, parameter: str) -> float:
-        """Return d output / d parameter."""
-        at = self.outputs.index(output), self.parameters.index(parameter)
-        return float(self.derivatives[at])
+        """The largest of them; nan if one is nan, or if there is no law at all."""
+        return float(np.max(list(self._laws.values()), initial=-np.inf)) if self._laws else np.nan
 
     @property
-    def elasticities(self) -> Array:
-        """Percent of output per percent of field, (outputs, parameters); 0 for a field at 0.
+    def worst(self) -> str:
+        """The law that is violated most; one whose violation is nan before all others."""
+        return max(self._laws, key=lambda law: (self._laws[law] != self._laws[law], self._laws[law]))
 
-        nan for an output that is 0.
-        """
-        values = np.where(self.values == 0, np.nan, self.values)
-        return self.derivatives * self.fields / values[:, None]
+    def replace(self, **laws: float) -> Residuals:
+        """Return the same with some violations changed."""
+        return Residuals(**self._laws | laws)
 
-    def sorted(self) -> Sensitivity:
-        """Return the same, the parameters of the largest NIT elasticity first."""
-        order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
-        return replace(
-            self,
-            parameters=tuple(self.parameters[k] for k in order),
-            derivatives=self.derivatives[:, order],
-            fields=self.fields[order],
-        )
+    def __getattr__(self, law: str) -> float:
+        if law.startswith("_"):
+            raise AttributeError(law)
+        try:
+            return self._laws[law]
+        except KeyError:
+            known = ", ".join(self._laws)
+            raise AttributeError(f"no law {law!r} in this certificate; known: {known}") from None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Residuals) and _same(dict(self._laws), dict(other._laws))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> Any:
+        return _residuals, (dict(self._laws),)
+
+    def __repr__(self) -> str:
+        return f"Residuals({', '.join(f'{law}={v:.2g}' for law, v in self.items())})"
 
 
-@dataclass(frozen=True, eq=False)
-class NipResult:
-    """The state of a winding nip.
+def _residuals(laws: dict[str, float]) -> Residuals:
+    return Residuals(**laws)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Result:
+    """What a solve returns; immutable.
 
     Attributes
     ----------
-    problem : NipProblem
-    nip_induced_tension : float
-        NIT = Q+ + Q- [N/m].
-    nip_induced_tension_error : float
-        Estimated discretisation error of NIT [N/m]; nan where only one grid was solved.
-    half_width : float
-        a [m]; contact is [-a, a].
-    approach : float
-        Mutual approach of the centres, > 0 [m].  With a half-plane it holds up to a constant.
-    offset : float
-        Delta, shift of the contact centre from the line of centres along +x [m].
-    drum_creep : float
-        xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
-    x : (M,) array
-        Nodes [m], from -a to a.
-    slip_x : (M,) array
-        Where the slips are taken [m]: the middle of the cell before each node.
-    pressure, roll_traction, drum_traction : (M,) arrays
-        p, q+, q- [Pa]; q is the traction of the web on the body along +x.
-    roll_slip, drum_slip : (M,) arrays
-        v+, v- relative slip speeds, > 0 where the web is faster (thesis eq. 133); a node's slip is
-        that of the collocation point before it.
-    roll_zone, drum_zone : (M,) int arrays
-        :class:`Zone` of each node.
-    web_tension : (M,) array
-        T(x) [N/m].
-    slip_ratios : SlipRatios
+    problem : Problem
     residuals : Residuals
         The certificate.
+    errors : mapping of str to float
+        Estimated discretisation errors by output, SI units; nan where it cannot be told.
     warnings : tuple of str
         Where the solved case leaves the model's validity, with numbers.
-    scheme, algorithm : str
-        How it was solved.
-    iterations : int
-        Number of linear stick-slip systems solved.
-    series_terms : int
-        Fourier terms summed for the bodies; ``series_error`` their estimated truncation error.
+    REPLACED : mapping of str to str
+        Names that people may look for in vain, with what there is instead.
     """
 
-    problem: NipProblem
-    nip_induced_tension: float
-    nip_induced_tension_error: float
-    half_width: float
-    approach: float
-    offset: float
-    drum_creep: float
-    x: Array
-    slip_x: Array
-    pressure: Array
-    roll_traction: Array
-    drum_traction: Array
-    roll_slip: Array
-    drum_slip: Array
-    roll_zone: Array
-    drum_zone: Array
-    web_tension: Array
-    slip_ratios: SlipRatios
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+    problem: Any
     residuals: Residuals
+    errors: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-    scheme: str = "graded"
-    algorithm: str = "pivoting"
-    iterations: int = 0
-    series_terms: int = 0
-    series_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        for part in fields(self):
+            value = getattr(self, part.name)
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+        object.__setattr__(self, "errors", MappingProxyType(dict(self.errors)))
 
     @property
-    def wound_on_tension(self) -> float:
-        """T_out = T_in + NIT, tension of the web just behind the nip [N/m]."""
-        return self.problem.web_tension + self.nip_induced_tension
+    def residual(self) -> Annotated[float, pure("r", "largest violation of a contact law")]:
+        """The largest violation of a law, dimensionless."""
+        return self.residuals.largest
 
-    @property
-    def nodes(self) -> int:
-        """Number of nodes M."""
-        return self.x.size
+    def checked(self) -> Self:
+        """Return itself, if no law is broken: nothing unsolved is passed off as solved.
 
-    def with_warnings(self, warnings: tuple[str, ...]) -> NipResult:
-        """Return the same result with other warnings."""
-        return replace(self, warnings=warnings)
+        Raises
+        ------
+        NotConverged
+            Naming every law not satisfied to 1e-8; carries the result.
+        """
+        broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= ACCEPTED_RESIDUAL]
+        if broken or not self.residuals.largest <= ACCEPTED_RESIDUAL:
+            told = ", ".join(broken) or "there is no certificate"
+            raise NotConverged(f"laws are not satisfied to 1e-8: {told}", self)
+        return self
 
-    def sensitivity(self, *parameters: str) -> Sensitivity:
-        """Return exact derivatives of NIT, half width and creep with respect to problem fields.
+    def certified(self) -> Residuals:
+        """Return the certificate measured anew, from the problem and the arrays held here."""
+        raise NotImplementedError(f"a {type(self).__name__} cannot be certified anew")
+
+    def replace(self, **changes: Any) -> Self:
+        """Return the same result with other fields."""
+        return replace(self, **changes)
+
+    def plot(self, path: Any = None, **options: Any) -> Any:
+        """Draw the result; see ``woundon.show.plots``.
 
         Parameters
         ----------
-        parameters : str
-            Dotted names (``"roll.material.shear"``); every continuous field if none is given.
+        path : path, optional
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.
 
         Returns
         -------
-        Sensitivity
+        matplotlib.figure.Figure
         """
-        from .sensitivity import nip_sensitivity
-
-        return nip_sensitivity(self, parameters)
-
-    def plot(self, path: Any = None) -> Any:
-        """Draw tractions with friction bounds, slip speeds and web tension (as thesis Fig. 15)."""
-        from .plots import plot_nip
-
-        return plot_nip(self, path)
+        return kinds.of(self).plot(self, path, **options)
 
     def save(self, path: Any) -> None:
         """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
-        from .casefile import save_result
+        kinds.fetch("woundon.io.result_files:save_result")(self, path)
 
-        save_result(self, path)
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the result as an xarray Dataset, every variable with unit and symbol."""
+        return kinds.fetch("woundon.io.result_files:to_dataset")(self)  # type: ignore[no-any-return]
+
+    def __str__(self) -> str:
+        return kinds.fetch("woundon.show.report:report_text")(self)  # type: ignore[no-any-return]
+
+    def __repr__(self) -> str:
+        scalars = (p for p in walk(self) if isinstance(p.value, float) and p.quantity is not None)
+        told = []
+        for place in list(scalars)[:3]:
+            assert place.quantity is not None
+            shown = place.quantity.shown(place.value)
+            told.append(f"{place.path}={shown:.5g} {place.quantity.display}".strip())
+        return f"{type(self).__name__}({', '.join(told)}, residual={self.residual:.1e})"
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(
+            _same(getattr(self, part.name), getattr(other, part.name))
+            for part in fields(self) if part.compare
+        )  # fmt: skip
+
+    __hash__ = object.__hash__
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "errors": dict(self.errors)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        Result.__post_init__(self)
 
 
-@dataclass(frozen=True, eq=False)
-class RollerResult:
-    """The state of two rollers in contact.
-
-    Attributes
-    ----------
-    problem : RollerProblem
-    creepage : float
-        xi, the lower roller's surface speed less the upper's, over the speed, before strain; > 0
-        where it drags the upper roller along +x.  nan for a static contact.
-    tangential_load : float
-        Q on the upper roller along +x [N/m].
-    half_width, approach, offset : float
-        a, approach > 0 and Delta [m].
-    x, pressure, traction, slip, zone : (M,) arrays
-        Nodes [m], p and q [Pa] (on the upper roller), relative slip of the surfaces, zones.
-    residuals : Residuals
-    traction_error : float
-        Estimated discretisation error of the traction, L2 norm relative to its own [1].
-    """
-
-    problem: RollerProblem
-    creepage: float
-    tangential_load: float
-    half_width: float
-    approach: float
-    offset: float
-    x: Array
-    pressure: Array
-    traction: Array
-    slip: Array
-    zone: Array
-    residuals: Residuals
-    traction_error: float = nan
-    warnings: tuple[str, ...] = field(default=())
-    iterations: int = 0
+def _same(one: Any, two: Any) -> bool:
+    """Tell whether two fields hold the same; nan is nan."""
+    if isinstance(one, np.ndarray) and isinstance(two, np.ndarray):
+        return bool(np.array_equal(one, two, equal_nan=one.dtype.kind == "f"))
+    if isinstance(one, Mapping) and isinstance(two, Mapping):
+        return one.keys() == two.keys() and all(_same(one[k], two[k]) for k in one)
+    return bool(one == two or (one != one and two != two))

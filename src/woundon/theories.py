@@ -1,7 +1,7 @@
 """Rival theories and closed forms, to compare the solved contact with.
 
 Pure functions of a problem; none of them solves anything.  All bodies are taken as half-planes of
-their material (a :class:`~woundon.bodies.Cylinder` loses its core, a :class:`~woundon.bodies.Rigid`
+their material (a :class:`~woundon.problems.bodies.Cylinder` loses its core, a :class:`~woundon.problems.bodies.Rigid`
 has no compliance at all), and the web between roll and drum is left out unless a formula names it.
 
 With the half-plane's coefficients A, B, C of thesis eq. (30) summed over the two bodies, the
@@ -23,16 +23,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .bodies import Rigid
 from .elasticity import half_plane, strip
 from .errors import InvalidProblem
-from .options import check_kind
-from .problems import NipProblem, RollerProblem
+from .arguments import check_type
+from .problems.bodies import Body, contact_radius
+from .problems.nip import WindingNip
+from .problems.rollers import RollerProblem
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .bodies import AnyBody
 
 __all__ = [
     "FullStick",
@@ -61,20 +61,21 @@ class _Pair(NamedTuple):
     R: float
 
 
-def _compliance(body: AnyBody) -> half_plane.Coefficients:
-    if isinstance(body, Rigid):
+def _compliance(body: Body, name: str) -> half_plane.Coefficients:
+    if body.rigid:
         return half_plane.Coefficients(0.0, 0.0, 0.0)
-    return half_plane.coefficients(*body.material.stiffness)
+    if body.surface_material is None:
+        text = f"a {type(body).__name__} is of no linear elastic material, as this theory asks for"
+        raise InvalidProblem.at(name, text)
+    return half_plane.coefficients(*body.surface_material.stiffness)
 
 
-def _pair(problem: NipProblem | RollerProblem) -> _Pair:
-    check_kind("problem", problem, NipProblem, RollerProblem)
-    if isinstance(problem, NipProblem):
-        one, two = problem.roll, problem.drum
-    else:
-        one, two = problem.upper, problem.lower
-    K1, K2 = _compliance(one), _compliance(two)
-    R = 1 / (1 / one.radius + 1 / two.radius)
+def _pair(problem: WindingNip | RollerProblem) -> _Pair:
+    check_type("problem", problem, WindingNip, RollerProblem)
+    names = ("roll", "drum") if isinstance(problem, WindingNip) else ("upper", "lower")
+    one, two = (getattr(problem, name) for name in names)
+    K1, K2 = _compliance(one, names[0]), _compliance(two, names[1])
+    R = contact_radius(one, two)
     return _Pair(K1.B + K2.B, K1.C + K2.C, K1.A - K2.A, R)
 
 
@@ -112,7 +113,7 @@ class Hertz:
         return self.peak_pressure * _ellipse(x, 0.0, self.half_width)
 
 
-def hertz(problem: NipProblem | RollerProblem) -> Hertz:
+def hertz(problem: WindingNip | RollerProblem) -> Hertz:
     """Return the frictionless, orthotropic Hertz contact of the two bodies::
 
         a = 2 sqrt(P R/(pi E*)),   p(x) = 2P/(pi a^2) sqrt(a^2 - x^2),   E_i = 2/C_i
@@ -128,11 +129,11 @@ def hertz(problem: NipProblem | RollerProblem) -> Hertz:
     return Hertz(half_width=a, peak_pressure=2 * P / (pi * a), modulus=E, radius=R)
 
 
-def _load(problem: NipProblem | RollerProblem) -> float:
-    return problem.nip_load if isinstance(problem, NipProblem) else problem.load
+def _load(problem: WindingNip | RollerProblem) -> float:
+    return problem.nip_load if isinstance(problem, WindingNip) else problem.load
 
 
-def friction_limit(problem: NipProblem) -> float:
+def friction_limit(problem: WindingNip) -> float:
     """Return NIT = mu+ P + F [N/m], the value when the web slips forward on the whole roll.
 
     In centre winding (F = 0) this is the early theory NIT = mu P.  Since Q+ <= mu+ P and Q- = F
@@ -142,12 +143,12 @@ def friction_limit(problem: NipProblem) -> float:
 
     Source: thesis eqs. (4)-(6), after Good; sec. 4.3.
     """
-    check_kind("problem", problem, NipProblem)
+    check_type("problem", problem, WindingNip)
     mu, P, F = problem.roll_friction, problem.nip_load, problem.winding_force
     return mu * P + F
 
 
-def jalkanen(problem: NipProblem, approach: float) -> float:
+def jalkanen(problem: WindingNip, approach: float) -> float:
     """Return Jalkanen's kinematic NIT = E_t t delta/R [N/m].
 
     Assumes that the web takes the drum's speed up to the contact's centre and the roll's after it,
@@ -165,14 +166,14 @@ def jalkanen(problem: NipProblem, approach: float) -> float:
 
     Source: thesis eq. (9).
     """
-    check_kind("problem", problem, NipProblem)
+    check_type("problem", problem, WindingNip)
     t, R = problem.web.thickness, problem.roll.radius
     A_rr, A_tt, A_rt, _ = problem.web.material.stiffness
     E_t = 1 / strip.compliance(A_rr, A_tt, A_rt).c11
     return E_t * t * approach / R
 
 
-def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
+def dual_slip(problem: WindingNip, dual_slip_ratio: ArrayLike) -> Array:
     """Return NIT [N/m] as the friction of both faces over the dual-slip zone, Hertzian pressure::
 
         NIT(s_d) = (mu+ + mu-) int_y^a p dx,   y = a (1 - 2 |s_d|)
@@ -190,7 +191,7 @@ def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
 
     Source: thesis eq. (173).
     """
-    check_kind("problem", problem, NipProblem)
+    check_type("problem", problem, WindingNip)
     mu, P = problem.roll_friction + problem.drum_friction, problem.nip_load
     s_d = np.asarray(dual_slip_ratio, dtype=float)
     s = np.abs(s_d)
@@ -268,7 +269,7 @@ def carter(problem: RollerProblem) -> PartialSlip:
 
     Source: Carter 1926; Johnson, Contact Mechanics, sec. 8.3.
     """
-    check_kind("problem", problem, RollerProblem)
+    check_type("problem", problem, RollerProblem)
     if problem.motion != "rolling":
         raise InvalidProblem([("motion", "Carter's theory is of rolling; use cattaneo")])
     (B, C, _, R), contact = _similar(problem), hertz(problem)
@@ -297,7 +298,7 @@ def cattaneo(problem: RollerProblem) -> PartialSlip:
 
     Source: Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, sec. 7.2.
     """
-    check_kind("problem", problem, RollerProblem)
+    check_type("problem", problem, RollerProblem)
     if problem.motion != "static":
         raise InvalidProblem([("motion", "Cattaneo's theory is of static contact; use carter")])
     _similar(problem)
@@ -333,7 +334,7 @@ def bentall_johnson_frictionless(problem: RollerProblem) -> float:
 
     Source: Bentall and Johnson 1967, re-derived with the number in closed form.
     """
-    check_kind("problem", problem, RollerProblem)
+    check_type("problem", problem, RollerProblem)
     return -_pair(problem).D * _REVERSAL * hertz(problem).peak_pressure
 
 
@@ -390,7 +391,7 @@ def bentall_johnson_stick(problem: RollerProblem) -> FullStick:
 
     Source: Bentall and Johnson 1967; the exact inversion by the Hilbert transform, re-derived.
     """
-    check_kind("problem", problem, RollerProblem)
+    check_type("problem", problem, RollerProblem)
     B, C, D, R = _pair(problem)
     eta = atanh(D / sqrt(B * C)) / pi
     a = sqrt(2 * problem.load * R * C / (pi * (1 + 4 * eta**2)))

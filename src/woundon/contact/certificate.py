@@ -1,51 +1,55 @@
-"""How far a stick-slip solution is from each law, measured from the matrices themselves."""
+"""How far given tractions, zones and slips are from each law of friction and of the web.
+
+Every function takes what a result holds and measures it; nothing is taken from how it was solved.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
 
-from .stick_slip import StickSlip, StickSlipSolution
+__all__ = ["friction_laws", "largest", "positive_pressure"]
 
-__all__ = ["Laws", "certify"]
-
-
-@dataclass(frozen=True)
-class Laws:
-    """Largest violation of each law, dimensionless."""
-
-    stick: float
-    friction_bound: float
-    slip_traction: float
-    slip_direction: float
+Array = np.ndarray
 
 
-def certify(problem: StickSlip, solution: StickSlipSolution, slip_scale: float) -> Laws:
-    """Measure the laws of a solution.
+def largest(values: Array) -> float:
+    """Return the largest of some violations, 0 of none; nan if one is nan."""
+    return float(np.max(values, initial=0.0))
+
+
+def positive_pressure(*pressures: Array) -> float:
+    """Return how far a pressure falls below zero, relative to the largest."""
+    values = np.concatenate(pressures)
+    return largest(np.maximum(-values, 0.0)) / float(np.max(np.abs(values)))
+
+
+def friction_laws(
+    zones: Array, traction: Array, slip: Array, bound: Array, *, unit: Array, slip_scale: float
+) -> Mapping[str, float]:
+    """Return the largest violation of each law of stick and slip, dimensionless.
 
     Parameters
     ----------
-    problem : StickSlip
-    solution : StickSlipSolution
+    zones : (m,) int array
+        0 stick, 1 slip with the web faster, -1 slower.
+    traction, slip : (m,) arrays
+        q [Pa], and the slip that the law of the bodies gives.
+    bound : (m,) array
+        mu p [Pa].
+    unit : (m,) array
+        The traction that counts as one: mu times the largest pressure [Pa].
     slip_scale : float
         The slip that counts as one.
     """
-    q, state = solution.traction, solution.state
-    p = problem.pressure + problem.pressure_response @ q
-    v = problem.offset + problem.direct @ q + problem.through_pressure @ p
-    if problem.creep is not None:
-        v = v + problem.creep * solution.creep
-    bound = problem.friction * problem.on_faces(p)
-    unit = problem.friction * float(np.max(np.abs(p)))
-    stuck = state == 0
-
-    def largest(values: np.ndarray) -> float:
-        return float(np.max(values, initial=0.0))
-
-    return Laws(
-        stick=largest(np.abs(v[stuck])) / slip_scale,
-        friction_bound=largest(((np.abs(q) - bound) / unit)[stuck]),
-        slip_traction=largest((np.abs(q - state * bound) / unit)[~stuck]),
-        slip_direction=largest((-state * v)[~stuck]) / slip_scale,
-    )
+    stuck = zones == 0
+    known = np.isin(zones, (-1, 0, 1))
+    return {
+        "stick": largest(np.abs(slip)[stuck]) / slip_scale,
+        "friction_bound": largest(((np.abs(traction) - bound) / unit)[stuck]),
+        # a zone that is none of the three is no zone: its traction cannot be right
+        "slip_traction": largest((np.abs(traction - np.sign(zones) * bound) / unit)[~stuck])
+        + (0.0 if known.all() else float("inf")),
+        "slip_direction": largest((-zones * slip)[~stuck]) / slip_scale,
+    }

@@ -251,16 +251,9 @@ def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G:
 
 
 def surface_kernels(
-    radius: float,
-    core_radius: float,
-    A_rr: float,
-    A_tt: float,
-    A_rt: float,
-    G: float,
-    *,
-    reach: float,
+    radius: float, core_radius: float, A_rr: float, A_tt: float, A_rt: float, G: float
 ) -> SurfaceKernels:
-    """Return the cylinder's influence functions (thesis eq. 59).
+    """Return the cylinder's influence functions (thesis eq. 59), which hold on the whole circle.
 
     Parameters
     ----------
@@ -268,17 +261,7 @@ def surface_kernels(
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
-    reach : float
-        Largest distance along the surface that will be asked for [m], at most pi R.  The answer
-        holds on the whole circle whatever the reach.
-
-    Raises
-    ------
-    ValueError
-        For a reach beyond half the circumference.
     """
-    if not reach <= pi * radius * (1 + 1e-12):
-        raise ValueError(f"reach {reach:g} m is beyond half the circumference, {pi * radius:g} m")
     return _kernels(*map(float, (radius, core_radius, A_rr, A_tt, A_rt, G)))
 
 

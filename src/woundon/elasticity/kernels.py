@@ -35,6 +35,10 @@ class Kernel:
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
 
+    def singular(self, t: Array) -> Array:
+        """Return the singular parts at t != 0."""
+        return self.inverse / t + self.log * np.log(np.abs(t)) + self.sign * np.sign(t)
+
     def __add__(self, other: Kernel) -> Kernel:
         """Return the sum of two influence functions (two bodies under the same traction)."""
         f, g = self.smooth, other.smooth

@@ -28,43 +28,42 @@ the half width, settle it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack
 
-from ..assembly import contact_radius
-from ..bodies import Rigid
+from ..contact.response import Tractions
 from ..contact.stick_slip import StickSlip, StickSlipSolution
-from ..elasticity.strip import Compliance, compliance
-from ..problems import NipProblem
+from ..elasticity.strip import Compliance
+from ..nip.equations import web_compliance
+from ..problems.bodies import contact_radius
+from ..problems.nip import WrappedNipProblem
 from .face import Face, face
 from .grid import WrapGrid
 
-__all__ = ["Loads", "WrapEquations", "WrapState"]
+__all__ = ["Known", "WrapEquations", "WrapState"]
 
 Array = np.ndarray
 
 
-@dataclass(frozen=True)
-class Loads:
-    """How the web is wrapped.
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What the equations are linearised about, on all nodes.
 
     Attributes
     ----------
-    roll_arc, drum_arc : bool
-        Whether there is an arc behind the nip and one before it.
-    friction : float
-        mu+ behind the nip.
-    force : float
-        F on nip and drum's arc [N/m].
+    tension, bend : (N+1,) arrays
+        T0 [N/m] and kappa0 [1/m].
+    roll, drum : Tractions, optional
+        Loads of the bodies; only those that are not linear ask for them.
     """
 
-    roll_arc: bool
-    drum_arc: bool
-    friction: float
-    force: float
+    tension: Array
+    bend: Array
+    roll: Tractions | None = None
+    drum: Tractions | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +82,15 @@ class WrapState:
     drum_slip: Array
     shift: float  # Delta/R*
 
+    @property
+    def known(self) -> Known:
+        """What to linearise about next."""
+        return Known(
+            self.tension, self.bend,
+            Tractions(self.roll_pressure, self.roll_traction),
+            Tractions(self.drum_pressure, self.drum_traction),
+        )  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class WrapEquations:
@@ -91,36 +99,45 @@ class WrapEquations:
     Columns of z are p+ on the nodes from the leading edge to the far side, p- on those from the
     drum's arc (or inside the leading edge) to inside the trailing edge, and the shift; columns of q
     are q+ and q- on the same nodes less the outermost ones.
-
-    Attributes
-    ----------
-    tension, bend : (N+1,) arrays
-        T0 [N/m] and kappa0 [1/m].
     """
 
-    problem: NipProblem
-    loads: Loads
+    problem: WrappedNipProblem
     grid: WrapGrid
     half_width: float
-    tension: Array
-    bend: Array
+    about: Known
+
+    @property
+    def roll_arc(self) -> bool:
+        """Whether there is an arc behind the nip."""
+        return self.problem.roll_wrap > 0
+
+    @property
+    def drum_arc(self) -> bool:
+        """Whether there is an arc before the nip."""
+        return self.problem.drum_wrap > 0
 
     @cached_property
     def web(self) -> Compliance:
         """The web's compliances."""
-        return compliance(*self.problem.web.material.stiffness[:3])
+        return web_compliance(self.problem.web)
 
     @cached_property
     def roll(self) -> Face:
         """The roll's matrices."""
-        grid = self.grid
-        return face(self.problem.roll, grid, grid.first, grid.size - 1, grid.last, self.half_width)
+        grid, a = self.grid, self.half_width
+        body, loads = self.problem.roll, self.about.roll
+        return face(body, grid, grid.first, grid.size - 1, grid.last, a, loads)
 
     @cached_property
     def drum(self) -> Face:
         """The drum's matrices."""
-        grid = self.grid
-        return face(self.problem.drum, grid, 0, grid.last, grid.first, self.half_width)
+        grid, a = self.grid, self.half_width
+        return face(self.problem.drum, grid, 0, grid.last, grid.first, a, self.about.drum)
+
+    @property
+    def faces(self) -> tuple[Array, Array]:
+        """Where the tractions on roll and drum are, in units of a."""
+        return self.grid.nodes[self.roll_q], self.grid.nodes[self.drum_q]
 
     # ---- which node each column belongs to -----------------------------------------------------
 
@@ -132,7 +149,7 @@ class WrapEquations:
     @cached_property
     def drum_nodes(self) -> Array:
         """Nodes of p-."""
-        return np.arange(0 if self.loads.drum_arc else 1, self.grid.last)
+        return np.arange(0 if self.drum_arc else 1, self.grid.last)
 
     @cached_property
     def roll_q(self) -> Array:
@@ -173,7 +190,7 @@ class WrapEquations:
         constant = np.empty(grid.size)
         by_z = np.zeros((grid.size, n_p + self.drum_nodes.size + 1))
         by_q = np.zeros((grid.size, self.columns.size))
-        turn = first + 1 if isinstance(self.problem.roll, Rigid) else grid.last
+        turn = first + 1 if self.problem.roll.rigid else grid.last
         behind, before, own = slice(turn, None), slice(0, turn), slice(turn - first, None)
         constant[behind] = roll.bend[own]
         by_z[behind, :n_p] = roll.bend_p[own]
@@ -189,7 +206,8 @@ class WrapEquations:
         n_p, n_q = self.roll_nodes.size, self.roll_q.size
         cells = slice(grid.first, grid.last)  # in the row of all cells
         own = slice(0, grid.last - grid.first)  # among the roll's
-        gap = grid.points[cells] * (a / contact_radius(problem))
+        gap = grid.points[cells] * (a / contact_radius(problem.roll, problem.drum))
+        gap = gap - self.roll.slope[own] - self.drum.slope[cells]
         by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
         by_q = web.c12 * grid.value[cells][:, self.columns]
         by_z[:, :n_p] = self.roll.slope_p[own]
@@ -206,7 +224,7 @@ class WrapEquations:
     def weight(self) -> tuple[Array, Array, Array]:
         """Return T kappa at the nodes, linearised: constant, by z and by q."""
         constant, by_z, by_q = self.curvature()
-        T, bend = self.tension, self.bend
+        T, bend = self.about.tension, self.about.bend
         by_q = T[:, None] * by_q + bend[:, None] * self.tension_q
         constant = T * constant + bend * (self.problem.web_tension - T)
         return constant, T[:, None] * by_z, by_q
@@ -231,11 +249,11 @@ class WrapEquations:
     @cached_property
     def weighs(self) -> Array:
         """Nodes at which the web's weight T kappa acts, (N+1,) bool."""
-        grid, loads = self.grid, self.loads
-        weighs = np.full(grid.size, loads.roll_arc)  # without: one pressure on both faces
+        grid = self.grid
+        weighs = np.full(grid.size, self.roll_arc)  # without: one pressure on both faces
         # p+ begins with zero at the leading edge, but may set in suddenly on a rigid roll
-        weighs[: grid.first + 1] = loads.drum_arc
-        weighs[grid.first] |= loads.roll_arc and isinstance(self.problem.roll, Rigid)
+        weighs[: grid.first + 1] = self.drum_arc
+        weighs[grid.first] |= self.roll_arc and self.problem.roll.rigid
         return weighs
 
     # ---- the two problems ----------------------------------------------------------------------
@@ -251,10 +269,10 @@ class WrapEquations:
         M, N = gap.size, gap.size + constant.size
         matrix[:M], right[:M, 0], right[:M, 1:] = closing_z / scale, gap / scale, -closing_q / scale
         matrix[M:N], right[M:N, 0], right[M:N, 1:] = by_z, -constant, -by_q
-        if self.loads.drum_arc:
+        if self.drum_arc:
             matrix[N, 0] = 1.0  # p+ begins with zero where the web comes off the drum's arc
         matrix[:M, -1] = 1.0
-        if isinstance(self.problem.drum, Rigid):
+        if self.problem.drum.rigid:
             solved = self._without_drum_pressure(matrix, right, M)
         else:
             solved = _solve(matrix, right)
@@ -291,30 +309,39 @@ class WrapEquations:
         by_q[N:, n_q:] -= drum.strain_q[:-1, 1:-1]
         return by_z, by_q
 
+    @cached_property
+    def slip_offset(self) -> Array:
+        """What bodies that are not linear add to the slips in all cells of both faces."""
+        roll, drum = self.roll.strain, self.drum.strain
+        return np.concatenate([roll[-1] - roll[:-1], -drum[:-1]])
+
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; every node has a pressure of its own."""
         problem, grid = self.problem, self.grid
         z, by_q = self.normal
         n_q, m = self.roll_q.size, self.columns.size
         # a node belongs with the cell before it; each face's last cell belongs to no unknown
-        slip_z, slip_q = (np.delete(part, [n_q, m + 1], axis=0) for part in self.slips)
+        slip_z, slip_q, offset = (
+            np.delete(part, [n_q, m + 1], axis=0) for part in (*self.slips, self.slip_offset)
+        )
         own = self.own_pressure
         rest = np.setdiff1d(np.arange(z.size), own)  # pressures that bound no traction
         friction = np.full(m, problem.drum_friction)
         friction[:n_q] = np.where(
-            self.roll_q < grid.last, problem.roll_friction, self.loads.friction
+            self.roll_q < grid.last, problem.roll_friction, problem.friction_behind
         )
         creep = np.zeros(m)
         creep[n_q:] = 1.0
         resultant = creep * (self.half_width * grid.weights[self.columns])
         # the nip's part of F in proportion to the load that this half width carries: a steady
         # state at any width; the wrap takes what the nip cannot
-        F, most = self.loads.force, problem.drum_friction * problem.nip_load
+        F, most = problem.winding_force, problem.drum_friction * problem.nip_load
         share = min(max(F, -most), most) / problem.nip_load
-        resultant -= share * (self.carried @ by_q)
-        force = F + share * (float(self.carried @ z) - problem.nip_load)
+        resultant -= share * (self.load_weights @ by_q)
+        force = F + share * (float(self.load_weights @ z) - problem.nip_load)
         return StickSlip(
-            slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own], slip_z[:, rest] @ z[rest],
+            slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own],
+            offset + slip_z[:, rest] @ z[rest],
             z[own], by_q[own], friction, faces=1,
             creep=creep, resultant=resultant, force=force,
         )  # fmt: skip
@@ -337,7 +364,7 @@ class WrapEquations:
         fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
         fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
         constant, bend_z, bend_q = self.curvature()
-        slips = self._slips_at_nodes(z, q, solution.creep)
+        slips = self.slips_at_nodes(z, q, solution.creep)
         return WrapState(
             half_width=self.half_width,
             solution=solution,
@@ -352,18 +379,18 @@ class WrapEquations:
             shift=float(z[-1]),
         )
 
-    def _slips_at_nodes(self, z: Array, q: Array, creep: float) -> Array:
+    def slips_at_nodes(self, z: Array, q: Array, creep: float) -> Array:
         """Return v+ and v- along all nodes, each that of the cell before it, (2, N+1)."""
         grid, N = self.grid, self.roll_nodes.size - 1
         by_z, by_q = self.slips
-        v = by_z @ z + by_q @ q
+        v = self.slip_offset + by_z @ z + by_q @ q
         out = np.full((2, grid.size), np.nan)
         out[0, grid.first + 1 :], out[1, 1 : grid.last + 1] = v[:N], v[N:] + creep
         out[0, grid.first], out[1, 0] = out[0, grid.first + 1], out[1, 1]
         return out
 
     @cached_property
-    def carried(self) -> Array:
+    def load_weights(self) -> Array:
         """What integrates p- over the nip, by z, (k,)."""
         grid = self.grid
         cells = np.where(np.arange(grid.cells.size) >= grid.first, grid.cells, 0.0)
@@ -372,9 +399,13 @@ class WrapEquations:
         out[self.roll_nodes.size : -1] = self.half_width * hats[self.drum_nodes]
         return out
 
-    def nip_load(self, state: WrapState) -> float:
+    def carried(self, state: WrapState) -> float:
         """Return the integral of p- over the nip [N/m]."""
-        return float(self.carried @ self.unknowns(state))
+        return float(self.load_weights @ self.unknowns(state))
+
+    def frictionless(self) -> float | None:
+        """Return nothing: a wrap's load without friction is not the plain nip's."""
+        return None
 
     def unknowns(self, state: WrapState) -> Array:
         """Return z of a state, (k,)."""
@@ -384,11 +415,28 @@ class WrapEquations:
         )  # fmt: skip
 
     def imbalance(self, state: WrapState) -> float:
-        """Return the largest violation of p+ - p- = T kappa over the largest T kappa."""
+        """Return what the state leaves of all that was linearised, relative."""
         weight = np.where(self.weighs, state.tension * state.bend, 0.0)
         miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
         top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
-        return float(miss / top)
+        if self.problem.roll.linear and self.problem.drum.linear:
+            return float(miss / top)
+        return max(float(miss / top), self._bodies_miss(state))
+
+    def _bodies_miss(self, state: WrapState) -> float:
+        """Return the largest difference that another linearisation makes to slopes and slips."""
+        z, q, (gap, *_) = self.unknowns(state), state.solution.traction, self.indentation()
+        slopes, slips = zip(
+            *((by_z @ z + by_q @ q - gap, one.slips_at_nodes(z, q, 0.0))
+              for one in (self, self.anew(state)) for gap, by_z, by_q in [one.indentation()]),
+            strict=True,
+        )  # fmt: skip
+        miss = max(float(np.nanmax(np.abs(one - two))) for one, two in (slopes, slips))
+        return miss / float(np.max(np.abs(gap)))
+
+    def anew(self, state: WrapState) -> WrapEquations:
+        """Return the equations for the same half width about a state."""
+        return replace(self, about=state.known)
 
 
 def _solve(matrix: Array, right: Array) -> Array:

@@ -14,14 +14,15 @@ for every stretch of web, however coarse the cells.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 
-from ..bodies import Body
-from ..contact.discretisation import interpolation_rank
-from ..contact.grid import Grid
-from ..elasticity.kernels import Kernel, SurfaceKernels
+from ..contact.response import Response, Tractions
+from ..contact.schemes import interpolation_rank
+from ..problems.bodies import Body
 from .grid import Influence, OpenGrid, WrapGrid
 
 __all__ = ["Face", "face"]
@@ -37,21 +38,23 @@ class Face:
 
     Attributes
     ----------
-    start : int
-        The face's first node in the row of all nodes.
+    response : Response or None
+        Of the body; None of a rigid one.
     slope_p, slope_q : (n-1, n) arrays
         dv/dx in the cells.
     strain_p, strain_q : (n, n) arrays
         Strain in the cells; the last row is the last node.
     bend : (n,) array
-        Curvature of the undeformed surface at the nodes [1/m].
+        Curvature of the surface without tractions at the nodes [1/m].
     bend_p, bend_q : (n, n) arrays
         Its change by tractions.
     normal_p, normal_q : (n,) arrays
         v at the nip's trailing edge.
+    slope, strain : (n-1,), (n,) arrays
+        What a linearised body has at zero tractions.
     """
 
-    start: int
+    response: Response | None
     slope_p: Array
     slope_q: Array
     strain_p: Array
@@ -61,9 +64,14 @@ class Face:
     bend_q: Array
     normal_p: Array
     normal_q: Array
+    slope: Array
+    strain: Array
 
 
-def face(body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float) -> Face:
+def face(
+    body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float,
+    about: Tractions | None = None,
+) -> Face:  # fmt: skip
     """Return a body's matrices on the nodes start ... stop (inclusive).
 
     Parameters
@@ -76,83 +84,126 @@ def face(body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float)
         Node where the nip meets the face's arc.
     a : float
         Half width [m].
+    about : Tractions, optional
+        Loads on all nodes of the grid about which a body that is not linear is linearised.
     """
     n = stop - start + 1
     bend = np.full(n, 1 / body.radius)
-    kernels = body.surface(pi * body.radius)
-    if not kernels.deforms:
-        none = np.zeros((n, n))
-        return Face(start, none[1:], none[1:], none, none, bend, none, none, none[0], none[0])
-    return _Assembly(body, kernels, grid, start, stop, edge, a).face(start, bend)
+    if body.rigid:
+        none, zero = np.zeros((n, n)), np.zeros(n)
+        return Face(
+            None, none[1:], none[1:], none, none, bend, none, none, zero, zero, zero[1:], zero
+        )  # fmt: skip
+    points = FaceGrid(grid, start, stop, edge)
+    own = slice(start, stop + 1)
+    loads = None if about is None else Tractions(*(part[own] for part in about))
+    response = body.respond(points, a, loads)
+    slope_p, slope_q, strain_p, strain_q = response.gradients
+    last_p, last_q = response.normal()
+    v_p = points.deflection(slope_p, last_p, a)
+    v_q = points.deflection(slope_q, last_q, a)
+    slope, strain = (np.broadcast_to(part, points.points.shape)
+                     for part in (response.slope, response.strain))  # fmt: skip
+    flatter = body.curvature**2
+    if not body.linear:
+        v = points.deflection(slope[:, None], np.zeros((1, 1)), a)
+        bend = bend + points.bending(slope[:, None], v, a, flatter)[:, 0]
+    rows = np.append(np.arange(n - 1), n)
+    return Face(
+        response, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
+        bend, points.bending(slope_p, v_p, a, flatter), points.bending(slope_q, v_q, a, flatter),
+        v_p[points.trailing], v_q[points.trailing], slope[:-2], strain[rows],
+    )  # fmt: skip
 
 
-class _Assembly:
-    """Integrates the kernels of one face."""
+class FaceGrid:
+    """The nodes of a face, all of them columns, and a point in each cell, beside the edge, at the end.
 
-    def __init__(
-        self, body: Body, kernels: SurfaceKernels, grid: WrapGrid,
-        start: int, stop: int, edge: int, a: float,
-    ) -> None:  # fmt: skip
-        self.body, self.kernels, self.a, self.nip = body, kernels, a, grid.nip
+    The point beside the edge of the arc tells the slope with which the arc begins.
+    """
+
+    def __init__(self, grid: WrapGrid, start: int, stop: int, edge: int) -> None:
+        self.nip = grid.nip
         self.edge, self.trailing = edge - start, grid.last - start
-        self.nodes = grid.nodes[start : stop + 1]
-        self.cells = np.diff(self.nodes)
+        self.columns = grid.nodes[start : stop + 1]
+        self.cells = np.diff(self.columns)
         self.behind = stop > grid.last  # the arc lies behind the nip, not before it
         self.has_arc = self.behind or start < grid.first
-        beside = self.nodes[self.edge]
+        beside = self.columns[self.edge]
         if self.has_arc:
             beside += ASIDE * (self.cells[self.edge] if self.behind else -self.cells[self.edge - 1])
-        self.end = self.nodes[-1] - ASIDE * self.cells[-1]
-        self.points = np.concatenate([grid.points[start:stop], [beside, self.end]])
-        self.period = 2 * pi * body.radius if body.curvature else inf
-        rows = np.arange(grid.first - start, self.trailing)
-        columns = slice(grid.first - start + 1, self.trailing)
+        end = self.columns[-1] - ASIDE * self.cells[-1]
+        self.points = np.concatenate([grid.points[start:stop], [beside, end]])
+        # points and hats inside the nip keep the plain nip's integrals
+        self.rows = np.arange(grid.first - start, self.trailing)
+        self.inside = slice(grid.first - start + 1, self.trailing)
         if not self.behind:  # the end is the nip's trailing edge
-            rows = np.append(rows, self.points.size - 1)
-        self.put = self.influence(self.points, grid.nip, rows, columns)
+            self.rows = np.append(self.rows, self.points.size - 1)
 
-    def influence(self, points: Array, nip: Grid | None, rows: Array, columns: slice) -> Influence:
-        """Return what integrates kernels at the points."""
-        grid = OpenGrid(self.nodes, points)
-        return Influence(grid, nip, rows, columns, self.a, self.kernels.length, self.period)
+    @cached_property
+    def _cell(self) -> Array:
+        """The cell of each point, (K,)."""
+        k = np.searchsorted(self.columns, self.points) - 1
+        return np.clip(k, 0, self.cells.size - 1)
 
-    def face(self, start: int, bend: Array) -> Face:
-        """Return the matrices; the last two points are the edge of the arc and the end."""
-        k = self.kernels
-        slope_p, slope_q = self.put(k.slope_p), self.put(k.slope_q)
-        strain_p, strain_q = self.put(k.strain_p), self.put(k.strain_q)
-        v_p = self.deflection(slope_p, self.last(k.normal_p))
-        v_q = self.deflection(slope_q, self.last(k.normal_q))
-        rows = np.append(np.arange(self.cells.size), self.cells.size + 1)
-        return Face(
-            start, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
-            bend, self.bending(slope_p, v_p), self.bending(slope_q, v_q),
-            v_p[self.trailing], v_q[self.trailing],
+    @cached_property
+    def value(self) -> Array:
+        """Traction at the points by its nodal values, (K, n)."""
+        k, rows = self._cell, np.arange(self.points.size)
+        part = (self.points - self.columns[k]) / self.cells[k]
+        out = np.zeros((self.points.size, self.columns.size))
+        out[rows, k], out[rows, k + 1] = 1 - part, part
+        return out
+
+    @cached_property
+    def slope(self) -> Array:
+        """Its derivative there, per a, (K, n)."""
+        k, rows = self._cell, np.arange(self.points.size)
+        out = np.zeros((self.points.size, self.columns.size))
+        out[rows, k], out[rows, k + 1] = -1 / self.cells[k], 1 / self.cells[k]
+        return out
+
+    def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
+        """Return the response of a linear body by its influence functions."""
+        period = 2 * pi * radius if curvature else inf
+
+        def influence(points: Array, nip: Any, rows: Array, columns: slice) -> Influence:
+            grid = OpenGrid(self.columns, points)
+            return Influence(grid, nip, rows, columns, a, kernels.length, period)
+
+        put = influence(self.points, self.nip, self.rows, self.inside)
+
+        def last(kernel: Any) -> Array:
+            """Integrate at the last node; without an arc as the plain nip does."""
+            if self.has_arc:
+                return influence(self.points[-1:], None, np.arange(0), slice(0))(kernel)
+            rank = interpolation_rank(kernels.length, a)
+            return np.pad(self.nip.integrate(kernel, a, slice(-1, None), rank), ((0, 0), (1, 1)))
+
+        return Response(
+            lambda: (put(kernels.slope_p), put(kernels.slope_q),
+                     put(kernels.strain_p), put(kernels.strain_q)),
+            lambda points: (last(kernels.normal_p), last(kernels.normal_q)),
+            terms=kernels.terms,
+            truncation_error=kernels.truncation_error,
         )  # fmt: skip
 
-    def last(self, kernel: Kernel) -> Array:
-        """Integrate a kernel at the last node, (1, n); without an arc as the plain nip does."""
-        if self.has_arc:
-            return self.influence(self.points[-1:], None, np.arange(0), slice(0))(kernel)
-        rank = interpolation_rank(self.kernels.length, self.a)
-        return np.pad(self.nip.integrate(kernel, self.a, slice(-1, None), rank), ((0, 0), (1, 1)))
-
-    def deflection(self, slope: Array, last: Array) -> Array:
-        """Return v at the nodes: at the last one by its kernel, from there by the slopes."""
-        steps = slope[:-2] * (self.a * self.cells[:, None])
+    def deflection(self, slope: Array, last: Array, a: float) -> Array:
+        """Return v at the nodes: at the last one as given, from there by the slopes."""
+        steps = slope[:-2] * (a * self.cells[:, None])
         return np.vstack([last - np.cumsum(steps[::-1], axis=0)[::-1], last])
 
-    def bending(self, slope: Array, v: Array) -> Array:
+    def bending(self, slope: Array, v: Array, a: float, flatter: float) -> Array:
         """Return the change of curvature at the nodes; those without two neighbours copy one."""
-        y, cells, flatter = self.points[:-2], slope[:-2], self.body.curvature**2
+        y, cells = self.points[:-2], slope[:-2]
         out = np.empty_like(v)
-        out[1:-1] = np.diff(cells, axis=0) * (-1 / (self.a * np.diff(y)[:, None]))
+        out[1:-1] = np.diff(cells, axis=0) * (-1 / (a * np.diff(y)[:, None]))
         out[1:-1] -= flatter * v[1:-1]
-        e, nodes = self.edge, self.nodes
+        e, nodes = self.edge, self.columns
         if self.has_arc:
             # half a cell turns from the edge to the first point of the arc; kappa is linear there
             k, near = (e, e + 1) if self.behind else (e - 1, e - 1)
-            half = (cells[k] - slope[-2]) / (self.a * (nodes[e] - y[k])) - flatter * v[e]
+            half = (cells[k] - slope[-2]) / (a * (nodes[e] - y[k])) - flatter * v[e]
             share = (y[k] - nodes[e]) / (nodes[near] - nodes[e]) / 2
             out[e] = (half - share * out[near]) / (1 - share)
         out[0], out[-1] = out[1], out[-2]

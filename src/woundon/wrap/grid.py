@@ -18,14 +18,18 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..contact.discretisation import interpolation_rank
-from ..contact.grid import Grid, KernelParts
+from ..contact.schemes import interpolation_rank
+from ..elasticity.kernels import Kernel
+from ..errors import InvalidProblem
+from ..problems.nip import WrappedNipProblem
+from ..contact.grid import Grid
 
-__all__ = ["Influence", "OpenGrid", "WrapGrid", "wrap_grid"]
+__all__ = ["Influence", "OpenGrid", "WrapGrid", "grid_for", "wrap_grid"]
 
 Array = np.ndarray
 
 FINE = 0.2  # [a]: farther out cells grow like the distance from the nip, nearer like its root
+SHORTEST_WRAP = 2.0  # half widths
 EVENNESS = 3.0  # a cell at the far side is at most 1/EVENNESS of an even one
 
 
@@ -126,6 +130,28 @@ def wrap_grid(
     return WrapGrid(nodes, points, first, first + nip.nodes.size - 1, nip)
 
 
+def grid_for(
+    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int
+) -> WrapGrid:
+    """Return a problem's grid for the half width a [m]: the arcs' ends stay where they are.
+
+    Raises
+    ------
+    InvalidProblem
+        For a wrap on the roll that ends within the nip, or too near behind it.
+    """
+    radius, wrap = problem.roll.radius, problem.roll_wrap
+    drum = problem.drum_wrap * problem.drum.radius / a
+    roll = wrap * radius / a - 1 if wrap > 0 else 0.0
+    if wrap > 0 and roll < SHORTEST_WRAP - 1:
+        raise InvalidProblem.at(
+            "roll_wrap",
+            f"{wrap:.6g} is out of range; the nip's trailing edge is at {a / radius:.4g}, so it "
+            f"must be 0 or >= {SHORTEST_WRAP * a / radius:.4g} [rad]",
+        )
+    return wrap_grid(nip, drum, drum_cells, roll, roll_cells)
+
+
 def _arc(length: float, cells: int, entry: bool) -> Array:
     """Return nodes (even) and points (odd) of an arc by distance from the nip, (2 cells + 1,).
 
@@ -181,14 +207,14 @@ class Influence:
         self.grid, self.nip, self.rows, self.columns = grid, nip, rows, columns
         self.scale, self.length, self.period = scale, length, period
 
-    def __call__(self, kernel: KernelParts) -> Array:
+    def __call__(self, kernel: Kernel) -> Array:
         """Return the integrals at each point, (K, N+1)."""
-        out = self.grid.integrate(replace(kernel, smooth=None), self.scale)  # type: ignore[type-var]
+        out = self.grid.integrate(replace(kernel, smooth=None), self.scale)
         if kernel.smooth is not None:
             needed, near, far, across = self._distances
             values = np.zeros(needed.shape)
             values[needed] = kernel.smooth(near)
-            values[far] += _singular(kernel, across[0]) - _singular(kernel, across[1])
+            values[far] += kernel.singular(across[0]) - kernel.singular(across[1])
             out += values @ self._hats_at_points
         if self.nip is not None:
             rank = interpolation_rank(self.length, self.scale)
@@ -234,10 +260,6 @@ class Influence:
         straight = t[far]
         t[far] -= np.sign(straight) * self.period if straight.size else straight
         return needed, t[needed], far, (t[far], straight)
-
-
-def _singular(kernel: KernelParts, t: Array) -> Array:
-    return kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
 
 
 @lru_cache

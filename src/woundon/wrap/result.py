@@ -1,177 +1,145 @@
-"""The state of a nip with its wraps, and its certificate."""
+"""The state of a nip with its wraps."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..problems import NipProblem
-from ..results import NipResult, Residuals, SlipRatios, Zone
+from .. import kinds
+from ..nip.result import NipResult, WindingNipResult
+from ..quantities import Quantity, angle, line_load, strain, stress
+from ..results import Residuals, Zone
 
-__all__ = ["WrappedNipResult", "WrappedResiduals"]
+__all__ = ["WrappedNipResult"]
 
 Array = np.ndarray
 
-_ALONG_NIP = (
-    "x", "slip_x", "pressure", "roll_traction", "drum_traction", "roll_slip", "drum_slip",
-    "roll_zone", "drum_zone", "web_tension",
-)  # fmt: skip
-_OF_NIP = (
-    "half_width", "approach", "offset", "drum_creep", "slip_ratios", "warnings", "iterations",
-    "series_terms", "series_error",
-)  # fmt: skip
 
-
-@dataclass(frozen=True)
-class WrappedResiduals(Residuals):
-    """The certificate of the plain nip and, added, the web's normal balance p+ - p- = T kappa.
-
-    ``hoop_pressure`` is its largest violation over the largest of the terms T kappa.
-    """
-
-    hoop_pressure: float = 0.0
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class WrappedNipResult:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WrappedNipResult(WindingNipResult):
     """The state of a winding nip with the web wrapped on the roll behind it and the drum before it.
 
-    It has the fields of :class:`~woundon.results.NipResult`, the arrays along the whole web that
-    touches anything: from the drum's arc, if any, through the nip to the far side of the roll.
+    The arrays run along the whole web that touches anything: from the drum's arc, if any, through
+    the nip (``in_nip`` tells which nodes) to the far side of the roll.
 
     Attributes
     ----------
-    problem : NipProblem
-    roll_wrap, drum_wrap : float
-        Where the web is held to the roll, from the line of centres; arc on the drum before the nip
-        [rad].
-    wrap_friction : float
-        mu+ behind the nip.
-    winding_force : float
-        F = integral of q- over nip and drum wrap [N/m].
-    wound_on_tension : float
-        WOT, tension at the far side of the roll [N/m]; ``wound_on_tension_error`` its estimated
-        discretisation error.
-    tension_before_nip, tension_behind_nip : float
-        T at x = -a and T_out at x = a [N/m].
-    roll_wrap_traction, drum_wrap_traction : float
-        Q_w+ and Q_w-, tractions on the arcs behind and before the nip, integrated [N/m].
-    slip_angle : float
-        How far behind the trailing edge the web slips on the roll before it first sticks [rad].
-    half_width, approach, offset, drum_creep : float
-        a [m], mutual approach > 0 [m], Delta [m], xi-: as of a plain nip.
-    x, slip_x : (N,) arrays
-        Nodes s along the web, and where the slips are taken [m]; the nip is [-a, a].
-    pressure, roll_pressure, hoop_pressure : (N,) arrays
-        p- on the drum, p+ on the roll, and T kappa, their difference [Pa].
+    problem : WrappedNipProblem
+    roll_pressure, hoop_pressure : (N,) arrays
+        p+ on the roll, and T kappa, the web's weight on what it lies on [Pa]; ``pressure`` is p-.
     curvature : (N,) array
         kappa of the web, centre on the roll's side > 0 [1/m].
-    roll_traction, drum_traction : (N,) arrays
-        q+, q- [Pa].
-    roll_slip, drum_slip : (N,) arrays
-        v+, v-; nan where the web does not touch the body.
     roll_strain : (N,) array
         eps_theta1 of the roll's surface where the slips are taken; nan before the nip.
-    roll_zone, drum_zone : (N,) int arrays
-        :class:`~woundon.results.Zone` of each node.
-    web_tension : (N,) array
-        T(s) [N/m].
-    residuals : WrappedResiduals
-    warnings : tuple of str
+
+    The others as of :class:`~woundon.nip.result.WindingNipResult`; slips are nan where the web does
+    not touch the body.
     """
 
-    problem: NipProblem
-    roll_wrap: float
-    drum_wrap: float
-    wrap_friction: float
-    winding_force: float
-    wound_on_tension: float
-    wound_on_tension_error: float
-    tension_before_nip: float
-    tension_behind_nip: float
-    roll_wrap_traction: float
-    drum_wrap_traction: float
-    slip_angle: float
-    half_width: float
-    approach: float
-    offset: float
-    drum_creep: float
-    x: Array
-    slip_x: Array
-    pressure: Array
-    roll_pressure: Array
-    hoop_pressure: Array
-    curvature: Array
-    roll_traction: Array
-    drum_traction: Array
-    roll_slip: Array
-    drum_slip: Array
-    roll_strain: Array
-    roll_zone: Array
-    drum_zone: Array
-    web_tension: Array
-    slip_ratios: SlipRatios
-    residuals: WrappedResiduals
-    warnings: tuple[str, ...] = ()
-    iterations: int = 0
-    series_terms: int = 0
-    series_error: float = 0.0
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
+        "nip": "take the nodes in_nip of the arrays, or confined() for the nip alone",
+        "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
+        "wound_on_tension_estimate": "the wrapped web's wound_on_tension is solved, not estimated",
+    })  # fmt: skip
+
+    roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
+    hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
+    curvature: Annotated[
+        Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
+    ]
+    roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
 
     @property
-    def nip_induced_tension(self) -> float:
+    def wound_on_tension(self) -> Annotated[
+        float, line_load("WOT", "wound-on tension, far behind the nip")
+    ]:
+        """WOT, the tension at the far side of the roll [N/m]: what the roll keeps."""
+        return float(self.web_tension[-1])
+
+    @property
+    def wound_on_tension_error(self) -> Annotated[
+        float, line_load("WOT error", "estimated discretisation error of the wound-on tension")
+    ]:
+        """Its estimated discretisation error [N/m]; nan where only one grid was solved."""
+        return self.errors.get("wound_on_tension", float("nan"))
+
+    @property
+    def tension_before_nip(self) -> Annotated[
+        float, line_load("T_n", "web tension at the leading edge of the nip")
+    ]:
+        """T at x = -a [N/m]."""
+        return float(self.web_tension[self.in_nip.start])
+
+    @property
+    def tension_behind_nip(self) -> Annotated[
+        float, line_load("T_out", "web tension at the trailing edge of the nip")
+    ]:
+        """T_out at x = a [N/m]."""
+        return float(self.web_tension[self.in_nip.stop - 1])
+
+    @property
+    def nip_induced_tension(self) -> Annotated[
+        float, line_load("NIT", "nip-induced tension, of the nip between its edges")
+    ]:
         """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
         return self.tension_behind_nip - self.tension_before_nip
 
     @property
-    def in_nip(self) -> slice:
-        """Which nodes are the nip's."""
-        edge = self.half_width * (1 + 1e-12)
-        return slice(
-            int(np.searchsorted(self.x, -edge)), int(np.searchsorted(self.x, edge, side="right"))
-        )
+    def roll_wrap_traction(self) -> Annotated[
+        float, line_load("Q_w+", "traction on the roll behind the nip, integrated")
+    ]:
+        """Q_w+ [N/m]."""
+        return self.wound_on_tension - self.tension_behind_nip
+
+    @property
+    def drum_wrap_traction(self) -> Annotated[
+        float, line_load("Q_w-", "traction on the drum before the nip, integrated")
+    ]:
+        """Q_w- [N/m]."""
+        return self.tension_before_nip - float(self.web_tension[0])
+
+    @property
+    def slip_angle(self) -> Annotated[
+        float, angle("theta_s", "how far the web slips on the roll behind the nip")
+    ]:
+        """How far behind the trailing edge the web slips on the roll before it sticks [rad]."""
+        last = self.in_nip.stop - 1
+        zones, x = self.roll_zone[last:], self.x[last:]
+        if zones[0] == 0 or self.problem.roll_wrap == 0:
+            return 0.0
+        other = np.nonzero(zones != zones[0])[0]
+        border = (x[other[0]] + x[other[0] - 1]) / 2 if other.size else x[-1]
+        return float((border - self.half_width) / self.problem.roll.radius)
 
     @property
     def slip_zone(self) -> Zone:
         """The way the web slips on the roll just behind the nip; STICK where it does not."""
-        return Zone(int(self.roll_zone[self.in_nip.stop - 1])) if self.slip_angle else Zone.STICK
+        return super().slip_zone if self.slip_angle else Zone.STICK
 
-    @property
-    def nodes(self) -> int:
-        """Number of nodes in the nip."""
-        return self.in_nip.stop - self.in_nip.start
+    def confined(self, **options: Any) -> NipResult:
+        """Solve the nip alone, the web held at its trailing edge (thesis eq. 97).
 
-    @property
-    def nip(self) -> NipResult:
-        """The nip alone as a plain result; its tension and winding force are those at its edges."""
-        own = self.in_nip
-        return NipResult(
-            problem=self._problem_of_nip(),
-            nip_induced_tension=self.nip_induced_tension,
-            nip_induced_tension_error=self.wound_on_tension_error,
-            residuals=self.residuals,
-            **{name: getattr(self, name)[own] for name in _ALONG_NIP},
-            **{name: getattr(self, name) for name in _OF_NIP},
-        )
+        Its ``tension_behind_nip`` and ``wound_on_tension_estimate()`` bracket ``wound_on_tension``.
 
-    def _problem_of_nip(self) -> NipProblem:
-        problem, T = self.problem, self.tension_before_nip
-        if self.drum_wrap == 0:
-            return problem
-        # a nip that slides wholly, held by the wrap, has no steady state of its own
-        most = problem.drum_friction * problem.nip_load * (1 - 1e-12)
-        force = float(np.clip(self.winding_force - (T - problem.web_tension), -most, most))
-        return problem.replace(web_tension=max(T, 0.0), winding_force=force)
+        Parameters
+        ----------
+        options
+            Of :func:`~woundon.nip.solve.solve_nip`.
 
-    def plot(self, path: Any = None) -> Any:
-        """Draw tractions, slips, tension and hoop pressure in the nip and along the wraps."""
-        from ..plots import plot_wrapped
+        Raises
+        ------
+        NoSteadyState
+            If the nip alone cannot carry the winding force.
+        """
+        solve_nip = kinds.fetch("woundon.nip.solve:solve_nip")
+        return solve_nip(self.problem.confined(), **options)  # type: ignore[no-any-return]
 
-        return plot_wrapped(self, path)
+    def certified(self) -> Residuals:
+        """Return the certificate measured anew, from the problem and the arrays held here."""
+        from .certificate import certificate, equations_of
 
-    def save(self, path: Any) -> None:
-        """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
-        from ..casefile import save_result
-
-        save_result(self, path)
+        return certificate(self, equations_of(self))

@@ -13,14 +13,17 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import sqrt
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
-from .description import Description, Number, shown
-from .errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, did_you_mean
+from ..quantities import pure, stress
+from .fields import Family, Number, shown
 
-__all__ = ["Isotropic", "Material", "NamedMaterial", "Orthotropic", "Stiffness", "material"]
+__all__ = [
+    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Stiffness", "material",
+]  # fmt: skip
 
 
 class Stiffness(NamedTuple):
@@ -32,15 +35,34 @@ class Stiffness(NamedTuple):
     shear: float
 
 
-def _modulus(what: str, **kw: Any) -> Any:
-    return Field(description=what, json_schema_extra={"unit": "Pa"}, le=1e14, **kw)
+class Material(Family):
+    """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
 
+    @property
+    def stiffness(self) -> Stiffness:
+        """The plane-strain stiffness A_rr, A_tt, A_rt, G [Pa]."""
+        raise NotImplementedError
+
+    @classmethod
+    def made(cls, value: Any) -> Any:
+        """Return the material of a table, or the named one."""
+        if not isinstance(value, str):
+            return super().made(value)
+        try:
+            return material(value)
+        except InvalidProblem as fault:
+            raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
+
+
+# a material itself, a table of its fields, or the name of one
+AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.made)]
 
 # softer than any solid, and soft enough for numbers without dimension around 1
 SOFTEST = 1e-3
+STIFFEST = 1e14
 
 
-class Orthotropic(Description):
+class Orthotropic(Material):
     """An orthotropic material by its plane-strain stiffness (thesis eq. 34).
 
     Parameters
@@ -58,11 +80,24 @@ class Orthotropic(Description):
         For a modulus out of range, or a cross stiffness that makes the energy indefinite.
     """
 
-    kind: Literal["orthotropic"] = Field(default="orthotropic", repr=False)
-    radial: Number = _modulus("A_rr, direct stiffness through the thickness", ge=SOFTEST)
-    tangential: Number = _modulus("A_tt, direct stiffness along the web", ge=SOFTEST)
-    cross: Number = _modulus("A_rt, cross stiffness", ge=0)
-    shear: Number = _modulus("G_rt, shear modulus", ge=SOFTEST)
+    radial: Annotated[
+        Number,
+        stress("A_rr", "direct stiffness through the thickness", "MPa", (5e6, 5e8)),
+        Field(ge=SOFTEST, le=STIFFEST),
+    ]
+    tangential: Annotated[
+        Number,
+        stress("A_tt", "direct stiffness along the web", "MPa", (5e8, 1e10)),
+        Field(ge=SOFTEST, le=STIFFEST),
+    ]
+    cross: Annotated[
+        Number, stress("A_rt", "cross stiffness", "MPa", (0.0, 1e8)), Field(ge=0, le=STIFFEST)
+    ]
+    shear: Annotated[
+        Number,
+        stress("G_rt", "shear modulus", "MPa", (1e6, 1e8)),
+        Field(ge=SOFTEST, le=STIFFEST),
+    ]
 
     @model_validator(mode="after")
     def _positive_energy(self) -> Orthotropic:
@@ -81,7 +116,7 @@ class Orthotropic(Description):
         return Stiffness(self.radial, self.tangential, self.cross, self.shear)
 
 
-class Isotropic(Description):
+class Isotropic(Material):
     """An isotropic material by Young's modulus and Poisson's ratio, used in plane strain.
 
     Parameters
@@ -97,11 +132,14 @@ class Isotropic(Description):
         For values out of range.
     """
 
-    kind: Literal["isotropic"] = Field(default="isotropic", repr=False)
-    youngs_modulus: Number = _modulus("E, Young's modulus", ge=SOFTEST)
-    poissons_ratio: Number = Field(
-        description="nu, Poisson's ratio", ge=0, lt=0.5, json_schema_extra={"unit": "1"}
-    )
+    youngs_modulus: Annotated[
+        Number,
+        stress("E", "Young's modulus", "MPa", (1e6, 2.1e11)),
+        Field(ge=SOFTEST, le=STIFFEST),
+    ]
+    poissons_ratio: Annotated[
+        Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Field(ge=0, lt=0.5)
+    ]
 
     @cached_property
     def stiffness(self) -> Stiffness:
@@ -109,34 +147,6 @@ class Isotropic(Description):
         E, nu = self.youngs_modulus, self.poissons_ratio
         direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
         return Stiffness(direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)))
-
-
-def _kind_of(value: Any) -> str | None:
-    """Tell a material's kind; where none is said, its field names give it away."""
-    if not isinstance(value, dict):
-        return getattr(value, "kind", None)
-    if "kind" in value:
-        return str(value["kind"])
-    # parts of names, so that a misspelt one still leads to the right list of fields
-    isotropic = any(part in str(name) for name in value for part in ("young", "poisson"))
-    return "isotropic" if isotropic else "orthotropic"
-
-
-def _named(value: Any) -> Any:
-    if not isinstance(value, str):
-        return value
-    try:
-        return material(value)
-    except InvalidProblem as fault:
-        raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
-
-
-# a material itself, a table of its fields, or the name of one
-Material = Annotated[
-    Annotated[Orthotropic, Tag("orthotropic")] | Annotated[Isotropic, Tag("isotropic")],
-    Discriminator(_kind_of),
-    BeforeValidator(_named),
-]
 
 
 class NamedMaterial(NamedTuple):

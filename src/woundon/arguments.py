@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from .description import shown
 from .errors import InvalidProblem, one_of
+from .problems.fields import shown
 
-__all__ = ["check_kind", "tolerance", "whole_number"]
+__all__ = ["check_type", "tolerance", "whole_number"]
 
 
-def check_kind(name: str, value: Any, *kinds: type[Any]) -> None:
-    """Refuse a value that is none of the kinds, e.g. the path of a case in place of a problem."""
-    if not isinstance(value, kinds):
-        must = one_of(kind.__name__ for kind in kinds)
+def check_type(name: str, value: Any, *types: type[Any]) -> None:
+    """Refuse a value that is none of the types, e.g. the path of a case in place of a problem."""
+    if not isinstance(value, types):
+        must = one_of(kind.__name__ for kind in types)
         raise InvalidProblem.at(name, f"{shown(value)} is out of place; must be a {must}")
 
 

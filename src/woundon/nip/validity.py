@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from .bodies import Cylinder, Rigid
-from .elasticity.strip import compliance
-from .results import NipResult, Zone
+from ..results import Zone
+from .equations import web_compliance
+from .result import WindingNipResult
 
 __all__ = ["nip_warnings"]
 
@@ -26,13 +27,25 @@ NARROW_ZONE = 0.02  # of the nip width
 SERIES_ERROR = 1e-4
 
 
-def nip_warnings(result: NipResult) -> tuple[str, ...]:
+def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
     """Return where a solved nip leaves the model's validity, with numbers."""
-    parts = (_geometry, _pressure, _surface, _web, _numerics)
-    return tuple(warning for part in parts for warning in part(result))
+    parts: tuple[Any, ...] = (_geometry, _pressure, _surface, _web, _numerics)
+    nip: Any = _Nip(result)
+    return tuple(warning for part in parts for warning in part(nip))
 
 
-def _geometry(r: NipResult) -> Iterator[str]:
+class _Nip:
+    """A result's fields, its arrays cut to the nip."""
+
+    def __init__(self, result: WindingNipResult) -> None:
+        self._result, self._own = result, result.in_nip
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._result, name)
+        return value[self._own] if isinstance(value, np.ndarray) else value
+
+
+def _geometry(r: _Nip) -> Iterator[str]:
     radius = min(r.problem.roll.radius, r.problem.drum.radius)
     if r.half_width > WIDE_NIP * radius:
         yield (
@@ -40,18 +53,19 @@ def _geometry(r: NipResult) -> Iterator[str]:
             f"smaller radius: the gap is no parabola any more"
         )
     for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
-        if isinstance(body, Cylinder) and r.approach > LARGE_STRAIN * body.thickness:
+        if r.approach > LARGE_STRAIN * body.thickness:
             yield (
                 f"the approach {r.approach * 1e3:.3g} mm is {r.approach / body.thickness:.0%} of "
                 f"the {name}'s elastic layer, {body.thickness * 1e3:.3g} mm: strains are not small"
             )
 
 
-def _pressure(r: NipResult) -> Iterator[str]:
+def _pressure(r: _Nip) -> Iterator[str]:
     peak = float(np.max(r.pressure))
     for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
-        if not isinstance(body, Rigid):
-            modulus = min(body.material.stiffness.rr, body.material.stiffness.tt)
+        if body.surface_material is not None:
+            stiffness = body.surface_material.stiffness
+            modulus = min(stiffness.rr, stiffness.tt)
             if peak > LARGE_STRAIN * modulus:
                 yield (
                     f"the peak pressure {peak / 1e6:.3g} MPa is {peak / modulus:.0%} of the "
@@ -65,20 +79,21 @@ def _pressure(r: NipResult) -> Iterator[str]:
         )
 
 
-def _surface(r: NipResult) -> Iterator[str]:
+def _surface(r: _Nip) -> Iterator[str]:
     for name, body, traction, strain in (
         ("roll", r.problem.roll, r.roll_traction, _roll_strain(r)),
         ("drum", r.problem.drum, r.drum_traction, _drum_strain(r)),
     ):
-        if isinstance(body, Rigid):
+        if body.rigid:
             continue
-        shear = float(np.max(np.abs(traction)))
-        angle = shear / body.material.stiffness.shear
-        if angle > LARGE_STRAIN:
-            yield (
-                f"the {name}'s surface shear strain is {angle:.0%} "
-                f"at a traction of {shear / 1e6:.3g} MPa: strains are not small"
-            )
+        if body.surface_material is not None:
+            shear = float(np.max(np.abs(traction)))
+            angle = shear / body.surface_material.stiffness.shear
+            if angle > LARGE_STRAIN:
+                yield (
+                    f"the {name}'s surface shear strain is {angle:.0%} "
+                    f"at a traction of {shear / 1e6:.3g} MPa: strains are not small"
+                )
         k = int(np.argmax(np.abs(strain)))
         if abs(strain[k]) > LARGE_STRAIN:
             yield (
@@ -87,26 +102,26 @@ def _surface(r: NipResult) -> Iterator[str]:
             )
 
 
-def _web_strain(r: NipResult) -> Array:
+def _web_strain(r: _Nip) -> Array:
     """Return the web's strain (thesis eq. 72) where the slips are taken, (M,)."""
     web = r.problem.web
-    c = compliance(*web.material.stiffness[:3])
+    c = web_compliance(web)
     strain = c.c11 / web.thickness * r.web_tension - c.c12 * r.pressure
     return np.interp(r.slip_x, r.x, strain)
 
 
-def _drum_strain(r: NipResult) -> Array:
+def _drum_strain(r: _Nip) -> Array:
     """Return the drum's tangential surface strain in the nip, by its slip (thesis eq. 133)."""
     return _web_strain(r) + r.drum_creep - r.drum_slip
 
 
-def _roll_strain(r: NipResult) -> Array:
+def _roll_strain(r: _Nip) -> Array:
     """Return the roll's tangential surface strain less that at the trailing edge."""
     strain = _web_strain(r) - r.roll_slip
     return strain - strain[-1]
 
 
-def _web(r: NipResult) -> Iterator[str]:
+def _web(r: _Nip) -> Iterator[str]:
     slackest = float(np.min(r.web_tension))
     if slackest < 0:
         at = float(r.x[int(np.argmin(r.web_tension))])
@@ -116,7 +131,7 @@ def _web(r: NipResult) -> Iterator[str]:
         )
 
 
-def _numerics(r: NipResult) -> Iterator[str]:
+def _numerics(r: _Nip) -> Iterator[str]:
     for face, zones in (("roll", r.roll_zone), ("drum", r.drum_zone)):
         ends = np.concatenate([[0], np.nonzero(np.diff(zones[1:-1]))[0] + 1, [zones.size - 2]])
         for first, last in pairwise(ends):

@@ -14,67 +14,116 @@ An output J(u, theta) then changes by dJ/dtheta = J_theta - lambda . R_theta wit
 R_u^T lambda = J_u: one factorisation and one back-substitution an output serve all parameters.
 R_theta is the equations' own change at fixed u, a difference of assembled matrices of which only
 the changed body's are made anew; nothing is solved again.
+
+The matrices are :class:`~.equations.NipMatrices`, those of the solution and of its certificate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from .assembly import NipMatrices, surface_response
-from .bodies import Cylinder
-from .contact.discretisation import Discretisation, discretisation
-from .contact.grid import Grid
-from .description import Description
-from .elasticity.strip import compliance
-from .errors import InvalidProblem, did_you_mean
-from .problems import NipProblem
-from .results import NipResult, Sensitivity
+from ..errors import InvalidProblem, did_you_mean
+from ..problems.bodies import contact_radius
+from ..problems.nip import NipProblem
+from ..quantities import walk
+from .certificate import mesh_of
+from .equations import NipMatrices, web_compliance
+from .result import NipResult
 
-__all__ = ["continuous_fields", "nip_sensitivity"]
+__all__ = ["Sensitivity", "continuous_fields", "nip_sensitivity"]
 
 Array = np.ndarray
-OUTPUTS = ("nip_induced_tension", "half_width", "drum_creep")
-_BODIES = ("roll", "drum")
+OUTPUTS = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep")
 # relative; matrices are known to 1e-14, so their forward differences to 1e-6 at the worst
 STEP = 1e-7
 NEAR_CHANGE = 1e-6  # margin of a node's law, relative, below which a zone change is announced
 
 
-def continuous_fields(problem: Description, prefix: str = "") -> Iterator[tuple[str, float]]:
-    """Yield (dotted name, value) of every continuous field of a description."""
-    for name in type(problem).model_fields:
-        value = getattr(problem, name)
-        if isinstance(value, Description):
-            yield from continuous_fields(value, f"{prefix}{name}.")
-        elif isinstance(value, float):
-            yield f"{prefix}{name}", value
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """First derivatives of a nip's outputs at one problem.
+
+    Attributes
+    ----------
+    outputs : tuple of str
+        ``nip_induced_tension``, ``tension_behind_nip``, ``half_width``, ``nip_width``,
+        ``drum_creep``.
+    parameters : tuple of str
+        Dotted names of the fields.
+    derivatives : (outputs, parameters) array
+        SI units of output per SI unit of field.
+    values, fields : (outputs,), (parameters,) arrays
+        Where they were taken.
+    zone_change : str
+        Empty, or the nodes that are about to change between stick and slip: there the
+        derivatives to both sides differ.
+    """
+
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    derivatives: Array
+    values: Array
+    fields: Array
+    zone_change: str = ""
+
+    def derivative(self, output: str, parameter: str) -> float:
+        """Return d output / d parameter."""
+        at = self.outputs.index(output), self.parameters.index(parameter)
+        return float(self.derivatives[at])
+
+    @property
+    def elasticities(self) -> Array:
+        """Percent of output per percent of field, (outputs, parameters); 0 for a field at 0.
+
+        nan for an output that is 0.
+        """
+        values = np.where(self.values == 0, np.nan, self.values)
+        return self.derivatives * self.fields / values[:, None]
+
+    def sorted(self) -> Sensitivity:
+        """Return the same, the parameters of the largest elasticity of the first output first."""
+        order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
+        return replace(
+            self,
+            parameters=tuple(self.parameters[k] for k in order),
+            derivatives=self.derivatives[:, order],
+            fields=self.fields[order],
+        )
+
+
+def continuous_fields(problem: Any) -> dict[str, float]:
+    """Return every continuous field of a description by its dotted name."""
+    return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
 def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
-    """Return derivatives of NIT, half width and creep; see :class:`Sensitivity`.
+    """Return derivatives of a nip's main outputs; see :class:`Sensitivity`.
 
     Parameters
     ----------
     result : NipResult
-        Of :func:`solve_nip`; on its own grid, in its own state.
+        Of :func:`solve_nip`; on its own mesh, in its own state.
     parameters : tuple of str
         Dotted names; all continuous fields if empty.
 
     Raises
     ------
     InvalidProblem
-        For a name that is no continuous field.
+        For a name that is no continuous field, or a body that is not linear.
     """
-    known = dict(continuous_fields(result.problem))
+    for name in ("roll", "drum"):
+        if not getattr(result.problem, name).linear:
+            raise InvalidProblem.at(name, "is not linear: its sensitivities are not available")
+    known = continuous_fields(result.problem)
     for name in parameters:
         if name not in known:
-            raise InvalidProblem([(name, f"no continuous field{did_you_mean(name, known)}")])
+            raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
     names = parameters or tuple(known)
-    equations = _Equations(result)
+    equations = _Differential(result)
     factor = lu_factor(equations.jacobian().T)
     adjoint = lu_solve(factor, equations.output_gradients().T)  # (unknowns, outputs)
     derivatives = np.empty((len(OUTPUTS), len(names)))
@@ -100,24 +149,22 @@ class _Unknowns:
     zones: Array
 
 
-class _Equations:
-    """The residual R(u, theta) about a converged state."""
+class _Differential:
+    """The residual R(u, theta) about a converged state, and what it changes by."""
 
     def __init__(self, result: NipResult) -> None:
-        problem, a = result.problem, result.half_width
-        self.result, self.problem, self.disc = result, problem, _discretisation(result)
-        self.n = self.disc.unknowns
-        self.bodies = {
-            name: surface_response(getattr(problem, name), self.disc, a) for name in _BODIES
-        }
-        self.here = NipMatrices.of(problem, self.disc, a, **self.bodies)
-        traction = np.concatenate([result.roll_traction[1:-1], result.drum_traction[1:-1]])
+        problem, a, inside = result.problem, result.half_width, slice(1, -1)
+        self.result, self.problem, self.mesh = result, problem, mesh_of(result)
+        self.n = self.mesh.unknowns
+        self.here = NipMatrices.at(problem, self.mesh, a)
+        self.bodies = {"roll": self.here.roll, "drum": self.here.drum}
+        traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
-        c11 = compliance(*problem.web.material.stiffness[:3]).c11
+        c11 = web_compliance(problem.web).c11
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
-        radius = 1 / (1 / problem.roll.radius + 1 / problem.drum.radius)
-        zones = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
-        self.u = _Unknowns(result.pressure[1:-1], result.offset / radius, traction, creep, a, zones)
+        shift = result.offset / contact_radius(problem.roll, problem.drum)
+        zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
+        self.u = _Unknowns(result.pressure[inside], shift, traction, creep, a, zones)
         self.nodes = slice(0, 2 * self.n)
         self.rest = self.residual(problem, self.here)
 
@@ -125,14 +172,12 @@ class _Equations:
         """Return R at the fixed unknowns, of another problem or half width."""
         u, n = self.u, self.n
         p, q = u.pressure, u.traction
-        indentation = made.slope_p @ p + made.slope_q @ q + u.shift - made.gap
-        slip = made.direct[self.nodes] @ q + made.through_pressure[self.nodes] @ p
-        slip[n:] += u.creep
+        slip = made.slips(p, q, u.creep)[self.nodes]
         friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
         law = np.where(u.zones == 0, slip, q - u.zones * friction * np.tile(p, 2))
         force = float(made.weights @ q[n:]) - problem.winding_force
         load = float(made.weights @ p) - problem.nip_load
-        return np.concatenate([indentation, law, [force, load]])
+        return np.concatenate([made.indentation(p, q, u.shift), law, [force, load]])
 
     def jacobian(self) -> Array:
         """Return R_u, (3n + 3, 3n + 3)."""
@@ -158,21 +203,21 @@ class _Equations:
 
     def _by_width(self) -> Array:
         """Return dR/dln a."""
-        wider = NipMatrices.at(self.problem, self.disc, self.u.half_width * np.exp(STEP))
+        wider = NipMatrices.at(self.problem, self.mesh, self.u.half_width * np.exp(STEP))
         return (self.residual(self.problem, wider) - self.rest) / STEP
 
     def output_gradients(self) -> Array:
         """Return J_u of the outputs, (outputs, unknowns)."""
         n, w, u = self.n, self.here.weights, self.u
-        gradients = np.zeros((len(OUTPUTS), 3 * n + 3))
-        gradients[0, n + 1 : 3 * n + 1] = np.tile(w, 2)
-        gradients[0, -1] = float(w @ (u.traction[:n] + u.traction[n:]))
-        gradients[1, -1] = u.half_width
+        NIT, width, creep = np.zeros((3, 3 * n + 3))
+        NIT[n + 1 : 3 * n + 1] = np.tile(w, 2)
+        NIT[-1] = float(w @ (u.traction[:n] + u.traction[n:]))
+        width[-1] = u.half_width
         # xi- = xi - c11 T_out/(2h)
-        stretch = compliance(*self.problem.web.material.stiffness[:3]).c11
-        gradients[2] = -stretch / self.problem.web.thickness * gradients[0]
-        gradients[2, 3 * n + 1] = 1.0
-        return gradients
+        stretch = web_compliance(self.problem.web).c11 / self.problem.web.thickness
+        creep[:] = -stretch * NIT
+        creep[3 * n + 1] = 1.0
+        return np.array([NIT, NIT, width, 2 * width, creep])
 
     def changes(self, name: str, value: float) -> tuple[Array, Array]:
         """Return R_theta and the outputs' explicit J_theta for one field."""
@@ -190,15 +235,15 @@ class _Equations:
         """Assemble for a problem of which only one part is another."""
         a, bodies = self.u.half_width, self.bodies
         if part in bodies:
-            bodies = bodies | {part: surface_response(getattr(problem, part), self.disc, a)}
-        return NipMatrices.of(problem, self.disc, a, **bodies)
+            bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a)}
+        return NipMatrices.of(problem, self.mesh, a, **bodies)
 
     def _size(self, name: str, value: float) -> float:
         """Return the scale on which a field matters."""
         head, _, rest = name.partition(".")
-        body = getattr(self.problem, head)
-        if isinstance(body, Cylinder) and rest in ("radius", "core_radius"):
-            return body.thickness  # the radii of a thin layer matter by their difference
+        thickness = getattr(getattr(self.problem, head), "thickness", np.inf)
+        if head in self.bodies and rest.endswith("radius") and np.isfinite(thickness):
+            return float(thickness)  # the radii of a thin layer matter by their difference
         if value != 0:
             return abs(value)
         if name in ("winding_force", "web_tension"):
@@ -209,9 +254,9 @@ class _Equations:
         """Return the outputs of another problem at the fixed unknowns."""
         w, u, n = self.here.weights, self.u, self.n
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
-        c11 = compliance(*problem.web.material.stiffness[:3]).c11
-        creep = u.creep - c11 / problem.web.thickness * (problem.web_tension + NIT)
-        return np.array([NIT, u.half_width, creep])
+        T_out = problem.web_tension + NIT
+        creep = u.creep - web_compliance(problem.web).c11 / problem.web.thickness * T_out
+        return np.array([NIT, T_out, u.half_width, 2 * u.half_width, creep])
 
     def near_zone_change(self) -> str:
         """Name the nodes whose law is kept by a hair only."""
@@ -228,11 +273,3 @@ class _Equations:
             )[1:-1]
             found += [f"{face} node {k + 1}" for k in np.nonzero(spare < NEAR_CHANGE)[0]]
         return ", ".join(found)
-
-
-def _discretisation(result: NipResult) -> Discretisation:
-    """Return the discretisation a result was solved on."""
-    if result.scheme != "graded":
-        return discretisation(result.scheme, result.nodes)
-    a = result.half_width
-    return Discretisation(Grid(result.x / a, np.append(result.slip_x[1:] / a, 1.0)), "graded")

@@ -1,0 +1,145 @@
+"""What a body answers on a grid: the slope, strain and displacement of its surface, as matrices.
+
+A grid has n columns, one for each nodal pressure p and traction q that is unknown, and K points,
+one in each cell and one at the end, in units of the half width a.  At every point
+
+    dv/dx = slope  + slope_p p  + slope_q q        v: outward displacement
+    eps   = strain + strain_p p + strain_q q       eps: strain along the surface
+
+where slope and strain, what the linearisation leaves at zero tractions, are nil for a linear body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+__all__ = ["ContactGrid", "Response", "Tractions", "on_columns"]
+
+Array = np.ndarray
+Gradients = tuple[Array, Array, Array, Array]
+# points in units of a, or None for the grid's last one -> (k, n) by unit p and by unit q [m/Pa]
+Displace = Callable[[Array | None], tuple[Array, Array]]
+
+
+class Tractions(NamedTuple):
+    """Pressure and traction along +x at a grid's columns, (n,) each [Pa]."""
+
+    pressure: Array
+    traction: Array
+
+
+def on_columns(old: Array, new: Array, loads: Tractions) -> Tractions:
+    """Carry loads over to other columns, linearly; they vanish at the ends -1 and 1."""
+    nodes = np.concatenate([[-1.0], old, [1.0]])
+    return Tractions(*(np.interp(new, nodes, np.pad(part, 1)) for part in loads))
+
+
+class ContactGrid(Protocol):
+    """What a body sees of the grid that it is asked to respond on; lengths in units of a."""
+
+    @property
+    def columns(self) -> Array:
+        """Where the unknown nodal tractions are, (n,)."""
+        ...
+
+    @property
+    def points(self) -> Array:
+        """Where slope and strain are wanted: one point in each cell, then the end, (K,)."""
+        ...
+
+    @property
+    def value(self) -> Array:
+        """Traction at the points by its nodal values, (K, n)."""
+        ...
+
+    @property
+    def slope(self) -> Array:
+        """Its derivative there, per a, (K, n)."""
+        ...
+
+    def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
+        """Return the response of a linear body by its influence functions.
+
+        Parameters
+        ----------
+        kernels : SurfaceKernels
+        curvature : float
+            1/R where the strain has the term v/R, 0 where it has not [1/m].
+        radius : float
+            R [m].
+        a : float
+            Half width [m].
+        """
+        ...
+
+
+class Response:
+    """A body's linear response on a grid of n columns and K points.
+
+    Parameters
+    ----------
+    gradients : tuple of (K, n) arrays, or callable
+        slope_p, slope_q, strain_p, strain_q; or what makes them when first asked for.
+    normal, tangent : callable, optional
+        The displacement v, and u along +x, at any points (see the methods); nil without.
+    slope, strain : (K,) arrays or 0
+        What a linearised body has at zero tractions.
+    pressure_slope : callable, optional
+        Makes slope_p in the cells alone, (K-1, n), where that is cheaper.
+    terms : int
+        Fourier terms summed, ``truncation_error`` their estimated relative error.
+    """
+
+    def __init__(
+        self,
+        gradients: Gradients | Callable[[], Gradients],
+        normal: Displace | None = None,
+        tangent: Displace | None = None,
+        *,
+        slope: Array | float = 0.0,
+        strain: Array | float = 0.0,
+        pressure_slope: Callable[[], Array] | None = None,
+        terms: int = 0,
+        truncation_error: float = 0.0,
+    ) -> None:
+        self._gradients, self._pressure_slope = gradients, pressure_slope
+        self._normal, self._tangent = normal, tangent
+        self.slope, self.strain = slope, strain
+        self.terms, self.truncation_error = terms, truncation_error
+
+    @cached_property
+    def gradients(self) -> Gradients:
+        """slope_p, slope_q, strain_p, strain_q, (K, n) each."""
+        return self._gradients() if callable(self._gradients) else self._gradients
+
+    def pressure_slope(self) -> Array:
+        """Return slope_p in the cells alone, (K-1, n)."""
+        if self._pressure_slope is not None:
+            return self._pressure_slope()
+        return self.gradients[0][:-1]
+
+    def normal(self, points: Array | None = None) -> tuple[Array, Array]:
+        """Return v at points in units of a (at the last of the grid's own), by p and by q."""
+        return self._displacement(self._normal, points)
+
+    def tangent(self, points: Array | None = None) -> tuple[Array, Array]:
+        """Return u along +x at points in units of a, by p and by q, (k, n) each [m/Pa]."""
+        return self._displacement(self._tangent, points)
+
+    def _displacement(
+        self, displace: Displace | None, points: Array | None
+    ) -> tuple[Array, Array]:
+        if displace is not None:
+            return displace(points)
+        none = np.zeros((1 if points is None else points.size, self.gradients[0].shape[1]))
+        return none, none
+
+    @classmethod
+    def none(cls, grid: ContactGrid) -> Response:
+        """Return the response of a body that does not deform."""
+        zero = np.zeros((grid.points.size, grid.columns.size))
+        return cls((zero, zero, zero, zero))

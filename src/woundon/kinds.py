@@ -1,0 +1,262 @@
+"""The kinds of problem: for each its class, its solver and its result, registered in one place.
+
+    kinds.register(MyProblem, my_solver, MyResult)
+
+is all that a new kind needs.  ``wo.solve``, case files, result files, studies and the command line
+look it up here.  What is heavy or comes later on the data's way (solvers, plots, reports) is named
+by text, "package.module:name", and fetched when first used: nobody imports it in a circle.
+
+Plug-ins are found by the entry-point group ``woundon.plugins``: a module named there is imported
+once, before the first look-up, in worker processes too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any
+
+from .errors import InvalidProblem, did_you_mean, one_of
+
+__all__ = [
+    "Kind", "every", "fetch", "for_fields", "load_plugins", "named", "of", "register", "solve",
+]  # fmt: skip
+
+PLUGINS = "woundon.plugins"
+
+
+def fetch(name: str) -> Any:
+    """Return what "package.module:name" names."""
+    module, _, attribute = name.partition(":")
+    return getattr(import_module(module), attribute)
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """A kind of problem; see :func:`register`."""
+
+    name: str
+    about: str
+    _problem: Any
+    _solver: Any
+    _result: Any
+    _report: Any
+    _plot: Any
+    _check: Any
+    _neighbour: Any
+    _shifted: Any
+
+    @cached_property
+    def problem(self) -> type[Any]:
+        """The class of its problems."""
+        return _got(self._problem)  # type: ignore[no-any-return]
+
+    @cached_property
+    def solver(self) -> Callable[..., Any]:
+        """What solves them: (problem, **options) -> result."""
+        return _got(self._solver)  # type: ignore[no-any-return]
+
+    @cached_property
+    def result(self) -> type[Any]:
+        """The class of its results."""
+        return _got(self._result)  # type: ignore[no-any-return]
+
+    @cached_property
+    def report(self) -> Callable[..., Any]:
+        """What tells a result in tables: (result) -> parts of a report."""
+        return _got(self._report)  # type: ignore[no-any-return]
+
+    @cached_property
+    def plot(self) -> Callable[..., Any]:
+        """What draws a result: (result, path=None) -> figure."""
+        return _got(self._plot)  # type: ignore[no-any-return]
+
+    @cached_property
+    def check(self) -> Callable[..., Any] | None:
+        """What refuses options before anything is solved: (**options); None without."""
+        return None if self._check is None else _got(self._check)  # type: ignore[no-any-return]
+
+    @cached_property
+    def neighbour(self) -> Callable[..., Any] | None:
+        """What a solved result tells of a problem without solving: (problem, result) -> or None."""
+        return None if self._neighbour is None else _got(self._neighbour)  # type: ignore[no-any-return]
+
+    @cached_property
+    def shifted(self) -> Mapping[str, frozenset[str]]:
+        """By field: the outputs that ``neighbour`` gives for another value of that field alone."""
+        return _got(self._shifted) if self._shifted is not None else {}  # type: ignore[no-any-return]
+
+    @property
+    def command(self) -> str:
+        """The kind's own command: ``woundon wrapped-nip CASE``."""
+        return self.name.replace("_", "-")
+
+
+def _got(named: Any) -> Any:
+    return fetch(named) if isinstance(named, str) else named
+
+
+_KINDS: dict[str, Kind] = {}
+
+
+def register(
+    problem: type[Any] | str,
+    solver: Callable[..., Any] | str,
+    result: type[Any] | str,
+    *,
+    name: str | None = None,
+    about: str | None = None,
+    report: Callable[..., Any] | str = "woundon.show.report:outputs_report",
+    plot: Callable[..., Any] | str = "woundon.show.plots:plot_outputs",
+    check: Callable[..., Any] | str | None = None,
+    neighbour: Callable[..., Any] | str | None = None,
+    shifted: Mapping[str, frozenset[str]] | str | None = None,
+) -> None:
+    """Register a kind of problem.
+
+    Parameters
+    ----------
+    problem, solver, result : class, callable, class
+        Themselves, or their names, "package.module:name".  The problem's class is a
+        :class:`~woundon.problems.fields.Problem`, the result's a
+        :class:`~woundon.results.Result`; ``solver(problem, **options)`` returns one.
+    name : str
+        By default the snake-case of the problem's class less "Problem": ``wrapped_nip`` of
+        ``WrappedNipProblem``.
+    about : str
+        One line for the command line's help; by default the first of the class's text.
+    report, plot : callable or name
+        What tells and draws a result; by default all its outputs, all its arrays.
+    check : callable or name
+        What refuses options of the solver before anything is solved.
+    neighbour, shifted : callable, mapping, or their names
+        What a solved case tells of another that differs in certain fields alone, and by field the
+        outputs that keep their derivatives then; studies and fits save such solves.
+    """
+    title = problem.rpartition(":")[2] if isinstance(problem, str) else problem.__name__
+    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
+    name = name or snake
+    text = about or (getattr(problem, "__doc__", "") or title).strip().partition("\n")[0]
+    _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check,
+                        neighbour, shifted)  # fmt: skip
+
+
+register(
+    "woundon.problems.nip:NipProblem",
+    "woundon.nip.solve:solve_nip",
+    "woundon.nip.result:NipResult",
+    about="The winding nip alone, the web held at its trailing edge.",
+    report="woundon.show.report:nip_report",
+    plot="woundon.show.plots:plot_nip",
+    check="woundon.nip.solve:check_options",
+    neighbour="woundon.nip.winding_theorem:neighbour",
+    shifted="woundon.nip.winding_theorem:SHIFTED",
+)
+register(
+    "woundon.problems.nip:WrappedNipProblem",
+    "woundon.wrap.solve:solve_wrapped_nip",
+    "woundon.wrap.result:WrappedNipResult",
+    about="The winding nip with the web wrapped on roll and drum: the wound-on tension.",
+    report="woundon.show.report:wrapped_report",
+    plot="woundon.show.plots:plot_wrapped",
+    check="woundon.wrap.solve:check_options",
+)
+register(
+    "woundon.problems.rollers:RollerProblem",
+    "woundon.rollers.solve:solve_rollers",
+    "woundon.rollers.result:RollerResult",
+    name="rollers",
+    about="Two rollers in contact without a web, rolling or static.",
+    report="woundon.show.report:roller_report",
+    plot="woundon.show.plots:plot_rollers",
+    check="woundon.rollers.solve:check_options",
+)
+
+
+@cache
+def load_plugins() -> None:
+    """Import what the entry-point group ``woundon.plugins`` names; once."""
+    for found in entry_points(group=PLUGINS):
+        found.load()
+
+
+def every() -> tuple[Kind, ...]:
+    """Return all kinds, woundon's own first."""
+    load_plugins()
+    return tuple(_KINDS.values())
+
+
+def named(name: str) -> Kind:
+    """Return a kind by its name.
+
+    Raises
+    ------
+    InvalidProblem
+        For an unknown name.
+    """
+    load_plugins()
+    if name not in _KINDS:
+        text = f"{name!r} is no kind of problem{did_you_mean(name, _KINDS)}"
+        raise InvalidProblem.at("kind", text)
+    return _KINDS[name]
+
+
+def of(thing: Any) -> Kind:
+    """Return the kind of a problem or of a result.
+
+    Raises
+    ------
+    InvalidProblem
+        For anything else.
+    """
+    cls = thing if isinstance(thing, type) else type(thing)
+    for kind in every():
+        # a class not yet imported has no instances
+        for name in (kind._problem, kind._result):
+            if name is cls or (isinstance(name, str) and name == f"{cls.__module__}:{cls.__name__}"):
+                return kind
+    from .problems.fields import shown
+
+    names = one_of(kind.problem.__name__ for kind in every())
+    raise InvalidProblem.at("problem", f"{shown(thing)} is out of place; must be a {names}")
+
+
+def for_fields(names: Iterable[str]) -> Kind:
+    """Return the kind whose problem has the fields, or a file's tables, of these names."""
+    from .problems.fields import best_match
+
+    kinds = every()
+    chosen = best_match(names, [kind.problem for kind in kinds])
+    return next(kind for kind in kinds if kind.problem is chosen)
+
+
+def solve(problem: Any, **options: Any) -> Any:
+    """Solve a problem of any kind.
+
+    Parameters
+    ----------
+    problem : Problem
+        :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
+        :class:`~woundon.RollerProblem`, or one of a kind registered elsewhere.
+    options
+        Of the kind's solver: ``nodes``, ``rtol``, ...
+
+    Returns
+    -------
+    Result
+        Of the kind: :class:`~woundon.NipResult`, ...
+
+    Raises
+    ------
+    InvalidProblem
+        For what is no problem, or options out of range.
+    NoSteadyState
+        If no steady rolling carries the loads.
+    NotConverged
+        If it was not solved to tolerance; carries the best result.
+    """
+    return of(problem).solver(problem, **options)

@@ -1,0 +1,90 @@
+"""The certificate of a nip: every law measured on the arrays that its result reports."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..contact.certificate import friction_laws, largest, positive_pressure
+from ..contact.schemes import Mesh, scheme_of
+from ..contact.response import Tractions
+from ..problems.bodies import contact_radius
+from ..results import Residuals
+from .equations import NipMatrices, web_compliance
+
+if TYPE_CHECKING:
+    from .result import NipResult
+
+__all__ = ["certificate", "from_edge", "matrices_of", "mesh_of"]
+
+Array = np.ndarray
+
+
+def mesh_of(result: NipResult) -> Mesh:
+    """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
+    if result.mesh is not None:
+        return result.mesh  # type: ignore[no-any-return]
+    a = result.half_width
+    points = np.append(result.slip_x[1:] / a, 1.0)
+    return scheme_of(result.scheme).restored(result.x / a, points)
+
+
+def matrices_of(result: NipResult) -> NipMatrices:
+    """Assemble the equations of a result anew, bodies that are not linear about its tractions."""
+    inside = slice(1, -1)
+    loads = tuple(
+        Tractions(result.pressure[inside], traction[inside])
+        for traction in (result.roll_traction, result.drum_traction)
+    )
+    return NipMatrices.at(result.problem, mesh_of(result), result.half_width, loads)  # type: ignore[arg-type]
+
+
+def certificate(result: NipResult, made: NipMatrices) -> Residuals:
+    """Measure every law of a result.
+
+    Parameters
+    ----------
+    result : NipResult
+    made : NipMatrices
+        Its equations; see :func:`matrices_of`.
+    """
+    problem, a, inside = result.problem, result.half_width, slice(1, -1)
+    P, T_in = problem.nip_load, problem.web_tension
+    p, x = result.pressure[inside], result.x
+    q_roll, q_drum = result.roll_traction, result.drum_traction
+    q = np.concatenate([q_roll[inside], q_drum[inside]])
+    zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
+    gained = from_edge(q_roll + q_drum, x)
+    c11 = web_compliance(problem.web).c11
+    # the solved rigid slip holds the web's strain behind the nip too
+    creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
+    v = made.slips(p, q, creep)
+    told = np.concatenate([result.roll_slip[inside], result.drum_slip[inside],
+                           result.roll_slip[-1:], result.drum_slip[-1:]])  # fmt: skip
+    friction = np.repeat([problem.roll_friction, problem.drum_friction], p.size)
+    shift = result.offset / contact_radius(problem.roll, problem.drum)
+    miss = made.indentation(p, q, shift)
+    tension = np.concatenate([
+        result.web_tension - T_in - gained,
+        [result.nip_induced_tension - result.extrapolation - gained[-1]],
+    ])  # fmt: skip
+    return Residuals(
+        indentation=largest(np.abs(miss)) / made.top,
+        positive_pressure=positive_pressure(result.pressure),
+        **friction_laws(
+            zones, q, v[: q.size], friction * np.tile(p, 2),
+            unit=friction * np.max(np.abs(p)), slip_scale=made.top,
+        ),
+        slip_speed=largest(np.abs(told - v)) / made.top,
+        load_equilibrium=abs(float(np.trapezoid(result.pressure, x)) / P - 1),
+        force_equilibrium=abs(float(np.trapezoid(q_drum, x)) - problem.winding_force) / P,
+        web_equilibrium=largest(np.abs(tension)) / P,
+        half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
+    )  # fmt: skip
+
+
+def from_edge(values: Array, x: Array) -> Array:
+    """Integrate from the leading edge to every node, (M,)."""
+    steps = np.diff(x) * (values[1:] + values[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(steps)])

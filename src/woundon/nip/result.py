@@ -1,0 +1,242 @@
+"""The state of a winding nip: what it has with and without its wraps, and the plain one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import pi
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
+
+import numpy as np
+
+from .. import kinds
+from ..quantities import length, line_load, pure, strain, stress
+from ..results import Residuals, Result, Zone
+
+if TYPE_CHECKING:
+    from .sensitivity import Sensitivity
+
+__all__ = ["NipResult", "SlipRatios", "WindingNipResult"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class SlipRatios:
+    """Slip lengths over the nip width, > 0 where the web is the faster one (thesis eq. 172)."""
+
+    leading_roll: float
+    trailing_roll: float
+    dual: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WindingNipResult(Result):
+    """What every solved winding nip has; the arrays along the web.
+
+    Attributes
+    ----------
+    half_width : float
+        a [m]; contact is [-a, a].
+    approach : float
+        Mutual approach of the centres, > 0 [m].  With a half-plane it holds up to a constant.
+    offset : float
+        Delta, shift of the contact centre from the line of centres along +x [m].
+    drum_creep : float
+        xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
+    leading_roll, trailing_roll, dual : float
+        Signed slip lengths over the nip width (thesis eq. 172), to a fraction of a cell;
+        ``slip_ratios`` holds all three.
+    x : (M,) array
+        Nodes [m].
+    slip_x : (M,) array
+        Where the slips are taken [m]: a point in the cell before each node.
+    pressure, roll_traction, drum_traction : (M,) arrays
+        p (of a wrapped nip p-, that on the drum), q+, q- [Pa]; q is the traction of the web on the
+        body along +x.
+    roll_slip, drum_slip : (M,) arrays
+        v+, v- relative slip speeds, > 0 where the web is faster (thesis eq. 133).
+    roll_zone, drum_zone : (M,) int arrays
+        :class:`~woundon.results.Zone` of each node.
+    web_tension : (M,) array
+        T(x) [N/m].
+    scheme, algorithm : str
+        How it was solved.
+    iterations : int
+        Number of linear stick-slip systems solved.
+    series_terms, series_error : int, float
+        Fourier terms summed for the bodies, their estimated relative truncation error.
+    mesh : Mesh
+        On which it was solved.
+    """
+
+    half_width: Annotated[float, length("a", "half-width of the nip")]
+    approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
+    offset: Annotated[
+        float, length("Delta", "shift of the contact centre from the line of centres")
+    ]
+    drum_creep: Annotated[float, strain("xi-", "creep of web and drum")]
+    leading_roll: Annotated[
+        float, strain("s_l+", "slip length at the roll's leading edge / nip width")
+    ]
+    trailing_roll: Annotated[
+        float, strain("s_t+", "slip length at the roll's trailing edge / nip width")
+    ]
+    dual: Annotated[float, strain("s_d", "length of slip at both roll and drum / nip width")]
+    x: Annotated[
+        Array, length("x", "position along the nip, with the web; the contact is [-a, a]")
+    ]
+    slip_x: Annotated[
+        Array, length("x_v", "where the slips are taken, in the cell before a node")
+    ]
+    pressure: Annotated[Array, stress("p", "pressure")]
+    roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
+    drum_traction: Annotated[Array, stress("q-", "traction of the web on the drum")]
+    roll_slip: Annotated[
+        Array, strain("v+", "slip of the web against the roll, > 0: web faster")
+    ]
+    drum_slip: Annotated[
+        Array, strain("v-", "slip of the web against the drum, > 0: web faster")
+    ]
+    roll_zone: Annotated[
+        Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower")
+    ]
+    drum_zone: Annotated[
+        Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower")
+    ]
+    web_tension: Annotated[Array, line_load("T", "web tension along the nip")]
+    scheme: str = "graded"
+    algorithm: str = "pivoting"
+    iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
+    series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
+    series_error: Annotated[
+        float, pure("e_s", "estimated truncation error of the series")
+    ] = 0.0
+    mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+
+    @property
+    def nip_width(self) -> Annotated[float, length("2a", "nip width")]:
+        """2a [m]."""
+        return 2 * self.half_width
+
+    @property
+    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
+        """Largest nodal pressure [Pa]."""
+        return float(np.max(self.pressure))
+
+    @property
+    def slip_ratios(self) -> SlipRatios:
+        """The three signed slip lengths over the nip width (thesis eq. 172)."""
+        return SlipRatios(self.leading_roll, self.trailing_roll, self.dual)
+
+    @property
+    def in_nip(self) -> slice:
+        """Which nodes are the nip's."""
+        edge = self.half_width * (1 + 1e-12)
+        first, stop = np.searchsorted(self.x, -edge), np.searchsorted(self.x, edge, side="right")
+        return slice(int(first), int(stop))
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes in the nip."""
+        return self.in_nip.stop - self.in_nip.start
+
+    @property
+    def slip_zone(self) -> Zone:
+        """The way the web slips on the roll at the nip's trailing edge."""
+        return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class NipResult(WindingNipResult):
+    """The state of a winding nip, the web held to the roll at its trailing edge (thesis eq. 97).
+
+    Attributes
+    ----------
+    problem : NipProblem
+    nip_induced_tension : float
+        NIT = Q+ + Q- [N/m]: the integral of the tractions, plus ``extrapolation``.
+    extrapolation : float
+        What the extrapolation to zero cells adds to that integral [N/m]; 0 unless ``rtol`` asks
+        for one.
+
+    The others as of :class:`WindingNipResult`.
+    """
+
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
+        "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
+        "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
+        "problem.wrapped()",
+    })  # fmt: skip
+
+    nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
+    extrapolation: Annotated[
+        float, line_load("dNIT", "part of it that extrapolates the integral of the tractions")
+    ] = 0.0
+
+    @property
+    def nip_induced_tension_error(self) -> Annotated[
+        float, line_load("NIT error", "estimated discretisation error of the nip-induced tension")
+    ]:
+        """Estimated discretisation error of NIT [N/m]; nan where only one grid was solved."""
+        return self.errors.get("nip_induced_tension", float("nan"))
+
+    @property
+    def tension_behind_nip(self) -> Annotated[
+        float, line_load("T_out", "web tension at the trailing edge of the nip")
+    ]:
+        """T_out = T_in + NIT [N/m]."""
+        return float(self.problem.web_tension + self.nip_induced_tension)
+
+    def wound_on_tension_estimate(self, angle: float = pi) -> Annotated[
+        float, line_load("WOT est.", "wound-on tension estimated by eq. (183), half a turn behind")
+    ]:
+        """Return the tension of a web that sticks to the roll behind the nip (thesis eq. 183).
+
+        Parameters
+        ----------
+        angle : float
+            Where the web is held, or led off the roll, behind the nip [rad].
+
+        Returns
+        -------
+        float
+            T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With the confined ``tension_behind_nip``
+            it brackets the wound-on tension of the wrapped nip.
+        """
+        estimate = kinds.fetch("woundon.nip.roll_surface:wound_on_tension_estimate")
+        return float(estimate(self, angle))
+
+    @property
+    def rig_tension(self) -> Annotated[
+        float,
+        line_load(
+            "T_rig", "tension at a load cell to which the web is led off the roll, eq. (183)"
+        ),
+    ]:
+        """The estimate (183) where the web leaves the roll a quarter turn behind the nip [N/m]."""
+        return self.wound_on_tension_estimate(pi / 2)
+
+    @property
+    def wound_on_tension(self) -> NoReturn:
+        """Not a nip's alone: the error names what it has instead."""
+        raise AttributeError(f"no wound_on_tension: {self.REPLACED['wound_on_tension']}")
+
+    def certified(self) -> Residuals:
+        """Return the certificate measured anew, from the problem and the arrays held here."""
+        from .certificate import certificate, matrices_of
+
+        return certificate(self, matrices_of(self))
+
+    def sensitivity(self, *parameters: str) -> Sensitivity:
+        """Return exact derivatives of the main outputs with respect to fields of the problem.
+
+        Parameters
+        ----------
+        parameters : str
+            Dotted names (``"roll.material.shear"``); every continuous field if none is given.
+        """
+        return kinds.fetch("woundon.nip.sensitivity:nip_sensitivity")(  # type: ignore[no-any-return]
+            self, parameters
+        )

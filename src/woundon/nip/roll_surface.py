@@ -1,0 +1,91 @@
+"""What the surface of the wound roll does outside the nip, from a solved nip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contact.grid import Grid
+from ..contact.response import Response
+from ..errors import InvalidProblem
+from .equations import web_compliance
+
+if TYPE_CHECKING:
+    from .result import NipResult
+
+__all__ = ["roll_strain", "wound_on_tension_estimate"]
+
+Array = np.ndarray
+
+
+def roll_strain(result: NipResult, s: Array) -> Array:
+    """Return the tangential surface strain of the wound roll under the nip's tractions.
+
+    Parameters
+    ----------
+    result : NipResult
+    s : (k,) array
+        Distance along the surface from the contact centre, downstream > 0 [m]; outside the open
+        interval (-a, a) and within half a circumference.
+
+    Returns
+    -------
+    (k,) array
+        eps_theta1 (thesis eqs. 32, 114).
+    """
+    s = np.atleast_1d(np.asarray(s, dtype=float))
+    a, roll = result.half_width, result.problem.roll
+    reach = pi * roll.radius
+    if np.any(np.abs(s) < a * (1 - 1e-12)) or np.any(np.abs(s) > reach * (1 + 1e-12)):
+        text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
+        raise InvalidProblem.at("s", text)
+    outside = _Outside(Grid(result.x / a, s / a))
+    _, _, strain_p, strain_q = roll.respond(outside, a).gradients
+    strain = strain_p @ result.pressure[1:-1] + strain_q @ result.roll_traction[1:-1]
+    return np.asarray(strain)
+
+
+class _Outside:
+    """A nip's nodes with points outside it, where smooth parts are integrated node by node."""
+
+    def __init__(self, grid: Grid) -> None:
+        self.grid, self.columns, self.points = grid, grid.nodes[1:-1], grid.points
+        self.value = self.slope = np.zeros((grid.points.size, grid.unknowns))
+
+    def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
+        """Return the gradients at the points by influence functions."""
+        straight = a * (self.points[:, None] - self.columns)
+        # beyond half the circumference the way round is shorter: the whole kernel is periodic
+        far = np.abs(straight) > pi * radius if curvature else np.zeros(straight.shape, dtype=bool)
+        short = straight - np.where(far, np.sign(straight) * 2 * pi * radius, 0.0)
+
+        def whole(kernel: Any) -> Array:
+            out = self.grid.integrate(replace(kernel, smooth=None), a)
+            if kernel.smooth is not None:
+                values = kernel.smooth(short)
+                values[far] += kernel.singular(short[far]) - kernel.singular(straight[far])
+                out += values * (a * self.grid.weights)
+            return out
+
+        return Response(lambda: tuple(map(whole, kernels.gradients)))
+
+
+def wound_on_tension_estimate(result: NipResult, angle: float) -> float:
+    """Estimate the tension of a web that sticks to the roll up to an angle (thesis eq. 183) [N/m].
+
+    The web's strain follows the roll's from the trailing edge to where it is held or leaves:
+    T_out + 2h/c11 [eps1(angle) - eps1(a)].
+
+    Parameters
+    ----------
+    result : NipResult
+    angle : float
+        Behind the nip [rad].
+    """
+    problem = result.problem
+    c11 = web_compliance(problem.web).c11
+    far, edge = roll_strain(result, np.array([angle * problem.roll.radius, result.half_width]))
+    return float(result.tension_behind_nip + problem.web.thickness / c11 * (far - edge))

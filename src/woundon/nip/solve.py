@@ -1,0 +1,317 @@
+r"""The winding nip: from a problem to a certified result (thesis ch. 3).
+
+    NipProblem --> for a half width a: influence matrices        equations.NipMatrices
+                   normal problem        p = p0 + K q            equations.NipEquations
+                   stick-slip problem    q+, q-, xi              contact.stick_slip
+               --> secant on a until int p = P, mesh after mesh  contact.loop
+               --> NipResult with its certificate                certificate
+
+Where ``rtol`` asks for more than the first meshes give, the mesh is graded anew towards the borders
+of the zones and doubled; on such meshes NIT falls cleanly with the square of the cells, so the last
+two are extrapolated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arguments import check_type, tolerance, whole_number
+from ..contact.loop import ALGORITHMS, Ladder, Level, Start, halved
+from ..contact.response import on_columns
+from ..contact.schemes import SCHEMES, Mesh, Scheme, scheme_of
+from ..contact.zones import slip_lengths
+from ..errors import InvalidProblem, did_you_mean
+from ..problems.bodies import contact_radius, half_width_guess
+from ..problems.nip import NipProblem
+from ..results import Residuals
+from .certificate import certificate, from_edge
+from .equations import (
+    About,
+    NipEquations,
+    NipMatrices,
+    NipState,
+    frictionless_load,
+    web_compliance,
+)
+from .result import NipResult
+from .validity import nip_warnings
+
+__all__ = ["NipContact", "check_options", "slip_ratios", "solve_nip"]
+
+Array = np.ndarray
+
+DEFAULT_RTOL = 1e-3  # where neither nodes nor rtol are given: double 65 nodes until below it, ...
+DEFAULT_MOST_NODES = 257  # ... but not beyond these; the error is told in any case
+MOST_NODES = 1100  # of the meshes that rtol asks for
+
+
+def solve_nip(
+    problem: NipProblem,
+    *,
+    scheme: Scheme | str = "graded",
+    nodes: int | None = None,
+    rtol: float | None = None,
+    algorithm: str = "pivoting",
+    start: NipResult | None = None,
+) -> NipResult:
+    """Solve the winding nip: where the web sticks and slips, and what tension the nip adds.
+
+    Parameters
+    ----------
+    problem : NipProblem
+    scheme : {"graded", "thesis", "thesis-printed"} or Scheme
+        ``graded``: edge-graded nodes, exact kernel integrals (default).  ``thesis``: even nodes and
+        backward differences (thesis sec. 3.4) with the web tension lumped; ``thesis-printed`` with
+        the web's coefficients (121) as printed.
+    nodes : int, optional
+        Number M of nodes, 7 to 4000.  By default 65, doubled up to 257 until the estimated error
+        of NIT is below 0.1 % (200 for the thesis's scheme).
+    rtol : float, optional
+        Refine until the estimated error of NIT is below ``rtol`` times the larger of |NIT| and 1 %
+        of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then fitted to the zones, and
+        NIT is extrapolated from them (``extrapolation``); the arrays are those of the finest.
+    algorithm : {"pivoting", "panagiotopoulos"}
+        How stick and slip are found; the latter is the thesis's process (sec. 3.6).
+    start : NipResult, optional
+        A solved neighbouring case; its half width and zones start this one, which saves the
+        coarsest meshes.  The answer does not depend on it.
+
+    Returns
+    -------
+    NipResult
+
+    Raises
+    ------
+    InvalidProblem
+        For options out of range.
+    NotConverged
+        If a law is not satisfied to 1e-8, or ``rtol`` not reached; carries the best result.
+    """
+    check_type("problem", problem, NipProblem)
+    M = check_options(scheme=scheme, nodes=nodes, rtol=rtol, algorithm=algorithm)
+    if start is not None:
+        check_type("start", start, NipResult)
+    chosen = scheme_of(scheme)
+    cold = chosen.starts_cold and algorithm == "panagiotopoulos"
+    counts = [M] if cold else halved(M, chosen.coarsest)
+    ladder = Ladder(
+        NipContact(problem, chosen.refines), chosen, "nip_induced_tension", ALGORITHMS[algorithm]
+    )
+    ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
+    if chosen.refines and nodes is None and rtol is None:
+        ladder.double(DEFAULT_RTOL, DEFAULT_MOST_NODES)
+    if rtol is not None:
+        ladder.fit(rtol, MOST_NODES)
+    result = _result(ladder, problem, algorithm).checked()
+    if rtol is not None and not ladder.reached(rtol):
+        raise ladder.not_reached(rtol, "NIT", result)
+    return result
+
+
+def check_options(
+    *,
+    scheme: Any = "graded",
+    nodes: Any = None,
+    rtol: Any = None,
+    algorithm: Any = "pivoting",
+) -> int:
+    """Check the options of :func:`solve_nip`; return the number of nodes.
+
+    Raises
+    ------
+    InvalidProblem
+        For an option out of range.
+    """
+    chosen = scheme_of(scheme)
+    if not isinstance(algorithm, str) or algorithm not in ALGORITHMS:
+        text = f"{algorithm!r} is unknown{did_you_mean(str(algorithm), ALGORITHMS)}"
+        raise InvalidProblem.at("algorithm", text)
+    if rtol is not None:
+        tolerance("rtol", rtol, 1e-10, 0.1)
+        if not chosen.refines:
+            raise InvalidProblem.at("rtol", f"{rtol!r} is not admissible with scheme {scheme!r}")
+    return chosen.nodes if nodes is None else whole_number("nodes", nodes, 7, 4000)
+
+
+def _started(start: NipResult, problem: NipProblem) -> Start:
+    """Start from another case's result; the width of a Hertzian nip goes by the load's root."""
+    zones = np.concatenate([start.roll_zone[1:-1], start.drum_zone[1:-1]])
+    nodes = start.x[1:-1] / start.half_width
+    share = problem.nip_load / start.problem.nip_load
+    return Start(start.half_width * share**0.5, (nodes, nodes), zones)
+
+
+@dataclass(frozen=True, eq=False)
+class NipContact:
+    """A nip as the loop sees it; ``sub_cell`` follows zone borders to a fraction of a cell."""
+
+    problem: NipProblem
+    sub_cell: bool = True
+
+    @property
+    def load(self) -> float:
+        """P [N/m]."""
+        return self.problem.nip_load
+
+    @property
+    def widest(self) -> float:
+        """The smaller radius [m]."""
+        return min(self.problem.roll.radius, self.problem.drum.radius)
+
+    def guess(self) -> float:
+        """Return a half width to start from [m]."""
+        return half_width_guess(self.load, self.problem.roll, self.problem.drum)
+
+    def frictionless_load(self, mesh: Mesh, a: float) -> float:
+        """Return the load that a frictionless contact of half width a carries [N/m]."""
+        return frictionless_load(self.problem, mesh, a)
+
+    def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
+        """Return the loads about which bodies that are not linear are linearised."""
+        if before is None or (self.problem.roll.linear and self.problem.drum.linear):
+            return None
+        roll, drum = before.state.known
+        old, new = before.mesh.columns, mesh.columns
+        return on_columns(old, new, roll), on_columns(old, new, drum)
+
+    def equations(self, mesh: Mesh, a: float, about: About) -> NipEquations:
+        """Return the equations for the half width a [m]."""
+        return NipEquations.at(self.problem, mesh, a, about)
+
+    def refuse(self, equations: NipEquations, state: NipState) -> None:
+        """Refuse nothing: whatever has no steady state was refused with the problem."""
+
+    def scalars(self, level: Level) -> Mapping[str, float]:
+        """Return the outputs whose errors are told."""
+        state, problem = level.state, self.problem
+        whole = float(level.equations.matrices.weights @ (state.roll_traction + state.drum_traction))
+        return {
+            "nip_induced_tension": whole,
+            "tension_behind_nip": problem.web_tension + whole,
+            "half_width": level.half_width,
+            "nip_width": 2 * level.half_width,
+            "peak_pressure": level.at_load(float(np.max(state.pressure))),
+            "offset": state.shift * contact_radius(problem.roll, problem.drum),
+            "drum_creep": _drum_creep(problem, state, whole),
+            **slip_ratios(problem, along_nip(level), sub_cell=self.sub_cell),
+        }
+
+    def scale(self, name: str, value: float) -> float:
+        """Return what relative errors of an output are measured by."""
+        if name in ("nip_induced_tension", "tension_behind_nip"):
+            return max(abs(value), 0.01 * self.problem.roll_friction * self.problem.nip_load)
+        return abs(value)
+
+
+# ---- from a solved mesh to a result -------------------------------------------------------------
+
+
+def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
+    """Return the result of the last mesh, its certificate measured on what it reports."""
+    level, scheme = ladder.level, ladder.scheme
+    state, made = level.state, level.equations.matrices
+    arrays = along_nip(level)
+    gained = from_edge(arrays["roll_traction"] + arrays["drum_traction"], arrays["x"])
+    whole = float(made.weights @ (state.roll_traction + state.drum_traction))
+    NIT = ladder.values["nip_induced_tension"]
+    responses = (made.roll, made.drum)
+    result = NipResult(
+        problem=problem,
+        nip_induced_tension=NIT,
+        extrapolation=NIT - whole,
+        half_width=state.half_width,
+        approach=_approach(problem, made, state, whole),
+        offset=state.shift * contact_radius(problem.roll, problem.drum),
+        drum_creep=_drum_creep(problem, state, whole),
+        **slip_ratios(problem, arrays, sub_cell=scheme.refines),
+        **arrays,
+        web_tension=problem.web_tension + gained,
+        residuals=Residuals(),
+        scheme=scheme.name,
+        algorithm=algorithm,
+        iterations=state.solution.solves,
+        series_terms=max(r.terms for r in responses),
+        series_error=max(r.truncation_error for r in responses),
+        mesh=level.mesh,
+    )  # fmt: skip
+    final = made if problem.roll.linear and problem.drum.linear else level.equations.anew(state)
+    return result.replace(
+        errors=ladder.errors_of(result),
+        residuals=certificate(result, final),
+        warnings=nip_warnings(result),
+    )
+
+
+def along_nip(level: Level) -> dict[str, Array]:
+    """Return what a solved mesh has along the nip, by the names of the result, (M,) each."""
+    state, mesh, n = level.state, level.mesh, level.mesh.unknowns
+    a, solution = state.half_width, state.solution
+    slips = level.equations.matrices.slips(state.pressure, solution.traction, solution.creep)
+    slips[: 2 * n][solution.state == 0] = 0.0  # solved for: what is left is rounding
+    zones = solution.state
+
+    def on_nodes(values: Array, last: Any) -> Array:
+        return np.concatenate([values[:1], values, [last]])
+
+    return {
+        "x": a * mesh.nodes,
+        "slip_x": a * np.append(mesh.middle[:1], mesh.middle),
+        "pressure": np.pad(state.pressure, 1),
+        "roll_traction": np.pad(state.roll_traction, 1),
+        "drum_traction": np.pad(state.drum_traction, 1),
+        "roll_slip": on_nodes(slips[:n], slips[-2]),
+        "drum_slip": on_nodes(slips[n : 2 * n], slips[-1]),
+        "roll_zone": on_nodes(zones[:n], zones[n - 1]),
+        "drum_zone": on_nodes(zones[n:], zones[-1]),
+    }
+
+
+def slip_ratios(
+    problem: Any, arrays: Mapping[str, Array], *, sub_cell: bool = True
+) -> dict[str, float]:
+    """Return the signed slip lengths over the nip width (thesis eq. 172) by name.
+
+    Parameters
+    ----------
+    problem : NipProblem or WrappedNipProblem
+    arrays : mapping
+        x, slip_x and zones and slips of both faces, in the nip.
+    sub_cell : bool
+        Follow the slips to where they are nil; else borders lie half-way between nodes.
+    """
+    x, slip_x = arrays["x"], arrays["slip_x"]
+    (leading, trailing), (_, drum) = (
+        slip_lengths(
+            x, slip_x, arrays[f"{face}_zone"], arrays[f"{face}_slip"],
+            rigid=getattr(problem, face).rigid, sub_cell=sub_cell,
+        )
+        for face in ("roll", "drum")
+    )  # fmt: skip
+    width = float(x[-1] - x[0])
+    dual = np.sign(trailing) * min(abs(trailing), abs(drum)) if trailing * drum > 0 else 0.0
+    return {
+        "leading_roll": leading / width,
+        "trailing_roll": trailing / width,
+        "dual": float(dual) / width,
+    }
+
+
+def _drum_creep(problem: NipProblem, state: NipState, whole: float) -> float:
+    """Return xi- (thesis eq. 93): the solved rigid slip holds the web's strain behind the nip."""
+    c11 = web_compliance(problem.web).c11
+    T_out = problem.web_tension + whole
+    return float(state.solution.creep - c11 / problem.web.thickness * T_out)
+
+
+def _approach(problem: NipProblem, made: NipMatrices, state: NipState, whole: float) -> float:
+    """Return the mutual approach -delta > 0, from the indentation (82) at the trailing edge [m]."""
+    a = state.half_width
+    v = web_compliance(problem.web).c12 * (problem.web_tension + whole)
+    for response, q in ((made.roll, state.roll_traction), (made.drum, state.drum_traction)):
+        by_p, by_q = response.normal()
+        v += float((by_p @ state.pressure)[0]) + float((by_q @ q)[0])
+    return float(a**2 / (2 * contact_radius(problem.roll, problem.drum)) - v - state.shift * a)

@@ -1,0 +1,1 @@
+"""What is described: materials, bodies, and the problems that are solved; immutable, validated."""

@@ -1,0 +1,220 @@
+"""The bodies in contact, wound roll or drum: geometry and material in, surface response out.
+
+A body answers one question, :meth:`Body.respond`: what its surface does on a grid under nodal
+pressures and tractions, as matrices (:class:`~woundon.contact.response.Response`).  How it knows is
+its own affair.  The bodies here are linear and homogeneous along their circumference, so that they
+are told by influence functions (:class:`KernelBody`), which the grid integrates.
+
+The set of bodies is open: a subclass of :class:`Body` is a body like these.
+"""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
+
+from ..contact.response import Response
+from ..elasticity import cylinder, half_plane
+from ..elasticity.kernels import SurfaceKernels
+from ..errors import InvalidProblem
+from ..quantities import length
+from .fields import Family, Number
+from .materials import AnyMaterial, Material
+
+if TYPE_CHECKING:
+    from ..contact.response import ContactGrid, Tractions
+
+__all__ = [
+    "AnyBody", "Body", "Cylinder", "HalfPlane", "KernelBody", "Radius", "Rigid", "contact_radius",
+    "half_width_guess",
+]  # fmt: skip
+
+
+# of the radius; a core that is smaller still is no other roll, but its powers overflow
+SMALLEST_CORE = 1e-9
+
+Radius = Annotated[
+    Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)
+]
+
+
+class Body(Family):
+    """What nip and rollers need to know of a body; subclass it to add one.
+
+    Attributes
+    ----------
+    radius : float
+        Outer radius R [m]; it enters the gap between the bodies.
+    rigid : bool
+        Whether the surface does not deform at all.
+    linear : bool
+        Whether the response is the same about every state.
+    """
+
+    radius: Radius
+    rigid: ClassVar[bool] = False
+    linear: ClassVar[bool] = True
+
+    def respond(
+        self, grid: ContactGrid, a: float, about: Tractions | None = None
+    ) -> Response:
+        """Return the linear response of the surface on a grid scaled by the half width.
+
+        Parameters
+        ----------
+        grid : ContactGrid
+            Nodes of the tractions and points where slopes and strains are wanted, in units of a.
+        a : float
+            Half width [m].
+        about : Tractions, optional
+            Pressure and traction at the nodes about which a body that is not linear is linearised;
+            the unloaded state where None.
+        """
+        raise NotImplementedError(f"{type(self).__name__} does not say how it responds")
+
+    @property
+    def curvature(self) -> float:
+        """1/R where the surface strain has the term v/R, 0 where it has not [1/m]."""
+        return 1 / self.radius
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of what deforms [m]: inf where it is deep."""
+        return float("inf")
+
+    @property
+    def surface_material(self) -> Material | None:
+        """The material at the surface, where the body is of linear elastic ones."""
+        found = getattr(self, "material", None)
+        return found if isinstance(found, Material) else None
+
+    @property
+    def compliance(self) -> float:
+        """C of the half-plane that the surface is near a line load (thesis eq. 30) [1/Pa].
+
+        A contact's first guess of its width comes of it, nothing else.
+        """
+        material = self.surface_material
+        return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
+
+
+AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
+
+
+class Rigid(Body):
+    """A rigid cylinder: it has a radius and does not deform.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    """
+
+    rigid: ClassVar[bool] = True
+
+    def respond(
+        self, grid: ContactGrid, a: float, about: Tractions | None = None
+    ) -> Response:
+        """Return the response of a body that does not deform: none."""
+        return Response.none(grid)
+
+
+class KernelBody(Body, abstract=True):
+    """A linear body told by the influence functions of its surface."""
+
+    def kernels(self) -> SurfaceKernels:
+        """Return the influence functions, valid on the whole surface."""
+        raise NotImplementedError
+
+    def respond(
+        self, grid: ContactGrid, a: float, about: Tractions | None = None
+    ) -> Response:
+        """Return the influence functions integrated over the grid."""
+        return grid.integrated(self.kernels(), self.curvature, self.radius, a)
+
+    @property
+    def compliance(self) -> float:
+        """C of the half-plane that the surface is near a line load [1/Pa]."""
+        return pi * self.kernels().slope_p.inverse
+
+
+class HalfPlane(KernelBody):
+    """An elastic half-plane (thesis sec. 2.1); its radius enters the gap only.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    material : Orthotropic or Isotropic
+    """
+
+    material: AnyMaterial
+
+    @property
+    def curvature(self) -> float:
+        """0: a half-plane's strain has no term v/R [1/m]."""
+        return 0.0
+
+    def kernels(self) -> SurfaceKernels:
+        """Return the half-plane's influence functions (thesis eq. 32)."""
+        return half_plane.surface_kernels(*self.material.stiffness)
+
+
+class Cylinder(KernelBody):
+    """An elastic cylinder on a rigid core (thesis sec. 2.2); a drum cover's core is the shell.
+
+    Parameters
+    ----------
+    radius, core_radius : float
+        R and R0 [m], 1e-9 R <= R0 <= 0.9995 R.
+    material : Orthotropic or Isotropic
+
+    Raises
+    ------
+    InvalidProblem
+        For a core that is not smaller than the cylinder, or a layer thinner than R/2000.
+    """
+
+    core_radius: Annotated[
+        Number, length("R0", "radius of the rigid core", "mm", (0.02, 0.9)), Field(gt=0)
+    ]
+    material: AnyMaterial
+
+    @model_validator(mode="after")
+    def _core_inside(self) -> Cylinder:
+        least, limit = self.radius * SMALLEST_CORE, self.radius * (1 - 1 / 2000)
+        if not least <= self.core_radius <= limit:
+            raise InvalidProblem.at(
+                "core_radius",
+                f"{self.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
+                f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
+            )
+        return self
+
+    @property
+    def thickness(self) -> float:
+        """Thickness R - R0 of the elastic layer [m]."""
+        return self.radius - self.core_radius
+
+    def kernels(self) -> SurfaceKernels:
+        """Return the cylinder's influence functions (thesis eq. 59)."""
+        return cylinder.surface_kernels(self.radius, self.core_radius, *self.material.stiffness)
+
+
+def contact_radius(one: Body, two: Body) -> float:
+    """Return R* of two bodies, 1/R* = 1/R1 + 1/R2 [m]."""
+    return 1 / (1 / one.radius + 1 / two.radius)
+
+
+def half_width_guess(load: float, one: Body, two: Body) -> float:
+    """Return a half width to start from [m]: Hertz's, or less where a layer is thin.
+
+    Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
+    to 103), is an upper bound; on a layer much thinner than a it is far off.
+    """
+    C, radius = one.compliance + two.compliance, contact_radius(one, two)
+    # a body that tells no compliance: any width is a start, for the load grows with it
+    hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
+    return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)

@@ -1,0 +1,347 @@
+"""The base of every description (material, body, problem): immutable, validated when made.
+
+pydantic does the checking; this module turns its report into :class:`InvalidProblem` texts that
+name the field, the value and the admissible range, and gives every description ``replace``.
+
+An open set of descriptions (materials, bodies) is a :class:`Family`: whoever subclasses it joins
+it, and case files, result files and error texts know the new member.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import FrozenInstanceError
+from math import inf, pi
+from numbers import Real
+from reprlib import Repr
+from typing import Annotated, Any, ClassVar, NoReturn, Self, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_serializer
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
+from ..quantities import members_of, quantity_of
+
+__all__ = ["Description", "Family", "Number", "Problem", "not_one_of", "shown"]
+
+
+def _number(value: Any) -> float:
+    """Return a real number of any make (int, NumPy scalar, Fraction, 0-d array) as a float.
+
+    Text and truth values are refused: both are slips that pydantic would let pass as numbers.
+    """
+    of_array = getattr(value, "shape", None) == () and hasattr(value, "dtype")
+    kind = getattr(value.dtype, "kind", "") if of_array else ""
+    if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
+        raise PydanticCustomError("not_a_number", "is not a number")
+    if getattr(value, "mask", False) is not False and bool(value.mask):
+        raise PydanticCustomError("not_a_number", "is not a number")
+    try:
+        return float(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        return inf if value > 0 else -inf
+
+
+Number = Annotated[float, BeforeValidator(_number)]
+
+
+class Description(BaseModel):
+    """An immutable, validated description; unknown names and values out of range are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __init__(self, /, **fields: Any) -> None:
+        try:
+            self.__pydantic_validator__.validate_python(fields, self_instance=self)
+        except ValidationError as report:
+            raise _readable(report, type(self)) from None
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        """Refuse: a description does not change."""
+        raise FrozenInstanceError(
+            f"a {type(self).__name__} does not change; make a variant by .replace({name}=...)"
+        )
+
+    def __delattr__(self, name: str) -> NoReturn:
+        """Refuse: a description does not change."""
+        raise FrozenInstanceError(f"a {type(self).__name__} does not change; {name} stays")
+
+    def replace(self, /, **changes: Any) -> Self:
+        """Return a variant with some fields changed; nested ones by dotted name, lists by number.
+
+        >>> problem.replace(nip_load=5e3, **{"web.thickness": 57e-6})  # doctest: +SKIP
+
+        Raises
+        ------
+        InvalidProblem
+            If a name does not exist or the variant is not admissible.
+        """
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        nested: dict[str, dict[str, Any]] = {}
+        faults: list[tuple[str, str]] = []
+        for path, value in changes.items():
+            head, dot, rest = path.partition(".")
+            if head not in fields:
+                faults.append((path or "''", no_such_field(head, type(self))))
+            elif dot and rest:
+                nested.setdefault(head, {})[rest] = value
+            elif dot:
+                faults.append((path, "no field is named behind the dot"))
+            else:
+                fields[head] = value
+        for head, inner in nested.items():
+            try:
+                fields[head] = _changed(fields[head], head, inner)
+            except InvalidProblem as fault:
+                faults += fault.under(head).faults
+        if faults:
+            raise InvalidProblem(faults)
+        return type(self)(**fields)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""
+        return self.replace(**update) if update else super().model_copy(deep=deep)
+
+
+def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
+    """Return what a field holds with changes below it, by path; of a list by the item's number."""
+    if isinstance(value, Description):
+        return value.replace(**changes)
+    if not isinstance(value, tuple):
+        raise InvalidProblem([(path, f"{name} has no fields of its own") for path in changes])
+    items = list(value)
+    for path, new in changes.items():
+        place, dot, rest = path.partition(".")
+        if not (place.isdigit() and int(place) < len(items)):
+            text = f"{name} has no item {place!r}; known: 0 to {len(items) - 1}"
+            raise InvalidProblem.at(path, text)
+        k = int(place)
+        try:
+            items[k] = _changed(items[k], f"{name}.{place}", {rest: new}) if dot else new
+        except InvalidProblem as fault:
+            raise fault.under(place) from None
+    return tuple(items)
+
+
+class Family(Description):
+    """An open set of descriptions; a direct subclass opens one, the classes below are its members.
+
+    A member is known by the snake-case name of its class (``half_plane``), which files write as
+    ``kind``; where none is said, the names of a table's fields give the member away.  A class
+    that only helps to define members says so: ``class Helper(Body, abstract=True)``.
+    """
+
+    _members: ClassVar[dict[str, type[Family]]]
+
+    def __init_subclass__(cls, abstract: bool = False, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, abstract: bool = False, **kwargs: Any) -> None:
+        """Open a family, or join one."""
+        if Family in cls.__bases__:
+            cls._members = {}
+        elif not abstract:
+            cls._members[cls.member_name()] = cls
+
+    @classmethod
+    def members(cls) -> dict[str, type[Family]]:
+        """Return the family's members by name; of a member itself alone."""
+        if Family in cls.__bases__:
+            return dict(cls._members)
+        return {cls.member_name(): cls}
+
+    @classmethod
+    def member_name(cls) -> str:
+        """Return the class's name as files write it."""
+        return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+
+    @classmethod
+    def made(cls, value: Any) -> Any:
+        """Return the member that a table describes; anything else as it is.
+
+        Raises
+        ------
+        InvalidProblem
+            For an unknown kind, or whatever the member finds at fault.
+        """
+        if not isinstance(value, Mapping):
+            return value
+        table = dict(value)
+        kind = table.pop("kind", None)
+        if kind is None:
+            return best_match(table, cls._members.values())(**table)
+        if not isinstance(kind, str) or kind not in cls._members:
+            raise InvalidProblem.at("kind", not_one_of(kind, cls._members))
+        return cls._members[kind](**table)
+
+    @model_serializer(mode="wrap")
+    def _with_kind(self, handler: Any) -> dict[str, Any]:
+        return {"kind": self.member_name(), **handler(self)}
+
+
+class Problem(Description):
+    """What is solved.  Its kind is known by its class, and in files by the names of its fields.
+
+    Attributes
+    ----------
+    tables : mapping of str to tuple of str
+        Fields that a case file groups in a table of their own, by the table's name.
+    """
+
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return a case to start from: what ``woundon new`` writes."""
+        raise NotImplementedError(f"{cls.__name__} has no example")
+
+
+def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
+    """Return the class of description whose fields are nearest to the given names.
+
+    A name it does not have counts two, one that is only like a field's one, a missing field one.
+    Of equals the first with the fewest fields.
+    """
+    given = [str(name) for name in names]
+
+    def misfit(model: type[Any]) -> tuple[int, int]:
+        known = set(model.model_fields) | set(getattr(model, "tables", ()))
+        strange = [name for name in given if name not in known]
+        like = sum(bool(nearest(name, known)) for name in strange)
+        missing = sum(f.is_required() and n not in given for n, f in model.model_fields.items())
+        return 2 * len(strange) - like + missing, len(known)
+
+    return min(models, key=misfit)
+
+
+def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem:
+    """Translate pydantic's report; faults of an inner description come translated already."""
+    faults: list[tuple[str, str]] = []
+    kind: type[InvalidProblem] = InvalidProblem
+    for item in report.errors():
+        # nested descriptions validate themselves: only a field, or an item of it, is ours to name
+        name, *rest = item["loc"] or ("",)
+        items = [str(part) for part in rest if isinstance(part, int)]
+        path = ".".join([str(name) or "''", *items]) if item["loc"] else ""
+        inner = item.get("ctx", {}).get("error")
+        if isinstance(inner, InvalidProblem):
+            faults += inner.under(path).faults
+            kind = NoSteadyState if isinstance(inner, NoSteadyState) else kind
+        elif item["type"] == "extra_forbidden":
+            faults.append((path, no_such_field(str(name), model)))
+        else:
+            faults.append((path, _fault(item, model.model_fields[str(name)])))
+    return kind(faults)
+
+
+def _fault(item: Any, field: FieldInfo) -> str:
+    """Return the text for one item of pydantic's report."""
+    value, kind = item["input"], item["type"]
+    if kind == "missing":
+        return f"missing; must be {admissible(field)}"
+    if kind == "not_a_number":
+        hint = " (units are read in case files only)" if isinstance(value, str) else ""
+        return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
+    if kind == "finite_number":
+        return f"{shown(value)} is not a finite number; must be {admissible(field)}"
+    if kind == "literal_error":
+        return not_one_of(value, get_args(field.annotation))
+    if members_of(field.annotation):
+        return f"{shown(value)} is out of place; must be {admissible(field)}"
+    return f"{shown(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
+
+
+def not_one_of(value: Any, known: Iterable[str]) -> str:
+    """Return the text for a value that is none of the known words."""
+    known = list(known)
+    text = f"{shown(value)} is unknown; must be {one_of(map(repr, known))}"
+    near = nearest(value, known)
+    return f"{text}; did you mean {near!r}?" if near else text
+
+
+def no_such_field(name: str, model: type[BaseModel]) -> str:
+    """Return the text for a name that ``model`` does not have: who has it, or what was meant."""
+    own = model.model_fields
+    family = model._members.values() if issubclass(model, Family) else ()
+    owners = [m.__name__ for m in family if name in m.model_fields]
+    if owners:
+        return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
+                f"known: {', '.join(own)}")  # fmt: skip
+    # the symbol of the formulas ("P"), a word of the meaning, a part of the name ("friction")
+    told = [
+        known
+        for known, field in own.items()
+        if name in _words(field) or (len(name) > 2 and name.lower() in known)
+    ]
+    if told:
+        return f"no such field; did you mean {one_of(map(repr, told))}?"
+    return f"no such field{did_you_mean(name, own)}"
+
+
+def _words(field: FieldInfo) -> list[str]:
+    quantity = quantity_of(field)
+    if quantity is None:
+        return []
+    return [quantity.symbol, *quantity.meaning.replace(",", "").replace("'s", "").split()]
+
+
+# ---- what is admissible, from the field itself ------------------------------------------------
+
+
+def _bounds(field: FieldInfo) -> list[tuple[str, float]]:
+    signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+    return [(sign, getattr(part, name)) for name, sign in signs.items()
+            for part in field.metadata if hasattr(part, name)]  # fmt: skip
+
+
+def _unit(field: FieldInfo) -> str:
+    quantity = quantity_of(field)
+    return quantity.unit if quantity else ""
+
+
+def admissible(field: FieldInfo) -> str:
+    """Return what a field takes: "> 0 and <= 10", "Rigid, HalfPlane or Cylinder", ..."""
+    models = members_of(field.annotation)
+    if models:
+        names = one_of(model.__name__ for model in models)
+        by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
+        return f"{names} (or a table of its fields{by_name})"
+    words = [part for part in get_args(field.annotation) if isinstance(part, str)]
+    if words:
+        return one_of(map(repr, words))
+    unit = _unit(field)
+    bounds = " and ".join(f"{sign} {bound:.6g}" for sign, bound in _bounds(field))
+    return (bounds or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
+
+
+_OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
+
+
+def _slip(value: Any, field: FieldInfo) -> str:
+    """Return a hint where the number would be right in another unit (66 for 66 um)."""
+    if value < 1:
+        return ""
+    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
+    fits = [
+        f"{value:g} {unit} is {value * factor:g}"
+        for unit, factor in _OTHER_UNITS.get(_unit(field), {}).items()
+        if all(tests[sign](value * factor, float(bound)) for sign, bound in _bounds(field))
+    ]
+    return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
+
+
+_repr = Repr()
+_repr.maxstring = _repr.maxother = 40
+
+
+def shown(value: Any) -> str:
+    """Return a value as an error text shows it: short, numbers without their type."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return _repr.repr(value)
+    try:
+        return f"{float(value):.10g}"
+    except OverflowError:
+        return "a number beyond 1e308"

@@ -1,0 +1,224 @@
+"""A web in the nip between wound roll and winding drum: alone, or wrapped on roll and drum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import exp, pi
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from ..errors import InvalidProblem, NoSteadyState
+from ..quantities import angle, length, line_load, pure
+from .bodies import AnyBody, Cylinder, Rigid
+from .fields import Description, Number, Problem
+from .materials import AnyMaterial, material
+
+__all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNipProblem"]
+
+# below 1e-8 rounding decides on stick and slip
+Friction = Field(ge=1e-8, le=10.0)
+
+
+class Web(Description):
+    """The paper or film web, a thin strip (thesis sec. 2.3).
+
+    Parameters
+    ----------
+    thickness : float
+        2h [m], 0.1 um to 10 mm.
+    material : Orthotropic or Isotropic
+        The web's own plane-strain stiffness.
+    """
+
+    thickness: Annotated[
+        Number, length("2h", "web thickness", "um", (10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)
+    ]
+    material: AnyMaterial
+
+
+class WindingNip(Problem):
+    """What a nip has with and without its wraps; not a problem of its own."""
+
+    web: Web
+    roll: AnyBody
+    drum: AnyBody
+    roll_friction: Annotated[
+        Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
+    ]
+    drum_friction: Annotated[
+        Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), Friction
+    ]
+    nip_load: Annotated[
+        Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)
+    ]
+    winding_force: Annotated[
+        Number,
+        line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
+        Field(default=0.0, ge=-1e7, le=1e7),
+    ]
+    web_tension: Annotated[
+        Number,
+        line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
+        Field(default=0.0, ge=0, le=1e6),
+    ]
+
+    @model_validator(mode="after")
+    def _deforms(self) -> Self:
+        if self.roll.rigid and self.drum.rigid:
+            raise InvalidProblem.at(
+                "roll", "roll and drum are both Rigid; one must be HalfPlane or Cylinder"
+            )
+        return self
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return newsprint on a hard drum (thesis Table 2)."""
+        newsprint = material("newsprint")
+        return cls(
+            web=Web(thickness=66e-6, material=newsprint),
+            roll=Cylinder(radius=0.1, core_radius=0.0445, material=newsprint),
+            drum=Rigid(radius=0.0762),
+            roll_friction=0.19, drum_friction=0.2,
+            nip_load=3502.0, winding_force=0.0, web_tension=350.0,
+        )  # fmt: skip
+
+
+class NipProblem(WindingNip):
+    """A winding nip in steady state, per metre of width (thesis ch. 3).
+
+    The web is held to the roll at the trailing edge of the nip (thesis eq. 97).  For the tension
+    that the roll keeps see :class:`WrappedNipProblem`.
+
+    Parameters
+    ----------
+    web : Web
+    roll, drum : Rigid, HalfPlane, Cylinder or another Body
+        Wound roll (body 1, +) and winding drum (body 2, -).
+    roll_friction, drum_friction : float
+        mu+ between the layers and mu- between web and drum, 1e-8 to 10.
+    nip_load : float
+        P [N/m], 1e-12 to 1e7.
+    winding_force : float
+        F = integral of q- = -M2/R2 [N/m]; F > 0: the drum brakes, F = 0: centre winding,
+        F = -web_tension: surface winding.  |F| < mu- P.
+    web_tension : float
+        T_in before the nip [N/m], >= 0.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault.
+    NoSteadyState
+        If |F| >= mu- P: the web would slide on the whole drum.
+    """
+
+    @model_validator(mode="after")
+    def _has_steady_state(self) -> Self:
+        limit = self.drum_friction * self.nip_load
+        if abs(self.winding_force) >= limit:
+            raise NoSteadyState.at(
+                "winding_force",
+                f"{self.winding_force:.10g} is out of range; |winding_force| "
+                f"must be < drum_friction * nip_load = {limit:.10g} [N/m], or the drum slides",
+            )
+        return self
+
+    def wrapped(
+        self,
+        roll_wrap: float = pi,
+        drum_wrap: float = 0.0,
+        wrap_friction: float | None = None,
+        **changes: Any,
+    ) -> WrappedNipProblem:
+        """Return the same nip with the web wrapped on the roll behind it and the drum before it.
+
+        Parameters as of :class:`WrappedNipProblem`; ``changes`` are any of its fields.
+        """
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        wraps = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap, "wrap_friction": wrap_friction}
+        return WrappedNipProblem(**fields | wraps | changes)
+
+
+class WrappedNipProblem(WindingNip):
+    """A winding nip with the web wrapped on the roll behind it and on the drum before it.
+
+    The web slips on the roll behind the nip as far as it must and is held far away (thesis sec.
+    3.5, eq. 96): its tension there is the wound-on tension.
+
+    Parameters
+    ----------
+    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension
+        As of :class:`NipProblem`.
+    winding_force : float
+        F on nip and drum wrap together [N/m].  With a wrap the drum can take
+        mu- P + T_in (exp(mu- drum_wrap) - 1).
+    roll_wrap : float
+        Angle from the line of centres to where the web is held to the roll [rad], at most pi;
+        0 holds it at the trailing edge, as :class:`NipProblem` does.
+    drum_wrap : float
+        Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
+    wrap_friction : float, optional
+        mu+ behind the nip, 1e-6 to 10; that in the nip where None.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault; for a wrap on the drum without web tension.
+    NoSteadyState
+        If the drum slides under nip and wrap (capstan, thesis eq. 179).
+    """
+
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "wrap": ("roll_wrap", "drum_wrap", "wrap_friction")
+    }
+
+    roll_wrap: Annotated[
+        Number,
+        angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
+        Field(default=pi, ge=0, le=pi * (1 + 1e-12)),
+    ]
+    drum_wrap: Annotated[
+        Number,
+        angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)),
+        Field(default=0.0, ge=0, le=pi * (1 + 1e-12)),
+    ]
+    wrap_friction: Annotated[
+        Number | None,
+        pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
+        Field(default=None, ge=1e-6, le=10.0),
+    ]
+
+    @model_validator(mode="after")
+    def _has_steady_state(self) -> Self:
+        T_in, mu, theta = self.web_tension, self.drum_friction, self.drum_wrap
+        if theta > 0 and T_in == 0:
+            raise InvalidProblem.at(
+                "web_tension",
+                "0 is out of range: a web wrapped on the drum must be taut, > 0 [N/m]",
+            )
+        nip = mu * self.nip_load
+        low, high = -nip - T_in * (1 - exp(-mu * theta)), nip + T_in * (exp(mu * theta) - 1)
+        if not low < self.winding_force < high:
+            raise NoSteadyState.at(
+                "winding_force",
+                f"{self.winding_force:.10g} is out of range; must be > {low:.10g} and < "
+                f"{high:.10g} [N/m], what friction can carry in the nip and on the drum's wrap, "
+                "or the drum slides",
+            )
+        return self
+
+    @property
+    def friction_behind(self) -> float:
+        """mu+ behind the nip."""
+        return self.roll_friction if self.wrap_friction is None else self.wrap_friction
+
+    def confined(self) -> NipProblem:
+        """Return the nip alone, the web held at its trailing edge.
+
+        Raises
+        ------
+        NoSteadyState
+            If the nip alone cannot carry the winding force.
+        """
+        return NipProblem(**{name: getattr(self, name) for name in NipProblem.model_fields})

@@ -1,0 +1,89 @@
+"""Two rollers in contact without a web."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ..errors import InvalidProblem, NoSteadyState
+from ..quantities import line_load, pure, strain
+from .bodies import AnyBody, HalfPlane
+from .fields import Number, Problem
+from .materials import material
+from .nip import Friction
+
+__all__ = ["RollerProblem"]
+
+
+class RollerProblem(Problem):
+    """Two rollers in contact without a web, rolling or static, per metre of width.
+
+    Parameters
+    ----------
+    upper, lower : Rigid, HalfPlane, Cylinder or another Body
+    load : float
+        P [N/m], 1e-12 to 1e9.
+    friction : float
+        mu, > 0.
+    tangential_load : float, optional
+        Q, the traction on the upper roller along +x, integrated [N/m]; |Q| < mu P.  Zero if
+        neither it nor ``creepage`` is given.
+    creepage : float, optional
+        xi [1], in place of the tangential load; rolling only.
+    motion : {"rolling", "static"}
+        Rolling along the material flow +x, or a monotone static load.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault.
+    NoSteadyState
+        If |Q| >= mu P: the rollers slide.
+    """
+
+    upper: AnyBody
+    lower: AnyBody
+    load: Annotated[Number, line_load("P", "load", (1e3, 1e6)), Field(ge=1e-12, le=1e9)]
+    friction: Annotated[Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Friction]
+    tangential_load: Annotated[
+        Number | None, line_load("Q", "tangential load"), Field(default=None)
+    ]
+    creepage: Annotated[
+        Number | None, strain("xi", "creepage"), Field(default=None, gt=-0.5, lt=0.5)
+    ]
+    motion: Literal["rolling", "static"] = "rolling"
+
+    @model_validator(mode="after")
+    def _has_a_state(self) -> Self:
+        if self.upper.rigid and self.lower.rigid:
+            raise InvalidProblem.at(
+                "upper", "upper and lower are both Rigid; one must be HalfPlane or Cylinder"
+            )
+        if self.creepage is not None and self.tangential_load is not None:
+            raise InvalidProblem.at(
+                "creepage",
+                f"{self.creepage:.10g} is given beside tangential_load = "
+                f"{self.tangential_load:.10g}; must be one of the two",
+            )
+        if self.creepage is not None and self.motion == "static":
+            raise InvalidProblem.at(
+                "creepage",
+                f"{self.creepage:.10g} is given, but motion = 'static' has none; "
+                "must be left out, or motion = 'rolling'",
+            )
+        limit = self.friction * self.load
+        if abs(self.tangential_load or 0.0) >= limit:
+            raise NoSteadyState.at(
+                "tangential_load",
+                f"{self.tangential_load:.10g} is out of range; "
+                f"|tangential_load| must be < friction * load = {limit:.10g} [N/m], "
+                "or the rollers slide",
+            )
+        return self
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return two steel rollers, one braked (thesis ch. 1.2, Fig. 5)."""
+        steel = HalfPlane(radius=0.25, material=material("steel"))
+        return cls(upper=steel, lower=steel, load=89e3, tangential_load=8.4e3, friction=0.5)

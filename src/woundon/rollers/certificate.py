@@ -1,0 +1,71 @@
+"""The certificate of two rollers: every law measured on the arrays that the result reports."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..contact.certificate import friction_laws, largest, positive_pressure
+from ..contact.response import Tractions
+from ..contact.schemes import SCHEMES, Mesh
+from ..problems.bodies import contact_radius
+from ..results import Residuals
+from .equations import RollerMatrices
+
+if TYPE_CHECKING:
+    from .result import RollerResult
+
+__all__ = ["certificate", "matrices_of"]
+
+Array = np.ndarray
+
+
+def mesh_of(result: RollerResult) -> Mesh:
+    """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
+    if result.mesh is not None:
+        return result.mesh  # type: ignore[no-any-return]
+    a = result.half_width
+    points = np.append(result.slip_x[1:] / a, 1.0)
+    return SCHEMES["graded"].restored(result.x / a, points)
+
+
+def matrices_of(result: RollerResult) -> RollerMatrices:
+    """Assemble the equations of a result anew, bodies that are not linear about its tractions."""
+    p, q = result.pressure[1:-1], result.traction[1:-1]
+    about = (Tractions(p, q), Tractions(p, -q))
+    return RollerMatrices.at(result.problem, mesh_of(result), result.half_width, about)
+
+
+def certificate(result: RollerResult, made: RollerMatrices) -> Residuals:
+    """Measure every law of a result.
+
+    Parameters
+    ----------
+    result : RollerResult
+    made : RollerMatrices
+        Its equations; see :func:`matrices_of`.
+    """
+    problem, x, a = result.problem, result.x, result.half_width
+    p, q, zone = result.pressure[1:-1], result.traction[1:-1], result.zone[1:-1]
+    static = problem.motion == "static"
+    v = made.slips(p, q, result.shift if static else result.creepage)
+    scale = made.top * (a if static else 1.0)
+    bound = problem.friction * p
+    unit = np.full(p.size, problem.friction * np.max(np.abs(p)))
+    shift = result.offset / contact_radius(problem.upper, problem.lower)
+    Q = float(np.trapezoid(result.traction, x))
+    asked = result.tangential_load
+    if problem.creepage is None:
+        asked = problem.tangential_load or 0.0
+    given = problem.creepage is not None
+    return Residuals(
+        indentation=largest(np.abs(made.indentation(p, q, shift))) / made.top,
+        positive_pressure=positive_pressure(result.pressure),
+        **friction_laws(zone, q, v, bound, unit=unit, slip_scale=scale),
+        slip_speed=largest(np.abs(result.slip[1:-1] - v)) / scale,
+        load_equilibrium=abs(float(np.trapezoid(result.pressure, x)) / problem.load - 1),
+        force_equilibrium=max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
+        creepage=abs(result.creepage - problem.creepage) if given else 0.0,
+        half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
+    )

@@ -1,0 +1,104 @@
+"""The state of two rollers in contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import nan
+from typing import Annotated, Any
+
+import numpy as np
+
+from ..quantities import length, line_load, pure, strain, stress
+from ..results import Residuals, Result
+
+__all__ = ["RollerResult"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class RollerResult(Result):
+    """The state of two rollers in contact.
+
+    Attributes
+    ----------
+    problem : RollerProblem
+    creepage : float
+        xi, the lower roller's surface speed less the upper's, over the speed, before strain; > 0
+        where it drags the upper roller along +x.  nan for a static contact.
+    shift : float
+        Of static rollers, the lower one's along +x less the upper's [m]; half-planes have it up to
+        a constant.  nan for a rolling contact.
+    tangential_load : float
+        Q on the upper roller along +x [N/m].
+    half_width, approach, offset : float
+        a, approach > 0 and Delta [m].
+    x, pressure, traction : (M,) arrays
+        Nodes [m], p and q [Pa] (on the upper roller).
+    slip_x, slip, zone : (M,) arrays
+        Where the slip is taken [m]; slip, a speed over the speed in rolling, a length in static
+        contact [m]; :class:`~woundon.results.Zone`, with the lower surface for the web.
+    traction_error : float
+        Estimated discretisation error of the traction, L2 norm relative to its own [1].
+    mesh : Mesh
+        On which it was solved.
+    """
+
+    creepage: Annotated[
+        float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
+    ]
+    shift: Annotated[float, length("s", "shift of the lower roller, static contact")] = nan
+    tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
+    half_width: Annotated[float, length("a", "half-width of the contact")]
+    approach: Annotated[float, length("delta", "approach of the rollers' centres")]
+    offset: Annotated[
+        float, length("Delta", "shift of the contact centre from the line of centres")
+    ]
+    x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
+    pressure: Annotated[Array, stress("p", "pressure")]
+    traction: Annotated[Array, stress("q", "traction on the upper roller")]
+    slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
+    slip: Annotated[
+        Array,
+        pure("v", "slip, > 0: lower surface faster; of static rollers along +x, in metres"),
+    ]
+    zone: Annotated[
+        Array, pure("z", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower")
+    ]
+    traction_error: Annotated[
+        float, strain("e_q", "estimated error of the traction (L2), relative")
+    ] = nan
+    iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
+    mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+
+    @property
+    def width(self) -> Annotated[float, length("2a", "width of the contact")]:
+        """2a [m]."""
+        return 2 * self.half_width
+
+    @property
+    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
+        """Largest nodal pressure [Pa]."""
+        return float(np.max(self.pressure))
+
+    @property
+    def slip_share(self) -> Annotated[float, strain("s", "slip length / width of the contact")]:
+        """Share of the width on which the rollers slip [1]."""
+        return sum(right - left for zone, left, right in self._runs() if zone) / self.width
+
+    def _runs(self) -> Iterator[tuple[int, float, float]]:
+        from ..contact.zones import zone_runs
+
+        yield from zone_runs(self.x, self.zone)
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes."""
+        return self.x.size
+
+    def certified(self) -> Residuals:
+        """Return the certificate measured anew, from the problem and the arrays held here."""
+        from .certificate import certificate, matrices_of
+
+        return certificate(self, matrices_of(self))

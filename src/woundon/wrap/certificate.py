@@ -1,0 +1,144 @@
+"""The certificate of a wrapped nip: every law measured on the arrays that its result reports."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..contact.certificate import friction_laws, largest, positive_pressure
+from ..contact.grid import Grid
+from ..contact.response import Tractions
+from ..contact.schemes import SCHEMES, Mesh
+from ..nip.certificate import from_edge
+from ..problems.bodies import contact_radius
+from ..results import Residuals
+from .equations import Known, WrapEquations
+from .grid import WrapGrid, grid_for
+
+if TYPE_CHECKING:
+    from .result import WrappedNipResult
+
+__all__ = ["certificate", "equations_of"]
+
+Array = np.ndarray
+
+
+def equations_of(result: WrappedNipResult) -> WrapEquations:
+    """Assemble the equations of a result anew, about what it reports."""
+    known = Known(
+        result.web_tension, result.curvature,
+        Tractions(result.roll_pressure, result.roll_traction),
+        Tractions(result.pressure, result.drum_traction),
+    )  # fmt: skip
+    return WrapEquations(result.problem, _grid_of(result), result.half_width, known)
+
+
+def _grid_of(result: WrappedNipResult) -> WrapGrid:
+    own, a = result.in_nip, result.half_width
+    arcs = own.start, result.x.size - own.stop  # cells on the drum's arc and on the roll's
+    return grid_for(result.problem, _nip_mesh(result).grid, a, *arcs)
+
+
+def _nip_mesh(result: WrappedNipResult) -> Mesh:
+    """Return the nip's mesh: that of the solution, or one restored from a file's arrays."""
+    if result.mesh is not None:
+        return result.mesh  # type: ignore[no-any-return]
+    own, a = result.in_nip, result.half_width
+    points = np.append(result.slip_x[own][1:] / a, 1.0)
+    return SCHEMES["graded"].restored(result.x[own] / a, points)
+
+
+def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals:
+    """Measure every law of a result.
+
+    Parameters
+    ----------
+    result : WrappedNipResult
+    equations : WrapEquations
+        Its own; see :func:`equations_of`.
+    """
+    problem, grid, x, a = result.problem, equations.grid, result.x, result.half_width
+    P, T = problem.nip_load, result.web_tension
+    web, h = equations.web, problem.web.thickness
+    gap, by_z, by_q = equations.indentation()
+    top = float(np.max(np.abs(grid.points[grid.first : grid.last])))
+    top *= a / contact_radius(problem.roll, problem.drum)
+    z = np.concatenate([
+        result.roll_pressure[equations.roll_nodes], result.pressure[equations.drum_nodes],
+        [result.offset / contact_radius(problem.roll, problem.drum)],
+    ])  # fmt: skip
+    q = np.concatenate([
+        result.roll_traction[equations.roll_q], result.drum_traction[equations.drum_q],
+    ])  # fmt: skip
+    # the solved rigid slip is referred to the tension at the far side
+    creep = result.drum_creep + web.c11 / h * float(T[-1])
+    slips = equations.slips_at_nodes(z, q, creep)
+    gained = from_edge(result.roll_traction + result.drum_traction, x)
+    nip = result.in_nip
+    carried = np.trapezoid(result.pressure[nip], x[nip])
+    force = float(np.trapezoid(result.drum_traction, x)) - problem.winding_force
+    return Residuals(
+        indentation=largest(np.abs(by_z @ z + by_q @ q - gap)) / top,
+        positive_pressure=positive_pressure(result.roll_pressure, result.pressure),
+        **_friction(result, equations, q, slips, top),
+        slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips),
+                       _differ(result.roll_strain, roll_strain(equations, result))) / top,
+        load_equilibrium=abs(float(carried) / P - 1),
+        force_equilibrium=abs(force) / P,
+        web_equilibrium=largest(np.abs(T - problem.web_tension - gained)) / P,
+        hoop_pressure=_hoop(result, equations),
+        curvature=_curvature(result, equations, z, q),
+        half_width=largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
+    )  # fmt: skip
+
+
+def _friction(
+    result: WrappedNipResult, equations: WrapEquations, q: Array, slips: Array, top: float
+) -> dict[str, float]:
+    problem, last = result.problem, equations.grid.last
+    on_roll, on_drum = equations.roll_q, equations.drum_q
+    friction = np.full(q.size, problem.drum_friction)
+    behind = on_roll >= last
+    friction[: on_roll.size] = np.where(behind, problem.friction_behind, problem.roll_friction)
+    p = np.concatenate([result.roll_pressure[on_roll], result.pressure[on_drum]])
+    zones = np.concatenate([result.roll_zone[on_roll], result.drum_zone[on_drum]])
+    v = np.concatenate([slips[0, on_roll], slips[1, on_drum]])
+    unit = friction * np.max(np.abs(p))
+    return dict(friction_laws(zones, q, v, friction * p, unit=unit, slip_scale=top))
+
+
+def _differ(one: Array, two: Array) -> float:
+    """Return the largest difference; nan must stand where it stands in both."""
+    if not np.array_equal(np.isnan(one), np.isnan(two)):
+        return float("inf")
+    both = ~np.isnan(one)
+    return largest(np.abs(one[both] - two[both]))
+
+
+def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
+    """Return the miss of p+ - p- = T kappa where the web weighs on what it lies on."""
+    weight = np.where(equations.weighs, result.web_tension * result.curvature, 0.0)
+    own = float(np.max(np.abs(weight)))
+    top = own if equations.weighs.any() else float(np.max(result.roll_pressure))
+    miss = np.abs(result.roll_pressure - result.pressure - weight)
+    return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
+
+
+def _curvature(
+    result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array
+) -> float:
+    """Return how far the curvature is from that of the bodies, relative to the largest."""
+    constant, by_z, by_q = equations.curvature()
+    kappa = constant + by_z @ z + by_q @ q
+    return largest(np.abs(result.curvature - kappa)) / float(np.max(np.abs(kappa)))
+
+
+def roll_strain(equations: WrapEquations, result: WrappedNipResult) -> Array:
+    """Return the roll's surface strain in the cell before each node, (N,); nan before the nip."""
+    first, face = equations.grid.first, equations.roll
+    strain = face.strain + face.strain_p @ result.roll_pressure[first:]
+    strain += face.strain_q @ result.roll_traction[first:]
+    out = np.full(equations.grid.size, np.nan)
+    out[first], out[first + 1 :] = strain[0], strain[:-1]
+    return out
