@@ -167,8 +167,8 @@ def test_slopes_and_strains_are_those_of_the_displacements(body: KernelBody) -> 
     mesh = SCHEMES["graded"].mesh(65)
     p = np.sqrt(1 - mesh.columns**2)
     response = body.respond(mesh, a)
-    # away from the edges, where the difference's own error, h^2 over a cell squared, is small; 1e-4:
-    # what 24 interpolation points leave of the kinks of the smooth parts
+    # away from the edges, where the difference's own error, h^2 over a cell squared, is small;
+    # 1e-4: what 24 interpolation points leave of the kinks of the smooth parts
     inner = np.abs(mesh.middle) < 0.8
     y, h = mesh.middle[inner], 1e-4
     before, behind = response.normal(y - h), response.normal(y + h)

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon import cli
-from woundon.results import NipResult
-from thesis_cases import paper_nip
 from woundon.io.units import parse
+from woundon.results import NipResult
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 PAPER = paper_nip(web_tension=300.0)
