@@ -347,5 +347,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    # as a module of that name, so that the one for 0.1 and the tests find the same
-    sys.exit(import_module("frozen").main())
+    sys.exit(main())

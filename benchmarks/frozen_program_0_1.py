@@ -1,6 +1,8 @@
 """Version 0.1 of the program under the names of 0.2, to make the frozen set's reference numbers.
 
     PYTHONPATH=<tree of 0.1>/src python benchmarks/frozen.py make
+
+Nothing else imports it where the program has ``wo.solve``.
 """
 
 from __future__ import annotations
@@ -11,12 +13,12 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-import woundon.nip
-import woundon.rollers
-import woundon.wrap.solve
 from frozen_cases import Case
 
 import woundon as wo
+import woundon.nip
+import woundon.rollers
+import woundon.wrap.solve
 
 __all__ = ["solved", "tightened"]
 
