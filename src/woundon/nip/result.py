@@ -133,9 +133,9 @@ class WindingNipResult(Result):
     @property
     def in_nip(self) -> slice:
         """Which nodes are the nip's."""
-        edge = self.half_width * (1 + 1e-12)
-        first, stop = np.searchsorted(self.x, -edge), np.searchsorted(self.x, edge, side="right")
-        return slice(int(first), int(stop))
+        edges = (-self.half_width, self.half_width)
+        first, last = (int(np.nanargmin(np.abs(self.x - edge))) for edge in edges)
+        return slice(first, last + 1)
 
     @property
     def nodes(self) -> int:

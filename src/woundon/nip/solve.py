@@ -163,6 +163,11 @@ class NipContact:
         """The smaller radius [m]."""
         return min(self.problem.roll.radius, self.problem.drum.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.roll.linear and self.problem.drum.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.roll, self.problem.drum)
@@ -173,7 +178,7 @@ class NipContact:
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or (self.problem.roll.linear and self.problem.drum.linear):
+        if before is None or not self.settles_apart:
             return None
         roll, drum = before.state.known
         old, new = before.mesh.columns, mesh.columns

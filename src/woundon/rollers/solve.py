@@ -103,6 +103,11 @@ class RollerContact:
         """The smaller radius [m]."""
         return min(self.problem.upper.radius, self.problem.lower.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.upper.linear and self.problem.lower.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.upper, self.problem.lower)
@@ -117,7 +122,7 @@ class RollerContact:
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or (self.problem.upper.linear and self.problem.lower.linear):
+        if before is None or not self.settles_apart:
             return None
         upper, lower = before.state.known
         old, new = before.mesh.columns, mesh.columns

@@ -16,6 +16,7 @@ from ..contact.certificate import (
 from ..contact.grid import Grid
 from ..contact.response import Tractions
 from ..contact.schemes import SCHEMES, Mesh
+from ..errors import InvalidProblem
 from ..problems.bodies import contact_radius
 from ..results import Residuals
 from .equations import Known, WrapEquations
@@ -40,9 +41,20 @@ def equations_of(result: WrappedNipResult) -> WrapEquations:
 
 
 def _grid_of(result: WrappedNipResult) -> WrapGrid:
-    own, a = result.in_nip, result.half_width
-    arcs = own.start, result.x.size - own.stop  # cells on the drum's arc and on the roll's
-    return grid_for(result.problem, _nip_mesh(result).grid, a, *arcs)
+    """Return the grid: the nip's mesh, and as many cells on the arcs as there are nodes left.
+
+    Raises
+    ------
+    InvalidProblem
+        If the nodes cannot be those of such a nip.
+    """
+    first, mesh = result.in_nip.start, _nip_mesh(result)
+    behind = result.x.size - first - mesh.nodes.size
+    grid = grid_for(result.problem, mesh.grid, result.half_width, first, max(behind, 1))
+    if grid.size != result.x.size or grid.first != first:
+        a = result.half_width
+        raise InvalidProblem.at("x", f"its nodes are not those of a nip of half width {a:.6g} m")
+    return grid
 
 
 def _nip_mesh(result: WrappedNipResult) -> Mesh:

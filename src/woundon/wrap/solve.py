@@ -153,6 +153,11 @@ class WrapContact:
         """The smaller radius [m]."""
         return min(self.problem.roll.radius, self.problem.drum.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.roll.linear and self.problem.drum.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.roll, self.problem.drum)
