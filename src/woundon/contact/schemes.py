@@ -143,7 +143,8 @@ class GradedMesh(Mesh):
         return Response(
             lambda: tuple(grid.integrate_together(kernels.gradients, kernels.smooth, a, rank)),
             partial(self.displaced, kernels.normal_p, kernels.normal_q, rank, a),
-            partial(self.displaced, kernels.tangent_p, kernels.tangent_q, rank, a),
+            # alone it makes a static contact, whose borders start the next mesh: never coarse
+            partial(self.displaced, kernels.tangent_p, kernels.tangent_q, max(rank, 24), a),
             pressure_slope=lambda: grid.integrate(kernels.slope_p, a, slice(0, -1), rank),
             terms=kernels.terms,
             truncation_error=kernels.truncation_error,

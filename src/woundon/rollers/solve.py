@@ -141,7 +141,7 @@ class RollerContact:
         rolling = problem.motion == "rolling"
         return {
             "half_width": level.half_width,
-            "width": 2 * level.half_width,
+            "nip_width": 2 * level.half_width,
             "peak_pressure": level.at_load(float(np.max(state.pressure))),
             "offset": state.shift * contact_radius(problem.upper, problem.lower),
             "tangential_load": float(level.equations.matrices.weights @ state.solution.traction),
