@@ -1,4 +1,4 @@
-"""The sets are open: a body, an output and a kind of problem from outside get all that woundon's have.
+"""The sets are open: a body, an output and a kind of problem from outside get all there is.
 
 ``plugin/`` is an installed package in miniature, a module and the entry point that names it; every
 test runs in a process of its own that finds it as any process would.
@@ -183,7 +183,8 @@ problem = wo.NipProblem.example()
 result = wo.solve(problem, nodes=33)
 print(result.mean_pressure == problem.nip_load / result.nip_width)
 print("mean pressure" in str(result))
-print(float(wo.sweep(problem, {"nip_load": [2e3]}, ["mean_pressure"], nodes=33).mean_pressure[0]) > 0)
+swept = wo.sweep(problem, {"nip_load": [2e3]}, ["mean_pressure"], nodes=33)
+print(float(swept.mean_pressure[0]) > 0)
 result.save("nip.json")
 """,
         case,

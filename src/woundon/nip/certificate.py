@@ -13,8 +13,8 @@ from ..contact.certificate import (
     largest,
     positive_pressure,
 )
-from ..contact.schemes import Mesh, scheme_of
 from ..contact.response import Tractions
+from ..contact.schemes import Mesh, scheme_of
 from ..problems.bodies import contact_radius
 from ..results import Residuals
 from .equations import NipMatrices, web_compliance
@@ -30,7 +30,7 @@ Array = np.ndarray
 def mesh_of(result: NipResult) -> Mesh:
     """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     a = result.half_width
     points = np.append(result.slip_x[1:] / a, 1.0)
     return scheme_of(result.scheme).restored(result.x / a, points)
@@ -67,9 +67,9 @@ def certificate(result: NipResult, made: NipMatrices) -> Residuals:
     creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
     v = made.slips(p, q, creep)
     n = p.size
-    slips = np.array([
-        np.concatenate([v[:1], v[:n], v[-2:-1]]), np.concatenate([v[n : n + 1], v[n : 2 * n], v[-1:]])
-    ])  # fmt: skip
+    cells = (v[:n], v[-2:-1]), (v[n : 2 * n], v[-1:])
+    # a node has the slip of the cell before it; that at the leading edge repeats the first
+    slips = np.array([np.concatenate([own[:1], own, last]) for own, last in cells])
     told = np.array([result.roll_slip, result.drum_slip])
     friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
     shift = result.offset / contact_radius(problem.roll, problem.drum)

@@ -24,7 +24,7 @@ Array = np.ndarray
 def mesh_of(result: RollerResult) -> Mesh:
     """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     a = result.half_width
     points = np.append(result.slip_x[1:] / a, 1.0)
     return SCHEMES["graded"].restored(result.x / a, points)

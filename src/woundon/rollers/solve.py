@@ -115,9 +115,12 @@ class RollerContact:
     def frictionless_load(self, mesh: Mesh, a: float) -> float:
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         upper, lower = self.problem.upper, self.problem.lower
-        slopes = (b.respond(mesh, a).pressure_slope() for b in (upper, lower) if not b.rigid)
+        slope = np.zeros((mesh.unknowns + 1, mesh.unknowns))
+        for body in (upper, lower):
+            if not body.rigid:
+                slope += body.respond(mesh, a).pressure_slope()
         gap = mesh.middle * (a / contact_radius(upper, lower))
-        pressure = solve_normal(sum(slopes), gap, np.empty((gap.size, 0)))[:-1, 0]
+        pressure = solve_normal(slope, gap, np.empty((gap.size, 0)))[:-1, 0]
         return float(a * mesh.grid.weights @ pressure)
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:

@@ -13,7 +13,6 @@ from ..contact.certificate import (
     largest,
     positive_pressure,
 )
-from ..contact.grid import Grid
 from ..contact.response import Tractions
 from ..contact.schemes import SCHEMES, Mesh
 from ..errors import InvalidProblem
@@ -60,7 +59,7 @@ def _grid_of(result: WrappedNipResult) -> WrapGrid:
 def _nip_mesh(result: WrappedNipResult) -> Mesh:
     """Return the nip's mesh: that of the solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     own, a = result.in_nip, result.half_width
     points = np.append(result.slip_x[own][1:] / a, 1.0)
     return SCHEMES["graded"].restored(result.x[own] / a, points)
@@ -142,9 +141,7 @@ def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
     return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
 
 
-def _curvature(
-    result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array
-) -> float:
+def _curvature(result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array) -> float:
     """Return how far the curvature is from that of the bodies, relative to the largest."""
     constant, by_z, by_q = equations.curvature
     kappa = constant + by_z @ z + by_q @ q
