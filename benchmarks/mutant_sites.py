@@ -6,7 +6,7 @@ faults that a programmer of numerical code makes and that mostly run: None for a
 argument of one of our functions left out or swapped, stops at once and tells nothing of the tests.
 
     arithmetic    a + b: a - b, a, b       a - b: a + b, a, -b       a * b: a / b, a, b
-                  a / b: a * b, a          a ** b: a * b, a          a @ b: b @ a
+                  a / b: a * b, a          a ** b: a * b, a          a @ b: b @ a, -(a @ b)
                   a // b: -(-a // b)       a % b: a // b, a          a & b: a | b, a, b
     sign          -a: a                    ~a: a
     comparison    a < b: a <= b, a > b     a == b: a != b            the same for is, in
@@ -235,7 +235,7 @@ class _Walk(ast.NodeVisitor):
         if _is_text(a) or _is_text(b):
             return
         if isinstance(op, ast.MatMult):
-            others = [ast.BinOp(b, op, a)]
+            others = [ast.BinOp(b, op, a), _minus(node)]
         elif isinstance(op, ast.FloorDiv):
             others = [_minus(ast.BinOp(_minus(a), op, b))]
         elif type(op) in ARITHMETIC:

@@ -35,7 +35,7 @@ def faults(expression: str, operator: str, returns: str = "object") -> set[str]:
         ("arithmetic", "a * b", {"a / b", "a", "b"}),
         ("arithmetic", "a / b", {"a * b", "a"}),
         ("arithmetic", "a ** b", {"a * b", "a"}),
-        ("arithmetic", "a @ b", {"b @ a"}),
+        ("arithmetic", "a @ b", {"b @ a", "-(a @ b)"}),
         ("arithmetic", "a // b", {"-(-a // b)"}),
         ("arithmetic", "a & b", {"a | b", "a", "b"}),
         ("arithmetic", "'text' + b", set()),
