@@ -10,6 +10,7 @@ The set of bodies is open: a subclass of :class:`Body` is a body like these.
 
 from __future__ import annotations
 
+from functools import cached_property
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
@@ -223,18 +224,18 @@ class ContactProblem(Problem):
 
     pair: ClassVar[tuple[str, str]]
 
-    @property
+    @cached_property
     def bodies(self) -> tuple[Body, Body]:
         """Body 1 and body 2."""
         one, two = (getattr(self, name) for name in self.pair)
         return one, two
 
-    @property
+    @cached_property
     def contact_radius(self) -> float:
         """R* with 1/R* = 1/R1 + 1/R2 [m]."""
         return contact_radius(*self.bodies)
 
-    @property
+    @cached_property
     def linear(self) -> bool:
         """Whether both bodies are."""
         one, two = self.bodies
