@@ -56,8 +56,8 @@ class RollerResult(Result):
         float, length("Delta", "shift of the contact centre from the line of centres")
     ]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
-    pressure: Annotated[Array, stress("p", "pressure")]
-    traction: Annotated[Array, stress("q", "traction on the upper roller")]
+    pressure: Annotated[Array, stress("p", "pressure", "MPa")]
+    traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
     slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
     slip: Annotated[
         Array,
@@ -78,7 +78,7 @@ class RollerResult(Result):
         return 2 * self.half_width
 
     @property
-    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
+    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure", "MPa")]:
         """Largest nodal pressure [Pa]."""
         return float(np.max(self.pressure))
 
