@@ -48,7 +48,7 @@ class RollerResult(Result):
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
-    shift: Annotated[float, length("s", "shift of the lower roller, static contact")] = nan
+    shift: Annotated[float, length("s", "shift of the lower roller, static contact", "um")] = nan
     tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
     half_width: Annotated[float, length("a", "half-width of the contact")]
     approach: Annotated[float, length("delta", "approach of the rollers' centres")]

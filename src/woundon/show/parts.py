@@ -8,7 +8,7 @@ or output that it tells of.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, nan
 from typing import Any
 
@@ -16,12 +16,14 @@ import numpy as np
 
 from .. import quantities
 from ..contact.zones import zone_runs
+from ..nip.result import WindingNipResult
 from ..quantities import Quantity
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result
+from ..rollers.result import RollerResult
 
 __all__ = [
-    "Line", "Part", "Row", "Section", "ZoneStrips", "certificate_line", "field_row", "output_row",
-    "row_of", "warning_lines", "zone_line",
+    "Line", "Part", "Row", "Section", "ZoneStrips", "certificate_line", "field_row", "nip_zones",
+    "output_row", "roller_zones", "row_of", "warning_lines", "zone_line",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -116,16 +118,11 @@ Part = Section | ZoneStrips | Line
 # ---- rows from quantities -----------------------------------------------------------------------
 
 
-def row_of(
-    quantity: Quantity, value: Any, *, error: float = nan, meaning: str = "", symbol: str = "",
-    note: str = "",
-) -> Row:  # fmt: skip
-    """Return the row of a value [SI]; ``meaning`` and ``symbol`` in place of the quantity's own."""
-    shown = quantity.shown(value)
-    told = abs(quantity.shown(error))
-    return Row(
-        meaning or quantity.meaning, symbol or quantity.symbol, shown, quantity.display, told, note
-    )
+def row_of(quantity: Quantity, value: Any, error: float = nan, **more: str) -> Row:
+    """Return the row of a value and its error [SI], ``more`` in place of the quantity's texts."""
+    shown, told = quantity.shown(value), abs(quantity.shown(error))
+    row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, told)
+    return replace(row, **more)  # type: ignore[arg-type]
 
 
 def output_row(result: Result, name: str, value: float | None = None, **more: str) -> Row:
@@ -145,9 +142,9 @@ def output_row(result: Result, name: str, value: float | None = None, **more: st
     if place is None or place.quantity is None:
         raise AttributeError(f"{type(result).__name__} has no output {name!r}")
     if value is not None:
-        return row_of(place.quantity, value, **more)
+        return row_of(place.quantity, value, nan, **more)
     error = result.errors.get(name, nan)
-    return row_of(place.quantity, quantities.value_of(result, name), error=error, **more)
+    return row_of(place.quantity, quantities.value_of(result, name), error, **more)
 
 
 def field_row(problem: Any, name: str, *, empty: float = nan, **more: str) -> Row:
@@ -156,7 +153,7 @@ def field_row(problem: Any, name: str, *, empty: float = nan, **more: str) -> Ro
     if quantity is None:
         raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
     value = getattr(problem, name)
-    return row_of(quantity, empty if value is None else value, **more)
+    return row_of(quantity, empty if value is None else value, nan, **more)
 
 
 # ---- what every report ends with ----------------------------------------------------------------
@@ -181,8 +178,8 @@ def certificate_line(residuals: Residuals) -> Line:
         f"{_words(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
         for law, value in broken.items()
     )
-    are = "is" if len(broken) == 1 else "are"
-    return Line(f"Certificate: {len(broken)} of {len(laws)} laws {are} NOT satisfied: {told}", "bad")
+    count = f"{len(broken)} of {len(laws)} laws {'is' if len(broken) == 1 else 'are'}"
+    return Line(f"Certificate: {count} NOT satisfied: {told}", "bad")
 
 
 def _words(law: str) -> str:
@@ -190,6 +187,18 @@ def _words(law: str) -> str:
 
 
 # ---- zones --------------------------------------------------------------------------------------
+
+
+def nip_zones(result: WindingNipResult) -> ZoneStrips:
+    """Return the zones of a nip at roll and drum."""
+    own = result.in_nip
+    faces = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
+    return ZoneStrips(result.x[own], faces)
+
+
+def roller_zones(result: RollerResult) -> ZoneStrips:
+    """Return the zones of two rollers."""
+    return ZoneStrips(result.x, {"contact": result.zone}, "lower faster", "lower slower")
 
 
 def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:

@@ -7,6 +7,7 @@ parts (:mod:`.parts`), found through :mod:`woundon.kinds`; warnings and certific
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from io import StringIO
 from math import isinf, isnan
 from typing import TYPE_CHECKING, Any
@@ -29,10 +30,11 @@ from .parts import (
     Part,
     Row,
     Section,
-    ZoneStrips,
     certificate_line,
     field_row,
+    nip_zones,
     output_row,
+    roller_zones,
     row_of,
     warning_lines,
 )
@@ -67,6 +69,7 @@ def print_report(result: Result, console: Console) -> None:
 
 # ---- the nip ------------------------------------------------------------------------------------
 
+HELD = "Winding nip, the web held at its trailing edge"
 BRACKETS = (
     "T_out (web held at the trailing edge, eq. 97) and the estimate by eq. (183) bracket the "
     "wound-on tension. To compute it, wrap the web on the roll: 'woundon solve' with a [wrap] "
@@ -86,10 +89,8 @@ def nip_report(result: NipResult) -> list[Part]:
     return [
         _how(result),
         Section("Loads", _loads(result)),
-        Section(
-            "Winding nip, the web held at its trailing edge", (*tensions, *_nip_rows(result)), BRACKETS
-        ),
-        _nip_zones(result),
+        Section(HELD, (*tensions, *_nip_rows(result)), BRACKETS),
+        nip_zones(result),
         *_other_theories(result),
     ]
 
@@ -123,12 +124,6 @@ def _deep(body: Body) -> bool:
     return not body.rigid and isinf(body.thickness)
 
 
-def _nip_zones(result: WindingNipResult) -> ZoneStrips:
-    own = result.in_nip
-    faces = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
-    return ZoneStrips(result.x[own], faces)
-
-
 # ---- the nip with its wraps ---------------------------------------------------------------------
 
 
@@ -145,7 +140,7 @@ def wrapped_report(result: WrappedNipResult) -> list[Part]:
         _how(result),
         Section("Loads and wraps", tuple(loads)),
         Section("Winding nip, the web wrapped on the roll", rows),
-        _nip_zones(result),
+        nip_zones(result),
         *_held_at_the_edge(result),
         *_other_theories(result),
     ]
@@ -202,12 +197,11 @@ def roller_report(result: RollerResult) -> list[Part]:
     given = "creepage" if problem.creepage is not None else "tangential_load"
     loads = (field_row(problem, name, empty=0.0) for name in ("load", given, "friction"))
     how = f"{problem.motion} contact, {result.nodes} nodes, {result.iterations} linear systems"
-    strips = ZoneStrips(result.x, {"contact": result.zone}, "lower faster", "lower slower")
     return [
         Line(how, "quiet"),
         Section("Loads", tuple(loads)),
         Section("Rolling contact" if rolling else "Static contact", tuple(_roller_rows(result))),
-        strips,
+        roller_zones(result),
         *_roller_theories(result),
     ]
 
@@ -310,7 +304,7 @@ def _free_rolling(result: RollerResult) -> Iterator[Row]:
 
 
 def outputs_report(result: Result) -> list[Part]:
-    """Return a report of any kind: the problem's fields, and all outputs that are single numbers."""
+    """Return a report of any kind: the problem's fields, all outputs that are single numbers."""
     kind = kinds.of(result)
     title = kind.name.replace("_", " ").capitalize()
     errors = {f"{name}_error" for name in result.errors}  # told beside their outputs already
@@ -343,8 +337,9 @@ def _field(problem: Description, name: str, value: Any, under: str) -> Row:
     quantity = quantities.find(problem, name)[0].quantity
     if quantity is None or not isinstance(value, (int, float)):
         return Row(f"{under}{name}", "", str(value))
-    # the names that --set takes; the meaning of a nested field would not say whose it is
-    return row_of(quantity, value, meaning=f"{under}{name}" if under else quantity.meaning)
+    row = row_of(quantity, value)
+    # the name that --set takes; the meaning of a nested field would not say whose it is
+    return replace(row, meaning=f"{under}{name}") if under else row
 
 
 # ---- sensitivities ------------------------------------------------------------------------------
