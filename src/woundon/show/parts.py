@@ -66,10 +66,10 @@ class Row:
     @property
     def error_text(self) -> str:
         """The error in two digits; "<" a unit of the value's last digit where it is smaller."""
-        if isinstance(self.value, str) or not isfinite(self.error):
+        size = nan if isinstance(self.value, str) else abs(float(self.value))
+        if not (isfinite(size) and isfinite(self.error)):
             return ""
-        size = abs(float(self.value))
-        if size == self.error == 0:
+        if size == self.error == 0:  # e.g. of a zone that there is not
             return ""
         last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
         return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"

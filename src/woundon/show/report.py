@@ -67,9 +67,34 @@ def print_report(result: Result, console: Console) -> None:
     print_parts(report_parts(result), console)
 
 
+# told by another name, at the end, where they say something, or not at all
+LEFT_OUT = frozenset({
+    "residual", "half_width", "rig_tension", "extrapolation", "tension_before_nip",
+    "drum_wrap_traction", "creepage", "shift", "tangential_load", "traction_error",
+    "iterations", "series_terms", "series_error",
+})  # fmt: skip
+
+
+def _rows(result: Result, names: list[str], **notes: str) -> tuple[Row, ...]:
+    """Return the rows of the outputs named, then of all that nobody here knows of.
+
+    ``notes`` stand behind the units, by name.
+    """
+    beside = {f"{name}_error" for name in result.errors}
+    others = [
+        name
+        for name in quantities.scalar_outputs(result)
+        if name not in LEFT_OUT and name not in beside and name not in names
+    ]
+    return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
+
+
 # ---- the nip ------------------------------------------------------------------------------------
 
+NIP = ["nip_width", "peak_pressure", "approach", "offset", "drum_creep", "leading_roll",
+       "trailing_roll", "dual"]  # fmt: skip
 HELD = "Winding nip, the web held at its trailing edge"
+WRAPPED = "Winding nip, the web wrapped on the roll"
 BRACKETS = (
     "T_out (web held at the trailing edge, eq. 97) and the estimate by eq. (183) bracket the "
     "wound-on tension. To compute it, wrap the web on the roll: 'woundon solve' with a [wrap] "
@@ -79,17 +104,13 @@ BRACKETS = (
 
 def nip_report(result: NipResult) -> list[Part]:
     """Return the report of a nip whose web is held at its trailing edge."""
-    tensions = [
-        output_row(result, "nip_induced_tension"),
-        output_row(result, "tension_behind_nip"),
-        output_row(result, "wound_on_tension_estimate"),
-    ]
-    if result.extrapolation:
-        tensions.insert(1, output_row(result, "extrapolation"))
+    extrapolated = ["extrapolation"] if result.extrapolation else []
+    names = ["nip_induced_tension", *extrapolated, "tension_behind_nip",
+             "wound_on_tension_estimate"]  # fmt: skip
     return [
         _how(result),
         Section("Loads", _loads(result)),
-        Section(HELD, (*tensions, *_nip_rows(result)), BRACKETS),
+        Section(HELD, _rows(result, names + NIP, approach=_level(result)), BRACKETS),
         nip_zones(result),
         *_other_theories(result),
     ]
@@ -105,18 +126,12 @@ def _loads(result: WindingNipResult) -> tuple[Row, ...]:
     return tuple(field_row(result.problem, name) for name in names)
 
 
-def _nip_rows(result: WindingNipResult) -> Iterator[Row]:
-    """Yield what a nip has besides its tensions."""
-    roll, drum = result.problem.roll, result.problem.drum
-    for name in ("nip_width", "peak_pressure"):
-        yield output_row(result, name)
-    yield output_row(result, "approach", note=_up_to_a_constant(roll, drum))
-    for name in ("offset", "drum_creep", "leading_roll", "trailing_roll", "dual"):
-        yield output_row(result, name)
+def _level(result: WindingNipResult) -> str:
+    """Return what is to be said of an approach: that of a half-plane has no fixed level."""
+    return _up_to_a_constant(result.problem.roll, result.problem.drum)
 
 
 def _up_to_a_constant(*bodies: Body) -> str:
-    """Return what is to be said of an approach: that of a half-plane has no fixed level."""
     return ", up to a constant" if any(_deep(body) for body in bodies) else ""
 
 
@@ -135,27 +150,23 @@ def wrapped_report(result: WrappedNipResult) -> list[Part]:
         loads.append(field_row(problem, "drum_wrap"))
     if problem.wrap_friction is not None:
         loads.append(field_row(problem, "wrap_friction"))
-    rows = (*_wrapped_tensions(result), *_nip_rows(result))
     return [
         _how(result),
         Section("Loads and wraps", tuple(loads)),
-        Section("Winding nip, the web wrapped on the roll", rows),
+        Section(WRAPPED if problem.roll_wrap else HELD, _wrapped_rows(result)),
         nip_zones(result),
         *_held_at_the_edge(result),
         *_other_theories(result),
     ]
 
 
-def _wrapped_tensions(result: WrappedNipResult) -> Iterator[Row]:
-    yield output_row(result, "wound_on_tension")
-    yield output_row(result, "nip_induced_tension")
-    yield output_row(result, "tension_behind_nip")
-    if result.problem.drum_wrap:
-        yield output_row(result, "tension_before_nip")
-        yield output_row(result, "drum_wrap_traction")
-    yield output_row(result, "roll_wrap_traction")
+def _wrapped_rows(result: WrappedNipResult) -> tuple[Row, ...]:
+    on_drum = ["tension_before_nip", "drum_wrap_traction"] if result.problem.drum_wrap else []
+    names = ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", *on_drum,
+             "roll_wrap_traction", "slip_angle"]  # fmt: skip
     way = {Zone.STICK: "", Zone.FORWARD: ", web faster", Zone.BACKWARD: ", web slower"}
-    yield output_row(result, "slip_angle", note=way[result.slip_zone])
+    notes = {"approach": _level(result), "slip_angle": way[result.slip_zone]}
+    return _rows(result, names + NIP, **notes)
 
 
 def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
@@ -174,9 +185,9 @@ def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
         yield Section(title, (), f"Was not solved: {fault}")
         return
     rows = (
-        output_row(nip, "tension_behind_nip", note="  by eq. (97)"),
+        output_row(nip, "tension_behind_nip", note="  eq. (97)"),
         output_row(
-            nip, "wound_on_tension_estimate", estimate, note="  by eq. (183)",
+            nip, "wound_on_tension_estimate", estimate, note="  eq. (183)",
             meaning="wound-on tension estimated for a web that sticks behind",
         ),
     )  # fmt: skip
@@ -200,26 +211,21 @@ def roller_report(result: RollerResult) -> list[Part]:
     return [
         Line(how, "quiet"),
         Section("Loads", tuple(loads)),
-        Section("Rolling contact" if rolling else "Static contact", tuple(_roller_rows(result))),
+        Section("Rolling contact" if rolling else "Static contact", _roller_rows(result)),
         roller_zones(result),
         *_roller_theories(result),
     ]
 
 
-def _roller_rows(result: RollerResult) -> Iterator[Row]:
-    constant = _up_to_a_constant(result.problem.upper, result.problem.lower)
-    if result.problem.creepage is not None:
-        yield output_row(result, "tangential_load")
-    elif result.problem.motion == "rolling":
-        yield output_row(result, "creepage")
-    else:
-        yield output_row(result, "shift", note=constant)
-    for name in ("width", "peak_pressure"):
-        yield output_row(result, name)
-    yield output_row(result, "approach", note=constant)
-    for name in ("offset", "slip_share", "traction_error"):
-        if not isnan(getattr(result, name)):
-            yield output_row(result, name)
+def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
+    problem = result.problem
+    found = "creepage" if problem.motion == "rolling" else "shift"
+    names = ["tangential_load" if problem.creepage is not None else found, "nip_width",
+             "peak_pressure", "approach", "offset", "slip_share"]  # fmt: skip
+    if not isnan(result.traction_error):
+        names.append("traction_error")
+    level = _up_to_a_constant(problem.upper, problem.lower)
+    return _rows(result, names, approach=level, shift=level)
 
 
 # ---- other theories, where they apply -----------------------------------------------------------
@@ -231,7 +237,7 @@ def _other_theories(result: WindingNipResult) -> Iterator[Section]:
         output_row(result, "nip_induced_tension", value, meaning=label)
         for label, value in _rival_tensions(result)
     ]
-    rows += _hertz(result, "nip_width", "Hertz (half-planes, no web)")
+    rows += _hertz(result, "Hertz (half-planes, no web)")
     if rows:
         yield Section("Other theories", tuple(rows))
 
@@ -249,20 +255,20 @@ def _rival_tensions(result: WindingNipResult) -> Iterator[tuple[str, float]]:
         yield "Jalkanen, with the solved approach", jalkanen
 
 
-def _hertz(result: WindingNipResult | RollerResult, width: str, label: str) -> list[Row]:
+def _hertz(result: WindingNipResult | RollerResult, label: str) -> list[Row]:
     try:
         contact = theories.hertz(result.problem)
     except InvalidProblem:  # a body of no linear elastic material
         return []
     return [
-        output_row(result, width, 2 * contact.half_width, meaning=label),
+        output_row(result, "nip_width", 2 * contact.half_width, meaning=label),
         output_row(result, "peak_pressure", contact.peak_pressure, meaning=label),
     ]
 
 
 def _roller_theories(result: RollerResult) -> Iterator[Section]:
     rows = [*_partial_slip(result), *_free_rolling(result)]
-    rows += _hertz(result, "width", "Hertz (half-planes)")
+    rows += _hertz(result, "Hertz (half-planes)")
     if rows:
         yield Section("Closed forms", tuple(rows))
 
