@@ -48,7 +48,7 @@ class RollerResult(Result):
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
-    shift: Annotated[float, length("s", "shift of the lower roller, static contact")] = nan
+    shift: Annotated[float, length("s", "shift of the lower roller, static contact", "um")] = nan
     tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
     half_width: Annotated[float, length("a", "half-width of the contact")]
     approach: Annotated[float, length("delta", "approach of the rollers' centres")]
@@ -56,8 +56,8 @@ class RollerResult(Result):
         float, length("Delta", "shift of the contact centre from the line of centres")
     ]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
-    pressure: Annotated[Array, stress("p", "pressure")]
-    traction: Annotated[Array, stress("q", "traction on the upper roller")]
+    pressure: Annotated[Array, stress("p", "pressure", "MPa")]
+    traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
     slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
     slip: Annotated[
         Array,
@@ -79,7 +79,7 @@ class RollerResult(Result):
         return 2 * self.half_width
 
     @property
-    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
+    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure", "MPa")]:
         """Largest nodal pressure [Pa]."""
         return float(np.max(self.pressure))
 
