@@ -95,6 +95,17 @@ def test_several_starts_find_the_deepest_of_several_minima():
     assert any("the next minimum has RMS" in line for line in many.lines())
 
 
+def test_a_profile_that_walks_into_a_deeper_valley_takes_it():
+    # sin 3a + a/4 has tops of 1.15 and 1.67 at 0.55 and 2.65; two values allow S to grow 162-fold
+    parameter = (Parameter("a", 0.0, 2.8, 0.4),)
+    local = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1, profiles=False)
+    assert local.estimate("a") == pytest.approx(0.55, abs=0.01)
+    deep = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1)
+    assert deep.estimate("a") == pytest.approx(2.65, abs=0.01)
+    assert deep.rms < 0.1 * local.rms
+    assert [round(a, 2) for _, (a,) in deep.minima] == [2.65, 0.55]
+
+
 LOADS = [800.0, 1500.0, 2500.0, 4000.0]
 TRUE = {"roll.material.shear": 1.3e7, "roll_friction": 0.23}
 

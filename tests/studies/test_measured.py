@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 
 from woundon import InvalidProblem
+from woundon.studies.export import check_export
 from woundon.studies.fields import field_label
 from woundon.studies.measured import read_measured
 from woundon.studies.solver_model import all_labels
@@ -65,6 +68,24 @@ def test_columns_by_name_are_si_and_can_be_renamed():
     assert data.outputs["wound_on_tension"].tolist() == [650.0]
 
 
+def test_a_data_frame_is_read_as_its_columns():
+    frame = pandas.DataFrame({"nip_load [kN/m]": [1.9, 2.5], "wound_on_tension": [650.0, None]})
+    data = _read(frame)
+    assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
+    assert np.array_equal(data.outputs["wound_on_tension"], [650.0, np.nan], equal_nan=True)
+
+
+def test_a_formula_that_failed_is_no_gap(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["nip_load", "half_width"])
+    book.active.append([1000, "#DIV/0!"])
+    book.active["B2"].data_type = "e"
+    book.save(tmp_path / "rig.xlsx")
+    with pytest.raises(InvalidProblem, match="half_width: row 1: '#N/A' is no number"):
+        _read(tmp_path / "rig.xlsx")
+
+
 GOOD = "wound_on_tension [N/m]"
 
 
@@ -79,6 +100,7 @@ GOOD = "wound_on_tension [N/m]"
         ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is no number"),
         ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is no number"),
         ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is no finite number"),
+        ({"nip_load": [np.nan], GOOD: [1.0]}, "row 1: nan is no finite number"),
         ({"nip_load": [1.0, 2.0], GOOD: [1.0]}, "columns differ in length: [1, 2]"),
         ({"drum": ["steel"], GOOD: [1.0]}, "drum: is no number"),
         ({GOOD: [1.0], "wound_on_tension +-": [0.0]}, "deviations of wound_on_tension must be > 0"),
@@ -97,6 +119,7 @@ def test_bad_columns_are_refused(columns, says):
         (b"", "holds no header with rows below it"),
         (b"nip_load,half_width\n", "holds no header with rows below it"),
         (b"nip_load,half_width\n1,2,3\n", "row 1 has 3 cells, the header 2"),
+        (b"nip_load,half_width\n1,2\n3\n", "row 2 has 1 cells, the header 2"),
         (b"half_width,half_width\n1,2\n", "two columns have the same header"),
         (b"nip_load,half_width\n\xff,1\n", "is no UTF-8 text, from byte 20"),
     ],
@@ -112,11 +135,18 @@ def test_missing_and_broken_files_are_refused(tmp_path: Path):
     with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
         _read(tmp_path / "none.csv")
     pytest.importorskip("openpyxl")
-    with pytest.raises(InvalidProblem, match="cannot be read: no such file"):
+    with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
         _read(tmp_path / "none.xlsx")
     (tmp_path / "text.xlsx").write_text("nip_load", encoding="utf-8")
     with pytest.raises(InvalidProblem, match="is no Excel file"):
         _read(tmp_path / "text.xlsx")
+
+
+def test_missing_openpyxl_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    for call in (_read, check_export):
+        with pytest.raises(InvalidProblem, match=r"need openpyxl: pip install 'woundon\[excel\]'"):
+            call(tmp_path / "rig.xlsx")
 
 
 def test_a_column_to_rename_must_be_there():

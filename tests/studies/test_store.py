@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,16 @@ from woundon.thesis.cases import paper_nip
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
 
 
+class Other(toys.Toy):
+    """Has the record of a Toy, and answers otherwise."""
+
+    def value(self, inputs):
+        return -1.0
+
+    def record(self):
+        return toys.Toy().record()
+
+
 @pytest.fixture(scope="module")
 def table():
     """Six cases, three of which have no steady state: |F| >= 0.4 P."""
@@ -40,6 +51,18 @@ def test_resume_solves_only_what_is_missing(tmp_path: Path):
         progress=lambda done, size: solved.append((done, size)),
     )  # fmt: skip
     assert solved == [(8, 8)]  # 5 of 8 cases were there
+    assert np.array_equal(first.outputs["y"], again.outputs["y"])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names that Windows does not admit")
+@pytest.mark.parametrize("name", ["x[1]", "*", "?1", "[!a]1", "x{1,2}", "it's", 'a "b"', "a\\b"])
+def test_a_folder_s_name_is_no_pattern(tmp_path: Path, name: str):
+    """Beside it lie folders that it would match, with another study of the same cases."""
+    for other in ("x1", "x2"):
+        run_study(Other(), DESIGN, Here(), out=tmp_path / other)
+    first = run_study(toys.Toy(), DESIGN, Here(), out=tmp_path / name)
+    # solves nothing: what it answers would be seen
+    again = run_study(Other(), DESIGN, Here(), out=tmp_path / name, resume=True)
     assert np.array_equal(first.outputs["y"], again.outputs["y"])
 
 

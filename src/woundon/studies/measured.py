@@ -13,6 +13,7 @@ import csv
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -23,7 +24,7 @@ from ..errors import InvalidProblem, did_you_mean
 from ..units import parse
 from .model import Label
 
-__all__ = ["Measured", "read_measured"]
+__all__ = ["Measured", "need_openpyxl", "read_measured"]
 
 Array = np.ndarray
 _HEADER = re.compile(r"\s*([^\[\(]*?)\s*(?:[\[\(]\s*(.*?)\s*[\]\)])?\s*")
@@ -59,7 +60,7 @@ def read_measured(
 
     Parameters
     ----------
-    data : path or mapping
+    data : path, mapping or pandas.DataFrame
         ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name ends in a [unit].
     outputs : mapping of str to Label
         The outputs that a column may hold; every other column is an input.
@@ -73,7 +74,7 @@ def read_measured(
     InvalidProblem
         Naming the file's column or row at fault.
     """
-    if isinstance(data, Mapping):
+    if hasattr(data, "items"):
         where, table = "measured", {str(name): list(values) for name, values in data.items()}
     else:
         where, table = str(data), _read(Path(data))
@@ -128,68 +129,75 @@ def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: s
 
 
 def _si(cells: list[Any], unit: str | None, of: Label, where: str, gap: bool) -> Array:
-    """Return a column in SI; an empty cell is nan where a ``gap`` is allowed."""
+    """Return a column in SI; an empty cell, or nan, is nan where a ``gap`` is allowed."""
     if not of.unit:
         raise InvalidProblem([(where, "is no number, so it cannot be a column")])
-    factor = 1.0
-    if unit:
-        factor = parse(f"1 {unit}", of.unit, where) if unit != "1" else 1.0
-    values = np.empty(len(cells))
+    factor = parse(f"1 {unit}", of.unit, where) if unit and unit != "1" else 1.0
+    values = np.full(len(cells), np.nan)
     for row, cell in enumerate(cells):
-        empty = cell is None or (isinstance(cell, str) and not cell.strip())
+        text = cell.strip().replace(",", ".") if isinstance(cell, str) else cell
+        if gap and (text in (None, "") or (isinstance(text, float) and text != text)):
+            continue
         try:
-            values[row] = np.nan if empty and gap else factor * float(_decimal(cell))
+            values[row] = factor * float(text)
         except (TypeError, ValueError):
             raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no number")]) from None
-        if not empty and not np.isfinite(values[row]):
+        if not np.isfinite(values[row]):
             raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no finite number")])
     return values
 
 
-def _decimal(cell: Any) -> Any:
-    return cell.strip().replace(",", ".") if isinstance(cell, str) else cell
-
-
 def _read(path: Path) -> dict[str, list[Any]]:
-    """Return a file's columns by header."""
+    """Return a file's columns by header; an empty cell is ''."""
     try:
-        rows = _excel_rows(path) if path.suffix == ".xlsx" else _csv_rows(path)
+        header, *rows = _excel_rows(path) if path.suffix == ".xlsx" else _csv_rows(path)
     except OSError as fault:
         raise InvalidProblem([(str(path), f"cannot be read: {fault.strerror}")]) from None
-    if len(rows) < 2:
+    if not rows:
         raise InvalidProblem([(str(path), "holds no header with rows below it")])
-    header = [str(cell).strip() if cell is not None else "" for cell in rows[0]]
-    for number, row in enumerate(rows[1:], 1):
+    for number, row in enumerate(rows, 1):
         if len(row) != len(header):
             text = f"row {number} has {len(row)} cells, the header {len(header)}"
             raise InvalidProblem([(str(path), text)])
-    if len(set(header)) < len(header):
+    names = [str(cell).strip() for cell in header]
+    if len(set(names)) < len(names):
         raise InvalidProblem([(str(path), "two columns have the same header")])
-    columns = ([row[k] for row in rows[1:]] for k in range(len(header)))
-    return {name: cells for name, cells in zip(header, columns, strict=True) if name}
+    return {name: list(cells) for name, *cells in zip(names, *rows, strict=True) if name}
 
 
 def _csv_rows(path: Path) -> list[list[Any]]:
+    """Return a file's lines as cells.
+
+    By the standard library: pandas.read_csv would fill short rows up, and take the first column
+    for an index where a row is longer than the header.
+    """
     try:
         text = path.read_text("utf-8-sig")
     except UnicodeDecodeError as fault:
         raise InvalidProblem([(str(path), f"is no UTF-8 text, from byte {fault.start}")]) from None
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    if not lines:
-        return []
-    between = next((sign for sign in ";\t" if sign in lines[0]), ",")
-    return [list(row) for row in csv.reader(lines, delimiter=between, skipinitialspace=True)]
+    between = next((sign for sign in ";\t" if sign in "".join(lines[:1])), ",")
+    return list(csv.reader(lines, delimiter=between, skipinitialspace=True)) or [[]]
 
 
 def _excel_rows(path: Path) -> list[list[Any]]:
-    from .export import openpyxl
+    """Return the rows of the first sheet that are not empty."""
+    import pandas
 
-    if not path.is_file():
-        raise InvalidProblem([(str(path), "cannot be read: no such file")])
+    need_openpyxl()
     try:
-        book = openpyxl().load_workbook(path, read_only=True, data_only=True)
-        rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
-        book.close()
-    except (KeyError, ValueError, OSError, EOFError, BadZipFile) as fault:
+        table = pandas.read_excel(
+            path, header=None, dtype=object, keep_default_na=False, engine="openpyxl"
+        )
+    except (KeyError, ValueError, EOFError, BadZipFile) as fault:
         raise InvalidProblem([(str(path), f"is no Excel file: {fault}")]) from None
-    return [row for row in rows if any(cell is not None for cell in row)]
+    # nan is a formula that ended in an error
+    table = table.where(table.notna(), "#N/A")
+    return table[(table != "").any(axis=1)].to_numpy().tolist() or [[]]
+
+
+def need_openpyxl() -> None:
+    """Say how to install what pandas reads and writes Excel with, where it is missing."""
+    if find_spec("openpyxl") is None:
+        text = "Excel files need openpyxl: pip install 'woundon[excel]'"
+        raise InvalidProblem([("xlsx", text)])
