@@ -101,10 +101,13 @@ class Result:
         Estimated discretisation errors by output, SI units; nan where it cannot be told.
     warnings : tuple of str
         Where the solved case leaves the model's validity, with numbers.
+    MAIN : tuple of str
+        The outputs that a study gives where none is asked for.
     REPLACED : mapping of str to str
         Names that people may look for in vain, with what there is instead.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ()
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     problem: Any

@@ -212,7 +212,7 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
     [
         ({"wound_on_tension": [600.0]}, {}, "vary: nothing to fit"),
         ({"wound_on_tension": [600.0]}, ["roll.material.sheer"], "did you mean 'shear'"),
-        ({"wound_on_tension": [600.0]}, ["drum"], "drum: .* is no number"),
+        ({"wound_on_tension": [600.0]}, ["drum"], "drum: .* is not a number"),
         ({"wound_on_tension": [600.0]}, {"roll_friction": (0.3, 0.1)}, "must be low < high"),
         ({"wound_on_tension": [600.0]}, {"roll_friction": 0.3}, r"write \(low, high\)"),
         ({"wound_on_tension": [600.0]}, ["roll_friction", "nip_load"], "2 parameters cannot be"),

@@ -82,7 +82,7 @@ def test_a_formula_that_failed_is_no_gap(tmp_path: Path):
     book.active.append([1000, "#DIV/0!"])
     book.active["B2"].data_type = "e"
     book.save(tmp_path / "rig.xlsx")
-    with pytest.raises(InvalidProblem, match="half_width: row 1: '#N/A' is no number"):
+    with pytest.raises(InvalidProblem, match="half_width: row 1: '#N/A' is not a number"):
         _read(tmp_path / "rig.xlsx")
 
 
@@ -97,12 +97,12 @@ GOOD = "wound_on_tension [N/m]"
         ({"nip_load": [1.0]}, "has no column that is an output"),
         ({"nip_load [mm]": [1.0], GOOD: [1.0]}, "mm"),
         ({"nip_load [lb]": [1.0], GOOD: [1.0]}, "lb"),
-        ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is no number"),
-        ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is no number"),
-        ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is no finite number"),
-        ({"nip_load": [np.nan], GOOD: [1.0]}, "row 1: nan is no finite number"),
+        ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is not a number"),
+        ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is not a number"),
+        ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is not a finite number"),
+        ({"nip_load": [np.nan], GOOD: [1.0]}, "row 1: nan is not a finite number"),
         ({"nip_load": [1.0, 2.0], GOOD: [1.0]}, "columns differ in length: [1, 2]"),
-        ({"drum": ["steel"], GOOD: [1.0]}, "drum: is no number"),
+        ({"drum": ["steel"], GOOD: [1.0]}, "drum: is not a number"),
         ({GOOD: [1.0], "wound_on_tension +-": [0.0]}, "deviations of wound_on_tension must be > 0"),
         ({GOOD: [1.0], "half_width +-": [1.0]}, "deviations of half_width must be > 0 wherever"),
     ],
@@ -121,7 +121,7 @@ def test_bad_columns_are_refused(columns, says):
         (b"nip_load,half_width\n1,2,3\n", "row 1 has 3 cells, the header 2"),
         (b"nip_load,half_width\n1,2\n3\n", "row 2 has 1 cells, the header 2"),
         (b"half_width,half_width\n1,2\n", "two columns have the same header"),
-        (b"nip_load,half_width\n\xff,1\n", "is no UTF-8 text, from byte 20"),
+        (b"nip_load,half_width\n\xff,1\n", "is not UTF-8 text, from byte 20"),
     ],
 )
 def test_bad_files_are_refused(tmp_path: Path, content, says):
@@ -138,7 +138,7 @@ def test_missing_and_broken_files_are_refused(tmp_path: Path):
     with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
         _read(tmp_path / "none.xlsx")
     (tmp_path / "text.xlsx").write_text("nip_load", encoding="utf-8")
-    with pytest.raises(InvalidProblem, match="is no Excel file"):
+    with pytest.raises(InvalidProblem, match="is not an Excel file"):
         _read(tmp_path / "text.xlsx")
 
 

@@ -104,7 +104,7 @@ def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
     with pytest.raises(wo.InvalidProblem, match="is not empty and holds no study"):
         run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
     (tmp_path / "manifest.json").write_text("{}", encoding="utf-8")
-    with pytest.raises(wo.InvalidProblem, match=r"its manifest\.json is none of a study"):
+    with pytest.raises(wo.InvalidProblem, match=r"its manifest\.json is not that of a study"):
         run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
 
 

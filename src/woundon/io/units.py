@@ -12,7 +12,7 @@ from functools import cache
 from math import isfinite
 from typing import Any
 
-from .errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, did_you_mean
 
 __all__ = ["known_units", "parse"]
 

@@ -53,10 +53,11 @@ def run_study(
         After Ctrl-C; finished chunks are in ``out``.
     """
     for name in set(design.names) & set(model.outputs):
-        raise InvalidProblem([(name, "is varied, so it cannot be an output too")])
-    labels = {name: model.label(name) for name in (*design.names, *model.outputs)}
+        raise InvalidProblem.at(name, "is varied, so it cannot be an output too")
+    told = {name: model.quantity(name) for name in (*design.names, *model.outputs)}
+    quantities = {name: quantity for name, quantity in told.items() if quantity is not None}
     record = model.record()
-    table = Table.empty(design, model.outputs, labels, record)
+    table = Table.empty(design, model.outputs, quantities, record)
     store, done = None, set[int]()
     if out is not None:
         store = Store(out, design, model.outputs, record, chunk=chunk, resume=resume)

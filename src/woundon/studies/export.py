@@ -57,8 +57,7 @@ def _frame(table: Table) -> pandas.DataFrame:
     """Return the table with units in its header."""
     import pandas
 
-    units = {name: label.unit for name, label in table.labels.items() if label.unit}
-    header = {name: f"{name} [{unit}]" for name, unit in units.items()}
+    header = {name: f"{name} [{about.unit}]" for name, about in table.quantities.items()}
     return pandas.DataFrame(table.columns()).rename(columns=header)
 
 

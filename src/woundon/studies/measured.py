@@ -20,9 +20,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ..errors import InvalidProblem, did_you_mean
-from ..units import parse
-from .model import Label
+from ..errors import InvalidProblem
+from ..io.units import parse
+from ..quantities import Quantity
 
 __all__ = ["Measured", "need_openpyxl", "read_measured"]
 
@@ -52,8 +52,8 @@ class Measured:
 
 def read_measured(
     data: Any,
-    outputs: Mapping[str, Label],
-    label: Callable[[str], Label],
+    outputs: Mapping[str, Quantity],
+    quantity: Callable[[str], Quantity | None],
     columns: Mapping[str, str | None] | None = None,
 ) -> Measured:
     """Return measured data.
@@ -62,10 +62,11 @@ def read_measured(
     ----------
     data : path, mapping or pandas.DataFrame
         ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name ends in a [unit].
-    outputs : mapping of str to Label
+    outputs : mapping of str to Quantity
         The outputs that a column may hold; every other column is an input.
-    label : callable
-        Name of an input -> its unit; raises InvalidProblem if there is none.
+    quantity : callable
+        Name of an input -> what it is, None if it is not a number; raises InvalidProblem if there
+        is no such input.
     columns : mapping, optional
         Name in the data -> name of the model, None for a column to leave out.
 
@@ -86,7 +87,7 @@ def read_measured(
         target = renames.pop(name, name)
         if target is None:
             continue
-        kind, target, of = _role(target, outputs, label, where)
+        kind, target, of = _role(target, outputs, quantity, where)
         if target in found[kind]:
             raise InvalidProblem([(where, f"two columns are {target}")])
         gap = kind != "inputs"
@@ -96,21 +97,18 @@ def read_measured(
 
 
 def _role(
-    name: str, outputs: Mapping[str, Label], label: Callable[[str], Label], where: str
-) -> tuple[str, str, Label]:
-    """Tell what a column is: kind, name in the model, label."""
+    name: str, outputs: Mapping[str, Quantity], quantity: Callable[[str], Quantity | None],
+    where: str,
+) -> tuple[str, str, Quantity | None]:  # fmt: skip
+    """Tell what a column is: kind, name in the model, quantity."""
     match = _DEVIATION.fullmatch(name)
     plain = match.group(1) if match else name
     if plain in outputs:
         return "deviations" if match else "outputs", plain, outputs[plain]
     try:
-        return "inputs", plain, label(plain)
+        return "inputs", plain, quantity(plain)
     except InvalidProblem as fault:
-        _, text = fault.faults[0]
-        hint = did_you_mean(plain, outputs)
-        raise InvalidProblem(
-            [(f"{where}: {plain}", f"{text}; among the outputs: {hint.lstrip('; ')}")]
-        ) from None
+        raise InvalidProblem.at(f"{where}: {plain}", fault.faults[0][1]) from None
 
 
 def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: str) -> None:
@@ -128,10 +126,10 @@ def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: s
             raise InvalidProblem([(where, text)])
 
 
-def _si(cells: list[Any], unit: str | None, of: Label, where: str, gap: bool) -> Array:
+def _si(cells: list[Any], unit: str | None, of: Quantity | None, where: str, gap: bool) -> Array:
     """Return a column in SI; an empty cell, or nan, is nan where a ``gap`` is allowed."""
-    if not of.unit:
-        raise InvalidProblem([(where, "is no number, so it cannot be a column")])
+    if of is None:
+        raise InvalidProblem([(where, "is not a number, so it cannot be a column")])
     factor = parse(f"1 {unit}", of.unit, where) if unit and unit != "1" else 1.0
     values = np.full(len(cells), np.nan)
     for row, cell in enumerate(cells):
@@ -141,9 +139,9 @@ def _si(cells: list[Any], unit: str | None, of: Label, where: str, gap: bool) ->
         try:
             values[row] = factor * float(text)
         except (TypeError, ValueError):
-            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no number")]) from None
+            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is not a number")]) from None
         if not np.isfinite(values[row]):
-            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no finite number")])
+            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is not a finite number")])
     return values
 
 
@@ -174,7 +172,7 @@ def _csv_rows(path: Path) -> list[list[Any]]:
     try:
         text = path.read_text("utf-8-sig")
     except UnicodeDecodeError as fault:
-        raise InvalidProblem([(str(path), f"is no UTF-8 text, from byte {fault.start}")]) from None
+        raise InvalidProblem([(str(path), f"is not UTF-8 text, from byte {fault.start}")]) from None
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     between = next((sign for sign in ";\t" if sign in "".join(lines[:1])), ",")
     return list(csv.reader(lines, delimiter=between, skipinitialspace=True)) or [[]]
@@ -190,7 +188,7 @@ def _excel_rows(path: Path) -> list[list[Any]]:
             path, header=None, dtype=object, keep_default_na=False, engine="openpyxl"
         )
     except (KeyError, ValueError, EOFError, BadZipFile) as fault:
-        raise InvalidProblem([(str(path), f"is no Excel file: {fault}")]) from None
+        raise InvalidProblem([(str(path), f"is not an Excel file: {fault}")]) from None
     # nan is a formula that ended in an error
     table = table.where(table.notna(), "#N/A")
     return table[(table != "").any(axis=1)].to_numpy().tolist() or [[]]

@@ -133,7 +133,7 @@ def _same_study(path: Path, manifest: Mapping[str, Any], resume: bool) -> None:
     except (OSError, ValueError, KeyError, TypeError):
         known, digest, there = False, "", {}
     if not known:
-        raise InvalidProblem([(where, "its manifest.json is none of a study of this version")])
+        raise InvalidProblem([(where, "its manifest.json is not that of a study of this version")])
     if not resume:
         raise InvalidProblem([(where, "holds a study already; resume it, or take another folder")])
     if digest != _digest(manifest):
