@@ -14,8 +14,8 @@ that is not linear, behind the equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
@@ -361,13 +361,14 @@ class Ladder:
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
+        chance = CHANCE * (64 / (self.level.mesh.nodes.size - 1)) ** 1.6
         for name, value in self.values.items():
             told = [scalars[name] for scalars in self.history]
-            self.errors[name] = _told_error(told)
             if len(told) == 2:
-                size = self.contact.scale(name, value)
-                chance = CHANCE * (64 / (self.level.mesh.nodes.size - 1)) ** 1.6 * size
-                self.errors[name] = float(CHANGE_WEIGHT * abs(told[1] - told[0]) + chance)
+                by_chance = chance * self.contact.scale(name, value)
+                self.errors[name] = CHANGE_WEIGHT * abs(told[1] - told[0]) + by_chance
+            else:
+                self.errors[name] = _told_error(told)
 
     def _extrapolate(self, before: list[Scalars], fitted: list[Scalars]) -> None:
         for name in self.values:
@@ -408,7 +409,7 @@ class Ladder:
             fresh = None
             solution = self.find_zones(equations.stick_slip(), zones)
             self.solves += solution.solves
-            state = equations.state(replace(solution, solves=self.solves))
+            state = equations.state(solution)
             if solution.ending is not Ending.SOLVED:
                 contact.refuse(equations, state)
                 raise NotConverged(
@@ -466,11 +467,11 @@ def halved(nodes: int, coarsest: int) -> list[int]:
     return counts
 
 
-def _told_error(values: Iterable[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
+def _told_error(
+    values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS
+) -> float:
     """Estimate the last value's error from the last two changes; nan from a single value."""
-    changes = np.abs(np.diff(list(values)))[::-1]
-    if changes.size == 0:
-        return float("nan")
-    if changes.size == 1:
-        return float(changes[0])
-    return float(sum(w * c for w, c in zip(weights, changes, strict=False)))
+    changes = [abs(b - a) for a, b in pairwise(values)][::-1]
+    if len(changes) < 2:
+        return changes[0] if changes else float("nan")
+    return weights[0] * changes[0] + weights[1] * changes[1]

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import friction_laws, largest, positive_pressure
+from ..contact.certificate import (
+    friction_laws,
+    from_edge,
+    integral,
+    largest,
+    positive_pressure,
+)
 from ..contact.schemes import Mesh, scheme_of
 from ..contact.response import Tractions
 from ..problems.bodies import contact_radius
@@ -16,7 +22,7 @@ from .equations import NipMatrices, web_compliance
 if TYPE_CHECKING:
     from .result import NipResult
 
-__all__ = ["certificate", "from_edge", "matrices_of", "mesh_of"]
+__all__ = ["certificate", "matrices_of", "mesh_of"]
 
 Array = np.ndarray
 
@@ -77,14 +83,8 @@ def certificate(result: NipResult, made: NipMatrices) -> Residuals:
             unit=friction * np.max(np.abs(p)), slip_scale=made.top,
         ),
         slip_speed=largest(np.abs(told - v)) / made.top,
-        load_equilibrium=abs(float(np.trapezoid(result.pressure, x)) / P - 1),
-        force_equilibrium=abs(float(np.trapezoid(q_drum, x)) - problem.winding_force) / P,
+        load_equilibrium=abs(integral(result.pressure, x) / P - 1),
+        force_equilibrium=abs(integral(q_drum, x) - problem.winding_force) / P,
         web_equilibrium=largest(np.abs(tension)) / P,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
     )  # fmt: skip
-
-
-def from_edge(values: Array, x: Array) -> Array:
-    """Integrate from the leading edge to every node, (M,)."""
-    steps = np.diff(x) * (values[1:] + values[:-1]) / 2
-    return np.concatenate([[0.0], np.cumsum(steps)])

@@ -232,6 +232,13 @@ class NipEquations:
             return 0.0
         return imbalance(self.matrices, self.anew(state), state)
 
+    def last_slips(self, state: NipState) -> tuple[float, float]:
+        """Return v+ and v- in the last cell, which belongs to no unknown."""
+        made, last = self.matrices, slice(2 * self.mesh.unknowns, None)
+        v = made.offset[last] + made.direct[last] @ state.solution.traction
+        v += made.through_pressure[last] @ state.pressure
+        return float(v[0]), float(v[1]) + state.solution.creep
+
     def anew(self, state: NipState) -> NipMatrices:
         """Return the matrices for the same half width about a state."""
         return NipMatrices.at(self.problem, self.mesh, self.matrices.half_width, state.known)

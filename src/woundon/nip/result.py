@@ -177,6 +177,11 @@ class NipResult(WindingNipResult):
     ] = 0.0
 
     @property
+    def in_nip(self) -> slice:
+        """All nodes."""
+        return slice(0, self.x.size)
+
+    @property
     def nip_induced_tension_error(self) -> Annotated[
         float, line_load("NIT error", "estimated discretisation error of the nip-induced tension")
     ]:

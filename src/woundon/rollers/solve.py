@@ -16,7 +16,7 @@ import numpy as np
 from ..arguments import check_type, tolerance, whole_number
 from ..contact.loop import Ladder, Level, Tolerance
 from ..contact.normal import solve_normal
-from ..contact.response import on_columns
+from ..contact.response import on_columns, padded
 from ..contact.schemes import Graded, Mesh
 from ..errors import NotConverged
 from ..problems.bodies import contact_radius, half_width_guess
@@ -172,8 +172,8 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         approach=_approach(problem, made, state),
         offset=state.shift * contact_radius(problem.upper, problem.lower),
         x=a * mesh.nodes,
-        pressure=np.pad(state.pressure, 1),
-        traction=np.pad(q, 1),
+        pressure=padded(state.pressure),
+        traction=padded(q),
         slip_x=a * np.append(mesh.middle[:1], mesh.middle),
         slip=np.concatenate([slip[:1], slip, slip[-1:]]),
         zone=np.concatenate([zone[:1], zone, zone[-1:]]),
@@ -198,7 +198,7 @@ def _approach(problem: RollerProblem, made: RollerMatrices, state: RollerState) 
 def _traction_change(coarse: Level, fine: Level) -> float:
     """Return the L2 norm of the traction's change from mesh to mesh, relative to its own."""
     (x, q), (old_x, old_q) = (
-        (level.mesh.nodes, np.pad(level.state.solution.traction, 1)) for level in (fine, coarse)
+        (level.mesh.nodes, padded(level.state.solution.traction)) for level in (fine, coarse)
     )
     other = np.interp(x, old_x, old_q)
     whole = float(np.trapezoid(q**2, x))

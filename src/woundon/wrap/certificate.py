@@ -6,11 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import friction_laws, largest, positive_pressure
+from ..contact.certificate import (
+    friction_laws,
+    from_edge,
+    integral,
+    largest,
+    positive_pressure,
+)
 from ..contact.grid import Grid
 from ..contact.response import Tractions
 from ..contact.schemes import SCHEMES, Mesh
-from ..nip.certificate import from_edge
 from ..problems.bodies import contact_radius
 from ..results import Residuals
 from .equations import Known, WrapEquations
@@ -61,7 +66,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     problem, grid, x, a = result.problem, equations.grid, result.x, result.half_width
     P, T = problem.nip_load, result.web_tension
     web, h = equations.web, problem.web.thickness
-    gap, by_z, by_q = equations.indentation()
+    gap, by_z, by_q = equations.indentation
     top = float(np.max(np.abs(grid.points[grid.first : grid.last])))
     top *= a / contact_radius(problem.roll, problem.drum)
     z = np.concatenate([
@@ -76,15 +81,15 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     slips = equations.slips_at_nodes(z, q, creep)
     gained = from_edge(result.roll_traction + result.drum_traction, x)
     nip = result.in_nip
-    carried = np.trapezoid(result.pressure[nip], x[nip])
-    force = float(np.trapezoid(result.drum_traction, x)) - problem.winding_force
+    carried = integral(result.pressure[nip], x[nip])
+    force = integral(result.drum_traction, x) - problem.winding_force
     return Residuals(
         indentation=largest(np.abs(by_z @ z + by_q @ q - gap)) / top,
         positive_pressure=positive_pressure(result.roll_pressure, result.pressure),
         **_friction(result, equations, q, slips, top),
         slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips),
                        _differ(result.roll_strain, roll_strain(equations, result))) / top,
-        load_equilibrium=abs(float(carried) / P - 1),
+        load_equilibrium=abs(carried / P - 1),
         force_equilibrium=abs(force) / P,
         web_equilibrium=largest(np.abs(T - problem.web_tension - gained)) / P,
         hoop_pressure=_hoop(result, equations),
@@ -129,7 +134,7 @@ def _curvature(
     result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array
 ) -> float:
     """Return how far the curvature is from that of the bodies, relative to the largest."""
-    constant, by_z, by_q = equations.curvature()
+    constant, by_z, by_q = equations.curvature
     kappa = constant + by_z @ z + by_q @ q
     return largest(np.abs(result.curvature - kappa)) / float(np.max(np.abs(kappa)))
 

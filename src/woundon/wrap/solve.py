@@ -248,7 +248,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         **arrays,
         roll_strain=np.empty(0),
         residuals=Residuals(),
-        iterations=state.solution.solves,
+        iterations=ladder.solves,
         series_terms=max((r.terms for r in responses), default=0),
         series_error=max((r.truncation_error for r in responses), default=0.0),
         mesh=level.mesh,
