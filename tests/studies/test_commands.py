@@ -11,10 +11,9 @@ import xarray
 
 import woundon as wo
 from woundon import cli
-from woundon.studies.nip import sweep_table
-from woundon.studies.plots import plot_sweep
+from woundon.studies.api import sweep_table
 from woundon.studies.studyfile import load_study
-from woundon.thesis.cases import paper_nip
+from thesis_cases import paper_nip
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE = EXAMPLES / "newsprint_table2.toml"
@@ -92,11 +91,11 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     rows = ["nip_load [kN/m],tension [N/m],reel"]
     for P in (1000.0, 2000.0, 4000.0):
         true = case.replace(nip_load=P, **{"roll.material.shear": 1.3e7})
-        rows.append(f"{P / 1e3},{wo.solve_nip(true, nodes=25).wound_on_tension:.6f},7")
+        rows.append(f"{P / 1e3},{wo.solve_nip(true, nodes=25).tension_behind_nip:.6f},7")
     data.write_text("\n".join(rows), encoding="utf-8")
     command = [
         "fit", str(CASE), str(data), "--vary", "roll.material.shear=1 MPa:100 MPa",
-        "--column", "tension=wound_on_tension", "--column", "reel=", "--nodes", "25",
+        "--column", "tension=tension_behind_nip", "--column", "reel=", "--nodes", "25",
         "--starts", "2",
     ]  # fmt: skip
     figure, saved = tmp_path / "fit.png", tmp_path / "fit.json"
@@ -222,17 +221,17 @@ def test_figures_of_many_inputs(tmp_path: Path):
         "roll_friction": [0.2, 0.3],
         "web.material": ["paper", "newsprint"],
     }
-    table = sweep_table(paper_nip(), over, nodes=9, workers=1)
-    figure = plot_sweep(table, "nip_induced_tension", tmp_path / "grid.png")
+    table = sweep_table(paper_nip(), over, options={"nodes": 9}, workers=1)
+    figure = table.plot("nip_induced_tension", tmp_path / "grid.png")
     assert len(figure.axes) == 2
     assert all(len(axes.lines) == 2 for axes in figure.axes)
     drawn = figure.axes[0].lines[0].get_ydata()
     assert np.all(np.isin(drawn, table.outputs["nip_induced_tension"]))
     ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
     cases = sweep_table(
-        paper_nip(), ranges, design="latin-hypercube", samples=8, nodes=9, workers=1
+        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 9}, workers=1
     )
-    scatter = plot_sweep(cases, "nip_induced_tension")
+    scatter = cases.plot("nip_induced_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]
 
 

@@ -11,16 +11,16 @@ import pytest
 
 from woundon import InvalidProblem
 from woundon.studies.export import check_export
-from woundon.studies.fields import field_label
+from woundon.studies.kind_model import column_quantity, measurable
 from woundon.studies.measured import read_measured
-from woundon.studies.solver_model import all_labels
-from woundon.thesis.cases import paper_nip
+from thesis_cases import paper_nip
 
-OUTPUTS = all_labels(paper_nip())
+NIP = paper_nip().wrapped()
+OUTPUTS = measurable(NIP)
 
 
 def _read(data, columns=None):
-    return read_measured(data, OUTPUTS, lambda name: field_label(paper_nip(), name), columns)
+    return read_measured(data, OUTPUTS, lambda name: column_quantity(NIP, name), columns)
 
 
 def test_csv_with_units(tmp_path: Path):
@@ -52,13 +52,13 @@ def test_excel_reads_as_csv_does(tmp_path: Path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     for row in (
-        ["nip_load [kN/m]", "rig_tension [N/m]"], [1.9, 650], [None, None], [2.5, None]
+        ["nip_load [kN/m]", "tension_behind_nip [N/m]"], [1.9, 650], [None, None], [2.5, None]
     ):  # fmt: skip
         book.active.append(row)
     book.save(tmp_path / "rig.xlsx")
     data = _read(tmp_path / "rig.xlsx")
     assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
-    assert np.array_equal(data.outputs["rig_tension"], [650.0, np.nan], equal_nan=True)
+    assert np.array_equal(data.outputs["tension_behind_nip"], [650.0, np.nan], equal_nan=True)
 
 
 def test_columns_by_name_are_si_and_can_be_renamed():

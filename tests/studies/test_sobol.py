@@ -12,7 +12,7 @@ import woundon as wo
 from woundon.studies.engine import run_study
 from woundon.studies.runners import Here
 from woundon.studies.sobol import saltelli_design, sobol_indices_of
-from woundon.thesis.cases import paper_nip
+from thesis_cases import paper_nip
 
 
 def _indices(model, ranges, samples):

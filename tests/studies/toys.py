@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from woundon.studies.model import Answer, Label
+from woundon.quantities import Quantity, pure
+from woundon.studies.model import Answer
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ class Toy:
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
         return None
 
-    def label(self, name: str) -> Label:
-        return Label("1", name)
+    def quantity(self, name: str) -> Quantity | None:
+        return pure(name, name)
 
     def record(self) -> dict[str, Any]:
         return {"toy": type(self).__name__}

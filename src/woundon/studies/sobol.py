@@ -129,8 +129,11 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
     """
     if table.failed.size:
         reason, count = failures(table.failure)[0]
-        raise InvalidProblem.at("over", f"narrow the ranges: Sobol's indices need every case, and "
-              f"{table.failed.size} of {table.design.size} failed, {count} like this: {reason}")  # fmt: skip
+        raise InvalidProblem.at(
+            "over",
+            f"narrow the ranges: Sobol's indices need every case, and {table.failed.size} of "
+            f"{table.design.size} failed, {count} like this: {reason}",
+        )
     inputs, outputs = table.design.names, tuple(table.outputs)
     values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
     first, total = _indices(values, samples)
