@@ -183,9 +183,10 @@ def _from(predictor: Predictor, start: Array) -> tuple[float, Array] | None:
     if not np.isfinite(predictor.residuals(inside)).all():
         return None
     try:
+        # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
         end = least_squares(
             predictor.residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
-            xtol=1e-8, ftol=1e-10, max_nfev=60,
+            xtol=1e-8, ftol=1e-10, gtol=None, max_nfev=60,
         )  # fmt: skip
     except ValueError:  # a derivative could not be had
         return None
@@ -225,6 +226,7 @@ def _result(
     _, singular, V = np.linalg.svd(J * unit, full_matrices=False)
     direction = V[-1] / V[-1][np.argmax(np.abs(V[-1]))]
     m, tenth = predictor.measured.size, np.log(1.1)
+    rounding = 1e-12 * float(np.sum((predictor.measured / predictor.deviation) ** 2))
     return FitResult(
         names=tuple(p.name for p in parameters),
         estimates=np.array(list(predictor.inputs(u).values())),
@@ -235,7 +237,7 @@ def _result(
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
         minima=tuple((s, tuple(predictor.inputs(v).values())) for s, v in found),
-        reached=sum(s <= S * (1 + SAME_MINIMUM) + 1e-12 for s, _ in found), starts=starts,
+        reached=sum(s <= S * (1 + SAME_MINIMUM) + rounding for s, _ in found), starts=starts,
         solves=predictor.solves, measured=predictor.measured, fitted=predictor.values(u),
         row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
         weighted=predictor.weighted, profiles=profiles, quantities=quantities,

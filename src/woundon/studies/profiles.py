@@ -144,7 +144,7 @@ class _Walk:
             low, high = np.delete(np.transpose([p.ends for p in predictor.parameters]), j, axis=1)
             found = least_squares(
                 residuals, np.clip(others, low + 1e-9, high - 1e-9), jacobian, (low, high),
-                x_scale="jac", ftol=1e-6, xtol=1e-6, max_nfev=20,
+                x_scale="jac", ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
             )  # fmt: skip
             best, r = whole(found.x), found.fun
         S = float(r @ r)
