@@ -23,7 +23,7 @@ from ..arguments import check_type, tolerance, whole_number
 from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Ladder, Level, Start, halved
 from ..contact.response import on_columns, padded
-from ..contact.schemes import SCHEMES, Mesh, Scheme, scheme_of
+from ..contact.schemes import Mesh, Scheme, scheme_of
 from ..contact.zones import slip_lengths
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.bodies import contact_radius, half_width_guess
@@ -163,6 +163,11 @@ class NipContact:
         """The smaller radius [m]."""
         return min(self.problem.roll.radius, self.problem.drum.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.roll.linear and self.problem.drum.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.roll, self.problem.drum)
@@ -173,7 +178,7 @@ class NipContact:
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or (self.problem.roll.linear and self.problem.drum.linear):
+        if before is None or not self.settles_apart:
             return None
         roll, drum = before.state.known
         old, new = before.mesh.columns, mesh.columns
@@ -189,7 +194,9 @@ class NipContact:
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
         state, problem = level.state, self.problem
-        whole = float(level.equations.matrices.weights @ (state.roll_traction + state.drum_traction))
+        whole = float(
+            level.equations.matrices.weights @ (state.roll_traction + state.drum_traction)
+        )
         return {
             "nip_induced_tension": whole,
             "tension_behind_nip": problem.web_tension + whole,
@@ -247,7 +254,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     )
 
 
-def along_nip(level: Level) -> dict[str, Array]:
+def along_nip(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the nip, by the names of the result, (M,) each."""
     state, mesh, n = level.state, level.mesh, level.mesh.unknowns
     a, slips, zones = state.half_width, state.solution.slip, state.solution.state
@@ -274,7 +281,7 @@ def _on_nodes(values: Array, last: Any) -> Array:
 
 def slip_ratios(
     problem: Any, arrays: Mapping[str, Array], *, sub_cell: bool = True
-) -> dict[str, float]:
+) -> dict[str, Any]:
     """Return the signed slip lengths over the nip width (thesis eq. 172) by name.
 
     Parameters

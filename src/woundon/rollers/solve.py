@@ -103,6 +103,11 @@ class RollerContact:
         """The smaller radius [m]."""
         return min(self.problem.upper.radius, self.problem.lower.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.upper.linear and self.problem.lower.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.upper, self.problem.lower)
@@ -110,14 +115,17 @@ class RollerContact:
     def frictionless_load(self, mesh: Mesh, a: float) -> float:
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         upper, lower = self.problem.upper, self.problem.lower
-        slopes = (b.respond(mesh, a).pressure_slope() for b in (upper, lower) if not b.rigid)
+        slope = np.zeros((mesh.unknowns + 1, mesh.unknowns))
+        for body in (upper, lower):
+            if not body.rigid:
+                slope += body.respond(mesh, a).pressure_slope()
         gap = mesh.middle * (a / contact_radius(upper, lower))
-        pressure = solve_normal(sum(slopes), gap, np.empty((gap.size, 0)))[:-1, 0]
+        pressure = solve_normal(slope, gap, np.empty((gap.size, 0)))[:-1, 0]
         return float(a * mesh.grid.weights @ pressure)
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or (self.problem.upper.linear and self.problem.lower.linear):
+        if before is None or not self.settles_apart:
             return None
         upper, lower = before.state.known
         old, new = before.mesh.columns, mesh.columns
@@ -136,7 +144,7 @@ class RollerContact:
         rolling = problem.motion == "rolling"
         return {
             "half_width": level.half_width,
-            "width": 2 * level.half_width,
+            "nip_width": 2 * level.half_width,
             "peak_pressure": level.at_load(float(np.max(state.pressure))),
             "offset": state.shift * contact_radius(problem.upper, problem.lower),
             "tangential_load": float(level.equations.matrices.weights @ state.solution.traction),

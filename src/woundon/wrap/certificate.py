@@ -13,9 +13,9 @@ from ..contact.certificate import (
     largest,
     positive_pressure,
 )
-from ..contact.grid import Grid
 from ..contact.response import Tractions
 from ..contact.schemes import SCHEMES, Mesh
+from ..errors import InvalidProblem
 from ..problems.bodies import contact_radius
 from ..results import Residuals
 from .equations import Known, WrapEquations
@@ -40,15 +40,26 @@ def equations_of(result: WrappedNipResult) -> WrapEquations:
 
 
 def _grid_of(result: WrappedNipResult) -> WrapGrid:
-    own, a = result.in_nip, result.half_width
-    arcs = own.start, result.x.size - own.stop  # cells on the drum's arc and on the roll's
-    return grid_for(result.problem, _nip_mesh(result).grid, a, *arcs)
+    """Return the grid: the nip's mesh, and as many cells on the arcs as there are nodes left.
+
+    Raises
+    ------
+    InvalidProblem
+        If the nodes cannot be those of such a nip.
+    """
+    first, mesh = result.in_nip.start, _nip_mesh(result)
+    behind = result.x.size - first - mesh.nodes.size
+    grid = grid_for(result.problem, mesh.grid, result.half_width, first, max(behind, 1))
+    if grid.size != result.x.size or grid.first != first:
+        a = result.half_width
+        raise InvalidProblem.at("x", f"its nodes are not those of a nip of half width {a:.6g} m")
+    return grid
 
 
 def _nip_mesh(result: WrappedNipResult) -> Mesh:
     """Return the nip's mesh: that of the solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     own, a = result.in_nip, result.half_width
     points = np.append(result.slip_x[own][1:] / a, 1.0)
     return SCHEMES["graded"].restored(result.x[own] / a, points)
@@ -130,9 +141,7 @@ def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
     return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
 
 
-def _curvature(
-    result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array
-) -> float:
+def _curvature(result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array) -> float:
     """Return how far the curvature is from that of the bodies, relative to the largest."""
     constant, by_z, by_q = equations.curvature
     kappa = constant + by_z @ z + by_q @ q
