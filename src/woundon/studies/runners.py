@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import closing
 from functools import partial
@@ -30,7 +30,7 @@ DIED = "the worker process died while it solved this chunk, twice"
 class Runner(Protocol):
     """Solves chunks."""
 
-    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Iterator[Block]:
+    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Generator[Block, None, None]:
         """Yield every chunk's block as soon as it is done."""
         ...
 
@@ -68,7 +68,7 @@ class Here:
     def __init__(self, then: Runner | None = None) -> None:
         self.then = then
 
-    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Iterator[Block]:
+    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Generator[Block, None, None]:
         """Yield every chunk's block as soon as it is done."""
         began, done = time.perf_counter(), 0
         with stoppable(FINISHING) as stopped:
@@ -88,7 +88,7 @@ class Pool:
     def __init__(self, workers: int) -> None:
         self.workers = workers
 
-    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Iterator[Block]:
+    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Generator[Block, None, None]:
         """Yield every chunk's block as soon as it is done."""
 
         def died(chunk: Chunk) -> Block:
@@ -108,7 +108,7 @@ class DaskRunner:
     def __init__(self, address: str, timeout: float = 10.0) -> None:
         self.address, self.timeout = address, timeout
 
-    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Iterator[Block]:
+    def solved(self, model: Model, chunks: Sequence[Chunk]) -> Generator[Block, None, None]:
         """Yield every chunk's block as soon as it is done."""
         try:
             from distributed import Client, KilledWorker
