@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from ..errors import InvalidProblem
@@ -70,19 +70,14 @@ def run_study(
         if number not in done
     ]
     left = sum(len(c.cases) for c in chunks)
-    blocks = runner.solved(model, chunks)
-    with _told(progress, design.size - left, design.size) as tell:
-        try:
-            for block in blocks:
-                if store is not None:
-                    store.write(block)
-                table.put(block)
-                tell(len(block.cases))
-        finally:
-            # ends the workers here, where Ctrl-C can be heard, not whenever garbage is collected
-            close = getattr(blocks, "close", None)
-            if close is not None:
-                close()
+    told = _told(progress, design.size - left, design.size)
+    # closed: that ends the workers here, not whenever garbage is collected
+    with told as tell, closing(runner.solved(model, chunks)) as blocks:
+        for block in blocks:
+            if store is not None:
+                store.write(block)
+            table.put(block)
+            tell(len(block.cases))
     return table
 
 
