@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon import cli
 from woundon.studies.api import sweep_table
 from woundon.studies.studyfile import load_study
-from thesis_cases import paper_nip
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE = EXAMPLES / "newsprint_table2.toml"

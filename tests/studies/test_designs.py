@@ -87,7 +87,7 @@ def test_saltelli_design_swaps_one_column_at_a_time():
         ({"a": [1.0]}, "gird", None, "did you mean 'grid'"),
         ({"a": [1.0]}, "grid", 8, "samples: 8 has no meaning in a grid"),
         ({"a": [1.0], "b": [1.0, 2.0]}, "table", None, "differ in length"),
-        ({"a": (1.0, 2.0)}, "sobol", 6, "samples: 6 is not a power of 2, as Sobol points ask for: 4"),
+        ({"a": (1.0, 2.0)}, "sobol", 6, "samples: 6 is not a power of 2, as Sobol points ask for"),
         ({"a": (1.0, 2.0)}, "latin-hypercube", None, "samples: None is not a number of cases"),
         ({"a": (2.0, 1.0)}, "sobol", 8, "must be low < high"),
         ({"a": (0.0, 1.0, "log")}, "sobol", 8, "must be 0 < low < high"),

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 import toys
 from scipy import stats
+from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon.studies.fit import fit_parameters
 from woundon.studies.kind_model import model_of
 from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
-from thesis_cases import newsprint_nip, paper_nip
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
@@ -147,8 +147,9 @@ def test_exact_derivatives_are_those_of_differences():
     measured = Measured({"nip_load": np.array(LOADS)}, dict.fromkeys(outputs, unknown), {})
     tie = {"web.material": "roll.material"}
     model = model_of(paper_nip(), outputs, tie, {"nodes": 33})
-    parameters = Parameter("roll.material.shear", 1e6, 1e8, 1e7), Parameter(
-        "roll_friction", 0.02, 2.0, 0.2
+    parameters = (
+        Parameter("roll.material.shear", 1e6, 1e8, 1e7),
+        Parameter("roll_friction", 0.02, 2.0, 0.2),
     )
     predictor = Predictor(model, measured, parameters)
     u = np.log([1.1e7, 0.21])

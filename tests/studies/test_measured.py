@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
+from thesis_cases import paper_nip
 
 from woundon import InvalidProblem
 from woundon.studies.export import check_export
 from woundon.studies.kind_model import column_quantity, measurable
 from woundon.studies.measured import read_measured
-from thesis_cases import paper_nip
 
 NIP = paper_nip().wrapped()
 OUTPUTS = measurable(NIP)

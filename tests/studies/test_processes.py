@@ -91,7 +91,7 @@ def _start(script: str, *args: str) -> subprocess.Popen[str]:
 STUDY = """
 import numpy as np
 import woundon as wo
-from woundon.thesis.cases import paper_nip
+from thesis_cases import paper_nip
 
 print("the script runs")
 over = {"nip_load": np.linspace(1000, 4000, 200)}

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import toys
+from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.studies import runners
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.runners import DIED, DaskRunner, Here, Pool
-from thesis_cases import paper_nip
 
 DESIGN = make_design({"a": range(8)})
 

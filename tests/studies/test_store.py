@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import toys
 import xarray
+from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.studies.api import sweep_table
@@ -19,7 +20,6 @@ from woundon.studies.engine import run_study
 from woundon.studies.export import export
 from woundon.studies.runners import Here
 from woundon.studies.table import failures
-from thesis_cases import paper_nip
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
 

@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 import pytest
+from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.studies.api import sweep_table
-from thesis_cases import paper_nip
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8
@@ -184,5 +184,5 @@ def test_bad_sweeps_are_refused(over, outputs, options, says):
 
 
 def test_a_study_of_no_problem_is_refused():
-    with pytest.raises(wo.InvalidProblem, match="must be a NipProblem, WrappedNipProblem or RollerProblem"):
+    with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or RollerProblem"):
         wo.sweep({"nip_load": 1.0}, {"nip_load": [1.0]})

@@ -23,6 +23,7 @@ from .kind_model import (
     options_of,
 )
 from .measured import Measured, read_measured
+from .model import quantities_of
 from .predict import Parameter, Predictor
 from .runners import runner_for
 from .sobol import SobolIndices, saltelli_design, sobol_indices_of
@@ -234,8 +235,7 @@ def fit(
     for parameter in parameters:
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
-    told = {n: model.quantity(n) for n in (*(p.name for p in parameters), *data.outputs)}
-    quantities = {name: quantity for name, quantity in told.items() if quantity is not None}
+    quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
     _one_unit(quantities, data)
     found = fit_parameters(
         Predictor(model, data, parameters), starts=starts, seed=seed, profiles=profiles,

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import InvalidProblem
 from .design import Design
 from .evaluate import Chunk
-from .model import Model
+from .model import Model, quantities_of
 from .runners import Runner
 from .store import Store
 from .table import Table
@@ -54,8 +54,7 @@ def run_study(
     """
     for name in set(design.names) & set(model.outputs):
         raise InvalidProblem.at(name, "is varied, so it cannot be an output too")
-    told = {name: model.quantity(name) for name in (*design.names, *model.outputs)}
-    quantities = {name: quantity for name, quantity in told.items() if quantity is not None}
+    quantities = quantities_of(model, (*design.names, *model.outputs))
     record = model.record()
     table = Table.empty(design, model.outputs, quantities, record)
     store, done = None, set[int]()

@@ -5,14 +5,14 @@ A study knows nothing of what it studies.  Whoever binds a solver to it writes a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ..quantities import Quantity
 
-__all__ = ["Answer", "Model"]
+__all__ = ["Answer", "Model", "quantities_of"]
 
 
 class Answer(NamedTuple):
@@ -70,3 +70,9 @@ class Model(Protocol):
     def record(self) -> dict[str, Any]:
         """Return all that the numbers depend on (base problem, settings, version) for JSON."""
         ...
+
+
+def quantities_of(model: Model, names: Iterable[str]) -> dict[str, Quantity]:
+    """Return what inputs and outputs are, those that are numbers."""
+    told = {name: model.quantity(name) for name in names}
+    return {name: quantity for name, quantity in told.items() if quantity is not None}
