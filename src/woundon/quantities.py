@@ -227,7 +227,7 @@ def output(thing: Any, name: str) -> Place | None:
 def outputs(thing: Any) -> tuple[Place, ...]:
     """Return the outputs of a result's class or instance, without values."""
     of = thing if isinstance(thing, type) else type(thing)
-    return tuple(_walk_outputs(of, of, ""))
+    return tuple(_walk_outputs(thing, of, "", values=False))
 
 
 def scalar_outputs(thing: Any) -> dict[str, Quantity]:
@@ -245,10 +245,11 @@ def value_of(thing: Any, name: str) -> Any:
     return value() if callable(value) else value
 
 
-def _walk_outputs(thing: Any, of: type, prefix: str) -> Iterator[Place]:
+def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Iterator[Place]:
+    own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
-        value = None if thing is of else value_of(thing, name)
-        yield Place(f"{prefix}{name}", quantity, hint, of, value)
+        value = value_of(thing, name) if values and thing is not of else None
+        yield Place(f"{prefix}{name}", own.get(name, quantity), hint, of, value)
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:
