@@ -41,8 +41,8 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
     path : path
         TOML file (see :func:`~.case_texts.template`).
     settings : str or iterable of str
-        Changes such as "nip_load=3.5 kN/m", "web.thickness=57 um" or "drum.layers.0.thickness=4 mm",
-        made before validation.
+        Changes such as "nip_load=3.5 kN/m", "web.thickness=57 um" or, of the first item of a list,
+        "drum.layers.0.thickness=4 mm", made before validation.
 
     Returns
     -------
@@ -112,7 +112,8 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     """Return the case's tables with settings "field=value" applied.
 
     Nested fields go by dotted name, items of a list by number, fields of a table such as ``[wrap]``
-    by their bare name.  A value with a unit, a plain number (SI) or a name is taken as in the file.
+    by their bare name.  A value with a unit, a plain number (SI) or a name is taken as in the file;
+    "none" leaves an optional field, or a table, out.
 
     Raises
     ------
@@ -138,11 +139,14 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
 def _set(case: dict[str, Any], parts: list[str], value: Any, model: type[Any]) -> None:
     """Set one value in a case's tables; tables that are not there are made."""
     *heads, leaf = parts
-    path, inner = ".".join(parts), case
+    path = ".".join(parts)
+    inner: Any = case
     for k, head in enumerate(heads):
         inner = _below(inner, head, path, find(model, ".".join(heads[: k + 1])))
     if isinstance(inner, list):
         inner[_place(inner, leaf, path)] = value
+    elif value is None:
+        inner.pop(leaf, None)
     else:
         inner[leaf] = value
 
@@ -166,8 +170,10 @@ def _place(items: list[Any], name: str, path: str) -> int:
     return int(name)
 
 
-def _plain(text: str) -> str | float:
+def _plain(text: str) -> str | float | None:
     text = text.strip()
+    if text.lower() == "none":
+        return None
     if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'":
         text = text[1:-1]
     try:
@@ -207,7 +213,7 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
         raise (type(report) if whole else InvalidProblem)(faults) from None
     if faults:
         raise InvalidProblem(faults)
-    return problem  # type: ignore[no-any-return]
+    return problem
 
 
 def _kind_of(names: Iterable[str]) -> kinds.Kind:

@@ -16,7 +16,7 @@ from .. import kinds
 from ..errors import InvalidProblem, one_of
 from ..problems.fields import Description, Family, Problem, bounds
 from ..problems.materials import MATERIALS
-from ..quantities import Quantity, members_of, quantity_of
+from ..quantities import Quantity, quantity_of
 from .units import written
 
 __all__ = ["SCHEMA", "described", "template", "to_toml"]
@@ -148,7 +148,8 @@ class _Writer:
         """Yield the sections of a problem: its own fields, its tables, then what is nested."""
         grouped = {name for names in problem.tables.values() for name in names}
         top, *nested = self.description(problem, "", "", grouped)
-        yield Section("", [Row("schema", str(SCHEMA), self.told("version of the format")), *top.rows])
+        schema = Row("schema", str(SCHEMA), self.told("version of the format"))
+        yield Section("", [schema, *top.rows])
         for group, names in problem.tables.items():
             yield Section(f"[{group}]", [self.row(problem, name) for name in names
                                          if self.shows(problem, name)],
@@ -202,7 +203,7 @@ class _Writer:
 
     def kind(self, thing: Family) -> Row:
         """Return the line that names a member of an open set; the first lists all of them."""
-        base = next(b for b in type(thing).__mro__ if Family in b.__bases__)
+        base: Any = next(b for b in type(thing).__mro__ if Family in b.__bases__)
         others = {n: m for n, m in base.members().items() if n != thing.member_name()}
         told = [f"{name} ({', '.join(of.model_fields)})" for name, of in others.items()]
         if base in self.listed:

@@ -2,9 +2,9 @@
 
 A record has format, schema, version, kind, the problem, the result's fields with their dimensions,
 residuals, errors and warnings, and, for readers only, the outputs that the fields give.  Fields are
-read off the dataclass: one with ``metadata={"saved": False}`` stays out.  One that a record does not
-have takes its default; one that this version does not know is left out with a warning, for the
-record may come from a later version.  What is damaged is refused.
+read off the dataclass: one with ``metadata={"saved": False}`` stays out.  A field that a record
+does not have takes its default; one that this version does not know is left out with a warning,
+for the record may come from a later version.  What is damaged is refused.
 """
 
 from __future__ import annotations
@@ -34,6 +34,13 @@ _OWN = ("problem", "residuals", "errors", "warnings")  # told beside the other f
 
 
 def to_record(result: Result) -> Record:
+    """Return the record of a result.
+
+    Raises
+    ------
+    InvalidProblem
+        For a field that is nothing that files hold.
+    """
     saved = {part.name: getattr(result, part.name) for part in saved_fields(type(result))}
     told = [name for name in scalar_outputs(result) if name not in saved]
     return {
@@ -52,6 +59,7 @@ def to_record(result: Result) -> Record:
 
 
 def saved_fields(cls: type[Any]) -> list[Field[Any]]:
+    """Return the fields of a result's class that a record has under ``fields``."""
     return [f for f in fields(cls) if f.name not in _OWN and f.metadata.get("saved", True)]
 
 
@@ -67,7 +75,7 @@ def plain(value: Any, name: str) -> Any:
         return int(value)
     if isinstance(value, (float, np.floating)):
         return float(value) if isfinite(value) else None
-    text = f"a {type(value).__name__} cannot be saved; mark the field with metadata={{'saved': False}}"
+    text = f"a {type(value).__name__} cannot be saved; give the field metadata={{'saved': False}}"
     raise InvalidProblem.at(name, text)
 
 
@@ -106,7 +114,7 @@ def from_record(record: Record) -> Result:
         raise
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
         raise InvalidProblem("is no result saved by woundon, or damaged") from None
-    return _accepted(result)  # type: ignore[no-any-return]
+    return _accepted(result)
 
 
 def _restored_fields(
@@ -194,5 +202,3 @@ def _accepted(result: Result) -> Result:
         return result.checked()
     except NotConverged as fault:
         raise InvalidProblem.at("residuals", str(fault)) from None
-
-

@@ -34,6 +34,7 @@ __all__ = ["load_result", "save_result", "to_dataset", "to_json", "writer_for"]
 LARGEST = 1_000_000_000  # bytes
 _ERROR = "_error"  # what the name of an output's estimated error ends with
 
+
 def save_result(result: Result, path: str | Path) -> None:
     """Write a result to ``.nc``, ``.json`` or ``.csv``, by the path's ending.
 
@@ -158,7 +159,7 @@ def to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
 def _sensitivity_record(sensitivity: Sensitivity) -> Record:
     ordered = sensitivity.sorted()
 
-    def named(table: Array) -> dict[str, dict[str, float | None]]:
+    def named(table: np.ndarray) -> dict[str, dict[str, float | None]]:
         return {
             output: dict(zip(ordered.parameters, plain(row, output), strict=True))
             for output, row in zip(ordered.outputs, table, strict=True)
@@ -218,8 +219,8 @@ def to_dataset(result: Result) -> xarray.Dataset:
             continue
         data = np.asarray(getattr(result, name)) if dims else nan if value is None else value
         variables[name] = (dims, data, _labels(known.get(name)))
-    for name, value in record["errors"].items():
-        variables[f"{name}{_ERROR}"] = ((), nan if value is None else value, _error(known.get(name)))
+    for name, error in result.errors.items():
+        variables[f"{name}{_ERROR}"] = ((), error, _error(known.get(name)))
     variables["residual"] = ("law", list(record["residuals"].values()), _labels(known["residual"]))
     names = {dim for dims in record["dimensions"].values() for dim in dims}
     coordinates = {name: variables.pop(name) for name in list(variables) if name in names}
@@ -236,8 +237,8 @@ def _error(quantity: Quantity | None) -> dict[str, str]:
     """Return the labels of an output's error."""
     if quantity is None:
         return {}
-    about, symbol = f"estimated discretisation error: {quantity.meaning}", f"{quantity.symbol} error"
-    return {"units": quantity.unit, "long_name": about, "symbol": symbol}
+    about = f"estimated discretisation error: {quantity.meaning}"
+    return {"units": quantity.unit, "long_name": about, "symbol": f"{quantity.symbol} error"}
 
 
 def _netcdf(result: Result) -> bytes:
@@ -252,7 +253,8 @@ def _record_of_netcdf(content: bytes) -> Record:
         values = {str(name): _null(v.values.tolist()) for name, v in data.variables.items()}
         dimensions = {str(name): list(v.dims) for name, v in data.variables.items()}
         attributes = {str(name): _item(value) for name, value in data.attrs.items()}
-    record: Record = {name: attributes.pop(name) for name in ("format", "schema", "version", "kind")}
+    heads = ("format", "schema", "version", "kind")
+    record: Record = {name: attributes.pop(name) for name in heads}
     record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
     record["residuals"] = dict(zip(values.pop("law"), values.pop("residual"), strict=True))
     if record["schema"] == 1:

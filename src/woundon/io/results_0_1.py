@@ -1,10 +1,10 @@
 """Results that woundon 0.1 saved (schema 1), as this version has them.
 
-    nip          wound_on_tension was T_out: a property now, tension_behind_nip
-    wrapped_nip  the problem was a NipProblem, wraps and force stood on the result; its tensions at
-                 the nip, wrap tractions and slip angle are properties now
-    rollers      where the slip is taken, and the shift of static ones, were not told
-    all          slip ratios in a table of their own; one error, that of the tension
+nip          wound_on_tension was T_out: a property now, tension_behind_nip
+wrapped_nip  the problem was a NipProblem, wraps and force stood on the result; its tensions at the
+             nip, wrap tractions and slip angle are properties now
+rollers      where the slip is taken, and the shift of static ones, were not told
+all          slip ratios in a table of their own; one error, that of the tension
 """
 
 from __future__ import annotations
