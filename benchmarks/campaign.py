@@ -29,7 +29,7 @@ from table_run import Row, run_table
 
 import woundon as wo
 from woundon.assembly import NipEquations
-from woundon.contact.discretisation import discretisation
+from woundon.contact.schemes import discretisation
 from woundon.contact.stick_slip import Ending, solve_stick_slip
 
 warnings.simplefilter("ignore", wo.ValidityWarning)

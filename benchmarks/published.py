@@ -20,7 +20,7 @@ from woundon.assembly import (
     contact_radius,
     half_width_guess,
 )
-from woundon.contact.discretisation import Discretisation, Response, discretisation
+from woundon.contact.schemes import Discretisation, Response, discretisation
 from woundon.contact.normal import solve_normal
 from woundon.contact.panagiotopoulos import panagiotopoulos
 from woundon.contact.stick_slip import Ending

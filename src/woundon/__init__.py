@@ -9,6 +9,7 @@ __version__ = "0.2.0.dev0"
 
 _HOME = {
     "Body": "problems.bodies",
+    "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
     "Graded": "contact.schemes",
     "HalfPlane": "problems.bodies",
@@ -29,6 +30,7 @@ _HOME = {
     "RollerProblem": "problems.rollers",
     "RollerResult": "rollers.result",
     "Thesis": "contact.schemes",
+    "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
     "WrappedNipProblem": "problems.nip",
@@ -53,7 +55,9 @@ __all__ = ["__version__", *sorted(_HOME)]
 if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
+    from .contact.response import ContactGrid as ContactGrid
     from .contact.response import Response as Response
+    from .contact.response import Tractions as Tractions
     from .contact.schemes import Graded as Graded
     from .contact.schemes import Thesis as Thesis
     from .errors import InvalidProblem as InvalidProblem

@@ -1,7 +1,7 @@
 """A quantity is one thing: its symbol, units and meaning stand once, on the field that holds it.
 
-A :class:`Quantity` is metadata of an annotation, of a description's field, a result's field, or what
-a result's property or method returns:
+A :class:`Quantity` is metadata of an annotation: of a description's field, of a result's field, or
+of what a result's property or method returns:
 
     nip_load: Annotated[Number, line_load("P", "nip load"), Field(ge=1e-12, le=1e7)]
     half_width: Annotated[float, length("a", "half-width of the nip")]

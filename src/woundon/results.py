@@ -57,7 +57,9 @@ class Residuals:
     @property
     def worst(self) -> str:
         """The law that is violated most; one whose violation is nan before all others."""
-        return max(self._laws, key=lambda law: (self._laws[law] != self._laws[law], self._laws[law]))
+        return max(
+            self._laws, key=lambda law: (self._laws[law] != self._laws[law], self._laws[law])
+        )
 
     def replace(self, **laws: float) -> Residuals:
         """Return the same with some violations changed."""
@@ -174,10 +176,10 @@ class Result:
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the result as an xarray Dataset, every variable with unit and symbol."""
-        return kinds.fetch("woundon.io.result_files:to_dataset")(self)  # type: ignore[no-any-return]
+        return kinds.fetch("woundon.io.result_files:to_dataset")(self)
 
     def __str__(self) -> str:
-        return kinds.fetch("woundon.show.report:report_text")(self)  # type: ignore[no-any-return]
+        return kinds.fetch("woundon.show.report:report_text")(self)
 
     def __repr__(self) -> str:
         scalars = (p for p in walk(self) if isinstance(p.value, float) and p.quantity is not None)

@@ -1,8 +1,8 @@
 """Rival theories and closed forms, to compare the solved contact with.
 
 Pure functions of a problem; none of them solves anything.  All bodies are taken as half-planes of
-their material (a :class:`~woundon.problems.bodies.Cylinder` loses its core, a :class:`~woundon.problems.bodies.Rigid`
-has no compliance at all), and the web between roll and drum is left out unless a formula names it.
+their material (a :class:`~woundon.Cylinder` loses its core, a :class:`~woundon.Rigid` has no
+compliance at all), and the web between roll and drum is left out unless a formula names it.
 
 With the half-plane's coefficients A, B, C of thesis eq. (30) summed over the two bodies, the
 surfaces under the pressure p(x) and the traction q(x) on the upper body (-q(x) on the lower) obey::
@@ -23,9 +23,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .arguments import check_type
 from .elasticity import half_plane, strip
 from .errors import InvalidProblem
-from .arguments import check_type
 from .problems.bodies import Body, contact_radius
 from .problems.nip import WindingNip
 from .problems.rollers import RollerProblem

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 import woundon as wo
 from woundon.assembly import NipEquations, contact_radius, half_width_guess
-from woundon.contact.discretisation import discretisation
+from woundon.contact.schemes import discretisation
 from woundon.elasticity import strip
 
 

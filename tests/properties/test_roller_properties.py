@@ -17,7 +17,7 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 import woundon as wo
-from woundon.contact.discretisation import interpolation_rank
+from woundon.contact.schemes import interpolation_rank
 from woundon.contact.grid import Grid
 
 

@@ -12,7 +12,7 @@ import pytest
 from pydantic import TypeAdapter
 
 import woundon as wo
-from woundon.bodies import AnyBody
+from woundon.problems.bodies import AnyBody
 from woundon.elasticity.kernels import SurfaceKernels
 
 STEEL = wo.material("steel")

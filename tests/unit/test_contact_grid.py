@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from woundon.contact.discretisation import discretisation, interpolation_rank, on_grid
+from woundon.contact.schemes import discretisation, interpolation_rank, on_grid
 from woundon.contact.grid import Grid, cosine_grid, segmented_grid, uniform_grid, zone_borders
 from woundon.elasticity import half_plane
 from woundon.elasticity.kernels import Kernel

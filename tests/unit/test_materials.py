@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import woundon as wo
 from woundon.elasticity import half_plane
 from woundon.elasticity.strip import compliance
-from woundon.materials import MATERIALS
+from woundon.problems.materials import MATERIALS
 
 ratio = st.floats(0, 0.499)
 modulus = st.floats(1e4, 1e12)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from woundon.nip import solve_nip
-from woundon.thesis.cases import paper_nip
+from thesis_cases import paper_nip
 from woundon.thesis.slip_zones import zone_lengths
 
 

@@ -10,8 +10,8 @@ import pytest
 
 import woundon as wo
 from woundon import cli
-from woundon.thesis.cases import newsprint_nip, paper_nip
-from woundon.validity import nip_warnings
+from thesis_cases import newsprint_nip, paper_nip
+from woundon.nip.validity import nip_warnings
 
 NODES = 33  # warnings do not wait for accuracy
 
@@ -160,8 +160,8 @@ def test_warnings_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) -> None:
     """The warning reads the strain off the web's and the slip; the kernels give it directly."""
     from woundon.assembly import surface_response
-    from woundon.contact.discretisation import discretisation
-    from woundon.validity import _drum_strain
+    from woundon.contact.schemes import discretisation
+    from woundon.nip.validity import _drum_strain
 
     drum = cover(0.02, isotropic(2e6, 0.45))
     problem = paper_nip(drum=drum, winding_force=300.0, **{"web.thickness": thickness})

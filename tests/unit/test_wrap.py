@@ -13,8 +13,8 @@ import pytest
 import woundon as wo
 from woundon import cli
 from woundon.results import NipResult
-from woundon.thesis.cases import paper_nip
-from woundon.units import parse
+from thesis_cases import paper_nip
+from woundon.io.units import parse
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 PAPER = paper_nip(web_tension=300.0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import woundon as wo
-from woundon.surface import rig_tension
-from woundon.thesis.cases import measured_tensions, newsprint_nip
+from woundon.nip.roll_surface import wound_on_tension_estimate
+from thesis_cases import measured_tensions, newsprint_nip
 from woundon.thesis.table3 import NIP_LOADS, theory
 
 # tension less T_in by an independent program with its own graded scheme, four digits

@@ -226,7 +226,7 @@ def test_a_start_that_leads_astray_is_let_go() -> None:
 
     import woundon as wo
     from woundon.assembly import NipEquations
-    from woundon.contact.discretisation import discretisation
+    from woundon.contact.schemes import discretisation
 
     result = wo.solve_nip(random_nip(254), nodes=65)
     disc = discretisation("graded", 65)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.contact.discretisation import discretisation
+from woundon.contact.schemes import discretisation
 from woundon.elasticity.strip import compliance
 from woundon.thesis import fig34, fig35, wraps
-from woundon.thesis.cases import newsprint_nip, paper_nip
+from thesis_cases import newsprint_nip, paper_nip
 from woundon.thesis.frame import Outcome
 from woundon.wrap.equations import Loads, WrapEquations
 from woundon.wrap.grid import wrap_grid

@@ -9,14 +9,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-__all__ = ["friction_laws", "largest", "positive_pressure"]
+__all__ = ["friction_laws", "from_edge", "integral", "largest", "positive_pressure"]
 
 Array = np.ndarray
 
 
 def largest(values: Array) -> float:
     """Return the largest of some violations, 0 of none; nan if one is nan."""
-    return float(np.max(values, initial=0.0))
+    return float(values.max(initial=0.0))
 
 
 def positive_pressure(*pressures: Array) -> float:
@@ -44,12 +44,25 @@ def friction_laws(
         The slip that counts as one.
     """
     stuck = zones == 0
-    known = np.isin(zones, (-1, 0, 1))
+    slips, way = ~stuck, zones[zones != 0]
+    # a number that is none of the three is no zone: its traction cannot be right
+    wrong = float("inf") if (np.abs(way) != 1).any() else 0.0
     return {
-        "stick": largest(np.abs(slip)[stuck]) / slip_scale,
-        "friction_bound": largest(((np.abs(traction) - bound) / unit)[stuck]),
-        # a zone that is none of the three is no zone: its traction cannot be right
-        "slip_traction": largest((np.abs(traction - np.sign(zones) * bound) / unit)[~stuck])
-        + (0.0 if known.all() else float("inf")),
-        "slip_direction": largest((-zones * slip)[~stuck]) / slip_scale,
+        "stick": largest(np.abs(slip[stuck])) / slip_scale,
+        "friction_bound": largest((np.abs(traction[stuck]) - bound[stuck]) / unit[stuck]),
+        "slip_traction": wrong
+        + largest(np.abs(traction[slips] - way * bound[slips]) / unit[slips]),
+        "slip_direction": largest(-way * slip[slips]) / slip_scale,
     }
+
+
+def from_edge(values: Array, x: Array) -> Array:
+    """Integrate piecewise linear values from the first node to every node, (M,)."""
+    out = np.zeros(x.size)
+    np.cumsum((x[1:] - x[:-1]) * (values[1:] + values[:-1]), out=out[1:])
+    return out / 2
+
+
+def integral(values: Array, x: Array) -> float:
+    """Integrate piecewise linear values over all nodes."""
+    return float((x[1:] - x[:-1]) @ (values[1:] + values[:-1])) / 2

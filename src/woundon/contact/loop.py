@@ -14,8 +14,8 @@ that is not linear, behind the equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
@@ -120,18 +120,25 @@ class Known(NamedTuple):
 
 
 class Contact(Protocol):
-    """A problem that the loop can solve.
+    """A problem that the loop can solve."""
 
-    Attributes
-    ----------
-    load : float
-        What the pressure must carry [N/m].
-    widest : float
-        Largest half width that makes sense [m].
-    """
+    @property
+    def load(self) -> float:
+        """What the pressure must carry [N/m]."""
+        ...
 
-    load: float
-    widest: float
+    @property
+    def widest(self) -> float:
+        """Largest half width that makes sense [m]."""
+        ...
+
+    @property
+    def settles_apart(self) -> bool:
+        """Whether what is linearised must settle before a load tells the width.
+
+        Bodies that are not linear must; else both settle together.
+        """
+        ...
 
     def guess(self) -> float:
         """Return a half width to start from [m]."""
@@ -361,13 +368,14 @@ class Ladder:
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
+        chance = CHANCE * (64 / (self.level.mesh.nodes.size - 1)) ** 1.6
         for name, value in self.values.items():
             told = [scalars[name] for scalars in self.history]
-            self.errors[name] = _told_error(told)
             if len(told) == 2:
-                size = self.contact.scale(name, value)
-                chance = CHANCE * (64 / (self.level.mesh.nodes.size - 1)) ** 1.6 * size
-                self.errors[name] = float(CHANGE_WEIGHT * abs(told[1] - told[0]) + chance)
+                by_chance = chance * self.contact.scale(name, value)
+                self.errors[name] = CHANGE_WEIGHT * abs(told[1] - told[0]) + by_chance
+            else:
+                self.errors[name] = _told_error(told)
 
     def _extrapolate(self, before: list[Scalars], fitted: list[Scalars]) -> None:
         for name in self.values:
@@ -397,31 +405,12 @@ class Ladder:
         else:
             a, power = self._carried_over(start, mesh), start.power
         about = contact.about(mesh, a, None if start is None else start.level)
-        # equations for a first width tell where the tractions are
-        known: list[Known] = [Known(about, None)]
-        fresh = start
-
-        def evaluate(a: float) -> tuple[tuple[Any, Any], float]:
-            nonlocal fresh
-            equations = contact.equations(mesh, a, known[0].about)
-            zones = known[0].zones if fresh is None else fresh.zones_on(equations.faces)
-            fresh = None
-            solution = self.find_zones(equations.stick_slip(), zones)
-            self.solves += solution.solves
-            state = equations.state(replace(solution, solves=self.solves))
-            if solution.ending is not Ending.SOLVED:
-                contact.refuse(equations, state)
-                raise NotConverged(
-                    f"stick and slip not found ({solution.ending.name}): {solution.ending.value}"
-                )
-            known[0] = Known(state.known, solution.state)
-            return (equations, state), float(equations.carried(state))
-
+        step = _Step(self, mesh, Known(about, None), start, tolerance)
         for _ in range(MOST_PASSES):
-            (equations, state), power = self._width(evaluate, a, tolerance.load, power)
+            (equations, state), power = self._width(step.at, a, tolerance.load, power)
             contact.refuse(equations, state)
             a = state.half_width
-            if equations.imbalance(state) <= tolerance.balance:
+            if step.imbalance <= tolerance.balance:
                 return Level(mesh, equations, state, contact.load, power)
         raise NotConverged(
             f"what the equations are linearised about did not settle in {MOST_PASSES} passes"
@@ -458,6 +447,52 @@ class Ladder:
             raise NotConverged(str(stop)) from None
 
 
+class _Step:
+    """Evaluates half widths on one mesh; what is known goes from one to the next."""
+
+    def __init__(
+        self, ladder: Ladder, mesh: Mesh, known: Known, start: Start | None, tolerance: Tolerance
+    ) -> None:
+        self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
+        self.tolerance, self.imbalance = tolerance, float("inf")
+
+    def at(self, a: float) -> tuple[tuple[Any, Any], float]:
+        """Return equations, state and carried load for the half width a [m]."""
+        contact = self.ladder.contact
+        equations, state = self._linear(a)
+        # where bodies are not linear, a load means something only once they have settled
+        for _ in range(MOST_PASSES if contact.settles_apart else 0):
+            if self.imbalance <= self.tolerance.balance:
+                break
+            equations, state = self._linear(a)
+        return (equations, state), float(equations.carried(state))
+
+    def _linear(self, a: float) -> tuple[Any, Any]:
+        """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
+        contact = self.ladder.contact
+        equations, state, solution = self._solved(a)
+        if solution.ending is not Ending.SOLVED and contact.settles_apart:
+            self.known = Known(contact.about(self.mesh, a, None), None)
+            equations, state, solution = self._solved(a)
+        if solution.ending is not Ending.SOLVED:
+            contact.refuse(equations, state)
+            raise NotConverged(
+                f"stick and slip not found ({solution.ending.name}): {solution.ending.value}"
+            )
+        self.known = Known(state.known, solution.state)
+        self.imbalance = equations.imbalance(state)
+        return equations, state
+
+    def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:
+        equations = self.ladder.contact.equations(self.mesh, a, self.known.about)
+        zones = self.known.zones
+        if self.start is not None:
+            zones, self.start = self.start.zones_on(equations.faces), None
+        solution = self.ladder.find_zones(equations.stick_slip(), zones)
+        self.ladder.solves += solution.solves
+        return equations, equations.state(solution), solution
+
+
 def halved(nodes: int, coarsest: int) -> list[int]:
     """Return the numbers of nodes of a ladder, coarse first, that ends at ``nodes``."""
     counts = [nodes]
@@ -466,11 +501,9 @@ def halved(nodes: int, coarsest: int) -> list[int]:
     return counts
 
 
-def _told_error(values: Iterable[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
+def _told_error(values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
     """Estimate the last value's error from the last two changes; nan from a single value."""
-    changes = np.abs(np.diff(list(values)))[::-1]
-    if changes.size == 0:
-        return float("nan")
-    if changes.size == 1:
-        return float(changes[0])
-    return float(sum(w * c for w, c in zip(weights, changes, strict=False)))
+    changes = [abs(b - a) for a, b in pairwise(values)][::-1]
+    if len(changes) < 2:
+        return changes[0] if changes else float("nan")
+    return weights[0] * changes[0] + weights[1] * changes[1]

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["ContactGrid", "Response", "Tractions", "on_columns"]
+__all__ = ["ContactGrid", "Response", "Tractions", "on_columns", "padded"]
 
 Array = np.ndarray
 Gradients = tuple[Array, Array, Array, Array]
@@ -32,10 +32,17 @@ class Tractions(NamedTuple):
     traction: Array
 
 
+def padded(values: Array) -> Array:
+    """Return nodal values with the zeros of both ends."""
+    out = np.zeros(values.size + 2)
+    out[1:-1] = values
+    return out
+
+
 def on_columns(old: Array, new: Array, loads: Tractions) -> Tractions:
     """Carry loads over to other columns, linearly; they vanish at the ends -1 and 1."""
     nodes = np.concatenate([[-1.0], old, [1.0]])
-    return Tractions(*(np.interp(new, nodes, np.pad(part, 1)) for part in loads))
+    return Tractions(*(np.interp(new, nodes, padded(part)) for part in loads))
 
 
 class ContactGrid(Protocol):
@@ -130,9 +137,7 @@ class Response:
         """Return u along +x at points in units of a, by p and by q, (k, n) each [m/Pa]."""
         return self._displacement(self._tangent, points)
 
-    def _displacement(
-        self, displace: Displace | None, points: Array | None
-    ) -> tuple[Array, Array]:
+    def _displacement(self, displace: Displace | None, points: Array | None) -> tuple[Array, Array]:
         if displace is not None:
             return displace(points)
         none = np.zeros((1 if points is None else points.size, self.gradients[0].shape[1]))

@@ -28,9 +28,7 @@ def zone_runs(x: Array, zones: Array) -> list[tuple[int, float, float]]:
     return runs
 
 
-def slip_begins(
-    x: Array, slip_x: Array, slip: Array, node: int, ahead: int, power: float
-) -> float:
+def slip_begins(x: Array, slip_x: Array, slip: Array, node: int, ahead: int, power: float) -> float:
     """Return where slip begins between ``node - 1`` and ``node``, extrapolated to nil [m].
 
     Parameters
@@ -44,17 +42,17 @@ def slip_begins(
     power : float
         With which the slip grows.
     """
-    border = float(x[node] + x[node - 1]) / 2
+    border = 0.5 * (float(x[node]) + float(x[node - 1]))
     near = node if ahead == 1 else node - 1
     far = near + ahead
     if not 0 < far < x.size - 1:
         return border
-    v = np.abs(slip[[near, far]]) ** (1 / power)
-    at, stick = slip_x[[near, far]], float(slip_x[near - ahead])
-    if v[1] > v[0]:
-        root = float(at[0] - v[0] * (at[1] - at[0]) / (v[1] - v[0]))
-        border = min(max(root, min(stick, at[0])), max(stick, at[0]))
-    return border
+    v, w = (abs(float(slip[k])) ** (1 / power) for k in (near, far))
+    at, beyond, stick = (float(slip_x[k]) for k in (near, far, near - ahead))
+    if w <= v:
+        return border
+    root = at - v * (beyond - at) / (w - v)
+    return min(max(root, min(stick, at)), max(stick, at))
 
 
 def slip_lengths(
@@ -77,25 +75,30 @@ def slip_lengths(
     (float, float)
         With the sign of the slip: > 0 where the web is the faster one; 0 where it sticks.
     """
-    other = np.nonzero(zones != zones[0])[0]
-    if zones[0] != 0 and not other.size:
-        whole = float(zones[0]) * float(x[-1] - x[0])
+    first, last = int(zones[0]), int(zones[-1])
+    if first and (zones == first).all():
+        whole = first * float(x[-1] - x[0])
         return whole, whole
 
     def border(node: int, ahead: int, power: float) -> float:
         if not sub_cell:
-            return float(x[node] + x[node - 1]) / 2
+            return 0.5 * (float(x[node]) + float(x[node - 1]))
         if zones[node] * zones[node - 1] < 0:  # slip one way meets slip the other way
-            v = slip[[node - 1, node]]
-            between = slip_x[node - 1] - v[0] * (slip_x[node] - slip_x[node - 1]) / (v[1] - v[0])
-            return float(np.clip(between, x[node - 1], x[node])) if v[1] != v[0] else float(x[node])
+            return _crossing(x, slip_x, slip, node)
         return slip_begins(x, slip_x, slip, node, ahead, power)
 
-    setting_in = ON_RIGID if rigid else SETTING_IN
     leading = trailing = 0.0
-    if zones[0] != 0:
-        leading = float(zones[0]) * (border(int(other[0]), -1, DYING) - float(x[0]))
-    if zones[-1] != 0:
-        first = int(np.nonzero(zones != zones[-1])[0][-1]) + 1
-        trailing = float(zones[-1]) * (float(x[-1]) - border(first, 1, setting_in))
+    if first:
+        leading = first * (border(int(np.argmax(zones != first)), -1, DYING) - float(x[0]))
+    if last:
+        node = zones.size - int(np.argmax(zones[::-1] != last))
+        trailing = last * (float(x[-1]) - border(node, 1, ON_RIGID if rigid else SETTING_IN))
     return leading, trailing
+
+
+def _crossing(x: Array, slip_x: Array, slip: Array, node: int) -> float:
+    """Return where the slip changes its sign between ``node - 1`` and ``node``."""
+    v, w = float(slip[node - 1]), float(slip[node])
+    left, right = float(slip_x[node - 1]), float(slip_x[node])
+    at = left - v * (right - left) / (w - v) if w != v else float(x[node])
+    return min(max(at, float(x[node - 1])), float(x[node]))

@@ -6,9 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import friction_laws, largest, positive_pressure
-from ..contact.schemes import Mesh, scheme_of
+from ..contact.certificate import (
+    friction_laws,
+    from_edge,
+    integral,
+    largest,
+    positive_pressure,
+)
 from ..contact.response import Tractions
+from ..contact.schemes import Mesh, scheme_of
 from ..problems.bodies import contact_radius
 from ..results import Residuals
 from .equations import NipMatrices, web_compliance
@@ -16,7 +22,7 @@ from .equations import NipMatrices, web_compliance
 if TYPE_CHECKING:
     from .result import NipResult
 
-__all__ = ["certificate", "from_edge", "matrices_of", "mesh_of"]
+__all__ = ["certificate", "matrices_of", "mesh_of"]
 
 Array = np.ndarray
 
@@ -24,7 +30,7 @@ Array = np.ndarray
 def mesh_of(result: NipResult) -> Mesh:
     """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     a = result.half_width
     points = np.append(result.slip_x[1:] / a, 1.0)
     return scheme_of(result.scheme).restored(result.x / a, points)
@@ -60,9 +66,12 @@ def certificate(result: NipResult, made: NipMatrices) -> Residuals:
     # the solved rigid slip holds the web's strain behind the nip too
     creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
     v = made.slips(p, q, creep)
-    told = np.concatenate([result.roll_slip[inside], result.drum_slip[inside],
-                           result.roll_slip[-1:], result.drum_slip[-1:]])  # fmt: skip
-    friction = np.repeat([problem.roll_friction, problem.drum_friction], p.size)
+    n = p.size
+    cells = (v[:n], v[-2:-1]), (v[n : 2 * n], v[-1:])
+    # a node has the slip of the cell before it; that at the leading edge repeats the first
+    slips = np.array([np.concatenate([own[:1], own, last]) for own, last in cells])
+    told = np.array([result.roll_slip, result.drum_slip])
+    friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
     shift = result.offset / contact_radius(problem.roll, problem.drum)
     miss = made.indentation(p, q, shift)
     tension = np.concatenate([
@@ -76,15 +85,9 @@ def certificate(result: NipResult, made: NipMatrices) -> Residuals:
             zones, q, v[: q.size], friction * np.tile(p, 2),
             unit=friction * np.max(np.abs(p)), slip_scale=made.top,
         ),
-        slip_speed=largest(np.abs(told - v)) / made.top,
-        load_equilibrium=abs(float(np.trapezoid(result.pressure, x)) / P - 1),
-        force_equilibrium=abs(float(np.trapezoid(q_drum, x)) - problem.winding_force) / P,
+        slip_speed=largest(np.abs(told - slips)) / made.top,
+        load_equilibrium=abs(integral(result.pressure, x) / P - 1),
+        force_equilibrium=abs(integral(q_drum, x) - problem.winding_force) / P,
         web_equilibrium=largest(np.abs(tension)) / P,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
     )  # fmt: skip
-
-
-def from_edge(values: Array, x: Array) -> Array:
-    """Integrate from the leading edge to every node, (M,)."""
-    steps = np.diff(x) * (values[1:] + values[:-1]) / 2
-    return np.concatenate([[0.0], np.cumsum(steps)])

@@ -143,14 +143,14 @@ class NipMatrices:
 
     def indentation(self, p: Array, q: Array, shift: float) -> Array:
         """Return what pressures, tractions and shift leave of the gap's slope, (N,)."""
-        return self.slope_p @ p + self.slope_q @ q + shift - self.gap  # type: ignore[no-any-return]
+        return self.slope_p @ p + self.slope_q @ q + shift - self.gap
 
     def slips(self, p: Array, q: Array, creep: float) -> Array:
         """Return the slips of the nodes' cells, roll then drum, then the last cell's, (2n + 2,)."""
         v = self.offset + self.direct @ q + self.through_pressure @ p
         v[p.size : 2 * p.size] += creep
         v[-1] += creep
-        return v  # type: ignore[no-any-return]
+        return v
 
 
 def frictionless_load(problem: WindingNip, mesh: Mesh, a: float) -> float:
@@ -231,6 +231,13 @@ class NipEquations:
         if self.problem.roll.linear and self.problem.drum.linear:
             return 0.0
         return imbalance(self.matrices, self.anew(state), state)
+
+    def last_slips(self, state: NipState) -> tuple[float, float]:
+        """Return v+ and v- in the last cell, which belongs to no unknown."""
+        made, last = self.matrices, slice(2 * self.mesh.unknowns, None)
+        v = made.offset[last] + made.direct[last] @ state.solution.traction
+        v += made.through_pressure[last] @ state.pressure
+        return float(v[0]), float(v[1]) + state.solution.creep
 
     def anew(self, state: NipState) -> NipMatrices:
         """Return the matrices for the same half width about a state."""

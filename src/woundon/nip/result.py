@@ -84,21 +84,13 @@ class WindingNipResult(Result):
         float, strain("s_t+", "slip length at the roll's trailing edge / nip width")
     ]
     dual: Annotated[float, strain("s_d", "length of slip at both roll and drum / nip width")]
-    x: Annotated[
-        Array, length("x", "position along the nip, with the web; the contact is [-a, a]")
-    ]
-    slip_x: Annotated[
-        Array, length("x_v", "where the slips are taken, in the cell before a node")
-    ]
+    x: Annotated[Array, length("x", "position along the nip, with the web; the contact is [-a, a]")]
+    slip_x: Annotated[Array, length("x_v", "where the slips are taken, in the cell before a node")]
     pressure: Annotated[Array, stress("p", "pressure")]
     roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
     drum_traction: Annotated[Array, stress("q-", "traction of the web on the drum")]
-    roll_slip: Annotated[
-        Array, strain("v+", "slip of the web against the roll, > 0: web faster")
-    ]
-    drum_slip: Annotated[
-        Array, strain("v-", "slip of the web against the drum, > 0: web faster")
-    ]
+    roll_slip: Annotated[Array, strain("v+", "slip of the web against the roll, > 0: web faster")]
+    drum_slip: Annotated[Array, strain("v-", "slip of the web against the drum, > 0: web faster")]
     roll_zone: Annotated[
         Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
@@ -110,9 +102,7 @@ class WindingNipResult(Result):
     algorithm: str = "pivoting"
     iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
     series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
-    series_error: Annotated[
-        float, pure("e_s", "estimated truncation error of the series")
-    ] = 0.0
+    series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property
@@ -133,9 +123,9 @@ class WindingNipResult(Result):
     @property
     def in_nip(self) -> slice:
         """Which nodes are the nip's."""
-        edge = self.half_width * (1 + 1e-12)
-        first, stop = np.searchsorted(self.x, -edge), np.searchsorted(self.x, edge, side="right")
-        return slice(int(first), int(stop))
+        edges = (-self.half_width, self.half_width)
+        first, last = (int(np.nanargmin(np.abs(self.x - edge))) for edge in edges)
+        return slice(first, last + 1)
 
     @property
     def nodes(self) -> int:
@@ -177,20 +167,29 @@ class NipResult(WindingNipResult):
     ] = 0.0
 
     @property
-    def nip_induced_tension_error(self) -> Annotated[
+    def in_nip(self) -> slice:
+        """All nodes."""
+        return slice(0, self.x.size)
+
+    @property
+    def nip_induced_tension_error(
+        self,
+    ) -> Annotated[
         float, line_load("NIT error", "estimated discretisation error of the nip-induced tension")
     ]:
         """Estimated discretisation error of NIT [N/m]; nan where only one grid was solved."""
         return self.errors.get("nip_induced_tension", float("nan"))
 
     @property
-    def tension_behind_nip(self) -> Annotated[
-        float, line_load("T_out", "web tension at the trailing edge of the nip")
-    ]:
+    def tension_behind_nip(
+        self,
+    ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
         """T_out = T_in + NIT [N/m]."""
         return float(self.problem.web_tension + self.nip_induced_tension)
 
-    def wound_on_tension_estimate(self, angle: float = pi) -> Annotated[
+    def wound_on_tension_estimate(
+        self, angle: float = pi
+    ) -> Annotated[
         float, line_load("WOT est.", "wound-on tension estimated by eq. (183), half a turn behind")
     ]:
         """Return the tension of a web that sticks to the roll behind the nip (thesis eq. 183).
@@ -210,7 +209,9 @@ class NipResult(WindingNipResult):
         return float(estimate(self, angle))
 
     @property
-    def rig_tension(self) -> Annotated[
+    def rig_tension(
+        self,
+    ) -> Annotated[
         float,
         line_load(
             "T_rig", "tension at a load cell to which the web is led off the roll, eq. (183)"
@@ -238,6 +239,4 @@ class NipResult(WindingNipResult):
         parameters : str
             Dotted names (``"roll.material.shear"``); every continuous field if none is given.
         """
-        return kinds.fetch("woundon.nip.sensitivity:nip_sensitivity")(  # type: ignore[no-any-return]
-            self, parameters
-        )
+        return kinds.fetch("woundon.nip.sensitivity:nip_sensitivity")(self, parameters)

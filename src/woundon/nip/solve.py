@@ -20,15 +20,16 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
+from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Ladder, Level, Start, halved
-from ..contact.response import on_columns
-from ..contact.schemes import SCHEMES, Mesh, Scheme, scheme_of
+from ..contact.response import on_columns, padded
+from ..contact.schemes import Mesh, Scheme, scheme_of
 from ..contact.zones import slip_lengths
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.bodies import contact_radius, half_width_guess
 from ..problems.nip import NipProblem
 from ..results import Residuals
-from .certificate import certificate, from_edge
+from .certificate import certificate
 from .equations import (
     About,
     NipEquations,
@@ -162,6 +163,11 @@ class NipContact:
         """The smaller radius [m]."""
         return min(self.problem.roll.radius, self.problem.drum.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.roll.linear and self.problem.drum.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.roll, self.problem.drum)
@@ -172,7 +178,7 @@ class NipContact:
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or (self.problem.roll.linear and self.problem.drum.linear):
+        if before is None or not self.settles_apart:
             return None
         roll, drum = before.state.known
         old, new = before.mesh.columns, mesh.columns
@@ -188,7 +194,9 @@ class NipContact:
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
         state, problem = level.state, self.problem
-        whole = float(level.equations.matrices.weights @ (state.roll_traction + state.drum_traction))
+        whole = float(
+            level.equations.matrices.weights @ (state.roll_traction + state.drum_traction)
+        )
         return {
             "nip_induced_tension": whole,
             "tension_behind_nip": problem.web_tension + whole,
@@ -233,7 +241,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         residuals=Residuals(),
         scheme=scheme.name,
         algorithm=algorithm,
-        iterations=state.solution.solves,
+        iterations=ladder.solves,
         series_terms=max(r.terms for r in responses),
         series_error=max(r.truncation_error for r in responses),
         mesh=level.mesh,
@@ -246,33 +254,34 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     )
 
 
-def along_nip(level: Level) -> dict[str, Array]:
+def along_nip(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the nip, by the names of the result, (M,) each."""
     state, mesh, n = level.state, level.mesh, level.mesh.unknowns
-    a, solution = state.half_width, state.solution
-    slips = level.equations.matrices.slips(state.pressure, solution.traction, solution.creep)
-    slips[: 2 * n][solution.state == 0] = 0.0  # solved for: what is left is rounding
-    zones = solution.state
-
-    def on_nodes(values: Array, last: Any) -> Array:
-        return np.concatenate([values[:1], values, [last]])
-
+    a, slips, zones = state.half_width, state.solution.slip, state.solution.state
+    last = level.equations.last_slips(state)
     return {
         "x": a * mesh.nodes,
-        "slip_x": a * np.append(mesh.middle[:1], mesh.middle),
-        "pressure": np.pad(state.pressure, 1),
-        "roll_traction": np.pad(state.roll_traction, 1),
-        "drum_traction": np.pad(state.drum_traction, 1),
-        "roll_slip": on_nodes(slips[:n], slips[-2]),
-        "drum_slip": on_nodes(slips[n : 2 * n], slips[-1]),
-        "roll_zone": on_nodes(zones[:n], zones[n - 1]),
-        "drum_zone": on_nodes(zones[n:], zones[-1]),
+        "slip_x": a * _on_nodes(mesh.middle[:-1], mesh.middle[-1]),
+        "pressure": padded(state.pressure),
+        "roll_traction": padded(state.roll_traction),
+        "drum_traction": padded(state.drum_traction),
+        "roll_slip": _on_nodes(slips[:n], last[0]),
+        "drum_slip": _on_nodes(slips[n:], last[1]),
+        "roll_zone": _on_nodes(zones[:n], zones[n - 1]),
+        "drum_zone": _on_nodes(zones[n:], zones[-1]),
     }
+
+
+def _on_nodes(values: Array, last: Any) -> Array:
+    """Return values of the cells before the interior nodes on all nodes, the last one given."""
+    out = np.empty(values.size + 2, dtype=values.dtype)
+    out[0], out[1:-1], out[-1] = values[0], values, last
+    return out
 
 
 def slip_ratios(
     problem: Any, arrays: Mapping[str, Array], *, sub_cell: bool = True
-) -> dict[str, float]:
+) -> dict[str, Any]:
     """Return the signed slip lengths over the nip width (thesis eq. 172) by name.
 
     Parameters
@@ -292,11 +301,11 @@ def slip_ratios(
         for face in ("roll", "drum")
     )  # fmt: skip
     width = float(x[-1] - x[0])
-    dual = np.sign(trailing) * min(abs(trailing), abs(drum)) if trailing * drum > 0 else 0.0
+    dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
     return {
         "leading_roll": leading / width,
         "trailing_roll": trailing / width,
-        "dual": float(dual) / width,
+        "dual": dual / width,
     }
 
 

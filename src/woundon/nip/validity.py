@@ -42,7 +42,10 @@ class _Nip:
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._result, name)
-        return value[self._own] if isinstance(value, np.ndarray) else value
+        if isinstance(value, np.ndarray):
+            value = value[self._own]
+        setattr(self, name, value)
+        return value
 
 
 def _geometry(r: _Nip) -> Iterator[str]:

@@ -35,9 +35,7 @@ __all__ = [
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
 
-Radius = Annotated[
-    Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)
-]
+Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
 
 
 class Body(Family):
@@ -57,9 +55,7 @@ class Body(Family):
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
 
-    def respond(
-        self, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
+    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the linear response of the surface on a grid scaled by the half width.
 
         Parameters
@@ -114,9 +110,7 @@ class Rigid(Body):
 
     rigid: ClassVar[bool] = True
 
-    def respond(
-        self, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
+    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the response of a body that does not deform: none."""
         return Response.none(grid)
 
@@ -128,9 +122,7 @@ class KernelBody(Body, abstract=True):
         """Return the influence functions, valid on the whole surface."""
         raise NotImplementedError
 
-    def respond(
-        self, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
+    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the influence functions integrated over the grid."""
         return grid.integrated(self.kernels(), self.curvature, self.radius, a)
 

@@ -49,19 +49,17 @@ class WindingNip(Problem):
     drum_friction: Annotated[
         Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), Friction
     ]
-    nip_load: Annotated[
-        Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)
-    ]
+    nip_load: Annotated[Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)]
     winding_force: Annotated[
         Number,
         line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
-        Field(default=0.0, ge=-1e7, le=1e7),
-    ]
+        Field(ge=-1e7, le=1e7),
+    ] = 0.0
     web_tension: Annotated[
         Number,
         line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
-        Field(default=0.0, ge=0, le=1e6),
-    ]
+        Field(ge=0, le=1e6),
+    ] = 0.0
 
     @model_validator(mode="after")
     def _deforms(self) -> Self:
@@ -176,18 +174,18 @@ class WrappedNipProblem(WindingNip):
     roll_wrap: Annotated[
         Number,
         angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
-        Field(default=pi, ge=0, le=pi * (1 + 1e-12)),
-    ]
+        Field(ge=0, le=pi * (1 + 1e-12)),
+    ] = pi
     drum_wrap: Annotated[
         Number,
         angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)),
-        Field(default=0.0, ge=0, le=pi * (1 + 1e-12)),
-    ]
+        Field(ge=0, le=pi * (1 + 1e-12)),
+    ] = 0.0
     wrap_friction: Annotated[
         Number | None,
         pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
-        Field(default=None, ge=1e-6, le=10.0),
-    ]
+        Field(ge=1e-6, le=10.0),
+    ] = None
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -46,12 +46,8 @@ class RollerProblem(Problem):
     lower: Annotated[AnyBody, Field(description="the lower roller")]
     load: Annotated[Number, line_load("P", "load", (1e3, 1e6)), Field(ge=1e-12, le=1e9)]
     friction: Annotated[Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Friction]
-    tangential_load: Annotated[
-        Number | None, line_load("Q", "tangential load"), Field(default=None)
-    ]
-    creepage: Annotated[
-        Number | None, strain("xi", "creepage"), Field(default=None, gt=-0.5, lt=0.5)
-    ]
+    tangential_load: Annotated[Number | None, line_load("Q", "tangential load")] = None
+    creepage: Annotated[Number | None, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = None
     motion: Literal["rolling", "static"] = "rolling"
 
     @model_validator(mode="after")

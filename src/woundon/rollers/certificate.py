@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import friction_laws, largest, positive_pressure
+from ..contact.certificate import friction_laws, integral, largest, positive_pressure
 from ..contact.response import Tractions
 from ..contact.schemes import SCHEMES, Mesh
 from ..problems.bodies import contact_radius
@@ -24,7 +24,7 @@ Array = np.ndarray
 def mesh_of(result: RollerResult) -> Mesh:
     """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     a = result.half_width
     points = np.append(result.slip_x[1:] / a, 1.0)
     return SCHEMES["graded"].restored(result.x / a, points)
@@ -54,7 +54,7 @@ def certificate(result: RollerResult, made: RollerMatrices) -> Residuals:
     bound = problem.friction * p
     unit = np.full(p.size, problem.friction * np.max(np.abs(p)))
     shift = result.offset / contact_radius(problem.upper, problem.lower)
-    Q = float(np.trapezoid(result.traction, x))
+    Q = integral(result.traction, x)
     asked = result.tangential_load
     if problem.creepage is None:
         asked = problem.tangential_load or 0.0
@@ -63,9 +63,9 @@ def certificate(result: RollerResult, made: RollerMatrices) -> Residuals:
         indentation=largest(np.abs(made.indentation(p, q, shift))) / made.top,
         positive_pressure=positive_pressure(result.pressure),
         **friction_laws(zone, q, v, bound, unit=unit, slip_scale=scale),
-        slip_speed=largest(np.abs(result.slip[1:-1] - v)) / scale,
-        load_equilibrium=abs(float(np.trapezoid(result.pressure, x)) / problem.load - 1),
+        slip_speed=largest(np.abs(result.slip - np.concatenate([v[:1], v, v[-1:]]))) / scale,
+        load_equilibrium=abs(integral(result.pressure, x) / problem.load - 1),
         force_equilibrium=max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
-        creepage=abs(result.creepage - problem.creepage) if given else 0.0,
+        creepage=abs(result.creepage - problem.creepage) / made.top if given else 0.0,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
     )

@@ -93,11 +93,11 @@ class RollerMatrices:
 
     def indentation(self, p: Array, q: Array, shift: float) -> Array:
         """Return what pressures, tractions and shift leave of the gap's slope, (N,)."""
-        return self.slope_p @ p + self.slope_q @ q + shift - self.gap  # type: ignore[no-any-return]
+        return self.slope_p @ p + self.slope_q @ q + shift - self.gap
 
     def slips(self, p: Array, q: Array, creep: float) -> Array:
         """Return the slips of the nodes, (n,)."""
-        return self.offset + self.direct @ q + self.through_pressure @ p + creep  # type: ignore[no-any-return]
+        return self.offset + self.direct @ q + self.through_pressure @ p + creep
 
 
 @dataclass(frozen=True, eq=False)

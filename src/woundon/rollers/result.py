@@ -81,7 +81,7 @@ class RollerResult(Result):
         return {"slip": length("v", "slip, > 0: lower surface along +x")}
 
     @property
-    def width(self) -> Annotated[float, length("2a", "width of the contact")]:
+    def nip_width(self) -> Annotated[float, length("2a", "width of the contact")]:
         """2a [m]."""
         return 2 * self.half_width
 
@@ -93,7 +93,7 @@ class RollerResult(Result):
     @property
     def slip_share(self) -> Annotated[float, strain("s", "slip length / width of the contact")]:
         """Share of the width on which the rollers slip [1]."""
-        return sum(right - left for zone, left, right in self._runs() if zone) / self.width
+        return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
 
     def _runs(self) -> Iterator[tuple[int, float, float]]:
         from ..contact.zones import zone_runs

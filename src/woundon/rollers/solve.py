@@ -16,7 +16,7 @@ import numpy as np
 from ..arguments import check_type, tolerance, whole_number
 from ..contact.loop import Ladder, Level, Tolerance
 from ..contact.normal import solve_normal
-from ..contact.response import on_columns
+from ..contact.response import on_columns, padded
 from ..contact.schemes import Graded, Mesh
 from ..errors import NotConverged
 from ..problems.bodies import contact_radius, half_width_guess
@@ -103,6 +103,11 @@ class RollerContact:
         """The smaller radius [m]."""
         return min(self.problem.upper.radius, self.problem.lower.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.upper.linear and self.problem.lower.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.upper, self.problem.lower)
@@ -110,14 +115,17 @@ class RollerContact:
     def frictionless_load(self, mesh: Mesh, a: float) -> float:
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         upper, lower = self.problem.upper, self.problem.lower
-        slopes = (b.respond(mesh, a).pressure_slope() for b in (upper, lower) if not b.rigid)
+        slope = np.zeros((mesh.unknowns + 1, mesh.unknowns))
+        for body in (upper, lower):
+            if not body.rigid:
+                slope += body.respond(mesh, a).pressure_slope()
         gap = mesh.middle * (a / contact_radius(upper, lower))
-        pressure = solve_normal(sum(slopes), gap, np.empty((gap.size, 0)))[:-1, 0]
+        pressure = solve_normal(slope, gap, np.empty((gap.size, 0)))[:-1, 0]
         return float(a * mesh.grid.weights @ pressure)
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or (self.problem.upper.linear and self.problem.lower.linear):
+        if before is None or not self.settles_apart:
             return None
         upper, lower = before.state.known
         old, new = before.mesh.columns, mesh.columns
@@ -136,7 +144,7 @@ class RollerContact:
         rolling = problem.motion == "rolling"
         return {
             "half_width": level.half_width,
-            "width": 2 * level.half_width,
+            "nip_width": 2 * level.half_width,
             "peak_pressure": level.at_load(float(np.max(state.pressure))),
             "offset": state.shift * contact_radius(problem.upper, problem.lower),
             "tangential_load": float(level.equations.matrices.weights @ state.solution.traction),
@@ -172,8 +180,8 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         approach=_approach(problem, made, state),
         offset=state.shift * contact_radius(problem.upper, problem.lower),
         x=a * mesh.nodes,
-        pressure=np.pad(state.pressure, 1),
-        traction=np.pad(q, 1),
+        pressure=padded(state.pressure),
+        traction=padded(q),
         slip_x=a * np.append(mesh.middle[:1], mesh.middle),
         slip=np.concatenate([slip[:1], slip, slip[-1:]]),
         zone=np.concatenate([zone[:1], zone, zone[-1:]]),
@@ -198,7 +206,7 @@ def _approach(problem: RollerProblem, made: RollerMatrices, state: RollerState) 
 def _traction_change(coarse: Level, fine: Level) -> float:
     """Return the L2 norm of the traction's change from mesh to mesh, relative to its own."""
     (x, q), (old_x, old_q) = (
-        (level.mesh.nodes, np.pad(level.state.solution.traction, 1)) for level in (fine, coarse)
+        (level.mesh.nodes, padded(level.state.solution.traction)) for level in (fine, coarse)
     )
     other = np.interp(x, old_x, old_q)
     whole = float(np.trapezoid(q**2, x))

@@ -6,11 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import friction_laws, largest, positive_pressure
-from ..contact.grid import Grid
+from ..contact.certificate import (
+    friction_laws,
+    from_edge,
+    integral,
+    largest,
+    positive_pressure,
+)
 from ..contact.response import Tractions
 from ..contact.schemes import SCHEMES, Mesh
-from ..nip.certificate import from_edge
+from ..errors import InvalidProblem
 from ..problems.bodies import contact_radius
 from ..results import Residuals
 from .equations import Known, WrapEquations
@@ -35,15 +40,26 @@ def equations_of(result: WrappedNipResult) -> WrapEquations:
 
 
 def _grid_of(result: WrappedNipResult) -> WrapGrid:
-    own, a = result.in_nip, result.half_width
-    arcs = own.start, result.x.size - own.stop  # cells on the drum's arc and on the roll's
-    return grid_for(result.problem, _nip_mesh(result).grid, a, *arcs)
+    """Return the grid: the nip's mesh, and as many cells on the arcs as there are nodes left.
+
+    Raises
+    ------
+    InvalidProblem
+        If the nodes cannot be those of such a nip.
+    """
+    first, mesh = result.in_nip.start, _nip_mesh(result)
+    behind = result.x.size - first - mesh.nodes.size
+    grid = grid_for(result.problem, mesh.grid, result.half_width, first, max(behind, 1))
+    if grid.size != result.x.size or grid.first != first:
+        a = result.half_width
+        raise InvalidProblem.at("x", f"its nodes are not those of a nip of half width {a:.6g} m")
+    return grid
 
 
 def _nip_mesh(result: WrappedNipResult) -> Mesh:
     """Return the nip's mesh: that of the solution, or one restored from a file's arrays."""
     if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
+        return result.mesh
     own, a = result.in_nip, result.half_width
     points = np.append(result.slip_x[own][1:] / a, 1.0)
     return SCHEMES["graded"].restored(result.x[own] / a, points)
@@ -61,7 +77,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     problem, grid, x, a = result.problem, equations.grid, result.x, result.half_width
     P, T = problem.nip_load, result.web_tension
     web, h = equations.web, problem.web.thickness
-    gap, by_z, by_q = equations.indentation()
+    gap, by_z, by_q = equations.indentation
     top = float(np.max(np.abs(grid.points[grid.first : grid.last])))
     top *= a / contact_radius(problem.roll, problem.drum)
     z = np.concatenate([
@@ -76,15 +92,15 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     slips = equations.slips_at_nodes(z, q, creep)
     gained = from_edge(result.roll_traction + result.drum_traction, x)
     nip = result.in_nip
-    carried = np.trapezoid(result.pressure[nip], x[nip])
-    force = float(np.trapezoid(result.drum_traction, x)) - problem.winding_force
+    carried = integral(result.pressure[nip], x[nip])
+    force = integral(result.drum_traction, x) - problem.winding_force
     return Residuals(
         indentation=largest(np.abs(by_z @ z + by_q @ q - gap)) / top,
         positive_pressure=positive_pressure(result.roll_pressure, result.pressure),
         **_friction(result, equations, q, slips, top),
         slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips),
                        _differ(result.roll_strain, roll_strain(equations, result))) / top,
-        load_equilibrium=abs(float(carried) / P - 1),
+        load_equilibrium=abs(carried / P - 1),
         force_equilibrium=abs(force) / P,
         web_equilibrium=largest(np.abs(T - problem.web_tension - gained)) / P,
         hoop_pressure=_hoop(result, equations),
@@ -125,11 +141,9 @@ def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
     return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
 
 
-def _curvature(
-    result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array
-) -> float:
+def _curvature(result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array) -> float:
     """Return how far the curvature is from that of the bodies, relative to the largest."""
-    constant, by_z, by_q = equations.curvature()
+    constant, by_z, by_q = equations.curvature
     kappa = constant + by_z @ z + by_q @ q
     return largest(np.abs(result.curvature - kappa)) / float(np.max(np.abs(kappa)))
 

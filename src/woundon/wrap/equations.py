@@ -178,8 +178,9 @@ class WrapEquations:
         """Columns of the drum's matrices that belong to p-."""
         return slice(self.drum_nodes[0], self.grid.last)
 
+    @cached_property
     def curvature(self) -> tuple[Array, Array, Array]:
-        """Return kappa at the nodes as constant (N+1,), by z (N+1, k) and by q (N+1, m).
+        """kappa at the nodes as constant (N+1,), by z (N+1, k) and by q (N+1, m).
 
         The web bends with the roll behind the nip, with the drum before it and inside it.  There
         the surfaces differ by the web's change of thickness; that they share the drum's curvature
@@ -200,8 +201,9 @@ class WrapEquations:
         by_q[before, n_q:] = -drum.bend_q[before, 1:-1]
         return constant, by_z, by_q
 
+    @cached_property
     def indentation(self) -> tuple[Array, Array, Array]:
-        """Return the gap's slope in the nip's cells (M,) and what closes it, by z and by q."""
+        """The gap's slope in the nip's cells (M,) and what closes it, by z and by q."""
         problem, grid, web, a = self.problem, self.grid, self.web, self.half_width
         n_p, n_q = self.roll_nodes.size, self.roll_q.size
         cells = slice(grid.first, grid.last)  # in the row of all cells
@@ -223,7 +225,7 @@ class WrapEquations:
 
     def weight(self) -> tuple[Array, Array, Array]:
         """Return T kappa at the nodes, linearised: constant, by z and by q."""
-        constant, by_z, by_q = self.curvature()
+        constant, by_z, by_q = self.curvature
         T, bend = self.about.tension, self.about.bend
         by_q = T[:, None] * by_q + bend[:, None] * self.tension_q
         constant = T * constant + bend * (self.problem.web_tension - T)
@@ -261,7 +263,7 @@ class WrapEquations:
     @cached_property
     def normal(self) -> tuple[Array, Array]:
         """Return z0 (k,) and Z (k, m) of z = z0 + Z q."""
-        gap, closing_z, closing_q = self.indentation()
+        gap, closing_z, closing_q = self.indentation
         constant, by_z, by_q = self.balance()
         scale = float(np.max(np.abs(closing_z[:, :-1])))
         k = closing_z.shape[1]
@@ -363,7 +365,7 @@ class WrapEquations:
         fields = np.zeros((4, size))
         fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
         fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
-        constant, bend_z, bend_q = self.curvature()
+        constant, bend_z, bend_q = self.curvature
         slips = self.slips_at_nodes(z, q, solution.creep)
         return WrapState(
             half_width=self.half_width,
@@ -425,10 +427,10 @@ class WrapEquations:
 
     def _bodies_miss(self, state: WrapState) -> float:
         """Return the largest difference that another linearisation makes to slopes and slips."""
-        z, q, (gap, *_) = self.unknowns(state), state.solution.traction, self.indentation()
+        z, q, (gap, *_) = self.unknowns(state), state.solution.traction, self.indentation
         slopes, slips = zip(
             *((by_z @ z + by_q @ q - gap, one.slips_at_nodes(z, q, 0.0))
-              for one in (self, self.anew(state)) for gap, by_z, by_q in [one.indentation()]),
+              for one in (self, self.anew(state)) for gap, by_z, by_q in [one.indentation]),
             strict=True,
         )  # fmt: skip
         miss = max(float(np.nanmax(np.abs(one - two))) for one, two in (slopes, slips))

@@ -1,11 +1,11 @@
 r"""The winding nip with its wraps: from a problem to a certified result (thesis sec. 3.5).
 
-    WrappedNipProblem --> for a half width a and a known T0, kappa0:   equations.WrapEquations
-                          normal problem       z = z0 + Z q            p+, p-, Delta
-                          stick-slip problem   q+, q-, xi              contact.stick_slip
-                      --> T, kappa of the solution take the place of T0, kappa0, while a secant moves
-                          a until int p- = P: both settle together     contact.loop
-                      --> WrappedNipResult with its certificate        certificate
+WrappedNipProblem --> for a half width a and a known T0, kappa0:   equations.WrapEquations
+normal problem       z = z0 + Z q            p+, p-, Delta
+stick-slip problem   q+, q-, xi              contact.stick_slip
+--> T, kappa of the solution take the place of T0, kappa0, while a secant moves
+a until int p- = P: both settle together     contact.loop
+--> WrappedNipResult with its certificate        certificate
 """
 
 from __future__ import annotations
@@ -153,6 +153,11 @@ class WrapContact:
         """The smaller radius [m]."""
         return min(self.problem.roll.radius, self.problem.drum.radius)
 
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not (self.problem.roll.linear and self.problem.drum.linear)
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, self.problem.roll, self.problem.drum)
@@ -248,7 +253,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         **arrays,
         roll_strain=np.empty(0),
         residuals=Residuals(),
-        iterations=state.solution.solves,
+        iterations=ladder.solves,
         series_terms=max((r.terms for r in responses), default=0),
         series_error=max((r.truncation_error for r in responses), default=0.0),
         mesh=level.mesh,
@@ -261,7 +266,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
     )
 
 
-def along_web(level: Level) -> dict[str, Array]:
+def along_web(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the web, by the names of the result, (N,) each."""
     equations, state = level.equations, level.state
     grid, a = equations.grid, state.half_width

@@ -1,0 +1,152 @@
+"""A plug-in: a body, an output and a kind of problem that woundon does not know.
+
+A package that has this as a module names it in its entry points, and woundon imports it by itself:
+
+    [project.entry-points."woundon.plugins"]
+    mattress = "mattress"
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, pi
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+import woundon as wo
+from woundon.problems.fields import Description, Number
+from woundon.quantities import angle, length, line_load, pure, stress
+
+Array = np.ndarray
+
+
+# [body]
+class MattressLayer(Description):
+    """A layer that yields straight below its load."""
+
+    thickness: Annotated[Number, length("h", "thickness of the layer"), Field(gt=0, le=1)]
+    modulus: Annotated[
+        Number, stress("M", "modulus in one-dimensional compression", "MPa"), Field(gt=0)
+    ]
+
+
+class Mattress(wo.Body):
+    """A Winkler foundation on a rigid core: every point yields for itself.
+
+    w = c K1 ln(1 + p/K1) with c the layers' compliance sum(h/M); w = c p where K1 is not given.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    layers : tuple of MattressLayer
+        Outermost first.
+    hardening_pressure : float, optional
+        K1 [Pa].
+    """
+
+    layers: Annotated[tuple[MattressLayer, ...], Field(min_length=1)]
+    hardening_pressure: Annotated[
+        Number | None, stress("K1", "pressure at which the layers are twice as stiff"),
+        Field(default=None, gt=0),
+    ]  # fmt: skip
+
+    linear: ClassVar[bool] = False
+
+    @property
+    def c(self) -> float:
+        """Compliance [m/Pa]."""
+        return sum(layer.thickness / layer.modulus for layer in self.layers)
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of what deforms [m]."""
+        return sum(layer.thickness for layer in self.layers)
+
+    def respond(
+        self, grid: wo.ContactGrid, a: float, about: wo.Tractions | None = None
+    ) -> wo.Response:
+        """Return dv/dx = -dw/dx and no strain, w linearised about the pressure at every node."""
+        p0 = np.zeros(grid.columns.size) if about is None else about.pressure
+        yields, soft = self._yielding(p0)
+        slope_p = -grid.slope * soft / a
+        none = np.zeros_like(slope_p)
+        rest = -grid.slope @ (yields - soft * p0) / a  # what is left at no pressure
+        return wo.Response((slope_p, none, none, none), slope=rest)
+
+    def _yielding(self, p: Array) -> tuple[Array, Array]:
+        """Return w(p) and w'(p)."""
+        if self.hardening_pressure is None:
+            return self.c * p, np.full(p.shape, self.c)
+        K1 = self.hardening_pressure
+        p = np.maximum(p, -0.5 * K1)  # Newton's trial states may pull
+        return self.c * K1 * np.log1p(p / K1), self.c / (1 + p / K1)
+
+
+# [body end]
+
+
+# [output]
+def mean_pressure(result: wo.NipResult) -> Annotated[float, stress("p_m", "mean pressure")]:
+    """Return P/(2a) [Pa]."""
+    return float(result.problem.nip_load / result.nip_width)
+
+
+wo.NipResult.mean_pressure = property(mean_pressure)  # type: ignore[attr-defined]
+# [output end]
+
+
+# [kind]
+class CapstanProblem(wo.Problem):
+    """A web that slips over a bar, all of the wrap one way."""
+
+    web_tension: Annotated[Number, line_load("T1", "web tension before the bar"), Field(gt=0)]
+    friction: Annotated[Number, pure("mu", "friction between web and bar"), Field(ge=0, le=10)]
+    wrap: Annotated[Number, angle("theta", "angle of wrap"), Field(gt=0, le=4 * pi)]
+    radius: Annotated[Number, length("R", "radius of the bar"), Field(gt=0)]
+
+    @classmethod
+    def example(cls) -> CapstanProblem:
+        """Return a quarter turn of a smooth bar."""
+        return cls(web_tension=200.0, friction=0.2, wrap=pi / 2, radius=0.05)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class CapstanResult(wo.Result):
+    """Web tension and pressure along the wrap."""
+
+    at: Annotated[Array, angle("s", "angle from where the web meets the bar")]
+    tension: Annotated[Array, line_load("T", "web tension")]
+    pressure: Annotated[Array, stress("p", "pressure of the web on the bar")]
+
+    @property
+    def tension_behind_bar(self) -> Annotated[float, line_load("T2", "web tension behind the bar")]:
+        """T2 [N/m]."""
+        return float(self.tension[-1])
+
+    def certified(self) -> wo.Residuals:
+        """Return how far dT = mu T ds and p = T/R are from being kept."""
+        mu, R, T = self.problem.friction, self.problem.radius, self.tension
+        # over a step ds: T2 - T1 = tanh(mu ds/2) (T1 + T2), exactly
+        grown = np.diff(T) - np.tanh(mu * np.diff(self.at) / 2) * (T[1:] + T[:-1])
+        return wo.Residuals(
+            capstan=float(np.max(np.abs(grown)) / T.max()),
+            wire=float(np.max(np.abs(self.pressure - T / R)) * R / T.max()),
+        )
+
+
+def solve_capstan(problem: CapstanProblem, *, nodes: int = 33) -> CapstanResult:
+    """Solve by Euler and Eytelwein's closed form."""
+    at = np.linspace(0.0, problem.wrap, nodes)
+    tension = problem.web_tension * np.array([exp(problem.friction * s) for s in at])
+    result = CapstanResult(
+        problem=problem, at=at, tension=tension, pressure=tension / problem.radius,
+        residuals=wo.Residuals(),
+    )  # fmt: skip
+    return result.replace(residuals=result.certified()).checked()
+
+
+wo.kinds.register(CapstanProblem, solve_capstan, CapstanResult)
+# [kind end]

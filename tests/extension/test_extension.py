@@ -1,0 +1,235 @@
+"""The sets are open: a body, an output and a kind of problem from outside get all there is.
+
+``plugin/`` is an installed package in miniature, a module and the entry point that names it; every
+test runs in a process of its own that finds it as any process would.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+PLUGIN = HERE / "plugin"
+
+STIFF = "wo.HalfPlane(radius=1.0, material=wo.Isotropic(youngs_modulus=1e13, poissons_ratio=0.3))"
+CASE = """
+schema = 1
+nip_load = "3.5 kN/m"
+web_tension = "350 N/m"
+roll_friction = 0.19
+drum_friction = 0.2
+
+[web]
+thickness = "66 um"
+material = "newsprint"
+
+[roll]
+radius = "100 mm"
+core_radius = "44.5 mm"
+material = "newsprint"
+
+[drum]
+radius = "76.2 mm"
+hardening_pressure = "100 kPa"
+
+[[drum.layers]]
+thickness = "6 mm"
+modulus = "3 MPa"
+
+[[drum.layers]]
+thickness = "4 mm"
+modulus = "2.5 MPa"
+"""
+CAPSTAN = """
+schema = 1
+web_tension = "200 N/m"
+friction = "20 %"
+wrap = "90 deg"
+radius = "50 mm"
+"""
+
+
+def run(*words: str, cwd: Path, code: int = 0) -> str:
+    """Run Python with the plug-in installed; return what it printed."""
+    source = HERE.parents[1] / "src"
+    path = os.pathsep.join(map(str, (source, PLUGIN)))
+    done = subprocess.run(
+        [sys.executable, *words], cwd=cwd, env=os.environ | {"PYTHONPATH": path},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == code, done.stdout + done.stderr
+    return done.stdout if code == 0 else done.stderr
+
+
+def python(code: str, cwd: Path) -> str:
+    return run("-c", f"import woundon as wo\n{code}", cwd=cwd)
+
+
+def woundon(*words: str, cwd: Path, code: int = 0) -> str:
+    return run("-m", "woundon", *words, cwd=cwd, code=code)
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    (tmp_path / "case.toml").write_text(CASE, "utf-8")
+    (tmp_path / "capstan.toml").write_text(CAPSTAN, "utf-8")
+    return tmp_path
+
+
+# ---- a body -------------------------------------------------------------------------------------
+
+
+def test_a_body_that_is_not_linear_meets_its_closed_form(tmp_path: Path) -> None:
+    """A stiff roller on a hardening Winkler foundation: c K1 ln(1 + p/K1) = (a^2 - x^2)/(2R).
+
+    Second order in the nodes: 1.6e-4 of the largest pressure at 201 nodes.
+    """
+    told = python(
+        f"""
+import mattress, numpy as np
+drum = mattress.Mattress(radius=1.0, hardening_pressure=20e3,
+                         layers=[dict(thickness=0.01, modulus=1e6),
+                                 dict(thickness=0.005, modulus=2e6)])
+problem = wo.RollerProblem(upper={STIFF}, lower=drum, load=2e3, friction=0.1)
+for nodes in (101, 201):
+    r = wo.solve(problem, nodes=nodes)
+    yields = (r.half_width**2 - r.x**2) / (2 * 0.5)
+    exact = 20e3 * np.expm1(yields / (drum.c * 20e3))
+    print(np.max(np.abs(r.pressure - exact)) / exact.max(), r.certified().largest)
+""",
+        tmp_path,
+    )
+    (coarse, _), (fine, residual) = (map(float, line.split()) for line in told.splitlines())
+    assert fine < 2e-4
+    assert coarse / fine == pytest.approx(4.0, rel=0.1)
+    assert residual <= 1e-8
+
+
+def test_a_body_rolls_in_every_nip(tmp_path: Path) -> None:
+    told = python(
+        """
+from woundon.io.case_files import make_problem
+import tomllib, math
+problem = make_problem(tomllib.loads(open('case.toml').read()))
+plain, wrapped = wo.solve(problem), wo.solve(problem.wrapped(drum_wrap=math.pi / 2))
+print(type(problem.drum).__name__, plain.residual, wrapped.residual)
+print(plain.tension_behind_nip, wrapped.wound_on_tension, plain.wound_on_tension_estimate())
+print(problem.replace(**{"drum.layers.1.thickness": 0.005}).drum.layers[1].thickness)
+""".replace("open('case.toml').read()", repr(CASE)),
+        tmp_path,
+    ).split()
+    assert told[0] == "Mattress"
+    assert float(told[1]) <= 1e-8
+    assert float(told[2]) <= 1e-8
+    confined, wound_on, estimate = map(float, told[3:6])
+    assert confined < wound_on < estimate
+    assert told[6] == "0.005"
+
+
+def test_a_body_in_case_files_studies_files_and_reports(case: Path) -> None:
+    out = woundon("solve", "case.toml", "--set", "drum.layers.0.thickness=5 mm",
+                  "--save", "nip.nc", "--plot", "nip.png", cwd=case)  # fmt: skip
+    assert "nip-induced tension" in out
+    assert (case / "nip.png").stat().st_size > 10_000
+    thickness = "wo.load_result('nip.nc').problem.drum.layers[0].thickness"
+    assert python(f"print({thickness})", case).strip() == "0.005"
+    (case / "study.toml").write_text(
+        """
+schema = 1
+case = "case.toml"
+outputs = ["nip_induced_tension", "mean_pressure"]
+
+[over]
+"drum.layers.0.thickness" = ["4 mm", "6 mm"]
+nip_load = { from = "2 kN/m", to = "4 kN/m", count = 3 }
+""",
+        "utf-8",
+    )
+    woundon("sweep", "study.toml", "--out", "study", "--workers", "2", cwd=case)
+    head, *rows = (case / "study" / "study.csv").read_text("utf-8").splitlines()
+    assert "drum.layers.0.thickness [m]" in head
+    assert "mean_pressure [Pa]" in head
+    assert len(rows) == 6
+    assert all(row.rstrip(",").count(",") >= 4 for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("drum.layers.0.thickness=-1 mm", "drum.layers.0.thickness: -0.001 is out of range"),
+        ("drum.layers.0.modulus=5 mm", "drum.layers.0.modulus: '5 mm' has the wrong dimension"),
+        ("drum.layers.7.modulus=5 MPa", "drum.layers.7"),
+        ("drum.layers.0.stiffness=5 MPa", "drum.layers.0.stiffness: no such field"),
+        ("drum.hardening_pressure=0 Pa", "drum.hardening_pressure: 0 is out of range"),
+    ],
+)
+def test_a_bodys_faults_are_named_like_all_others(case: Path, setting: str, said: str) -> None:
+    assert said in woundon("solve", "case.toml", "--set", setting, cwd=case, code=2)
+
+
+# ---- an output ----------------------------------------------------------------------------------
+
+
+def test_an_output_is_known_everywhere(case: Path) -> None:
+    told = python(
+        """
+problem = wo.NipProblem.example()
+result = wo.solve(problem, nodes=33)
+print(result.mean_pressure == problem.nip_load / result.nip_width)
+print("mean pressure" in str(result))
+swept = wo.sweep(problem, {"nip_load": [2e3]}, ["mean_pressure"], nodes=33)
+print(float(swept.mean_pressure[0]) > 0)
+result.save("nip.json")
+""",
+        case,
+    )
+    assert told.split() == ["True"] * 3
+    record = json.loads((case / "nip.json").read_text("utf-8"))
+    assert record["mean_pressure"] > 0
+    assert record["units"]["mean_pressure"] == "Pa"
+    assert "mean pressure" in woundon("nip", "--help", cwd=case)
+
+
+# ---- a kind -------------------------------------------------------------------------------------
+
+
+def test_a_kind_has_all_that_woundons_have(case: Path) -> None:
+    assert "capstan" in woundon("--help", cwd=case)
+    help_text = woundon("capstan", "--help", cwd=case)
+    for word in ("web_tension", "angle of wrap", "tension_behind_bar", "--nodes"):
+        assert word in help_text
+    out = woundon("solve", "capstan.toml", "--save", "c.json", "--plot", "c.png", cwd=case)
+    assert "web tension behind the bar" in out
+    assert "273.8" in out  # 200 exp(0.2 pi/2)
+    assert "all 2 laws hold" in out
+    assert (case / "c.png").stat().st_size > 5_000
+    again = python("r = wo.load_result('c.json'); print(r.tension_behind_bar, r.residual)", case)
+    assert float(again.split()[0]) == pytest.approx(273.815, abs=1e-3)
+
+
+def test_a_kind_is_swept_and_fitted(case: Path) -> None:
+    told = python(
+        """
+import mattress
+problem = mattress.CapstanProblem.example()
+swept = wo.sweep(problem, {"wrap": [1.0, 2.0], "friction": [0.1, 0.3]}, ["tension_behind_bar"])
+print(float(swept.tension_behind_bar.sel(wrap=2.0, friction=0.3)))
+data = {"wrap": [1.0, 2.0], "tension_behind_bar [N/m]": [250.0, 312.5]}
+print(wo.fit(problem, data, {"friction": (0.01, 1.0)}, profiles=False, starts=2).estimates[0])
+""",
+        case,
+    )
+    tension, friction = map(float, told.split())
+    assert tension == pytest.approx(200 * 2.718281828**0.6, rel=1e-8)
+    assert friction == pytest.approx(0.22314, abs=1e-4)  # ln(1.25)
+
+
+def test_a_new_case_of_a_kind_is_solved_as_printed(case: Path) -> None:
+    (case / "new.toml").write_text(woundon("new", "capstan", cwd=case), "utf-8")
+    assert "web tension behind the bar" in woundon("capstan", "new.toml", cwd=case)

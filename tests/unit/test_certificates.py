@@ -1,0 +1,296 @@
+"""Every law of every certificate can fail: a corrupted state raises the residual of its law.
+
+A certificate that returned zeros, for one law or for all, fails here for each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from thesis_cases import newsprint_nip, paper_nip
+
+import woundon as wo
+from woundon.results import ACCEPTED_RESIDUAL, Residuals
+
+Array = np.ndarray
+# ten thousand times what is accepted: no corruption below passes for rounding
+SEEN = 1e4 * ACCEPTED_RESIDUAL
+
+
+@cache
+def solved(case: str) -> Any:
+    steel = wo.HalfPlane(radius=0.25, material="steel")
+    rollers = wo.RollerProblem(
+        upper=steel, lower=steel, load=89e3, tangential_load=8.4e3, friction=0.5
+    )
+    cover = wo.Cylinder(radius=0.5, core_radius=0.48, material="soft-cover")
+    return {
+        "nip": lambda: wo.solve(newsprint_nip(), nodes=33),
+        "nip on a cover": lambda: wo.solve(paper_nip(drum=cover), nodes=33),
+        "nip, published scheme": lambda: wo.solve(newsprint_nip(), scheme="thesis", nodes=60),
+        "wrapped": lambda: wo.solve(newsprint_nip().wrapped(), nodes=33),
+        "wrapped on both": lambda: wo.solve(paper_nip(drum=cover).wrapped(drum_wrap=1.0), nodes=33),
+        "rollers": lambda: wo.solve(rollers, nodes=41),
+        "rollers, static": lambda: wo.solve(rollers.replace(motion="static"), nodes=41),
+        "rollers, creepage": lambda: wo.solve(
+            rollers.replace(tangential_load=None, creepage=1e-4), nodes=41
+        ),
+    }[case]()
+
+
+NIPS = ["nip", "nip on a cover", "nip, published scheme"]
+WRAPS = ["wrapped", "wrapped on both"]
+ROLLERS = ["rollers", "rollers, static", "rollers, creepage"]
+
+Corrupt = Callable[[Any], dict[str, Any]]
+
+
+def changed(name: str, node: int, by: float) -> Corrupt:
+    """Add to one node of an array a share of the array's largest value."""
+
+    def corrupt(r: Any) -> dict[str, Any]:
+        values = getattr(r, name).copy()
+        values[node] += by * np.nanmax(np.abs(values))
+        return {name: values}
+
+    return corrupt
+
+
+def scaled(name: str, by: float) -> Corrupt:
+    return lambda r: {name: getattr(r, name) * by}
+
+
+def beyond_the_bound(face: str) -> Corrupt:
+    """Let a sticking node carry more than friction allows."""
+
+    def corrupt(r: Any) -> dict[str, Any]:
+        names = (f"{face}traction", f"{face}zone")
+        traction, zone = (getattr(r, name).copy() for name in names)
+        stuck = np.nonzero(zone == 0)[0]
+        node = int(stuck[np.abs(r.x[stuck]) < 0.9 * r.half_width][1])
+        traction[node] = 2 * np.max(r.pressure)
+        return {names[0]: traction}
+
+    return corrupt
+
+
+def not_on_the_bound(face: str) -> Corrupt:
+    """Let a slipping node carry less than friction gives."""
+
+    def corrupt(r: Any) -> dict[str, Any]:
+        names = (f"{face}traction", f"{face}zone")
+        traction, zone = (getattr(r, name).copy() for name in names)
+        inner = np.nonzero(zone[2:-2])[0] + 2
+        traction[inner[inner.size // 2]] *= 0.5
+        return {names[0]: traction}
+
+    return corrupt
+
+
+def slipping_the_wrong_way(face: str) -> Corrupt:
+    def corrupt(r: Any) -> dict[str, Any]:
+        names = (f"{face}zone", f"{face}traction")
+        zone, traction = (getattr(r, name).copy() for name in names)
+        slips = zone != 0
+        zone[slips], traction[slips] = -zone[slips], -traction[slips]
+        return {names[0]: zone, names[1]: traction}
+
+    return corrupt
+
+
+def pulling(r: Any) -> dict[str, Any]:
+    """Let a node in the middle pull."""
+    pressure = r.pressure.copy()
+    pressure[pressure.size // 2] = -0.01 * pressure.max()
+    return {"pressure": pressure}
+
+
+NIP_CORRUPTIONS: list[tuple[str, Corrupt]] = [
+    ("indentation", scaled("offset", 1.0)),
+    ("indentation", lambda r: {"offset": r.offset + 1e-3 * r.half_width}),
+    ("indentation", changed("pressure", 9, 0.01)),
+    ("positive_pressure", pulling),
+    ("stick", lambda r: {"drum_creep": r.drum_creep + 1e-4}),
+    ("friction_bound", beyond_the_bound("roll_")),
+    ("friction_bound", beyond_the_bound("drum_")),
+    ("slip_traction", not_on_the_bound("roll_")),
+    ("slip_traction", lambda r: {"roll_zone": np.where(r.roll_zone == 1, 7, r.roll_zone)}),
+    ("slip_direction", slipping_the_wrong_way("roll_")),
+    ("slip_speed", lambda r: changed("roll_slip", r.in_nip.stop - 5, 0.1)(r)),
+    ("slip_speed", lambda r: changed("drum_slip", r.in_nip.stop - 5, 0.1)(r)),
+    ("slip_speed", lambda r: {"drum_creep": 1.1 * r.drum_creep}),
+    ("load_equilibrium", scaled("pressure", 1.001)),
+    ("load_equilibrium", lambda r: {"problem": r.problem.replace(nip_load=2e3)}),
+    ("force_equilibrium", changed("drum_traction", 9, 0.1)),
+    ("force_equilibrium", lambda r: {"problem": r.problem.replace(winding_force=50.0)}),
+    ("web_equilibrium", changed("web_tension", 7, 1e-3)),
+    ("web_equilibrium", scaled("web_tension", 1.001)),
+    ("web_equilibrium", scaled("nip_induced_tension", 38.0)),
+    ("web_equilibrium", lambda r: {"extrapolation": 1.0}),
+    ("half_width", scaled("half_width", 1.01)),
+    ("half_width", scaled("x", 1.01)),
+]
+WRAP_CORRUPTIONS: list[tuple[str, Corrupt]] = [
+    (law, corrupt) for law, corrupt in NIP_CORRUPTIONS
+    if law not in ("web_equilibrium", "half_width", "indentation", "positive_pressure")
+] + [
+    ("indentation", lambda r: {"offset": r.offset + 1e-3 * r.half_width}),
+    ("indentation", lambda r: changed("roll_pressure", r.in_nip.start + 9, 0.01)(r)),
+    ("positive_pressure", scaled("roll_pressure", -1.0)),
+    ("web_equilibrium", changed("web_tension", 3, 1e-3)),
+    ("web_equilibrium", changed("web_tension", -1, 1e-3)),
+    ("hoop_pressure", changed("hoop_pressure", -5, 1e-2)),
+    ("hoop_pressure", changed("roll_pressure", -3, 1e-2)),
+    ("curvature", changed("curvature", -5, 1e-2)),
+    ("slip_speed", changed("roll_strain", -5, 0.1)),
+    ("slip_speed", lambda r: {"drum_slip": np.nan_to_num(r.drum_slip, nan=0.0)}),
+    ("half_width", scaled("x", 1.01)),
+]  # fmt: skip
+ROLLER_CORRUPTIONS: list[tuple[str, Corrupt]] = [
+    ("indentation", lambda r: {"offset": r.offset + 1e-3 * r.half_width}),
+    ("indentation", changed("pressure", 9, 0.01)),
+    ("positive_pressure", pulling),
+    ("stick", lambda r: {"creepage": r.creepage + 1e-5, "shift": r.shift + 1e-9}),
+    ("friction_bound", beyond_the_bound("")),
+    ("slip_traction", not_on_the_bound("")),
+    ("slip_direction", slipping_the_wrong_way("")),
+    ("slip_speed", changed("slip", -5, 0.1)),
+    ("load_equilibrium", scaled("pressure", 1.001)),
+    ("force_equilibrium", scaled("traction", 1.1)),
+    ("force_equilibrium", scaled("tangential_load", 1.1)),
+    ("half_width", scaled("half_width", 1.01)),
+    ("half_width", scaled("x", 1.01)),
+]
+ALL = [
+    *((case, law, corrupt) for case in NIPS for law, corrupt in NIP_CORRUPTIONS[1:]),
+    *((case, law, corrupt) for case in WRAPS for law, corrupt in WRAP_CORRUPTIONS),
+    *((case, law, corrupt) for case in ROLLERS for law, corrupt in ROLLER_CORRUPTIONS),
+    ("rollers, creepage", "creepage", scaled("creepage", 1.1)),
+]
+ids = [f"{case}: {law} {k}" for k, (case, law, _) in enumerate(ALL)]
+
+
+@pytest.mark.parametrize("case", [*NIPS, *WRAPS, *ROLLERS])
+def test_a_solved_state_keeps_every_law_measured_anew(case: str) -> None:
+    result = solved(case)
+    anew = result.certified()
+    assert [law for law, _ in anew.items()] == [law for law, _ in result.residuals.items()]
+    assert anew.largest <= ACCEPTED_RESIDUAL
+    assert result.residuals.largest <= ACCEPTED_RESIDUAL
+    assert result.residual == result.residuals.largest
+
+
+@pytest.mark.parametrize(("case", "law", "corrupt"), ALL, ids=ids)
+def test_a_corrupted_state_raises_the_residual_of_its_law(
+    case: str, law: str, corrupt: Corrupt
+) -> None:
+    result = solved(case)
+    assert getattr(result.certified(), law) <= ACCEPTED_RESIDUAL
+    found = measured(result.replace(**corrupt(result)))
+    assert not getattr(found, law) < SEEN
+    assert not found.largest < SEEN
+
+
+def measured(result: Any) -> Residuals:
+    """Measure the certificate; nodes that can be no nip's break the law of the half width."""
+    try:
+        return result.certified()  # type: ignore[no-any-return]
+    except wo.InvalidProblem:
+        return Residuals(half_width=float("inf"))
+
+
+@pytest.mark.parametrize(
+    ("cases", "corruptions"),
+    [(NIPS, NIP_CORRUPTIONS), (WRAPS, WRAP_CORRUPTIONS), (ROLLERS, ROLLER_CORRUPTIONS)],
+    ids=["nip", "wrapped", "rollers"],
+)
+def test_no_law_is_without_its_corruption(
+    cases: list[str], corruptions: list[tuple[str, Corrupt]]
+) -> None:
+    proved = {law for law, _ in corruptions} | {"creepage"}
+    for case in cases:
+        assert {law for law, _ in solved(case).residuals.items()} <= proved
+
+
+@pytest.mark.parametrize("case", ["nip", "wrapped on both", "rollers"])
+def test_every_array_and_every_told_number_is_under_some_law(case: str) -> None:
+    """What a result reports is certified: no field can change unnoticed but those named here."""
+    result = solved(case)
+    derived = {
+        "approach",  # by the displacements, which enter no law
+        "leading_roll", "trailing_roll", "dual",  # measures of the zones
+        "slip_x", "series_terms", "series_error", "iterations", "extrapolation",
+        "traction_error", "shift",
+    }  # fmt: skip
+    from dataclasses import fields
+
+    for part in fields(result):
+        value = getattr(result, part.name)
+        if part.name in derived or not isinstance(value, (float, np.ndarray)):
+            continue
+        if isinstance(value, np.ndarray) and value.dtype.kind != "f":
+            continue
+        if isinstance(value, float):
+            wrong: Any = value * 1.1 + 1e-3 * result.half_width * (part.name == "offset")
+        else:
+            wrong = value.copy()
+            k = int(np.argmax(np.nan_to_num(np.abs(value))))
+            wrong[k] *= 1.1
+        assert not measured(result.replace(**{part.name: wrong})).largest < SEEN, part.name
+
+
+@pytest.mark.parametrize("case", ["nip", "wrapped on both", "rollers"])
+def test_nan_is_never_hidden(case: str) -> None:
+    result = solved(case)
+    for name in ("pressure", "x"):
+        values = getattr(result, name).copy()
+        values[4] = np.nan
+        broken = result.replace(**{name: values})
+        assert np.isnan(broken.certified().largest)
+        with pytest.raises(wo.NotConverged, match="nan"):
+            broken.replace(residuals=broken.certified()).checked()
+
+
+def test_a_nan_counts_as_the_largest() -> None:
+    laws = {"indentation": 1e-12, "stick": float("nan"), "friction_bound": 3e-9}
+    for order in (list(laws), list(laws)[::-1]):
+        residuals = Residuals(**{law: laws[law] for law in order})
+        assert np.isnan(residuals.largest)
+        assert residuals.worst == "stick"
+    assert Residuals(a=1.0, b=2.0).largest == 2.0
+    assert Residuals(a=1.0, b=2.0).worst == "b"
+
+
+def test_no_laws_are_no_certificate() -> None:
+    assert np.isnan(Residuals().largest)
+    with pytest.raises(wo.NotConverged, match="no certificate"):
+        solved("nip").replace(residuals=Residuals()).checked()
+
+
+def test_a_broken_law_is_refused_by_name_and_the_result_is_carried() -> None:
+    result = solved("nip")
+    broken = result.replace(residuals=result.residuals.replace(stick=2e-8, load_equilibrium=1e-3))
+    with pytest.raises(wo.NotConverged, match=r"stick 2e-08, load_equilibrium 0\.001") as fault:
+        broken.checked()
+    assert fault.value.best is broken
+
+
+def test_the_tension_told_is_the_integral_of_the_tractions() -> None:
+    """NIT = int (q+ + q-) dx + extrapolation, which is 0 unless rtol asks for it."""
+    result = solved("nip")
+    assert result.extrapolation == 0.0
+    whole = np.trapezoid(result.roll_traction + result.drum_traction, result.x)
+    assert result.nip_induced_tension == pytest.approx(whole, rel=1e-12)
+    fine = wo.solve(paper_nip(), rtol=1e-4)
+    whole = np.trapezoid(fine.roll_traction + fine.drum_traction, fine.x)
+    assert fine.nip_induced_tension - fine.extrapolation == pytest.approx(whole, rel=1e-12)
+    assert fine.extrapolation != 0.0
+    assert abs(fine.extrapolation) < 1e-2 * whole
+    wrapped = solved("wrapped on both")
+    assert wrapped.nip_induced_tension == wrapped.tension_behind_nip - wrapped.tension_before_nip
+    assert wrapped.problem.drum_wrap == 1.0 < pi
