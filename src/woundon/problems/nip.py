@@ -40,9 +40,9 @@ class Web(Description):
 class WindingNip(Problem):
     """What a nip has with and without its wraps; not a problem of its own."""
 
-    web: Web
-    roll: AnyBody
-    drum: AnyBody
+    web: Annotated[Web, Field(description="the paper or film")]
+    roll: Annotated[AnyBody, Field(description="the wound roll")]
+    drum: Annotated[AnyBody, Field(description="the winding drum")]
     roll_friction: Annotated[
         Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
     ]
