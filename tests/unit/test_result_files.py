@@ -233,7 +233,7 @@ def test_a_kind_from_outside_is_saved_and_loaded(springs, tmp_path, ending):
     springs.save(path)
     assert wo.load_result(path, verify=True) == springs
     springs.replace(push=np.ones(3)).save(path)
-    with pytest.raises(wo.InvalidProblem, match="does not hold what it says: .*balance 3"):
+    with pytest.raises(wo.InvalidProblem, match=r"does not hold what it says: .*balance 3"):
         wo.load_result(path, verify=True)
 
 
@@ -315,8 +315,14 @@ def test_results_of_0_1_are_drawn_and_told(tmp_path):
 # ---- refused ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("content", [b"", b"{}", b"[1]", b"CDF\x01rubbish", b'{"format": 3}',
-                                     b"[" * 100_000, b"\xff\xfe", b'{"format":"woundon-result"}'])  # fmt: skip
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"{}", b"[1]", b"CDF\x01rubbish", b'{"format": 3}', b"[" * 100_000, b"\xff\xfe",
+        b'{"format": "woundon-result"}',
+    ],
+    ids=lambda content: repr(content[:12]),
+)  # fmt: skip
 @pytest.mark.parametrize("ending", ["nc", "json"])
 def test_a_file_that_is_no_result_is_refused(tmp_path, content, ending):
     path = tmp_path / f"other.{ending}"
@@ -335,7 +341,7 @@ def test_a_file_that_cannot_be_read_is_refused_as_a_case_is(tmp_path):
 def test_a_later_schema_and_an_unknown_kind_are_told(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
     path.write_text(json.dumps(record | {"schema": 3}))
-    with pytest.raises(wo.InvalidProblem, match="schema: 3 is unknown; .* reads 1 and 2"):
+    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 1 and 2"):
         wo.load_result(path)
     path.write_text(json.dumps(record | {"kind": "nap"}))
     with pytest.raises(wo.InvalidProblem, match="'nap' is no kind of problem; did you mean 'nip'"):

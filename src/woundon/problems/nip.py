@@ -8,10 +8,11 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from ..elasticity.strip import compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure
-from .bodies import AnyBody, Cylinder, Rigid
-from .fields import Description, Number, Problem
+from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
+from .fields import Description, Number
 from .materials import AnyMaterial, material
 
 __all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNipProblem"]
@@ -37,8 +38,10 @@ class Web(Description):
     material: AnyMaterial
 
 
-class WindingNip(Problem):
+class WindingNip(ContactProblem):
     """What a nip has with and without its wraps; not a problem of its own."""
+
+    pair: ClassVar[tuple[str, str]] = ("roll", "drum")
 
     web: Annotated[Web, Field(description="the paper or film")]
     roll: Annotated[AnyBody, Field(description="the wound roll")]
@@ -61,13 +64,10 @@ class WindingNip(Problem):
         Field(ge=0, le=1e6),
     ] = 0.0
 
-    @model_validator(mode="after")
-    def _deforms(self) -> Self:
-        if self.roll.rigid and self.drum.rigid:
-            raise InvalidProblem.at(
-                "roll", "roll and drum are both Rigid; one must be HalfPlane or Cylinder"
-            )
-        return self
+    @property
+    def thinning(self) -> float:
+        """-2h c22 of the web [m/Pa]."""
+        return -self.web.thickness * compliance(*self.web.material.stiffness[:3]).c22
 
     @classmethod
     def example(cls) -> Self:

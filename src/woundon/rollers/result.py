@@ -71,6 +71,7 @@ class RollerResult(Result):
         float, strain("e_q", "estimated error of the traction (L2), relative")
     ] = nan
     iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
+    scheme: str = "graded"
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property
@@ -99,6 +100,11 @@ class RollerResult(Result):
         from ..contact.zones import zone_runs
 
         yield from zone_runs(self.x, self.zone)
+
+    @property
+    def in_nip(self) -> slice:
+        """All nodes."""
+        return slice(0, self.x.size)
 
     @property
     def nodes(self) -> int:
