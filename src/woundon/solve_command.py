@@ -222,7 +222,7 @@ def _fits(case: Mapping[str, Any], kind: Kind) -> bool:
 
 
 def _which_fits(case: Mapping[str, Any], kind: Kind, other: Kind) -> str:
-    text = f"describes another kind of problem; use 'woundon solve' or 'woundon {other.command}'"
+    text = f"is a case of {_spoken(other)}; use 'woundon solve' or 'woundon {other.command}'"
     beyond = [name for name in case if name not in _names(kind) | {"schema"}]
     needed = {name for name, field in kind.problem.model_fields.items() if field.is_required()}
     if needed <= set(case):

@@ -102,7 +102,7 @@ def from_record(record: Record) -> Result:
         problem = kind.problem(**record["problem"])
         values = dict(_restored_fields(kind.result, record["fields"], record["dimensions"]))
         told = _told(record["residuals"])
-        errors = {name: _number(v, name, True) for name, v in record["errors"].items()}
+        errors = {name: _number(v, f"errors.{name}", True) for name, v in record["errors"].items()}
         notes = tuple(str(text) for text in record["warnings"])
         result = kind.result(
             problem=problem, residuals=Residuals(**told), errors=errors, warnings=notes, **values

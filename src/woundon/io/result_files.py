@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["load_result", "save_result", "to_dataset", "to_json", "writer_for"]
 
 LARGEST = 1_000_000_000  # bytes
-_ERROR = "_error"  # what the name of an output's estimated error ends with
 
 
 def save_result(result: Result, path: str | Path) -> None:
@@ -71,7 +70,7 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
         if verify:
             _verify(result)
     except InvalidProblem as fault:
-        raise fault.under(str(path)) from None
+        raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
     return result
 
 
@@ -209,6 +208,7 @@ def to_dataset(result: Result) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     attributes = {name: record[name] for name in ("format", "schema", "version", "kind")}
     attributes |= {name: json.dumps(record[name]) for name in ("problem", "warnings")}
+    attributes["errors"] = json.dumps(list(record["errors"]))
     for name, value in (record["fields"] | record["outputs"]).items():
         dims = record["dimensions"].get(name, ())
         if isinstance(value, str):
@@ -220,7 +220,7 @@ def to_dataset(result: Result) -> xarray.Dataset:
         data = np.asarray(getattr(result, name)) if dims else nan if value is None else value
         variables[name] = (dims, data, _labels(known.get(name)))
     for name, error in result.errors.items():
-        variables[f"{name}{_ERROR}"] = ((), error, _error(known.get(name)))
+        variables.setdefault(f"{name}_error", ((), error, _error(known.get(name))))
     variables["residual"] = ("law", list(record["residuals"].values()), _labels(known["residual"]))
     names = {dim for dims in record["dimensions"].values() for dim in dims}
     coordinates = {name: variables.pop(name) for name in list(variables) if name in names}
@@ -262,16 +262,15 @@ def _record_of_netcdf(content: bytes) -> Record:
     cls = kinds.named(str(record["kind"])).result
     hints = {part.name: part.type for part in saved_fields(cls)}
     known = {place.path for place in outputs(cls)}
-    errors = {name: name.removesuffix(_ERROR) for name in values if name not in hints}
-    errors = {name: of for name, of in errors.items() if name != of and of in known}
+    errors = {str(name): f"{name}_error" for name in json.loads(attributes.pop("errors"))}
     told = {name: value for name, value in values.items()
-            if name in hints or name not in known | set(errors)}  # fmt: skip
+            if name in hints or name not in known | set(errors.values())}  # fmt: skip
     told |= {name: text if hints.get(name) in ("str", str) else json.loads(text)
              for name, text in attributes.items()}  # fmt: skip
     return record | {
         "fields": told,
         "dimensions": dimensions,
-        "errors": {of: values[name] for name, of in errors.items()},
+        "errors": {name: values[of] for name, of in errors.items()},
     }
 
 

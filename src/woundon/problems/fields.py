@@ -250,6 +250,8 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"
+    if kind in ("tuple_type", "list_type"):
+        return f"{shown(value)} is not a list"
     if kind == "literal_error":
         return not_one_of(value, get_args(field.annotation))
     if members_of(field.annotation):
