@@ -1,6 +1,6 @@
 """Figures of results: a function for each kind, and one that draws the arrays of any.
 
-Found through :mod:`woundon.kinds`; only this room imports matplotlib.
+Found through :mod:`woundon.kinds`; of woundon, only this room imports matplotlib.
 """
 
 from __future__ import annotations
@@ -198,7 +198,7 @@ def _draw_wraps(tension: Axes, pressure: Axes, result: WrappedNipResult) -> None
         theta = angle.shown((result.x[behind] - a) / problem.roll.radius)
         tension.plot(theta, T[behind], "-.", color=TENSION, label="$T$ on roll")
         _draw_pressures(pressure, theta, result, behind, "roll", problem.friction_behind)
-        far = f"{wound.symbol} {wound.shown(T[-1]):.4g}"
+        far = f"{wound.symbol} {wound.shown(T[-1]):.5g}"
         marks.append(tension.axhline(T[-1], color="#888888", linewidth=0.8, label=far))
         if result.slip_angle:
             end = shown(result, "slip_angle")
