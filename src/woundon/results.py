@@ -17,7 +17,7 @@ import numpy as np
 
 from . import kinds
 from .errors import NotConverged
-from .quantities import pure, walk
+from .quantities import Quantity, pure, walk
 
 if TYPE_CHECKING:
     import xarray
@@ -103,11 +103,17 @@ class Result:
         Estimated discretisation errors by output, SI units; nan where it cannot be told.
     warnings : tuple of str
         Where the solved case leaves the model's validity, with numbers.
+    MAIN : tuple of str
+        The outputs that a study gives where none is asked for.
     REPLACED : mapping of str to str
         Names that people may look for in vain, with what there is instead.
+    MAY_BE_NAN : set of str, optional
+        Fields that may be nan; in a file all others must be finite.  None where that is not told.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ()
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    MAY_BE_NAN: ClassVar[frozenset[str] | None] = None
 
     problem: Any
     residuals: Residuals
@@ -125,6 +131,11 @@ class Result:
     def residual(self) -> Annotated[float, pure("r", "largest violation of a contact law")]:
         """The largest violation of a law, dimensionless."""
         return self.residuals.largest
+
+    @property
+    def relabelled(self) -> Mapping[str, Quantity]:
+        """Outputs that are another quantity in this very result than in others of its class."""
+        return {}
 
     def checked(self) -> Self:
         """Return itself, if no law is broken: nothing unsolved is passed off as solved.

@@ -92,10 +92,10 @@ class WindingNipResult(Result):
     roll_slip: Annotated[Array, strain("v+", "slip of the web against the roll, > 0: web faster")]
     drum_slip: Annotated[Array, strain("v-", "slip of the web against the drum, > 0: web faster")]
     roll_zone: Annotated[
-        Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower")
+        Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
     drum_zone: Annotated[
-        Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower")
+        Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
     web_tension: Annotated[Array, line_load("T", "web tension along the nip")]
     scheme: str = "graded"
@@ -154,11 +154,13 @@ class NipResult(WindingNipResult):
     The others as of :class:`WindingNipResult`.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ("nip_induced_tension",)
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
         "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
         "problem.wrapped()",
     })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
 
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
     extrapolation: Annotated[

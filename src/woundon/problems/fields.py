@@ -24,7 +24,10 @@ from pydantic_core import PydanticCustomError
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import members_of, quantity_of
 
-__all__ = ["Description", "Family", "Number", "Problem", "not_one_of", "shown"]
+__all__ = [
+    "Description", "Family", "Number", "Problem", "admissible", "best_match", "bounds",
+    "no_such_field", "not_one_of", "shown",
+]  # fmt: skip
 
 
 def _number(value: Any) -> float:
@@ -247,6 +250,8 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"
+    if kind in ("tuple_type", "list_type"):
+        return f"{shown(value)} is not a list"
     if kind == "literal_error":
         return not_one_of(value, get_args(field.annotation))
     if members_of(field.annotation):
@@ -291,7 +296,8 @@ def _words(field: FieldInfo) -> list[str]:
 # ---- what is admissible, from the field itself ------------------------------------------------
 
 
-def _bounds(field: FieldInfo) -> list[tuple[str, float]]:
+def bounds(field: FieldInfo) -> list[tuple[str, float]]:
+    """Return the limits of a field, each with its sign, as (">", 0.0)."""
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     return [(sign, getattr(part, name)) for name, sign in signs.items()
             for part in field.metadata if hasattr(part, name)]  # fmt: skip
@@ -313,8 +319,8 @@ def admissible(field: FieldInfo) -> str:
     if words:
         return one_of(map(repr, words))
     unit = _unit(field)
-    bounds = " and ".join(f"{sign} {bound:.6g}" for sign, bound in _bounds(field))
-    return (bounds or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
+    limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
+    return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
 
 
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
@@ -328,7 +334,7 @@ def _slip(value: Any, field: FieldInfo) -> str:
     fits = [
         f"{value:g} {unit} is {value * factor:g}"
         for unit, factor in _OTHER_UNITS.get(_unit(field), {}).items()
-        if all(tests[sign](value * factor, float(bound)) for sign, bound in _bounds(field))
+        if all(tests[sign](value * factor, float(bound)) for sign, bound in bounds(field))
     ]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 

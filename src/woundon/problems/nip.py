@@ -43,9 +43,9 @@ class WindingNip(ContactProblem):
 
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
 
-    web: Web
-    roll: AnyBody
-    drum: AnyBody
+    web: Annotated[Web, Field(description="the paper or film")]
+    roll: Annotated[AnyBody, Field(description="the wound roll")]
+    drum: Annotated[AnyBody, Field(description="the winding drum")]
     roll_friction: Annotated[
         Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
     ]

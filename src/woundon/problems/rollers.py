@@ -44,8 +44,8 @@ class RollerProblem(ContactProblem):
 
     pair: ClassVar[tuple[str, str]] = ("upper", "lower")
 
-    upper: AnyBody
-    lower: AnyBody
+    upper: Annotated[AnyBody, Field(description="the upper roller")]
+    lower: Annotated[AnyBody, Field(description="the lower roller")]
     load: Annotated[Number, line_load("P", "load", (1e3, 1e6)), Field(ge=1e-12, le=1e9)]
     friction: Annotated[Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Friction]
     tangential_load: Annotated[Number | None, line_load("Q", "tangential load")] = None

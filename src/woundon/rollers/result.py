@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import nan
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..quantities import length, line_load, pure, strain, stress
-from ..results import Residuals, Result
+from ..quantities import Quantity, length, line_load, pure, strain, stress
+from ..results import Residuals, Result, Zone
 
 __all__ = ["RollerResult"]
 
@@ -45,6 +45,8 @@ class RollerResult(Result):
         On which it was solved.
     """
 
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"creepage", "shift", "traction_error"})
+
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
@@ -60,11 +62,10 @@ class RollerResult(Result):
     traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
     slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
     slip: Annotated[
-        Array,
-        pure("v", "slip, > 0: lower surface faster; of static rollers along +x, in metres"),
+        Array, strain("v", "slip, > 0: lower surface faster; a length of static rollers")
     ]
     zone: Annotated[
-        Array, pure("z", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower")
+        Array, pure("z", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower"), Zone
     ]
     traction_error: Annotated[
         float, strain("e_q", "estimated error of the traction (L2), relative")
@@ -72,6 +73,13 @@ class RollerResult(Result):
     iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
     scheme: str = "graded"
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+
+    @property
+    def relabelled(self) -> Mapping[str, Quantity]:
+        """The slip of static rollers is a length."""
+        if self.problem.motion == "rolling":
+            return {}
+        return {"slip": length("v", "slip, > 0: lower surface along +x")}
 
     @property
     def nip_width(self) -> Annotated[float, length("2a", "width of the contact")]:

@@ -40,11 +40,13 @@ class WrappedNipResult(WindingNipResult):
     not touch the body.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "nip": "take the nodes in_nip of the arrays, or confined() for the nip alone",
         "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
         "wound_on_tension_estimate": "the wrapped web's wound_on_tension is solved, not estimated",
     })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"roll_slip", "drum_slip", "roll_strain"})
 
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
