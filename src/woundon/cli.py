@@ -95,10 +95,10 @@ class Commands(click.Group):
         if name in self.commands:
             return self.commands[name]
         if name in _LATE:
-            return kinds.fetch(_LATE[name][0])  # type: ignore[no-any-return]
+            return kinds.fetch(_LATE[name][0])
         found = entry_points(group=COMMANDS, name=name)
         if found:
-            return next(iter(found)).load()  # type: ignore[no-any-return]
+            return next(iter(found)).load()
         own = next((kind for kind in kinds.every() if kind.command == name), None)
         return SolveCommand(own) if own else None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from woundon.errors import InvalidProblem
-from woundon.units import known_units, parse
+from woundon.io.units import known_units, parse
 
 
 @pytest.mark.parametrize(
