@@ -359,7 +359,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ),
     # a field that happens to be called like a kind
     ({"drum": {"radius": 1, "rigid": 3}}, "drum.rigid: no such field; known: radius"),
-    ({"drum": wo.HalfPlane}, f"drum: <class 'woundon.problems.bodies.HalfPlane'> is out of place; "
+    ({"drum": wo.HalfPlane}, f"drum: <class 'woundon.pr....bodies.HalfPlane'> is out of place; "
      f"must be {BODY}"),
     (
         {"drum": {"radius": 1, "core_raduis": 0.5, "material": "steel"}},
