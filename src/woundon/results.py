@@ -103,12 +103,15 @@ class Result:
         Estimated discretisation errors by output, SI units; nan where it cannot be told.
     warnings : tuple of str
         Where the solved case leaves the model's validity, with numbers.
+    MAIN : tuple of str
+        The outputs that a study gives where none is asked for.
     REPLACED : mapping of str to str
         Names that people may look for in vain, with what there is instead.
     MAY_BE_NAN : set of str, optional
         Fields that may be nan; in a file all others must be finite.  None where that is not told.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ()
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
     MAY_BE_NAN: ClassVar[frozenset[str] | None] = None
 

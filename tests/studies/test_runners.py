@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import toys
+from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.studies import runners
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.runners import DIED, DaskRunner, Here, Pool
-from woundon.thesis.cases import paper_nip
 
 DESIGN = make_design({"a": range(8)})
 
@@ -190,6 +190,7 @@ def test_ctrl_c_ends_cleanly(whole: tuple[Path, bytes], tmp_path: Path, workers:
     out = tmp_path / "out"
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
     assert code == 130
+    assert "finishing the chunks under way; press Ctrl-C again to stop at once" in said
     assert f"stopped; what was solved is in {out}, --resume goes on from there" in said
     assert "Traceback" not in said
     assert not list((out / "parts").glob(".*.part"))

@@ -154,6 +154,7 @@ class NipResult(WindingNipResult):
     The others as of :class:`WindingNipResult`.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ("nip_induced_tension",)
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
         "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "

@@ -50,7 +50,7 @@ class RollerResult(Result):
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
-    shift: Annotated[float, length("s", "shift of the lower roller, static contact")] = nan
+    shift: Annotated[float, length("s", "shift of the lower roller, static contact", "um")] = nan
     tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
     half_width: Annotated[float, length("a", "half-width of the contact")]
     approach: Annotated[float, length("delta", "approach of the rollers' centres")]
@@ -58,8 +58,8 @@ class RollerResult(Result):
         float, length("Delta", "shift of the contact centre from the line of centres")
     ]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
-    pressure: Annotated[Array, stress("p", "pressure")]
-    traction: Annotated[Array, stress("q", "traction on the upper roller")]
+    pressure: Annotated[Array, stress("p", "pressure", "MPa")]
+    traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
     slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
     slip: Annotated[
         Array, strain("v", "slip, > 0: lower surface faster; a length of static rollers")
@@ -87,12 +87,12 @@ class RollerResult(Result):
         return 2 * self.half_width
 
     @property
-    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
+    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure", "MPa")]:
         """Largest nodal pressure [Pa]."""
         return float(np.max(self.pressure))
 
     @property
-    def slip_share(self) -> Annotated[float, strain("s", "slip length / width of the contact")]:
+    def slip_share(self) -> Annotated[float, strain("s_q", "slip length / width of the contact")]:
         """Share of the width on which the rollers slip [1]."""
         return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
 
