@@ -57,8 +57,8 @@ def main(args: Sequence[str] | None = None) -> int:
         return _refuse([fault.format_message()], BAD_INPUT)
     except click.Abort:
         return 130
-    except BrokenPipeError:
-        # the reader (head, less) has left; nobody is there to tell
+    except (_ReaderLeftError, BrokenPipeError):
+        # head or less have read enough; nobody is there to tell
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as fault:
@@ -72,8 +72,19 @@ def _refuse(lines: Sequence[str], code: int) -> int:
     return code
 
 
+class _ReaderLeftError(Exception):
+    """A broken pipe, by a name that click does not end with exit code 1."""
+
+
 class Commands(click.Group):
     """The commands written here, one for each kind of problem, studies, and those of plug-ins."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that is asked for."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            raise _ReaderLeftError from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands."""
@@ -84,10 +95,10 @@ class Commands(click.Group):
         if name in self.commands:
             return self.commands[name]
         if name in _LATE:
-            return kinds.fetch(_LATE[name][0])  # type: ignore[no-any-return]
+            return kinds.fetch(_LATE[name][0])
         found = entry_points(group=COMMANDS, name=name)
         if found:
-            return next(iter(found)).load()  # type: ignore[no-any-return]
+            return next(iter(found)).load()
         own = next((kind for kind in kinds.every() if kind.command == name), None)
         return SolveCommand(own) if own else None
 

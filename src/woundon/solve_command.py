@@ -51,11 +51,14 @@ class SolveCommand(click.Command):
         return super().get_params(ctx)
 
     def _kinds(self) -> tuple[Kind, ...]:
-        """Return the kinds that the command solves: its own, and those that more fields make."""
+        """Return the kinds that the command solves: its own, and those that a table makes of it."""
         if self.kind is None:
             return kinds.every()
-        fields = set(self.kind.problem.model_fields)
-        return tuple(k for k in kinds.every() if fields <= set(k.problem.model_fields))
+        own = set(self.kind.problem.model_fields)
+        return tuple(
+            kind for kind in kinds.every()
+            if kind is self.kind or set(kind.problem.model_fields) - set(_grouped(kind)) == own
+        )  # fmt: skip
 
     def _solver_options(self) -> Iterator[click.Option]:
         all_of = self._kinds()
@@ -75,10 +78,9 @@ class SolveCommand(click.Command):
         from .io.case_texts import described
 
         for kind in self._kinds():
-            for names in kind.problem.tables.values():
-                for name in names:
-                    about = described(kind.problem.model_fields[name])
-                    yield click.Option([_option(name)], metavar="VALUE", help=f"Set {about}.")
+            for name in _grouped(kind):
+                about = described(kind.problem.model_fields[name])
+                yield click.Option([_option(name)], metavar="VALUE", help=f"Set {about}.")
 
     # ---- what it does ---------------------------------------------------------------------------
 
@@ -88,8 +90,7 @@ class SolveCommand(click.Command):
     ) -> None:  # fmt: skip
         """Solve a case file and show the result."""
         asked = {name: value for name, value in given.items() if value is not None}
-        fields = {name for kind in self._kinds() for names in kind.problem.tables.values()
-                  for name in names}  # fmt: skip
+        fields = {name for kind in self._kinds() for name in _grouped(kind)}
         changes = [f"{name}={asked.pop(name)}" for name in list(asked) if name in fields]
         problem = self._problem(case, [*settings, *changes])
         kind = kinds.of(problem)
@@ -215,6 +216,11 @@ def _spoken(kind: Kind) -> str:
 
 def _names(kind: Kind) -> set[str]:
     return {*kind.problem.model_fields, *kind.problem.tables}
+
+
+def _grouped(kind: Kind) -> dict[str, None]:
+    """Return the fields that case files group in a table, in their order."""
+    return {name: None for names in kind.problem.tables.values() for name in names}
 
 
 def _fits(case: Mapping[str, Any], kind: Kind) -> bool:

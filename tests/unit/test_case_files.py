@@ -308,48 +308,50 @@ def test_a_field_in_two_places_is_refused():
 # ---- descriptions from outside the package ------------------------------------------------------
 
 
-class Ring(Description):
-    """A layer of the body below."""
+def outside() -> wo.Problem:
+    """Return a problem of descriptions that are defined here: they join the open sets now."""
 
-    thickness: Annotated[Number, length("h", "thickness of the ring"), Field(gt=0)]
-    material: AnyMaterial
+    class Ring(Description):
+        """A layer of the body below."""
 
+        thickness: Annotated[Number, length("h", "thickness of the ring"), Field(gt=0)]
+        material: AnyMaterial
 
-class Rings(wo.Body):
-    """A body of a list of layers."""
+    class Rings(wo.Body):
+        """A body of a list of layers."""
 
-    rings: tuple[Ring, ...]
+        rings: tuple[Ring, ...]
 
+    class Ramp(Description):
+        """A curve, two lists of numbers."""
 
-class Ramp(Description):
-    """A curve, two lists of numbers."""
+        radius: Annotated[tuple[Number, ...], length("r", "radius")]
+        value: Annotated[tuple[Number, ...], line_load("T", "tension")]
 
-    radius: Annotated[tuple[Number, ...], length("r", "radius")]
-    value: Annotated[tuple[Number, ...], line_load("T", "tension")]
+    class RampProblem(wo.Problem):
+        """A kind of problem with a number or a curve, words and flags."""
 
+        tables = {"extra": ("share", "limit")}  # noqa: RUF012
 
-class RampProblem(wo.Problem):
-    """A kind of problem with a number or a curve, words and flags."""
+        tension: Annotated[Number | Ramp, line_load("T", "tension", (50.0, 1000.0))]
+        body: AnyBody
+        share: Number = 0.25
+        limit: Annotated[Number | None, length("L", "limit")] = None
+        exact: bool = True
+        laps: int = 3
+        law: str = 'linear "or" not'
 
-    tables = {"extra": ("share", "limit")}  # noqa: RUF012
-
-    tension: Annotated[Number | Ramp, line_load("T", "tension", (50.0, 1000.0))]
-    body: AnyBody
-    share: Number = 0.25
-    limit: Annotated[Number | None, length("L", "limit")] = None
-    exact: bool = True
-    laps: int = 3
-    law: str = 'linear "or" not'
+    kinds.register(RampProblem, lambda problem: None, wo.Result, name="ramp")
+    rings = [Ring(thickness=0.015, material="soft-cover"), Ring(thickness=0.005, material="steel")]
+    body = Rings(radius=0.24, rings=rings)
+    return RampProblem(tension=Ramp(radius=[0.05, 0.1], value=[350, 300]), body=body, limit=0.02)
 
 
 @pytest.fixture
 def ramp(monkeypatch):
     monkeypatch.setattr(kinds, "_KINDS", dict(kinds._KINDS))
     monkeypatch.setattr(wo.Body, "_members", dict(wo.Body._members))
-    kinds.register(RampProblem, lambda problem: None, wo.Result, name="ramp")
-    rings = [Ring(thickness=0.015, material="soft-cover"), Ring(thickness=0.005, material="steel")]
-    body = Rings(radius=0.24, rings=rings)
-    return RampProblem(tension=Ramp(radius=[0.05, 0.1], value=[350, 300]), body=body, limit=0.02)
+    return outside()
 
 
 @pytest.mark.parametrize("comments", [False, True])

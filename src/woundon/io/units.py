@@ -182,14 +182,14 @@ def _in_unit(value: float, name: str, unit: str) -> str:
     """Return a number with a unit, '' if it would not be read as the same number."""
     try:
         factor = _factor(name, unit, "", "")
-    except InvalidProblem:
-        return ""
-    # the decimals that Python prints, moved by the unit, are no others; of pi they are
-    number = Decimal(repr(value)) * factor.denominator / factor.numerator
-    for digits in (15, 17):
-        text = f"{_short(round(number, digits - 1 - number.adjusted()))} {name}"
-        if parse(text, unit) == value:
-            return text
+        # the decimals that Python prints, moved by the unit, are no others; of pi they are
+        number = Decimal(repr(value)) * factor.denominator / factor.numerator
+        for digits in (15, 17):
+            text = f"{_short(round(number, digits - 1 - number.adjusted()))} {name}"
+            if parse(text, unit) == value:
+                return text
+    except (InvalidProblem, ArithmeticError):  # no such unit here, or beyond what floats hold
+        pass
     return ""
 
 

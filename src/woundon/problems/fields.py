@@ -173,9 +173,9 @@ class Family(Description):
         if not isinstance(value, Mapping):
             return value
         table = dict(value)
-        kind = table.pop("kind", None)
-        if kind is None:
+        if "kind" not in table:
             return best_match(table, cls._members.values())(**table)
+        kind = table.pop("kind")
         if not isinstance(kind, str) or kind not in cls._members:
             raise InvalidProblem.at("kind", not_one_of(kind, cls._members))
         return cls._members[kind](**table)
@@ -205,17 +205,18 @@ class Problem(Description):
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     """Return the class of description whose fields are nearest to the given names.
 
-    A name it does not have counts two, one that is only like a field's one, a missing field one.
-    Of equals the first with the fewest fields.
+    A name that it does not have counts two, but one if it is like a field that is not given; a
+    field that is missing counts one.  Of equals the first with the fewest fields.
     """
     given = [str(name) for name in names]
 
     def misfit(model: type[Any]) -> tuple[int, int]:
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         strange = [name for name in given if name not in known]
-        like = sum(bool(nearest(name, known)) for name in strange)
-        missing = sum(f.is_required() and n not in given for n, f in model.model_fields.items())
-        return 2 * len(strange) - like + missing, len(known)
+        meant = {nearest(name, known) for name in strange} - {"", *given}
+        had = meant.union(given)
+        missing = sum(f.is_required() and n not in had for n, f in model.model_fields.items())
+        return 2 * len(strange) - len(meant) + missing, len(known)
 
     return min(models, key=misfit)
 
@@ -256,6 +257,7 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return not_one_of(value, get_args(field.annotation))
     if members_of(field.annotation):
         return f"{shown(value)} is out of place; must be {admissible(field)}"
+    value = value if isinstance(value, Real) else float(value)  # an array of no dimension
     return f"{shown(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
 
 
@@ -272,6 +274,8 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     own = model.model_fields
     family = model._members.values() if issubclass(model, Family) else ()
     owners = [m.__name__ for m in family if name in m.model_fields]
+    if name == "kind" and family:
+        return f"no field; for another kind than {model.__name__} give the whole description"
     if owners:
         return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
                 f"known: {', '.join(own)}")  # fmt: skip
