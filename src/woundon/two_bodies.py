@@ -256,6 +256,8 @@ class PairContact:
 
     def scale(self, name: str, value: float) -> float:
         """Return what relative errors of an output are measured by."""
+        if name == "tension_behind_nip":  # T_in is given: it errs by what the nip adds
+            value -= self.problem.web_tension
         if "tension" in name:
             return max(abs(value), 0.01 * self.problem.roll_friction * self.problem.nip_load)
         return abs(value)

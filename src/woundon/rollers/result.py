@@ -92,7 +92,7 @@ class RollerResult(Result):
         return float(np.max(self.pressure))
 
     @property
-    def slip_share(self) -> Annotated[float, strain("s", "slip length / width of the contact")]:
+    def slip_share(self) -> Annotated[float, strain("s_q", "slip length / width of the contact")]:
         """Share of the width on which the rollers slip [1]."""
         return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
 
