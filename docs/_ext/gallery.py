@@ -11,9 +11,10 @@ SOURCES = HERE.parent.parent / "src" / "woundon"
 
 def make(app) -> None:
     """Compute every figure, unless the program has not changed since."""
-    from woundon.thesis.publication import publish
-    from woundon.thesis.registry import NAMES
-    from woundon.thesis.show import summary
+    from jorkama2001.registry import NAMES
+    from jorkama2001.show import summary
+
+    from jorkama2001.publication import publish
 
     folder = Path(app.srcdir) / "thesis" / "figures"
     stamp, state = folder / "made_by.txt", _state()

@@ -8,8 +8,9 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -20,7 +21,6 @@ from .studies import commands as study_commands
 
 if TYPE_CHECKING:
     from .results import NipResult, Sensitivity
-    from .thesis.frame import Scheme
     from .wrap import WrappedNipResult
 
 __all__ = ["main"]
@@ -62,7 +62,25 @@ def _refuse(lines: Sequence[str], code: int) -> int:
     return code
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+# commands of packages that come beside this one, which stand on it: found when they are asked for
+_BESIDE = {"thesis": "jorkama2001.command"}
+
+
+class _Commands(click.Group):
+    """The program's own commands, and late those of the packages beside it."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all commands."""
+        return sorted([*super().list_commands(ctx), *_BESIDE])
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a command by its name."""
+        if cmd_name in _BESIDE:
+            return cast("click.Command", getattr(import_module(_BESIDE[cmd_name]), cmd_name))
+        return super().get_command(ctx, cmd_name)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="woundon")
 def commands() -> None:
     """Winding mechanics: what the winding nip does to a paper or film web."""
@@ -191,40 +209,6 @@ def _show(result: NipResult | WrappedNipResult, sensitivity: Sensitivity | None)
     print_report(result, console)
     if sensitivity:
         print_sensitivity(sensitivity, console)
-
-
-@commands.command(short_help="Recompute figures and tables of the thesis.")
-@click.argument("names", nargs=-1, metavar="[NAME]...")
-@click.option("--all", "everything", is_flag=True, help="Every figure and table.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("thesis"),
-    show_default=True,
-    help="Folder for PNG, SVG, CSV and the verdict.",
-)
-@click.option(
-    "--scheme",
-    type=click.Choice(["graded", "thesis"]),
-    default="graded",
-    show_default=True,
-    help="Accurate, or as the thesis solved it.",
-)
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
-def thesis(
-    names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
-) -> None:
-    """Recompute figures and tables of the thesis, and test what it says: fig16, table3, ..."""
-    from .thesis.publication import publish
-    from .thesis.registry import NAMES, chosen
-    from .thesis.show import show
-
-    if bool(names) == everything:
-        raise click.UsageError(
-            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
-        )
-    wanted = NAMES if everything else chosen(names)
-    show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
 
 
 @commands.command(short_help="Print a commented case file to start from.")

@@ -10,11 +10,11 @@ import pytest
 import xarray
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon import cli
 from woundon.studies.nip import sweep_table
 from woundon.studies.plots import plot_sweep
 from woundon.studies.studyfile import load_study
-from woundon.thesis.cases import paper_nip
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE = EXAMPLES / "newsprint_table2.toml"

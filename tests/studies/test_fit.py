@@ -11,10 +11,10 @@ import toys
 from scipy import stats
 
 import woundon as wo
+from jorkama2001.cases import measured_tensions, newsprint_nip, paper_nip
 from woundon.studies.fit import fit_parameters
 from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
-from woundon.thesis.cases import measured_tensions, newsprint_nip, paper_nip
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jorkama2001.cases import paper_nip
 from woundon import InvalidProblem
 from woundon.studies.fields import field_label
 from woundon.studies.measured import read_measured
 from woundon.studies.solver_model import all_labels
-from woundon.thesis.cases import paper_nip
 
 OUTPUTS = all_labels(paper_nip())
 

@@ -14,11 +14,11 @@ import pytest
 import toys
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies import runners
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.runners import DIED, DaskRunner, Here, Pool
-from woundon.thesis.cases import paper_nip
 
 DESIGN = make_design({"a": range(8)})
 

@@ -9,10 +9,10 @@ import pytest
 import toys
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies.engine import run_study
 from woundon.studies.runners import Here
 from woundon.studies.sobol import saltelli_design, sobol_indices_of
-from woundon.thesis.cases import paper_nip
 
 
 def _indices(model, ranges, samples):

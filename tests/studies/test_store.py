@@ -12,13 +12,13 @@ import toys
 import xarray
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.export import export
 from woundon.studies.nip import sweep_table
 from woundon.studies.runners import Here
 from woundon.studies.table import failures
-from woundon.thesis.cases import paper_nip
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
 

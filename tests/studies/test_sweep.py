@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies.nip import sweep_table
-from woundon.thesis.cases import paper_nip
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8

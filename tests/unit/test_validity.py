@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from jorkama2001.cases import newsprint_nip, paper_nip
 from woundon import cli
-from woundon.thesis.cases import newsprint_nip, paper_nip
 from woundon.validity import nip_warnings
 
 NODES = 33  # warnings do not wait for accuracy

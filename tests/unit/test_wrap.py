@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon import cli
 from woundon.results import NipResult
-from woundon.thesis.cases import paper_nip
 from woundon.units import parse
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")

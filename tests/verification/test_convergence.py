@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.thesis.cases import newsprint_nip, paper_nip
+from jorkama2001.cases import newsprint_nip, paper_nip
 
 PAPER = wo.material("paper")
 

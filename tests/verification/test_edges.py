@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.thesis.cases import paper_nip
+from jorkama2001.cases import paper_nip
 
 
 def cover(thickness: float, poissons_ratio: float, youngs_modulus: float = 1e7) -> wo.Cylinder:

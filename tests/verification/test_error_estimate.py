@@ -11,7 +11,7 @@ import pytest
 from error_estimate import compared, ratios
 
 import woundon as wo
-from woundon.thesis.cases import newsprint_nip
+from jorkama2001.cases import newsprint_nip
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 import woundon as wo
-from woundon.thesis.cases import newsprint_nip, paper_nip
+from jorkama2001.cases import newsprint_nip, paper_nip
 
 COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
 HALF_PLANE = wo.HalfPlane(radius=0.3, material=wo.material("paper"))

@@ -11,7 +11,7 @@ from random_nips import random_nip
 from sensitivities import ACCEPTED, compared
 
 import woundon as wo
-from woundon.thesis.cases import newsprint_nip, paper_nip
+from jorkama2001.cases import newsprint_nip, paper_nip
 
 
 @pytest.mark.parametrize("seed", range(100, 110))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.thesis.cases import paper_nip
+from jorkama2001.cases import paper_nip
 
 PROBLEM = paper_nip(roll=wo.HalfPlane(radius=0.3, material=wo.material("paper")))
 LUMPED = {50: 111.07, 100: 119.39, 200: 125.26, 400: 129.16}  # independent program

@@ -7,13 +7,13 @@ from math import exp, pi
 
 import numpy as np
 import pytest
+from jorkama2001.frame import Outcome
 
 import woundon as wo
+from jorkama2001 import fig34, fig35, wraps
+from jorkama2001.cases import newsprint_nip, paper_nip
 from woundon.contact.discretisation import discretisation
 from woundon.elasticity.strip import compliance
-from woundon.thesis import fig34, fig35, wraps
-from woundon.thesis.cases import newsprint_nip, paper_nip
-from woundon.thesis.frame import Outcome
 from woundon.wrap.equations import Loads, WrapEquations
 from woundon.wrap.grid import wrap_grid
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from jorkama2001.cases import newsprint_nip, paper_nip
 from woundon.assembly import NipEquations, NipMatrices, surface_response
 from woundon.contact.discretisation import discretisation
 from woundon.contact.grid import Grid
 from woundon.contact.stick_slip import solve_stick_slip
 from woundon.contact.width import width_for_load
-from woundon.thesis.cases import newsprint_nip, paper_nip
 
 FOAM = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
 RUBBER = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.45)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from jorkama2001.cases import newsprint_nip, paper_nip
 from woundon.contact.discretisation import discretisation
 from woundon.elasticity.cylinder import sequences
-from woundon.thesis.cases import newsprint_nip, paper_nip
 from woundon.wrap.equations import Loads, WrapEquations
 from woundon.wrap.grid import wrap_grid
 
