@@ -62,14 +62,14 @@ class Exhibit:
 
     def csv(self) -> str:
         """Return the data as text, comma separated, ten digits, names with units."""
-        rows = self.data.to_dataframe().dropna(how="all").reset_index()
-        units = {name: of.attrs["units"] for name, of in self.data.variables.items()
-                 if "units" in of.attrs}  # fmt: skip
-        heads = {name: f"{name} [{units[name]}]" for name in rows if name in units}
-        text: str = rows[list(heads)].rename(columns=heads).to_csv(
-            index=False, float_format="%.10g", na_rep="nan", lineterminator="\n"
+        told = {name: of.attrs.get("units") for name, of in self.data.variables.items()}
+        data = self.data.drop_vars([name for name, unit in told.items() if unit is None])
+        rows = data.to_dataframe().dropna(how="all").reset_index()
+        heads = {name: f"{name} [{told[name]}]" for name in rows if name in data.variables}
+        return str(
+            rows[list(heads)].rename(columns=heads)
+            .to_csv(index=False, float_format="%.10g", na_rep="nan", lineterminator="\n")
         )  # fmt: skip
-        return text
 
 
 # in the order of the thesis

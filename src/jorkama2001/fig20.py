@@ -16,7 +16,7 @@ from .cases import paper_nip
 from .exhibits import Exhibit
 from .inside import draw_slips, style
 from .nips import FINE, along_nip, joined, solved, solved_wrapped
-from .verdicts import Verdict, verdict, whether
+from .verdicts import Verdict, accurate, verdict, whether
 from .zones import Run, longest_stick, runs
 
 __all__ = ["exhibits"]
@@ -39,7 +39,7 @@ def exhibits(scheme: str) -> list[Exhibit]:
     below, above = nips.values()
     taut = paper_nip(nip_load=NIP_LOAD)
     wrapped = [solved_wrapped(taut.replace(roll_friction=mu), 129) for mu in FRICTIONS]
-    verdicts = [*_pattern(above), *_numbers(below, above), *_of_the_wrap(*wrapped)]
+    verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
     return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
 
 

@@ -21,7 +21,7 @@ from .exhibits import Exhibit
 from .fig34 import web_rate
 from .inside import roll_strain, strain_in_nip
 from .nips import FINE, dataset, joined, solved, solved_wrapped
-from .verdicts import Verdict, verdict, whether
+from .verdicts import Verdict, accurate, verdict, whether
 
 __all__ = ["exhibits"]
 
@@ -114,7 +114,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
         " and ".join(f"{text} for mu+ = {mu:g}" for text, mu in zip(texts, FRICTIONS, strict=True))
         for texts in ([f"{e:.1f} %" for e in errors], [f"{angle:.2f}" for angle in angles])
     )
-    return [
+    of_the_wrap_alone = [
         whether(
             "so in centre winding the web slips on behind the nip, faster than the roll",
             all(n.wrapped.slip_zone is wo.Zone.FORWARD for n in nips), "on the solved wrap",
@@ -125,6 +125,9 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
             note=f"{far}; the hoop pressure is too low to hold the web sooner, and while it slips "
             "on, less of its strain is taken from the nip",
         ),
+    ]  # fmt: skip
+    return [
+        *accurate(of_the_wrap_alone),
         verdict(
             "holding the web at the trailing edge errs by at most 4.5 % of the wound-on tension",
             max(errors), high=4.5, unit="%", note=f"against the solved wrap, {which}",

@@ -64,7 +64,7 @@ class Judged:
         text = f"{strong}{word}{strong}: {verdict.statement}"
         if verdict.outcome is not Outcome.UNTESTED:
             text += f": {strong}{verdict.measured}{strong}, asked {verdict.expected}"
-        if other is not None and verdict.outcome is Outcome.FAILS:
+        if other is not None and _asks_other(verdict):
             name = SCHEMES["thesis" if self.scheme == "graded" else "graded"]
             text += f"; with {name} {other.measured}, {other.outcome.value}"
         note = _sentence(verdict.note)
@@ -114,6 +114,11 @@ def _sentence(note: str) -> str:
     return start + text[1:] + ("" if text[-1] in ".?!" else ".")
 
 
+def _asks_other(verdict: Verdict) -> bool:
+    """Whether the other scheme may have something to say."""
+    return verdict.outcome is Outcome.FAILS and not verdict.accurate
+
+
 def judged(module: str, names: Sequence[str], scheme: str) -> list[Judged]:
     """Compute the exhibits of a module that are asked for, by both schemes where one fails.
 
@@ -126,7 +131,7 @@ def judged(module: str, names: Sequence[str], scheme: str) -> list[Judged]:
     scheme : {"graded", "thesis"}
     """
     mine = [exhibit for exhibit in made_by(module, scheme) if exhibit.name in names]
-    failing = {e.name for e in mine if e.count(Outcome.FAILS) and not e.one_scheme}
+    failing = {e.name for e in mine if not e.one_scheme and any(map(_asks_other, e.verdicts))}
     other = "thesis" if scheme == "graded" else "graded"
     others = {e.name: e.verdicts for e in made_by(module, other)} if failing else {}
     return [Judged(e, scheme, others[e.name] if e.name in failing else ()) for e in mine]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,9 +13,6 @@ import woundon as wo
 
 from .cases import ONE_PAPER, measured_tensions, newsprint_nip
 from .nips import options, swept
-
-if TYPE_CHECKING:
-    from woundon.studies.fit import FitResult
 
 __all__ = ["FITTED_POINT", "NIP_LOADS", "THICKNESSES", "Theory", "rms", "theories", "theory"]
 
@@ -46,7 +43,7 @@ class Theory:
 
     thickness: float
     added: pd.Series
-    fit: FitResult | None = None
+    fit: Any = None
 
     @property
     def fitted(self) -> dict[str, float]:
@@ -96,7 +93,7 @@ def theory(thickness: float, scheme: str = "graded") -> Theory:
     return _theory(newsprint_nip(**{"web.thickness": thickness}), scheme)
 
 
-def _theory(problem: wo.NipProblem, scheme: str, fit: FitResult | None = None) -> Theory:
+def _theory(problem: wo.NipProblem, scheme: str, fit: Any = None) -> Theory:
     tension = swept(problem, {"nip_load": NIP_LOADS}, scheme, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
     return Theory(problem.web.thickness, added, fit)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf
 from typing import SupportsFloat
 
 import xarray as xr
 
-__all__ = ["Outcome", "Verdict", "falls", "grows", "verdict", "whether"]
+__all__ = ["Outcome", "Verdict", "accurate", "falls", "grows", "verdict", "whether"]
 
 
 class Outcome(Enum):
@@ -38,6 +38,8 @@ class Verdict:
         What the number is, why the statement does not hold, or why it cannot be tested.
     logical : bool
         Whether the number stands for yes (1) or no (0).
+    accurate : bool
+        Whether it was solved accurately whatever the scheme, as wraps are.
     """
 
     statement: str
@@ -47,6 +49,7 @@ class Verdict:
     unit: str = ""
     note: str = ""
     logical: bool = False
+    accurate: bool = False
 
     @property
     def outcome(self) -> Outcome:
@@ -94,6 +97,11 @@ def verdict(
 def whether(statement: str, fact: bool, note: str = "") -> Verdict:
     """Return the verdict on a statement that is right or wrong, without a number."""
     return Verdict(statement, float(fact), 1.0, 1.0, note=note, logical=True)
+
+
+def accurate(verdicts: Iterable[Verdict]) -> list[Verdict]:
+    """Return verdicts on what was solved accurately whatever the scheme."""
+    return [replace(one, accurate=True) for one in verdicts]
 
 
 def grows(

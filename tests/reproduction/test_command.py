@@ -1,23 +1,31 @@
-"""``woundon thesis``: what is written, what is said; and some figures with their verdicts."""
+"""``woundon thesis``: what is written, what is said, how it is stopped."""
 
 from __future__ import annotations
 
-import pytest
-from jorkama2001.frame import Figure, Outcome, Scheme
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
-from jorkama2001 import registry
-from jorkama2001.publication import publish
+import pytest
+
+from jorkama2001 import exhibits
 from woundon import cli
 
 Capture = pytest.CaptureFixture[str]
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and terminals of POSIX")
 
 
 def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
     out = tmp_path / "made" / "here"
     assert cli.main(["thesis", "fig15", "--out", str(out)]) == 0
-    said = capsys.readouterr().out
-    assert "Fig. 15: " in said
-    assert said.count("- holds: ") == said.count("\n- ")  # every statement of sec. 4.2
+    said = capsys.readouterr()
+    assert "Fig. 15: " in said.out
+    assert said.out.count("- holds: ") == said.out.count("\n- ")  # every statement of sec. 4.2
+    assert said.err == ""  # no bar where there is no terminal
     assert sorted(path.name for path in out.iterdir()) == [
         "fig15.csv", "fig15.md", "fig15.png", "fig15.svg"
     ]  # fmt: skip
@@ -48,7 +56,7 @@ def test_two_processes_do_the_same(tmp_path, capsys: Capture):
 
 
 def test_all_are_summed_up(tmp_path, capsys: Capture, monkeypatch):
-    monkeypatch.setattr(registry, "NAMES", ("fig15", "table4"))
+    monkeypatch.setattr(exhibits, "NAMES", ("fig15", "table4"))
     assert cli.main(["thesis", "--all", "--jobs", "1", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "Table 4  5 statements: 5 hold" in said
@@ -74,26 +82,81 @@ def test_faults(args, said, tmp_path, monkeypatch, capsys: Capture):
     assert list(tmp_path.iterdir()) == []
 
 
-# statements that do not hold and that cannot be tested, of figures that take a second or two each;
-# the documentation's build makes all of them
-QUICK = {"table4": (0, 0), "fig5": (1, 0), "fig20": (0, 1), "fig30": (0, 0)}
+def _children(pid: int) -> list[int]:
+    """Return the processes that a process has started and that live."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rpartition(")")[2].split()
+        except OSError:  # it has just ended
+            continue
+        if int(fields[1]) == pid and fields[0] != "Z":
+            found.append(int(status.parent.name))
+    return found
 
 
-@pytest.mark.parametrize("name", QUICK)
-def test_as_many_statements_fail_as_are_known_to(name, tmp_path):
-    (made,) = publish((name,), tmp_path, jobs=1)
-    assert made.counts[1:] == QUICK[name], made.report
+def _hear_ctrl_c() -> None:
+    """Undo what a shell does to jobs in its background: there Ctrl-C is ignored, and inherited."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def test_a_false_statement_is_found_out(monkeypatch):
-    """Fig. 15 with the wrong friction: the pattern that the text tells is not there."""
-    from jorkama2001 import fig15
+@posix
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_ctrl_c_stops_it_at_once_and_leaves_nobody_behind(tmp_path, jobs: str):
+    # two modules of many seconds each, and a quick one before whose end nothing is stopped
+    names = ["table4", "fig28", "table3"]
+    command = [sys.executable, "-u", "-m", "woundon", "thesis", *names, "--jobs", jobs]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, start_new_session=True, preexec_fn=_hear_ctrl_c,
+    ) as process:  # fmt: skip
+        limit, workers = time.monotonic() + 60, list[int]()
+        while time.monotonic() < limit and process.poll() is None:
+            workers = _children(process.pid)
+            # they have begun to work when the resource tracker and both have their libraries
+            if len(workers) >= (3 if jobs == "2" else 0) and _used(process.pid, workers) > 2.0:
+                break
+            time.sleep(0.05)
+        assert process.poll() is None
+        begun = time.monotonic()
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal's Ctrl-C does: to the whole group
+        said = process.communicate(timeout=30)[1]
+    assert time.monotonic() - begun < 3  # a module's work takes ten and more
+    assert process.returncode == 130
+    assert f"stopped; 0 of 3 are in {tmp_path}" in said
+    assert "Traceback" not in said
+    limit = time.monotonic() + 3
+    while time.monotonic() < limit and any(Path(f"/proc/{pid}").exists() for pid in workers):
+        time.sleep(0.02)
+    assert [pid for pid in workers if Path(f"/proc/{pid}").exists()] == []
 
-    base = fig15.paper_nip
-    monkeypatch.setattr(fig15, "paper_nip", lambda **c: base(roll_friction=0.5, **c))
 
-    def made(scheme: Scheme) -> Figure:
-        return fig15.figures(scheme)[0]
+def _used(*found: int | list[int]) -> float:
+    """Return the processor time that processes have used [s]."""
+    ticks = 0
+    for pid in (p for group in found for p in (group if isinstance(group, list) else [group])):
+        try:
+            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
 
-    for scheme in ("graded", "thesis"):
-        assert made(scheme).count(Outcome.FAILS) >= 2
+
+@posix
+def test_a_bar_shows_on_a_terminal_and_leaves_the_output_alone(tmp_path):
+    parent, child = pty.openpty()
+    command = [sys.executable, "-m", "woundon", "thesis", "table4", "--out", str(tmp_path)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=child, text=True,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
+    ) as process:  # fmt: skip
+        out = process.communicate(timeout=60)[0]
+        os.close(child)
+    shown = os.read(parent, 100_000).decode()
+    os.close(parent)
+    assert "figures and tables" in shown
+    assert "1/1" in shown
+    assert out.startswith("Table 4: The winding theorem on measured tensions of newsprint\n")
+    assert "\x1b" not in out

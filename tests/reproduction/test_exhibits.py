@@ -1,59 +1,57 @@
-"""What holds of the thesis's statements, figure by figure, as the documentation's gallery found it.
+"""Every figure and table: as many statements of the thesis hold, and fail, as are known to.
 
-The gallery computes every figure, which is too slow to do again here: these tests read its summary
-and are skipped where the documentation has not been built.
+Why a statement fails is told beside it in the exhibit.  The figures are not drawn here.
 """
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
+import io
 
+import pandas as pd
 import pytest
 
-SUMMARY = Path(__file__).parents[2] / "docs" / "thesis" / "figures" / "summary.md"
-ROW = re.compile(r"figures/(\w+)\.md\) \| .* \| (\d+) \| (\d+) \| (\d+) \|")
+from jorkama2001 import exhibits
+from jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
+from jorkama2001.publication import known_counts
+from jorkama2001.verdicts import Outcome
 
-# statements that hold, do not hold, cannot be tested; why, is told beside each figure.  Without
-# Fig. 33, one of whose statements is about computing times
-VERDICTS = {
-    "fig5": (12, 1, 0),
-    "fig15": (9, 0, 0),
-    "fig16": (5, 1, 0),
-    "fig17": (8, 0, 0),
-    "fig18": (5, 1, 0),
-    "fig19": (5, 0, 0),
-    "fig20": (7, 0, 1),
-    "fig21": (7, 1, 0),
-    "fig22": (7, 2, 0),
-    "fig23": (5, 0, 0),
-    "fig24": (4, 0, 0),
-    "fig25": (10, 3, 0),
-    "fig26": (4, 1, 0),
-    "fig27": (3, 0, 0),
-    "fig28": (6, 1, 0),
-    "fig29": (2, 2, 0),
-    "fig30": (7, 0, 0),
-    "fig34": (2, 0, 0),
-    "fig35": (3, 3, 0),
-    "table3": (4, 2, 0),
-    "fig37": (7, 1, 0),
-    "table4": (5, 0, 0),
-}
+SLOW = ("fig28_29", "table3")  # ten seconds and more
 
 
-@pytest.fixture(scope="module")
-def found() -> dict[str, tuple[int, ...]]:
-    if not SUMMARY.exists():
-        pytest.skip("the documentation has not been built")
-    rows = ROW.findall(SUMMARY.read_text(encoding="utf-8"))
-    return {name: tuple(int(count) for count in counts) for name, *counts in rows}
+@pytest.mark.parametrize(
+    "module",
+    [pytest.param(m, marks=pytest.mark.slow) if m in SLOW else m for m in modules(NAMES)],
+)
+def test_as_many_statements_hold_as_are_known_to(module: str) -> None:
+    known = known_counts()
+    for exhibit in made_by(module, "graded"):
+        failing = [v.statement for v in exhibit.verdicts if v.outcome is Outcome.FAILS]
+        found = tuple(exhibit.count(outcome) for outcome in Outcome)
+        assert found == known[exhibit.name], failing
+        _check_data(exhibit)
 
 
-@pytest.mark.parametrize("name", VERDICTS)
-def test_the_verdicts_stay(found: dict[str, tuple[int, ...]], name: str) -> None:
-    assert found[name] == VERDICTS[name]
+def _check_data(exhibit: Exhibit) -> None:
+    """The CSV file has a unit in every header and leaves out nothing but what has no unit."""
+    table = pd.read_csv(io.StringIO(exhibit.csv()))
+    assert all(head.endswith("]") for head in table)
+    names = {name for name, of in exhibit.data.variables.items() if "units" in of.attrs}
+    assert {head.rpartition(" [")[0] for head in table} == names
+    assert set(exhibit.data.data_vars) <= names
+    assert not table.isna().all(axis=None)
 
 
-def test_no_figure_is_forgotten(found: dict[str, tuple[int, ...]]) -> None:
-    assert found.keys() == VERDICTS.keys() | {"fig33"}
+def test_no_exhibit_is_forgotten() -> None:
+    assert tuple(known_counts()) == NAMES
+    assert {exhibits._MODULES[name] for name in NAMES} == set(modules(NAMES))
+
+
+def test_a_false_statement_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fig. 15 with the wrong friction: the pattern that the text tells is not there."""
+    from jorkama2001 import fig15
+
+    base = fig15.paper_nip
+    monkeypatch.setattr(fig15, "paper_nip", lambda **c: base(roll_friction=0.5, **c))
+    for scheme in ("graded", "thesis"):
+        (made,) = fig15.exhibits(scheme)
+        assert made.count(Outcome.FAILS) >= 2

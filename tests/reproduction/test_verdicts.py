@@ -1,14 +1,17 @@
-"""Verdicts on the thesis's figures: they can fail, and say so; tables; the registry."""
+"""Verdicts on the thesis's figures: they can fail, and say so; data; which module makes which."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from jorkama2001.frame import Figure, Outcome, Scheme, Table, Verdict
+import xarray as xr
 
-from jorkama2001 import judgement, registry
+from jorkama2001 import exhibits, judgement
+from jorkama2001.exhibits import Exhibit
 from jorkama2001.judgement import Judged, judged
-from woundon.errors import InvalidProblem
+from jorkama2001.nips import dataset, joined
+from jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict, whether
+from woundon import InvalidProblem
 
 
 @pytest.mark.parametrize(
@@ -28,14 +31,14 @@ def test_a_statement_holds_fails_or_cannot_be_tested(value, low, high, outcome):
 
 
 def test_a_fact_without_a_number():
-    assert Verdict.whether("x", True).outcome is Outcome.HOLDS
-    wrong = Verdict.whether("x", False)
+    assert whether("x", True).outcome is Outcome.HOLDS
+    wrong = whether("x", False)
     assert (wrong.outcome, wrong.measured, wrong.expected) == (Outcome.FAILS, "no", "yes")
-    assert Verdict.untested("x", "no load given").outcome is Outcome.UNTESTED
+    assert verdict("x", None, note="no load given").outcome is Outcome.UNTESTED
 
 
 @pytest.mark.parametrize(
-    ("verdict", "measured", "expected"),
+    ("made", "measured", "expected"),
     [
         (Verdict("", 1.234567, high=3.0, unit="%"), "1.23 %", "at most 3 %"),
         (Verdict("", 206.04, 195.7, 216.3, "N/m"), "206.0 N/m", "195.7 to 216.3 N/m"),
@@ -43,35 +46,44 @@ def test_a_fact_without_a_number():
         (Verdict("", 3.0, 3, 3), "3", "3"),
     ],
 )
-def test_numbers_with_their_ranges(verdict, measured, expected):
-    assert (verdict.measured, verdict.expected) == (measured, expected)
+def test_numbers_with_their_ranges(made, measured, expected):
+    assert (made.measured, made.expected) == (measured, expected)
 
 
-def test_a_table_is_read_by_column_and_row():
-    table = Table.of({"P [N/m]": [1.0, 1.0, 2.0], "F [N/m]": [0.0, -5.0, 0.0]})
-    assert table["P"].tolist() == [1.0, 1.0, 2.0]
-    assert table.where(P=1.0)["F"].tolist() == [0.0, -5.0]
-    assert table.where(P=1.0, F=0.0).rows.shape == (1, 2)
-    assert table.within("P", 1.5).rows.shape == (1, 2)
-    assert table.csv().splitlines()[:2] == ["P [N/m],F [N/m]", "1,0"]
-    assert len(table.stacked(table).rows) == 6
-    with pytest.raises(ValueError, match="headers differ"):
-        table.stacked(Table.of({"a": [0.0]}))
+def test_a_rise_and_a_fall_in_every_step():
+    NIT = xr.DataArray([[1.0, 2.0, 2.5], [1.0, 3.0, 2.9]], dims=("F", "P"))
+    rising = grows("x", NIT[:1], "P", "N/m")
+    assert (rising.outcome, rising.value, rising.note) == (Outcome.HOLDS, 0.5, "smallest step")
+    assert grows("x", NIT, "P").value == pytest.approx(-0.1)
+    assert grows("x", NIT, "P").outcome is Outcome.FAILS
+    falling = falls("x", -NIT[:1], "P")
+    assert (falling.outcome, falling.value, falling.note) == (Outcome.HOLDS, -0.5, "largest step")
+    assert falls("x", -NIT, "P").outcome is Outcome.FAILS
+    assert falls("x", NIT, "F").outcome is Outcome.FAILS
 
 
-def two(scheme: Scheme) -> tuple[Figure, ...]:
-    """Return a figure of which one statement fails with the accurate scheme only."""
+def test_data_as_csv():
+    joint = joined("F [N/m]", {0.0: dataset("node", {"x [m]": [1.0, 2.0], "z [1]": [0, 1]}),
+                               -5.0: dataset("node", {"x [m]": [3.0], "z [1]": [1]})})  # fmt: skip
+    joint["untold"] = ("node", [7.0, 8.0])
+    text = Exhibit("fig99", "One", joint, ()).csv()
+    # what is shorter ends where it ends, and what has no unit is no column
+    assert text == "F [N/m],x [m],z [1]\n0,1,0\n0,2,1\n-5,3,1\n"
+
+
+def two(scheme: str) -> tuple[Exhibit, ...]:
+    """Return an exhibit of which one statement fails with the accurate scheme only."""
     value = {"graded": 5.0, "thesis": 1.0}[scheme]
     verdicts = (
         Verdict("it is small", value, high=2.0, unit="N/m", note="s_d of the nip"),
         Verdict("it is there", 1.0, 0.5),
-        Verdict.untested("it is blue", "no colour is printed"),
+        verdict("it is blue", None, note="no colour is printed"),
     )
-    return (Figure("fig99", "Two", scheme, Table.of({"x": [1.0]}), verdicts),)
+    return (Exhibit("fig99", "Two", dataset("row", {"x [m]": [1.0]}), verdicts),)
 
 
 def test_where_a_statement_fails_both_schemes_are_shown(monkeypatch):
-    monkeypatch.setattr(judgement, "figures", lambda _, scheme: two(scheme))
+    monkeypatch.setattr(judgement, "made_by", lambda _, scheme: two(scheme))
     (one,) = judged("fig99", ("fig99",), "graded")
     assert one.tally == "3 statements: 1 holds, 1 does not hold, 1 cannot be tested"
     assert one.lines() == [
@@ -89,24 +101,24 @@ def test_where_a_statement_fails_both_schemes_are_shown(monkeypatch):
 def test_where_all_hold_one_scheme_is_enough(monkeypatch):
     asked: list[str] = []
 
-    def figures(_: str, scheme: Scheme) -> tuple[Figure, ...]:
+    def made_by(_: str, scheme: str) -> tuple[Exhibit, ...]:
         asked.append(scheme)
         return two(scheme)
 
-    monkeypatch.setattr(judgement, "figures", figures)
+    monkeypatch.setattr(judgement, "made_by", made_by)
     (one,) = judged("fig99", ("fig99",), "thesis")
     assert asked == ["thesis"]
     assert one.others == ()
-    assert judged("fig99", (), "thesis") == ()
+    assert judged("fig99", (), "thesis") == []
 
 
 def test_verdicts_of_both_schemes_must_be_the_same_statements():
     with pytest.raises(ValueError, match="shorter"):
-        Judged(two("graded")[0], two("thesis")[0].verdicts[:1]).lines()
+        Judged(two("graded")[0], "graded", two("thesis")[0].verdicts[:1]).lines()
 
 
-def test_the_registry_knows_its_figures():
-    assert registry.chosen(("table4", "fig16")) == ("fig16", "table4")
-    assert registry.modules(("fig17", "fig16", "table4")) == ("fig16_18", "table4")
+def test_the_exhibits_knows_its_figures():
+    assert exhibits.chosen(("table4", "fig16")) == ("fig16", "table4")
+    assert exhibits.modules(("fig17", "fig16", "table4")) == ("fig16_18", "table4")
     with pytest.raises(InvalidProblem, match="fig1: unknown; did you mean 'fig"):
-        registry.chosen(("fig1",))
+        exhibits.chosen(("fig1",))

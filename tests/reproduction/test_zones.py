@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from jorkama2001.slip_zones import zone_lengths
 
 from jorkama2001.cases import paper_nip
-from woundon.nip import solve_nip
+from jorkama2001.zones import zone_lengths
+from woundon import solve_nip
 
 
 def test_points_are_found_to_a_fraction_of_a_cell():

@@ -167,9 +167,9 @@ def newsprint():
     """A_rr and G fitted to the thesis's fifteen measured tensions at 2h = 57 um."""
     points = measured_tensions()
     data = {
-        "nip_load": [p.nip_load for p in points],
-        "web_tension": [p.web_tension for p in points],
-        "wound_on_tension": [p.measured for p in points],
+        "nip_load": points["nip_load"],
+        "web_tension": points["web_tension"],
+        "wound_on_tension": points["measured"],
     }
     return wo.fit(
         newsprint_nip(**{"web.thickness": 57e-6}), data,
