@@ -117,11 +117,19 @@ def _share_of_fall() -> Verdict:
 
 
 def _draw(data: xr.Dataset) -> Figure:
-    """Draw the curves of the nip alone, and points with the web wrapped on the roll."""
-    panels = [(data.sel(nip_load=P), CONFINED, f"$P = {P:.0f}$ N/m") for P in NIP_LOADS]
-    figure = drawing.sheet(panels, "roll_friction")
-    for axes, (panel, *_) in zip(figure.axes, panels, strict=True):
-        for k, points in enumerate(panel[WRAPPED]):
-            colour = drawing.COLOURS[k]
-            axes.plot(points["roll_friction"], points, "o", color=colour, markersize=3)
+    """Draw the curves of the nip alone; points with the web wrapped, thin lines by (183)."""
+    figure = drawing.blank(size=(7.2, 3.8))
+    for axes, P in zip(figure.axes, NIP_LOADS, strict=True):
+        panel = data.sel(nip_load=P)
+        drawing.curves(axes, panel, "roll_friction", CONFINED, "winding_force")
+        for name, look in (
+            (WRAPPED, {"marker": "o", "linewidth": 0}),
+            (ESTIMATE, {"linewidth": 0.6}),
+        ):
+            for k, values in enumerate(panel[name]):
+                axes.plot(FRICTIONS, values, color=drawing.COLOURS[k], markersize=3, **look)
+            label = {WRAPPED: "wrapped", ESTIMATE: "by (183)"}[name]
+            axes.plot([], [], color="#888888", markersize=3, label=label, **look)
+        axes.set_title(f"$P = {P:.0f}$ N/m", fontsize=9)
+    drawing.shared_legend(figure, 4)
     return figure
