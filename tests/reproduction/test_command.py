@@ -8,7 +8,9 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
@@ -144,18 +146,33 @@ def _used(*found: int | list[int]) -> float:
     return ticks / os.sysconf("SC_CLK_TCK")
 
 
+def _read(terminal: int) -> Iterator[bytes]:
+    """Yield what is written to a terminal until nobody can write to it any more."""
+    while True:
+        try:
+            block = os.read(terminal, 4096)
+        except OSError:  # Linux says so where others end
+            return
+        if not block:
+            return
+        yield block
+
+
 @posix
 def test_a_bar_shows_on_a_terminal_and_leaves_the_output_alone(tmp_path):
-    parent, child = pty.openpty()
+    (parent, child), seen = pty.openpty(), list[bytes]()
     command = [sys.executable, "-m", "woundon", "thesis", "table4", "--out", str(tmp_path)]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=child, text=True,
         env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
     ) as process:  # fmt: skip
-        out = process.communicate(timeout=60)[0]
         os.close(child)
-    shown = os.read(parent, 100_000).decode()
+        reader = Thread(target=lambda: seen.extend(_read(parent)))
+        reader.start()  # a terminal takes a few kilobytes, then the program waits for its reader
+        out = process.communicate(timeout=60)[0]
+        reader.join(timeout=60)
     os.close(parent)
+    shown = b"".join(seen).decode()
     assert "figures and tables" in shown
     assert "1/1" in shown
     assert out.startswith("Table 4: The winding theorem on measured tensions of newsprint\n")

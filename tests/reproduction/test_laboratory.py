@@ -1,4 +1,4 @@
-"""The model against the experiment: wound-on tension of newsprint, thesis Tables 3 and 4.
+"""Fits to the laboratory winder: wound-on tension of newsprint, thesis Tables 3 and 4.
 
 Fifteen measured points, five nip loads by three web tensions.  One modulus is fitted to one of the
 points, the other fourteen are predicted.  The measured tension that the nip adds scatters between
