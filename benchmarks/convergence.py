@@ -25,7 +25,7 @@ import numpy as np
 from speed import COVERED, Baseline
 
 import woundon as wo
-from woundon.thesis.cases import paper_nip
+from jorkama2001.cases import paper_nip
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
 

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.contact import discretisation
 from woundon.elasticity import cylinder, half_plane
 from woundon.elasticity.kernels import Kernel, SurfaceKernels
-from woundon.thesis.cases import paper_nip
 
 Array = np.ndarray
 

@@ -27,7 +27,7 @@ from published import solve_as_published
 from scipy.linalg import lu_factor, lu_solve
 
 import woundon as wo
-from woundon.thesis.cases import paper_nip
+from jorkama2001.cases import paper_nip
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
 

@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies.design import Design, make_design
 from woundon.studies.evaluate import Block, Chunk
 from woundon.studies.kind_model import KindModel, model_of
 from woundon.studies.runners import Here, Pool
-from woundon.thesis.cases import paper_nip
 
 OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error")
 OVER = {

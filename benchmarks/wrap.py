@@ -18,7 +18,7 @@ from math import pi
 from time import process_time
 
 import woundon as wo
-from woundon.thesis.cases import newsprint_nip, paper_nip
+from jorkama2001.cases import newsprint_nip, paper_nip
 
 REPEATS = 15
 
