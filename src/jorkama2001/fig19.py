@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
-from .nips import OUTPUTS, swept, swept_wrapped
+from .nips import OUTPUTS, swept
 from .verdicts import Verdict, accurate, verdict
 
 __all__ = ["exhibits"]
@@ -30,11 +30,12 @@ CONFINED, WRAPPED, ESTIMATE = "nip_induced_tension", "wrapped_tension", "estimat
 
 def exhibits(scheme: str) -> list[Exhibit]:
     """Solve Table 1's nip over mu+ and winding force at both loads; return Fig. 19."""
-    data = swept(paper_nip(), OVER, scheme, [*OUTPUTS, "rig_tension"])
-    # by (183), a quarter turn behind the nip
-    data[ESTIMATE] = data["rig_tension"] - paper_nip().web_tension
-    data[ESTIMATE].attrs["units"] = "N/m"
-    data = data.drop_vars("rig_tension").merge(_wrapped().reindex_like(data), join="exact")
+    data = swept(paper_nip(), OVER, scheme, [*OUTPUTS, "wound_on_tension_estimate"])
+    wrapped = _wrapped().rename(nip_induced_tension=WRAPPED, wound_on_tension="wrapped_added")
+    data = data.rename(wound_on_tension_estimate=ESTIMATE)
+    data = data.merge(wrapped.reindex_like(data), join="exact")
+    for name in (ESTIMATE, "wrapped_added"):
+        data[name].values -= paper_nip().web_tension
     verdicts = [
         *_statements(data[CONFINED], ""),
         *accurate(_statements(data[WRAPPED], "with the web wrapped on the roll behind the nip: ")),
@@ -46,7 +47,10 @@ def exhibits(scheme: str) -> list[Exhibit]:
 
 @cache
 def _wrapped() -> xr.Dataset:
-    return swept_wrapped(paper_nip(), OVER | {"roll_friction": FRICTIONS[::4]})
+    outputs = ["nip_induced_tension", "wound_on_tension"]
+    return swept(
+        paper_nip().wrapped(), OVER | {"roll_friction": FRICTIONS[::4]}, outputs=outputs, nodes=65
+    )
 
 
 def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
@@ -98,11 +102,13 @@ def _beyond_maxima(NIT: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
 def _share_of_fall() -> Verdict:
     """Compare the falls of NIT in centre winding from mu+ = 0.1 to 0.6."""
     over = {"nip_load": NIP_LOADS, "roll_friction": [0.1, 0.6]}
-    nips = swept(paper_nip(winding_force=0.0), over, "graded", [CONFINED, "rig_tension"])
-    wrapped = _wrapped()[WRAPPED].sel(winding_force=0.0)
+    nips = swept(
+        paper_nip(winding_force=0.0), over, outputs=[CONFINED, "wound_on_tension_estimate"]
+    )
+    wrapped = _wrapped()[CONFINED].sel(winding_force=0.0)
     wrapped = wrapped.sel(roll_friction=over["roll_friction"], method="nearest")
     fall = wrapped.diff("roll_friction").values / nips[CONFINED].diff("roll_friction").values
-    estimate = nips["rig_tension"] - paper_nip().web_tension
+    estimate = nips["wound_on_tension_estimate"] - paper_nip().web_tension
     said = [
         "{:.0f} to {:.0f} N/m".format(*at[-1].values) for at in (nips[CONFINED], wrapped, estimate)
     ]

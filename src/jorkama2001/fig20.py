@@ -15,7 +15,7 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .inside import draw_slips, style
-from .nips import FINE, along_nip, joined, solved, solved_wrapped
+from .nips import FINE, along_nip, joined, solved
 from .verdicts import Verdict, accurate, verdict, whether
 from .zones import Run, longest_stick, runs
 
@@ -38,13 +38,13 @@ def exhibits(scheme: str) -> list[Exhibit]:
     title = "Slips and tension for mu+ below and above mu-"
     below, above = nips.values()
     taut = paper_nip(nip_load=NIP_LOAD)
-    wrapped = [solved_wrapped(taut.replace(roll_friction=mu), 129) for mu in FRICTIONS]
+    wrapped = [solved(taut.replace(roll_friction=mu).wrapped()) for mu in FRICTIONS]
     verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
     return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
 
 
 def _pattern(r: wo.NipResult | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
-    own = r.in_nip if isinstance(r, wo.WrappedNipResult) else slice(None)
+    own = r.in_nip
     x, T = r.x[own], r.web_tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
     leading = min(roll[0].right, drum[0].right) - x[0]

@@ -19,8 +19,8 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig34 import web_rate
-from .inside import roll_strain, strain_in_nip
-from .nips import FINE, dataset, joined, solved, solved_wrapped
+from .inside import roll_strain
+from .nips import FINE, dataset, joined, solved
 from .verdicts import Verdict, accurate, verdict, whether
 
 __all__ = ["exhibits"]
@@ -60,7 +60,7 @@ def _nip(mu: float, scheme: str) -> _Nip:
     R, a = problem.roll.radius, alone.half_width
     behind = np.radians(np.geomspace(2e-3, FARTHEST, 120))  # from the trailing edge
     strain = roll_strain(alone, a + R * behind)
-    inside_x, inside = strain_in_nip(alone)
+    inside_x, inside = _strain_in_nip(alone)
     tension = problem.web_tension + alone.nip_induced_tension
     nan = np.full(inside.size, np.nan)
     data = dataset(
@@ -72,7 +72,14 @@ def _nip(mu: float, scheme: str) -> _Nip:
             "web_rate [1/rad]": np.append(nan, web_rate(problem.web, tension, mu, behind)),
         },
     )
-    return _Nip(alone, solved_wrapped(problem, 129), data)
+    return _Nip(alone, solved(problem.wrapped()), data)
+
+
+def _strain_in_nip(r: wo.NipResult) -> tuple[np.ndarray, np.ndarray]:
+    """Return one point in each cell [m], and the strain of the roll's surface there."""
+    *_, strain_p, strain_q = r.problem.roll.respond(r.mesh, r.half_width).gradients
+    strain = strain_p @ r.pressure[1:-1] + strain_q @ r.roll_traction[1:-1]
+    return r.half_width * r.mesh.middle, strain[:-1]
 
 
 def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:

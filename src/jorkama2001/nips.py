@@ -8,7 +8,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,8 +19,7 @@ from .cases import ONE_PAPER
 from .zones import zone_lengths
 
 __all__ = [
-    "FINE", "OUTPUTS", "along_nip", "dataset", "joined", "options", "solved", "solved_wrapped",
-    "swept", "swept_wrapped",
+    "FINE", "OUTPUTS", "along_nip", "dataset", "joined", "options", "solved", "swept",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -29,7 +27,6 @@ Array = np.ndarray
 NODES = 129  # NIT to about 0.1 N/m
 THESIS_NODES = 200
 FINE = 257  # zone borders to 0.6 % of the nip width or better
-WRAPPED_NODES = 65
 
 # names in the data -> fields of the problem, where they differ
 _FIELDS = {
@@ -42,25 +39,25 @@ _FIELDS = {
 }
 
 
-def _leading(result: wo.NipResult) -> Annotated[
-    float, wo.Quantity("s_r1", "1", "slip length at the roll's leading edge / nip width, to A")
-]:
+def _leading(
+    result: wo.NipResult,
+) -> Annotated[float, wo.Quantity("s_r1", "1", "slip length at the roll's leading edge, to A")]:
     return zone_lengths(result).leading_roll
 
 
-def _trailing(result: wo.NipResult) -> Annotated[
-    float, wo.Quantity("s_r2", "1", "slip length at the roll's trailing edge / nip width, from B")
-]:
+def _trailing(
+    result: wo.NipResult,
+) -> Annotated[float, wo.Quantity("s_r2", "1", "slip length at the roll's trailing edge, from B")]:
     return zone_lengths(result).trailing_roll
 
 
-def _dual(result: wo.NipResult) -> Annotated[
-    float, wo.Quantity("s_d", "1", "length of slip at roll and drum / nip width, from C")
-]:
+def _dual(
+    result: wo.NipResult,
+) -> Annotated[float, wo.Quantity("s_d", "1", "length of slip at roll and drum, from C")]:
     return zone_lengths(result).dual
 
 
-# s_r1, s_r2 and s_d as the thesis measures them, outputs beside those of woundon
+# the thesis's slip ratios, over the nip width, as outputs of every study
 wo.NipResult.leading_roll_slip = property(_leading)  # type: ignore[attr-defined]
 wo.NipResult.trailing_roll_slip = property(_trailing)  # type: ignore[attr-defined]
 wo.NipResult.dual_slip = property(_dual)  # type: ignore[attr-defined]
@@ -73,7 +70,7 @@ OUTPUTS = (
 
 def options(scheme: str, nodes: int = NODES) -> dict[str, Any]:
     """Return the solver's options: accurate with so many nodes, or as the thesis did, M = 200."""
-    return {"scheme": scheme, "nodes": THESIS_NODES if scheme == "thesis" else nodes}
+    return {"scheme": scheme, "nodes": THESIS_NODES} if scheme == "thesis" else {"nodes": nodes}
 
 
 @contextmanager
@@ -84,34 +81,32 @@ def _quiet() -> Iterator[None]:
         yield
 
 
-def solved(problem: wo.NipProblem, scheme: str, nodes: int = NODES) -> wo.NipResult:
-    """Solve a nip."""
+def solved(problem: wo.Problem, scheme: str = "graded", nodes: int = NODES) -> Any:
+    """Solve a nip; a wrapped one, ``problem.wrapped()``, accurately only."""
     with _quiet():
-        return wo.solve_nip(problem, **options(scheme, nodes))
-
-
-def solved_wrapped(problem: wo.NipProblem, nodes: int = WRAPPED_NODES) -> wo.WrappedNipResult:
-    """Solve a nip with the web wrapped on half the roll behind it, accurately."""
-    with _quiet():
-        return wo.solve_wrapped_nip(problem, nodes=nodes)
+        return wo.solve(problem, **options(scheme, nodes))
 
 
 def swept(
-    problem: wo.NipProblem,
+    problem: wo.Problem,
     over: Mapping[str, Any],
-    scheme: str,
+    scheme: str = "graded",
     outputs: Sequence[str] = OUTPUTS,
+    nodes: int = NODES,
 ) -> xr.Dataset:
     """Solve a nip for all combinations of values.
 
     Parameters
     ----------
-    problem : NipProblem
+    problem : NipProblem or WrappedNipProblem
     over : mapping
         Parameter -> values; a dimension each.  Moduli are those of roll and web.
     scheme : {"graded", "thesis"}
+        A wrapped nip is solved by the first only.
     outputs : sequence of str
-        Of ``woundon.sweep``, or the thesis's slip ratios.
+        Of ``woundon.sweep``, the thesis's slip ratios among them.
+    nodes : int
+        Of the accurate scheme.
 
     Raises
     ------
@@ -120,31 +115,13 @@ def swept(
     """
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
     with _quiet():
-        data = wo.sweep(problem, fields, outputs, tie=ONE_PAPER, workers=1, **options(scheme))
+        data = wo.sweep(
+            problem, fields, outputs, tie=ONE_PAPER, workers=1, **options(scheme, nodes)
+        )
     for reason in filter(None, data["failure"].values.flat):
         raise wo.NotConverged(reason)
     names = {field: name for name, field in zip(over, fields, strict=True) if name != field}
     return data.drop_vars(["failure", "warnings"]).drop_attrs(deep=False).rename(names)
-
-
-def swept_wrapped(problem: wo.NipProblem, over: Mapping[str, Any]) -> xr.Dataset:
-    """Solve the nip with the web wrapped on half the roll for all combinations of values.
-
-    The variables are ``wrapped_tension``, NIT, and ``wrapped_added``, the wound-on tension less
-    T_in [N/m].
-    """
-    rows = []
-    for values in product(*over.values()):
-        case = problem.replace(**dict(zip(over, map(float, values), strict=True)))
-        r = solved_wrapped(case)
-        rows.append((r.nip_induced_tension, r.wound_on_tension - case.web_tension))
-    shape = [len(values) for values in over.values()]
-    names = ("wrapped_tension", "wrapped_added")
-    columns = {
-        name: (tuple(over), column.reshape(shape), {"units": "N/m"})
-        for name, column in zip(names, np.transpose(rows), strict=True)
-    }
-    return xr.Dataset(columns, {name: np.asarray(values) for name, values in over.items()})
 
 
 def dataset(dim: str, columns: Mapping[str, Array | Sequence[float]]) -> xr.Dataset:

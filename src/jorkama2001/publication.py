@@ -13,7 +13,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from .exhibits import NAMES, chosen, modules
-from .inside import in_processes
+from .inside import in_processes, save_figure
 from .judgement import Judged, judged
 from .verdicts import Outcome
 
@@ -95,12 +95,10 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
     paths[0].write_text(exhibit.csv(), encoding="utf-8")
     picture = ""
     if exhibit.draw is not None:
-        from .inside import save_figure
-
         drawing = exhibit.draw()
         for ending in ("png", "svg"):
             paths.append(folder / f"{exhibit.name}.{ending}")
-            save_figure(drawing, paths[-1], dpi)
+            save_figure(drawing, paths[-1], dpi=dpi)
         picture = f"{exhibit.name}.png"
     paths.append(folder / f"{exhibit.name}.md")
     paths[-1].write_text(one.markdown(picture), encoding="utf-8")

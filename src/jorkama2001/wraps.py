@@ -17,7 +17,7 @@ import woundon as wo
 
 from .cases import measured_tensions, newsprint_nip, paper_nip
 from .laboratory import rms
-from .nips import solved, solved_wrapped
+from .nips import solved
 
 __all__ = ["CASES", "error_map", "pinning_error", "rig_misses", "rig_table", "trailing_edge"]
 
@@ -34,7 +34,7 @@ def pinning_error(problem: wo.NipProblem) -> dict[str, float]:
         less T_in, wrapped [N/m]; ``slip_angle`` [rad]; the relative ``error`` of the wound-on
         tension, > 0 where the nip alone gives too much.
     """
-    alone, wrapped = solved(problem, "graded", NODES), solved_wrapped(problem, nodes=NODES)
+    alone, wrapped = (solved(one, nodes=NODES) for one in (problem, problem.wrapped()))
     T_in, WOT = problem.web_tension, wrapped.wound_on_tension
     return {
         "nip_load": problem.nip_load,
@@ -82,8 +82,8 @@ def rig_table(thickness: float = 66e-6, angle: float = pi / 2) -> pd.DataFrame:
         problem = newsprint_nip(
             nip_load=point.nip_load, web_tension=T_in, **{"web.thickness": thickness}
         )
-        wrapped = wo.solve_wrapped_nip(problem, roll_wrap=angle, drum_wrap=pi, nodes=NODES)
-        estimate = wo.solve_nip(problem, nodes=NODES).wound_on_tension_estimate(angle)
+        wrapped = solved(problem.wrapped(roll_wrap=angle, drum_wrap=pi), nodes=NODES)
+        estimate = solved(problem, nodes=NODES).wound_on_tension_estimate(angle)
         values = (point.measured, estimate, wrapped.wound_on_tension)
         rows.append((point.nip_load, T_in, *(value - T_in for value in values)))
     names = ("nip_load", "web_tension", "measured", "estimate", "solved")

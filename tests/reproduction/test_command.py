@@ -8,7 +8,9 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Iterator
+from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from threading import Thread
 
@@ -17,8 +19,29 @@ import pytest
 from jorkama2001 import exhibits
 from woundon import cli
 
+PROJECT = Path(__file__).parents[2] / "pyproject.toml"
+# a process of its own that has the command, whether or not the package has been installed
+WOUNDON = (
+    "import sys; from jorkama2001.command import thesis; from woundon import cli; "
+    "cli.commands.add_command(thesis); sys.exit(cli.main())"
+)
+
 Capture = pytest.CaptureFixture[str]
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and terminals of POSIX")
+
+
+@pytest.fixture(autouse=True)
+def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the commands that the project declares, whether or not it has been installed."""
+    declared = tomllib.loads(PROJECT.read_text("utf-8"))["project"]["entry-points"][cli.COMMANDS]
+    points = EntryPoints(EntryPoint(*item, cli.COMMANDS) for item in declared.items())
+    monkeypatch.setattr(cli, "entry_points", points.select)
+
+
+def test_the_command_is_found_late():
+    assert [*cli.entry_points(group=cli.COMMANDS)]
+    code = "import sys; import woundon.cli; sys.exit('jorkama2001' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
@@ -108,7 +131,7 @@ def _hear_ctrl_c() -> None:
 def test_ctrl_c_stops_it_at_once_and_leaves_nobody_behind(tmp_path, jobs: str):
     # two modules of many seconds each, and a quick one before whose end nothing is stopped
     names = ["table4", "fig28", "table3"]
-    command = [sys.executable, "-u", "-m", "woundon", "thesis", *names, "--jobs", jobs]
+    command = [sys.executable, "-c", WOUNDON, "thesis", *names, "--jobs", jobs]
     with subprocess.Popen(
         [*command, "--out", str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         text=True, start_new_session=True, preexec_fn=_hear_ctrl_c,
@@ -161,7 +184,7 @@ def _read(terminal: int) -> Iterator[bytes]:
 @posix
 def test_a_bar_shows_on_a_terminal_and_leaves_the_output_alone(tmp_path):
     (parent, child), seen = pty.openpty(), list[bytes]()
-    command = [sys.executable, "-m", "woundon", "thesis", "table4", "--out", str(tmp_path)]
+    command = [sys.executable, "-c", WOUNDON, "thesis", "table4", "--out", str(tmp_path)]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=child, text=True,
         env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
