@@ -36,6 +36,7 @@ import numpy as np
 from frozen_cases import MOMENTS, Case, Measured, frozen_cases, measured
 
 import woundon as wo
+from woundon.contact.loop import Tolerance
 
 __all__ = ["Difference", "differences", "kept", "program", "solved", "tightened"]
 
@@ -46,23 +47,22 @@ DIGITS = {"own": 12, "tight": 16}  # written
 # How nearly loads, and the tension and curvature of a wrapped web, are met: on the last grid and on
 # the coarse ones before it, where rollers' grids are fitted and errors told.
 TOLERANCES = {
-    "woundon.nip": ("LOAD_RTOL", "COARSE_LOAD_RTOL"),
-    "woundon.wrap.solve": (
-        "LOAD_RTOL", "COARSE_LOAD_RTOL", "BALANCE_RTOL", "COARSE_BALANCE_RTOL",
-    ),
-    "woundon.rollers": ("LOAD_RTOL", "COARSE_LOAD_RTOL"),
-}  # fmt: skip
+    "woundon.contact.loop": ("FINE", "COARSE"),
+    "woundon.wrap.solve": ("FINE",),
+    "woundon.rollers.solve": ("FINE", "COARSE"),
+}
 # 1e-14 is reached in every case too; 1e-13 leaves rounding, some 1e-15 a sum, room
 TIGHT = 1e-13
 
 
 @contextmanager
 def tightened(tight: float) -> Iterator[None]:
-    """Meet all loads to ``tight``."""
+    """Meet all loads, and settle all that is linearised, to ``tight``."""
+    both = Tolerance(load=tight, balance=tight)
     with ExitStack() as changed:
         for module, names in TOLERANCES.items():
             for name in names:
-                changed.enter_context(patch.object(import_module(module), name, tight))
+                changed.enter_context(patch.object(import_module(module), name, both))
         yield
 
 
@@ -71,7 +71,16 @@ INTENDED = {
     "slip_ratios.*": "borders of the zones are found within a cell; they were half-way between",
     "wound_on_tension": "of a plain nip: is tension_behind_nip, and compared under that name",
     "nip": "of a wrapped nip: is gone, for it invented a problem with a clipped force",
+    # of 33 nodes: told by two grids alone, whose one change may be small by chance
+    **dict.fromkeys(
+        (f"wrap {n}: wound_on_tension_error" for n in (3, 7, 10, 13, 15, 20)),
+        "told by two grids as that of a plain nip is",
+    ),
+    "sweep 5: approach": "rollers of less than 50 nodes: displacements as exact as a nip's, 1e-6",
+    "fit 5: *": "no absolute bound on the gradient any more: it stopped before the minimum",
 }
+# and where neither nodes nor rtol are given a wrapped nip is refined until its told error is below
+# 0.1 %, as a plain one is; it had 65 nodes, which the cases here say
 COST = ("iterations", "solves")  # told, not compared
 
 
@@ -176,7 +185,8 @@ def differences(
     for name, old in before.items():
         if name in COST:
             continue
-        changed = next((why for key, why in INTENDED.items() if fnmatch(name, key)), "")
+        names = (name, f"{case.kind} {case.number}: {name}")
+        changed = next((why for key, why in INTENDED.items() if any(fnmatch(n, key) for n in names)), "")
         if name == "wound_on_tension" and case.kind == "wrap":
             changed = ""
         new = now.get(name, np.full(np.shape(old), np.nan))

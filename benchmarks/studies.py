@@ -29,8 +29,8 @@ import woundon as wo
 from jorkama2001.cases import paper_nip
 from woundon.studies.design import Design, make_design
 from woundon.studies.evaluate import Block, Chunk
+from woundon.studies.kind_model import KindModel, model_of
 from woundon.studies.runners import Here, Pool
-from woundon.studies.solver_model import SolverModel, solver_model
 
 OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error")
 OVER = {
@@ -57,7 +57,7 @@ def timed(run: Callable[[], Any]) -> tuple[Any, float, float]:
     return out, time.perf_counter() - wall, cpu
 
 
-def accuracy(model: SolverModel, chunks: list[Chunk], blocks: list[Block], count: int) -> str:
+def accuracy(model: KindModel, chunks: list[Chunk], blocks: list[Block], count: int) -> str:
     """Compare cases drawn from the blocks with fine solutions."""
     rng, solved = np.random.default_rng(0), {b.number: b for b in blocks}
     errors, stated = [], []
@@ -78,7 +78,7 @@ def accuracy(model: SolverModel, chunks: list[Chunk], blocks: list[Block], count
     )
 
 
-def overhead(model: SolverModel, chunks: list[Chunk]) -> tuple[float, float]:
+def overhead(model: KindModel, chunks: list[Chunk]) -> tuple[float, float]:
     """Return processor seconds a case: of a stored study, and of the solver alone.
 
     The solver is called with ready-made problems, each from the result before; the study makes the
@@ -120,7 +120,7 @@ def main() -> None:
     design = make_design(OVER)
     chunks = sample(design, given.chunks)
     cases = sum(len(c.cases) for c in chunks)
-    model = solver_model(paper_nip(), OUTPUTS, {"web.material": "roll.material"}, vars_of(given))
+    model = model_of(paper_nip(), OUTPUTS, {"web.material": "roll.material"}, vars_of(given))
     print(f"{cases} of {design.size} cases, {model.options or 'default accuracy, 0.1 %'}")
     model.run({}, None)
     blocks, wall, cpu = timed(lambda: list(Here().solved(model, chunks)))

@@ -11,9 +11,10 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "src")]
-# the kernels that run the pages' cells are processes of their own
+# the kernels that run the pages' cells are processes of their own; some tables come from benchmarks
+FOLDERS = [str(HERE.parent / name) for name in ("src", "benchmarks")]
 os.environ["PYTHONPATH"] = os.pathsep.join(
-    [str(HERE.parent / "src"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    [*FOLDERS, *filter(None, [os.environ.get("PYTHONPATH")])]
 )
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 

@@ -5,21 +5,26 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+from sphinx.errors import ExtensionError
+
 HERE = Path(__file__).parent
-SOURCES = HERE.parent.parent / "src" / "woundon"
+SOURCES = HERE.parent.parent / "src"
 
 
 def make(app) -> None:
     """Compute every figure, unless the program has not changed since."""
-    from woundon.thesis.publication import publish
-    from woundon.thesis.registry import NAMES
-    from woundon.thesis.show import summary
+    from jorkama2001.exhibits import NAMES
+    from jorkama2001.publication import known_counts, publish, summary
 
     folder = Path(app.srcdir) / "thesis" / "figures"
     stamp, state = folder / "made_by.txt", _state()
     if stamp.exists() and stamp.read_text() == state:
         return
     figures = list(publish(NAMES, folder, dpi=100))
+    known = known_counts()
+    changed = [figure.name for figure in figures if figure.judged.counts != known[figure.name]]
+    if changed:
+        raise ExtensionError(f"other statements hold than are known to: {', '.join(changed)}")
     for figure in figures:
         page = folder / f"{figure.name}.md"
         page.write_text(page.read_text("utf-8") + _downloads(figure), encoding="utf-8")
@@ -37,7 +42,7 @@ def _downloads(figure) -> str:
 
 def _state() -> str:
     digest = hashlib.sha256(Path(__file__).read_bytes())
-    for path in sorted(SOURCES.rglob("*.py")):
+    for path in sorted([*SOURCES.rglob("*.py"), *SOURCES.rglob("*.csv")]):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 

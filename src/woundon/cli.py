@@ -1,5 +1,8 @@
 """The command line: parse, call, show.  Everything heavy is imported by the command that uses it.
 
+Each kind of problem has a command of its own name (:mod:`.solve_command`), and any package may add
+commands by the entry-point group ``woundon.commands``.
+
 Exit codes: 0 done, 2 bad input (one line a fault), 3 not solved to tolerance.
 """
 
@@ -8,25 +11,30 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from importlib.metadata import entry_points
+from typing import Any
 
 import click
 
-from . import __version__
+from . import __version__, kinds
 from .errors import InvalidProblem, NotConverged
-from .outputs import check_writable
-from .studies import commands as study_commands
-
-if TYPE_CHECKING:
-    from .results import NipResult, Sensitivity
-    from .thesis.frame import Scheme
-    from .wrap import WrappedNipResult
+from .solve_command import SolveCommand
 
 __all__ = ["main"]
 
 BAD_INPUT = 2
 NOT_CONVERGED = 3
+COMMANDS = "woundon.commands"
+
+# imported when they are called: name, where, what they do
+_LATE = {
+    "sweep": ("woundon.studies.commands:sweep", "Solve all cases of a study file."),
+    "fit": ("woundon.studies.commands:fit", "Fit fields of a case to measured data."),
+    "sensitivity": (
+        "woundon.studies.commands:sensitivity",
+        "Tell which inputs of a study file matter (Sobol indices).",
+    ),
+}
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -35,7 +43,9 @@ def main(args: Sequence[str] | None = None) -> int:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     try:
-        return int(commands.main(args, "woundon", standalone_mode=False) or 0)
+        code = int(commands.main(args, "woundon", standalone_mode=False) or 0)
+        sys.stdout.flush()
+        return code
     except InvalidProblem as fault:
         return _refuse(str(fault).splitlines(), BAD_INPUT)
     except NotConverged as fault:
@@ -47,8 +57,8 @@ def main(args: Sequence[str] | None = None) -> int:
         return _refuse([fault.format_message()], BAD_INPUT)
     except click.Abort:
         return 130
-    except BrokenPipeError:
-        # the reader (head, less) has left; nobody is there to tell
+    except (_ReaderLeftError, BrokenPipeError):
+        # head or less have read enough; nobody is there to tell
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as fault:
@@ -62,198 +72,104 @@ def _refuse(lines: Sequence[str], code: int) -> int:
     return code
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+class _ReaderLeftError(Exception):
+    """A broken pipe, by a name that click does not end with exit code 1."""
+
+
+class Commands(click.Group):
+    """The commands written here, one for each kind of problem, studies, and those of plug-ins."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that is asked for."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            raise _ReaderLeftError from None
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all commands."""
+        return [name for names in self._sections().values() for name in names]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Return a command by its name, imported now."""
+        if name in self.commands:
+            return self.commands[name]
+        if name in _LATE:
+            return kinds.fetch(_LATE[name][0])
+        found = entry_points(group=COMMANDS, name=name)
+        if found:
+            return next(iter(found)).load()
+        own = next((kind for kind in kinds.every() if kind.command == name), None)
+        return SolveCommand(own) if own else None
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Return the command that is asked for; a misspelt one is told the nearest."""
+        name = args[0]
+        if self.get_command(ctx, name) is None and not name.startswith("-"):
+            from .errors import did_you_mean
+
+            ctx.fail(f"No such command {name!r}{did_you_mean(name, self.list_commands(ctx))}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands under their headings."""
+        for title, names in self._sections().items():
+            with formatter.section(title):
+                formatter.write_dl([(name, self._about(ctx, name)) for name in names])
+
+    def _sections(self) -> dict[str, list[str]]:
+        others = sorted(found.name for found in entry_points(group=COMMANDS))
+        sections = {
+            "Commands": list(self.commands),
+            "Commands for one kind of problem": [kind.command for kind in kinds.every()],
+            "Studies": list(_LATE),
+            "Other commands": others,
+        }
+        return {title: names for title, names in sections.items() if names}
+
+    def _about(self, ctx: click.Context, name: str) -> str:
+        if name in _LATE:
+            return _LATE[name][1]
+        try:
+            command = self.get_command(ctx, name)
+        except ImportError as fault:
+            return f"(cannot be loaded: {fault})"
+        return command.get_short_help_str(200) if command else ""
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="woundon")
 def commands() -> None:
     """Winding mechanics: what the winding nip does to a paper or film web."""
 
 
-@commands.command(short_help="Solve the winding nip of a case file.")
-@click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="FIELD=VALUE",
-    help='Change a field, e.g. --set nip_load="3.5 kN/m"; repeatable, nested: web.thickness.',
-)
-@click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
-@click.option("--sensitivity", is_flag=True, help="Tell what the outputs depend on most.")
-@click.option("--save", type=click.Path(path_type=Path), help="Save as .nc, .json or .csv.")
-@click.option("--plot", type=click.Path(path_type=Path), help="Draw to .png, .svg or .pdf.")
-@click.option(
-    "--scheme", default="graded", show_default=True, help="graded, thesis or thesis-printed."
-)
-@click.option("--algorithm", default="pivoting", show_default=True, help="Or panagiotopoulos.")
-@click.option("--nodes", type=int, help="Number of nodes along the nip, fixed.")
-@click.option("--rtol", type=float, help="Refine until the added tension is known to RTOL.")
-@click.option(
-    "--roll-wrap",
-    metavar="ANGLE",
-    help='Wrap the web on the roll behind the nip, e.g. "180 deg", where it is then held.',
-)
-@click.option(
-    "--drum-wrap", metavar="ANGLE", help='Wrap the web on the drum before the nip, e.g. "90 deg".'
-)
-def nip(
-    case: Path,
-    settings: tuple[str, ...],
-    as_json: bool,
-    sensitivity: bool,
-    save: Path | None,
-    plot: Path | None,
-    roll_wrap: str | None,
-    drum_wrap: str | None,
-    **options: Any,
-) -> None:
-    """Solve the winding nip of a case file ('woundon new' writes one)."""
-    from .casefile import load_case
-
-    problem = load_case(case, settings)
-    _check_outputs(save, plot)
-    result: NipResult | WrappedNipResult
-    slopes = None
-    if roll_wrap is None and drum_wrap is None:
-        result = _solved(problem, options)
-        slopes = result.sensitivity() if sensitivity else None
-    else:
-        options["sensitivity"] = sensitivity
-        result = _solved_with_wraps(problem, roll_wrap, drum_wrap, options)
-    if save:
-        result.save(save)
-    if plot:
-        result.plot(plot)
-    if as_json:
-        from .resultfile import result_to_json
-
-        click.echo(result_to_json(result, slopes), nl=False)
-    else:
-        _show(result, slopes)
-
-
-def _check_outputs(save: Path | None, plot: Path | None) -> None:
-    """Refuse unusable output paths before anything is solved."""
-    if save:
-        from .resultfile import writer_for
-
-        writer_for(save)
-    if plot:
-        from .plots import check_format
-
-        check_format(plot)
-    for path in filter(None, (save, plot)):
-        check_writable(path)
-
-
-def _solved(problem: Any, options: dict[str, Any]) -> NipResult:
-    import warnings
-
-    from .errors import ValidityWarning
-    from .nip import solve_nip
-
-    with warnings.catch_warnings():
-        # the result carries them too, and the report shows them
-        warnings.simplefilter("ignore", ValidityWarning)
-        return solve_nip(problem, **options)
-
-
-def _solved_with_wraps(
-    problem: Any, roll_wrap: str | None, drum_wrap: str | None, options: dict[str, Any]
-) -> WrappedNipResult:
-    from .units import parse
-    from .wrap import solve_wrapped_nip
-
-    plain = {"scheme": "graded", "algorithm": "pivoting", "rtol": None, "sensitivity": False}
-    for name, usual in plain.items():
-        if options[name] != usual:
-            text = f"{options[name]!r} is not admissible with a wrap; leave it out, or the wraps"
-            raise InvalidProblem.at(f"--{name}", text)
-    given = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap}
-    # a wrap that is not asked for is none; without one the web is held at the trailing edge
-    chosen: dict[str, Any] = {"roll_wrap": 0.0} | {
-        name: parse(text, "rad", f"--{name.replace('_', '-')}")
-        for name, text in given.items()
-        if text is not None
-    }
-    if options["nodes"] is not None:
-        chosen["nodes"] = options["nodes"]
-    return solve_wrapped_nip(problem, **chosen)
-
-
-def _show(result: NipResult | WrappedNipResult, sensitivity: Sensitivity | None) -> None:
-    from rich.console import Console
-
-    from .report import print_report, print_sensitivity
-
-    console = Console(highlight=False)
-    # lines are never folded: what a pipe or a log gets is the same text
-    console.width = max(console.width, 100)
-    print_report(result, console)
-    if sensitivity:
-        print_sensitivity(sensitivity, console)
-
-
-@commands.command(short_help="Recompute figures and tables of the thesis.")
-@click.argument("names", nargs=-1, metavar="[NAME]...")
-@click.option("--all", "everything", is_flag=True, help="Every figure and table.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("thesis"),
-    show_default=True,
-    help="Folder for PNG, SVG, CSV and the verdict.",
-)
-@click.option(
-    "--scheme",
-    type=click.Choice(["graded", "thesis"]),
-    default="graded",
-    show_default=True,
-    help="Accurate, or as the thesis solved it.",
-)
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
-def thesis(
-    names: tuple[str, ...], everything: bool, out: Path, scheme: Scheme, jobs: int | None
-) -> None:
-    """Recompute figures and tables of the thesis, and test what it says: fig16, table3, ..."""
-    from .thesis.publication import publish
-    from .thesis.registry import NAMES, chosen
-    from .thesis.show import show
-
-    if bool(names) == everything:
-        raise click.UsageError(
-            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
-        )
-    wanted = NAMES if everything else chosen(names)
-    show(publish(wanted, out, scheme, jobs=jobs), out, brief=everything)
+commands.add_command(SolveCommand(None))
 
 
 @commands.command(short_help="Print a commented case file to start from.")
-def new() -> None:
-    """Print a commented case file to start from: woundon new > case.toml."""
-    from .casefile import template
+@click.argument("kind", default="wrapped-nip", metavar="[KIND]")
+def new(kind: str) -> None:
+    """Print a commented case file to start from: woundon new > case.toml.
 
-    click.echo(template(), nl=False)
+    KIND is the kind of problem, named as its command: wrapped-nip (by default), nip, rollers, ...
+    """
+    from .io.case_files import template
+
+    click.echo(template(kind), nl=False)
 
 
 @commands.command()
 def materials() -> None:
     """List the named materials with their values and sources."""
-    from .materials import MATERIALS
+    from .io.units import written
+    from .problems.materials import MATERIALS
+    from .quantities import walk
+
+    def shown(place: Any) -> str:
+        text = written(place.value, place.quantity.unit, place.quantity.shown_unit)
+        return f"{place.path} = " + (f'"{text}"' if isinstance(text, str) else f"{text:g}")
 
     for name, (material, source) in MATERIALS.items():
         click.secho(name, bold=True)
-        values = material.model_dump(exclude={"kind"}).items()
-        click.echo(f"  {{ {', '.join(f'{field} = {_shown(value)}' for field, value in values)} }}")
+        click.echo(f"  {{ {', '.join(map(shown, walk(material)))} }}")
         click.secho(f"  {source}", dim=True)
-
-
-def _shown(value: float) -> str:
-    """Return a modulus or a pure number as a case file would have it."""
-    for factor, unit in ((1e9, "GPa"), (1e6, "MPa")):
-        if value >= factor:
-            return f'"{value / factor:g} {unit}"'
-    return f"{value:g}"
-
-
-for _command in (study_commands.sweep, study_commands.fit, study_commands.sensitivity):
-    commands.add_command(_command)

@@ -53,42 +53,42 @@ class Kind:
     @cached_property
     def problem(self) -> type[Any]:
         """The class of its problems."""
-        return _got(self._problem)  # type: ignore[no-any-return]
+        return _got(self._problem)
 
     @cached_property
     def solver(self) -> Callable[..., Any]:
         """What solves them: (problem, **options) -> result."""
-        return _got(self._solver)  # type: ignore[no-any-return]
+        return _got(self._solver)
 
     @cached_property
     def result(self) -> type[Any]:
         """The class of its results."""
-        return _got(self._result)  # type: ignore[no-any-return]
+        return _got(self._result)
 
     @cached_property
     def report(self) -> Callable[..., Any]:
         """What tells a result in tables: (result) -> parts of a report."""
-        return _got(self._report)  # type: ignore[no-any-return]
+        return _got(self._report)
 
     @cached_property
     def plot(self) -> Callable[..., Any]:
         """What draws a result: (result, path=None) -> figure."""
-        return _got(self._plot)  # type: ignore[no-any-return]
+        return _got(self._plot)
 
     @cached_property
     def check(self) -> Callable[..., Any] | None:
         """What refuses options before anything is solved: (**options); None without."""
-        return None if self._check is None else _got(self._check)  # type: ignore[no-any-return]
+        return None if self._check is None else _got(self._check)
 
     @cached_property
     def neighbour(self) -> Callable[..., Any] | None:
         """What a solved result tells of a problem without solving: (problem, result) -> or None."""
-        return None if self._neighbour is None else _got(self._neighbour)  # type: ignore[no-any-return]
+        return None if self._neighbour is None else _got(self._neighbour)
 
     @cached_property
     def shifted(self) -> Mapping[str, frozenset[str]]:
         """By field: the outputs that ``neighbour`` gives for another value of that field alone."""
-        return _got(self._shifted) if self._shifted is not None else {}  # type: ignore[no-any-return]
+        return _got(self._shifted) if self._shifted is not None else {}
 
     @property
     def command(self) -> str:
@@ -217,7 +217,9 @@ def of(thing: Any) -> Kind:
     for kind in every():
         # a class not yet imported has no instances
         for name in (kind._problem, kind._result):
-            if name is cls or (isinstance(name, str) and name == f"{cls.__module__}:{cls.__name__}"):
+            if name is cls or (
+                isinstance(name, str) and name == f"{cls.__module__}:{cls.__name__}"
+            ):
                 return kind
     from .problems.fields import shown
 

@@ -1,7 +1,7 @@
 """A quantity is one thing: its symbol, units and meaning stand once, on the field that holds it.
 
-A :class:`Quantity` is metadata of an annotation, of a description's field, a result's field, or what
-a result's property or method returns:
+A :class:`Quantity` is metadata of an annotation: of a description's field, of a result's field, or
+of what a result's property or method returns:
 
     nip_load: Annotated[Number, line_load("P", "nip load"), Field(ge=1e-12, le=1e7)]
     half_width: Annotated[float, length("a", "half-width of the nip")]
@@ -23,8 +23,8 @@ from math import pi
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
-    "Place", "Quantity", "angle", "find", "length", "line_load", "members_of", "output", "outputs",
-    "pure", "scalar_outputs", "strain", "stress", "value_of", "walk",
+    "Place", "Quantity", "angle", "find", "is_list", "length", "line_load", "members_of", "output",
+    "outputs", "pure", "scalar_outputs", "strain", "stress", "value_of", "walk",
 ]  # fmt: skip
 
 _PER_SI = {"mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi}
@@ -168,7 +168,7 @@ def _walk_annotation(field: Any, path: str, owner: type) -> Iterator[Place]:
     inner = members_of(field.annotation)
     if not inner:
         yield Place(path, quantity_of(field), field, owner)
-    part = f"{path}.*." if _is_list(field.annotation) else f"{path}."
+    part = f"{path}.*." if is_list(field.annotation) else f"{path}."
     for model in inner:
         yield from walk(model, part)
 
@@ -184,7 +184,7 @@ def find(thing: Any, path: str) -> tuple[Place, ...]:
     found: tuple[Place, ...] = ()
     parts = path.split(".")
     for k, name in enumerate(parts):
-        if found and name.isdigit() and _is_list(found[0].field.annotation):
+        if found and name.isdigit() and is_list(found[0].field.annotation):
             continue
         found = tuple(
             Place(".".join(parts[: k + 1]), quantity_of(m.model_fields[name]),  # type: ignore[attr-defined]
@@ -209,10 +209,11 @@ def members_of(annotation: Any) -> tuple[type, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _is_list(annotation: Any) -> bool:
+def is_list(annotation: Any) -> bool:
+    """Tell whether an annotation admits a list, or a tuple, of values or of descriptions."""
     if get_origin(annotation) in (tuple, list):
         return True
-    return any(_is_list(part) for part in get_args(annotation) if get_origin(part) is not None)
+    return any(is_list(part) for part in get_args(annotation) if get_origin(part) is not None)
 
 
 # ---- outputs ------------------------------------------------------------------------------------
@@ -226,7 +227,7 @@ def output(thing: Any, name: str) -> Place | None:
 def outputs(thing: Any) -> tuple[Place, ...]:
     """Return the outputs of a result's class or instance, without values."""
     of = thing if isinstance(thing, type) else type(thing)
-    return tuple(_walk_outputs(of, of, ""))
+    return tuple(_walk_outputs(thing, of, "", values=False))
 
 
 def scalar_outputs(thing: Any) -> dict[str, Quantity]:
@@ -244,10 +245,11 @@ def value_of(thing: Any, name: str) -> Any:
     return value() if callable(value) else value
 
 
-def _walk_outputs(thing: Any, of: type, prefix: str) -> Iterator[Place]:
+def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Iterator[Place]:
+    own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
-        value = None if thing is of else value_of(thing, name)
-        yield Place(f"{prefix}{name}", quantity, hint, of, value)
+        value = value_of(thing, name) if values and thing is not of else None
+        yield Place(f"{prefix}{name}", own.get(name, quantity), hint, of, value)
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import kinds
 from .errors import NotConverged
-from .quantities import pure, walk
+from .quantities import Quantity, pure, walk
 
 if TYPE_CHECKING:
     import xarray
@@ -57,7 +57,9 @@ class Residuals:
     @property
     def worst(self) -> str:
         """The law that is violated most; one whose violation is nan before all others."""
-        return max(self._laws, key=lambda law: (self._laws[law] != self._laws[law], self._laws[law]))
+        return max(
+            self._laws, key=lambda law: (self._laws[law] != self._laws[law], self._laws[law])
+        )
 
     def replace(self, **laws: float) -> Residuals:
         """Return the same with some violations changed."""
@@ -101,11 +103,17 @@ class Result:
         Estimated discretisation errors by output, SI units; nan where it cannot be told.
     warnings : tuple of str
         Where the solved case leaves the model's validity, with numbers.
+    MAIN : tuple of str
+        The outputs that a study gives where none is asked for.
     REPLACED : mapping of str to str
         Names that people may look for in vain, with what there is instead.
+    MAY_BE_NAN : set of str, optional
+        Fields that may be nan; in a file all others must be finite.  None where that is not told.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ()
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    MAY_BE_NAN: ClassVar[frozenset[str] | None] = None
 
     problem: Any
     residuals: Residuals
@@ -123,6 +131,11 @@ class Result:
     def residual(self) -> Annotated[float, pure("r", "largest violation of a contact law")]:
         """The largest violation of a law, dimensionless."""
         return self.residuals.largest
+
+    @property
+    def relabelled(self) -> Mapping[str, Quantity]:
+        """Outputs that are another quantity in this very result than in others of its class."""
+        return {}
 
     def checked(self) -> Self:
         """Return itself, if no law is broken: nothing unsolved is passed off as solved.
@@ -166,10 +179,10 @@ class Result:
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the result as an xarray Dataset, every variable with unit and symbol."""
-        return kinds.fetch("woundon.io.result_files:to_dataset")(self)  # type: ignore[no-any-return]
+        return kinds.fetch("woundon.io.result_files:to_dataset")(self)
 
     def __str__(self) -> str:
-        return kinds.fetch("woundon.show.report:report_text")(self)  # type: ignore[no-any-return]
+        return kinds.fetch("woundon.show.report:report_text")(self)
 
     def __repr__(self) -> str:
         scalars = (p for p in walk(self) if isinstance(p.value, float) and p.quantity is not None)

@@ -1,8 +1,8 @@
 """Rival theories and closed forms, to compare the solved contact with.
 
 Pure functions of a problem; none of them solves anything.  All bodies are taken as half-planes of
-their material (a :class:`~woundon.problems.bodies.Cylinder` loses its core, a :class:`~woundon.problems.bodies.Rigid`
-has no compliance at all), and the web between roll and drum is left out unless a formula names it.
+their material (a :class:`~woundon.Cylinder` loses its core, a :class:`~woundon.Rigid` has no
+compliance at all), and the web between roll and drum is left out unless a formula names it.
 
 With the half-plane's coefficients A, B, C of thesis eq. (30) summed over the two bodies, the
 surfaces under the pressure p(x) and the traction q(x) on the upper body (-q(x) on the lower) obey::
@@ -23,11 +23,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .arguments import check_type
 from .elasticity import half_plane, strip
 from .errors import InvalidProblem
-from .arguments import check_type
 from .problems.bodies import Body, contact_radius
-from .problems.nip import WindingNip
+from .problems.nip import NipProblem, WindingNip, WrappedNipProblem
 from .problems.rollers import RollerProblem
 
 if TYPE_CHECKING:
@@ -48,6 +48,8 @@ __all__ = [
     "hertz",
     "jalkanen",
 ]
+
+_NIPS = (NipProblem, WrappedNipProblem)
 
 Array = np.ndarray
 
@@ -71,7 +73,7 @@ def _compliance(body: Body, name: str) -> half_plane.Coefficients:
 
 
 def _pair(problem: WindingNip | RollerProblem) -> _Pair:
-    check_type("problem", problem, WindingNip, RollerProblem)
+    check_type("problem", problem, *_NIPS, RollerProblem)
     names = ("roll", "drum") if isinstance(problem, WindingNip) else ("upper", "lower")
     one, two = (getattr(problem, name) for name in names)
     K1, K2 = _compliance(one, names[0]), _compliance(two, names[1])
@@ -143,7 +145,7 @@ def friction_limit(problem: WindingNip) -> float:
 
     Source: thesis eqs. (4)-(6), after Good; sec. 4.3.
     """
-    check_type("problem", problem, WindingNip)
+    check_type("problem", problem, *_NIPS)
     mu, P, F = problem.roll_friction, problem.nip_load, problem.winding_force
     return mu * P + F
 
@@ -166,7 +168,7 @@ def jalkanen(problem: WindingNip, approach: float) -> float:
 
     Source: thesis eq. (9).
     """
-    check_type("problem", problem, WindingNip)
+    check_type("problem", problem, *_NIPS)
     t, R = problem.web.thickness, problem.roll.radius
     A_rr, A_tt, A_rt, _ = problem.web.material.stiffness
     E_t = 1 / strip.compliance(A_rr, A_tt, A_rt).c11
@@ -191,7 +193,7 @@ def dual_slip(problem: WindingNip, dual_slip_ratio: ArrayLike) -> Array:
 
     Source: thesis eq. (173).
     """
-    check_type("problem", problem, WindingNip)
+    check_type("problem", problem, *_NIPS)
     mu, P = problem.roll_friction + problem.drum_friction, problem.nip_load
     s_d = np.asarray(dual_slip_ratio, dtype=float)
     s = np.abs(s_d)

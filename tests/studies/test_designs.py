@@ -81,14 +81,14 @@ def test_saltelli_design_swaps_one_column_at_a_time():
     [
         ({}, "grid", None, "nothing to vary"),
         ({"a": []}, "grid", None, "a: an empty list"),
-        ({"a": "steel"}, "grid", None, "a: 'steel' is no list of values"),
-        ({"a": 3.0}, "grid", None, "a: 3.0 is no list of values"),
+        ({"a": "steel"}, "grid", None, "a: 'steel' is not a list of values"),
+        ({"a": 3.0}, "grid", None, "a: 3.0 is not a list of values"),
         ({"a": [1.0, "steel"]}, "grid", None, "do not mix"),
         ({"a": [1.0]}, "gird", None, "did you mean 'grid'"),
         ({"a": [1.0]}, "grid", 8, "samples: 8 has no meaning in a grid"),
         ({"a": [1.0], "b": [1.0, 2.0]}, "table", None, "differ in length"),
-        ({"a": (1.0, 2.0)}, "sobol", 6, "samples: 6 is no power of 2, as Sobol points ask for: 4"),
-        ({"a": (1.0, 2.0)}, "latin-hypercube", None, "samples: None is no number of cases"),
+        ({"a": (1.0, 2.0)}, "sobol", 6, "samples: 6 is not a power of 2, as Sobol points ask for"),
+        ({"a": (1.0, 2.0)}, "latin-hypercube", None, "samples: None is not a number of cases"),
         ({"a": (2.0, 1.0)}, "sobol", 8, "must be low < high"),
         ({"a": (0.0, 1.0, "log")}, "sobol", 8, "must be 0 < low < high"),
         ({"a": [1.0, 2.0, 3.0]}, "sobol", 8, "write (low, high)"),
@@ -103,5 +103,5 @@ def test_bad_designs_are_refused(over, kind, samples, says):
 
 @pytest.mark.parametrize("samples", [0, 3, 2.0, True])
 def test_bad_base_samples_are_refused(samples):
-    with pytest.raises(InvalidProblem, match="is no power of 2, at least 4"):
+    with pytest.raises(InvalidProblem, match="is not a power of 2, at least 4"):
         saltelli_design({"a": (0.0, 1.0)}, samples, 0)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+from importlib import resources
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
 import toys
 from scipy import stats
+from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon.studies.fit import fit_parameters
+from woundon.studies.kind_model import model_of
 from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
-from woundon.thesis.cases import measured_tensions, newsprint_nip, paper_nip
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
@@ -24,7 +27,7 @@ def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True):
     deviations = {} if deviation is None else {"y": np.full(y.size, deviation)}
     data = Measured({"x": X[: y.size]}, {"y": y}, deviations)
     predictor = Predictor(model, data, tuple(parameters))
-    return fit_parameters(predictor, starts=starts, seed=1, profiles=profiles, labels={})
+    return fit_parameters(predictor, starts=starts, seed=1, profiles=profiles, quantities={})
 
 
 LINE = (Parameter("a", -10.0, 10.0, 0.0), Parameter("b", -10.0, 10.0, 0.0))
@@ -95,6 +98,20 @@ def test_several_starts_find_the_deepest_of_several_minima():
     assert any("the next minimum has RMS" in line for line in many.lines())
 
 
+def test_a_profile_that_walks_into_a_deeper_valley_takes_it():
+    # sin 3a + a/4 has tops of 1.15 and 1.67 at 0.55 and 2.65; two values allow S to grow 162-fold
+    parameter = (Parameter("a", 0.0, 2.8, 0.4),)
+    local = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1, profiles=False)
+    assert local.estimate("a") == pytest.approx(0.55, abs=0.01)
+    deep = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1)
+    assert deep.estimate("a") == pytest.approx(2.65, abs=0.01)
+    assert deep.rms < 0.1 * local.rms
+    assert [round(a, 2) for _, (a,) in deep.minima] == [2.65, 0.55]
+
+
+# the thesis's fifteen measured tensions
+POINTS = Path(str(resources.files("woundon"))) / "data" / "wound_on_tension_newsprint.csv"
+RIG = {"measured": "rig_tension", "thesis_theory": None}
 LOADS = [800.0, 1500.0, 2500.0, 4000.0]
 TRUE = {"roll.material.shear": 1.3e7, "roll_friction": 0.23}
 
@@ -103,9 +120,9 @@ def _nip_data(nodes: int = 33):
     true = [wo.solve_nip(paper_nip(nip_load=P, **TRUE), nodes=nodes) for P in LOADS]
     return {
         "nip_load [kN/m]": [P / 1e3 for P in LOADS],
-        "wound_on_tension [N/m]": [r.wound_on_tension for r in true],
+        "tension_behind_nip [N/m]": [r.tension_behind_nip for r in true],
         "half_width [mm]": [1e3 * r.half_width for r in true],
-        "wound_on_tension +- [N/m]": [1.0] * len(LOADS),
+        "tension_behind_nip +- [N/m]": [1.0] * len(LOADS),
         "half_width +- [mm]": [0.02] * len(LOADS),
     }
 
@@ -125,19 +142,16 @@ def test_known_parameters_of_a_nip_are_recovered():
 
 
 def test_exact_derivatives_are_those_of_differences():
-    from woundon.studies.nip import _parameter, solver_model
-    from woundon.studies.solver_model import all_labels
-
-    problem, names = paper_nip(), ("roll.material.shear", "roll_friction")
-    data = {k.split()[0]: np.array(v) for k, v in _nip_data().items() if "+-" not in k}
-    measured = Measured(
-        {"nip_load": np.array(LOADS)},
-        {n: data[n] for n in ("wound_on_tension", "half_width")}, {},
-    )  # fmt: skip
-    assert set(measured.outputs) <= set(all_labels(problem))
+    outputs = ("tension_behind_nip", "half_width", "nip_width")
+    unknown = np.zeros(len(LOADS))
+    measured = Measured({"nip_load": np.array(LOADS)}, dict.fromkeys(outputs, unknown), {})
     tie = {"web.material": "roll.material"}
-    model = solver_model(problem, tuple(measured.outputs), tie, {"nodes": 33})
-    predictor = Predictor(model, measured, tuple(_parameter(problem, n, None) for n in names))
+    model = model_of(paper_nip(), outputs, tie, {"nodes": 33})
+    parameters = (
+        Parameter("roll.material.shear", 1e6, 1e8, 1e7),
+        Parameter("roll_friction", 0.02, 2.0, 0.2),
+    )
+    predictor = Predictor(model, measured, parameters)
     u = np.log([1.1e7, 0.21])
     exact, differences = predictor.jacobian(u), predictor._differences(u)
     # kinks where a node changes its zone within the step of 0.2 %
@@ -148,7 +162,7 @@ def test_a_wrong_start_solves_nothing_twice():
     """Rows that differ in T_in alone cost one solve."""
     data = {
         "nip_load": [1500.0] * 3, "web_tension": [100.0, 300.0, 500.0],
-        "wound_on_tension": [220.0, 421.0, 619.0],
+        "tension_behind_nip": [220.0, 421.0, 619.0],
     }  # fmt: skip
     fit = wo.fit(
         paper_nip(), data, ["roll.material.shear"], nodes=17, starts=1, profiles=False
@@ -158,24 +172,17 @@ def test_a_wrong_start_solves_nothing_twice():
         starts=1, profiles=False,
     )  # fmt: skip
     assert fit.solves <= many.solves + 6
-    added = np.mean(np.subtract(data["wound_on_tension"], data["web_tension"]))
+    added = np.mean(np.subtract(data["tension_behind_nip"], data["web_tension"]))
     assert fit.fitted == pytest.approx(added + np.array(data["web_tension"]), abs=1e-4)
 
 
 @pytest.fixture(scope="module")
 def newsprint():
     """A_rr and G fitted to the thesis's fifteen measured tensions at 2h = 57 um."""
-    points = measured_tensions()
-    data = {
-        "nip_load": [p.nip_load for p in points],
-        "web_tension": [p.web_tension for p in points],
-        "wound_on_tension": [p.measured for p in points],
-    }
     return wo.fit(
-        newsprint_nip(**{"web.thickness": 57e-6}), data,
+        newsprint_nip(**{"web.thickness": 57e-6}), POINTS,
         {"roll.material.shear": (1e6, 1e8), "roll.material.radial": (5e6, 5e8)},
-        tie={"web.material": "roll.material"}, columns={"wound_on_tension": "rig_tension"},
-        nodes=25, starts=1, profiles=False,
+        tie={"web.material": "roll.material"}, columns=RIG, nodes=25, starts=1, profiles=False,
     )  # fmt: skip
 
 
@@ -199,18 +206,18 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
 @pytest.mark.parametrize(
     ("data", "vary", "says"),
     [
-        ({"wound_on_tension": [600.0]}, {}, "vary: nothing to fit"),
-        ({"wound_on_tension": [600.0]}, ["roll.material.sheer"], "did you mean 'shear'"),
-        ({"wound_on_tension": [600.0]}, ["drum"], "drum: .* is no number"),
-        ({"wound_on_tension": [600.0]}, {"roll_friction": (0.3, 0.1)}, "must be low < high"),
-        ({"wound_on_tension": [600.0]}, {"roll_friction": 0.3}, r"write \(low, high\)"),
-        ({"wound_on_tension": [600.0]}, ["roll_friction", "nip_load"], "2 parameters cannot be"),
+        ({"tension_behind_nip": [600.0]}, {}, "vary: nothing to fit"),
+        ({"tension_behind_nip": [600.0]}, ["roll.material.sheer"], "did you mean 'shear'"),
+        ({"tension_behind_nip": [600.0]}, ["drum"], "drum: .* is not a number"),
+        ({"tension_behind_nip": [600.0]}, {"roll_friction": (0.3, 0.1)}, "must be low < high"),
+        ({"tension_behind_nip": [600.0]}, {"roll_friction": 0.3}, r"write \(low, high\)"),
+        ({"tension_behind_nip": [600.0]}, ["roll_friction", "nip_load"], "2 parameters cannot be"),
         (
-            {"wound_on_tension": [600.0], "nip_load": [1e3]}, ["nip_load"],
+            {"tension_behind_nip": [600.0], "nip_load": [1e3]}, ["nip_load"],
             "nip_load: is measured, so it cannot be fitted",
         ),
         (
-            {"wound_on_tension": [600.0], "half_width": [4e-3]}, ["roll_friction"],
+            {"tension_behind_nip": [600.0], "half_width": [4e-3]}, ["roll_friction"],
             "outputs of different units .* need standard deviations",
         ),
     ],
@@ -222,13 +229,13 @@ def test_bad_fits_are_refused(data, vary, says):
 
 def test_a_parameter_at_zero_needs_bounds():
     with pytest.raises(wo.InvalidProblem, match="winding_force: is 0: give bounds for it"):
-        wo.fit(paper_nip(winding_force=0.0), {"wound_on_tension": [600.0]}, ["winding_force"])
+        wo.fit(paper_nip(winding_force=0.0), {"tension_behind_nip": [600.0]}, ["winding_force"])
 
 
 def test_a_fit_that_cannot_be_solved_says_so():
     # |F| >= mu- P at every start
     with pytest.raises(wo.NotConverged, match="no start of the fit could be solved: NoSteadyState"):
         wo.fit(
-            paper_nip(), {"wound_on_tension": [600.0, 610.0]},
+            paper_nip(), {"tension_behind_nip": [600.0, 610.0]},
             {"winding_force": (800.0, 900.0)}, nodes=17,
         )  # fmt: skip

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
+from thesis_cases import paper_nip
 
 from woundon import InvalidProblem
-from woundon.studies.fields import field_label
+from woundon.studies.export import check_export
+from woundon.studies.kind_model import column_quantity, measurable
 from woundon.studies.measured import read_measured
-from woundon.studies.solver_model import all_labels
-from woundon.thesis.cases import paper_nip
 
-OUTPUTS = all_labels(paper_nip())
+NIP = paper_nip().wrapped()
+OUTPUTS = measurable(NIP)
 
 
 def _read(data, columns=None):
-    return read_measured(data, OUTPUTS, lambda name: field_label(paper_nip(), name), columns)
+    return read_measured(data, OUTPUTS, lambda name: column_quantity(NIP, name), columns)
 
 
 def test_csv_with_units(tmp_path: Path):
@@ -49,13 +52,13 @@ def test_excel_reads_as_csv_does(tmp_path: Path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     for row in (
-        ["nip_load [kN/m]", "rig_tension [N/m]"], [1.9, 650], [None, None], [2.5, None]
+        ["nip_load [kN/m]", "tension_behind_nip [N/m]"], [1.9, 650], [None, None], [2.5, None]
     ):  # fmt: skip
         book.active.append(row)
     book.save(tmp_path / "rig.xlsx")
     data = _read(tmp_path / "rig.xlsx")
     assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
-    assert np.array_equal(data.outputs["rig_tension"], [650.0, np.nan], equal_nan=True)
+    assert np.array_equal(data.outputs["tension_behind_nip"], [650.0, np.nan], equal_nan=True)
 
 
 def test_columns_by_name_are_si_and_can_be_renamed():
@@ -63,6 +66,24 @@ def test_columns_by_name_are_si_and_can_be_renamed():
     data = _read(given, {"P": "nip_load", "WOT": "wound_on_tension", "operator": None})
     assert data.inputs["nip_load"] == pytest.approx([1900.0])
     assert data.outputs["wound_on_tension"].tolist() == [650.0]
+
+
+def test_a_data_frame_is_read_as_its_columns():
+    frame = pandas.DataFrame({"nip_load [kN/m]": [1.9, 2.5], "wound_on_tension": [650.0, None]})
+    data = _read(frame)
+    assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
+    assert np.array_equal(data.outputs["wound_on_tension"], [650.0, np.nan], equal_nan=True)
+
+
+def test_a_formula_that_failed_is_no_gap(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["nip_load", "half_width"])
+    book.active.append([1000, "#DIV/0!"])
+    book.active["B2"].data_type = "e"
+    book.save(tmp_path / "rig.xlsx")
+    with pytest.raises(InvalidProblem, match="half_width: row 1: '#N/A' is not a number"):
+        _read(tmp_path / "rig.xlsx")
 
 
 GOOD = "wound_on_tension [N/m]"
@@ -76,11 +97,12 @@ GOOD = "wound_on_tension [N/m]"
         ({"nip_load": [1.0]}, "has no column that is an output"),
         ({"nip_load [mm]": [1.0], GOOD: [1.0]}, "mm"),
         ({"nip_load [lb]": [1.0], GOOD: [1.0]}, "lb"),
-        ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is no number"),
-        ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is no number"),
-        ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is no finite number"),
+        ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is not a number"),
+        ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is not a number"),
+        ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is not a finite number"),
+        ({"nip_load": [np.nan], GOOD: [1.0]}, "row 1: nan is not a finite number"),
         ({"nip_load": [1.0, 2.0], GOOD: [1.0]}, "columns differ in length: [1, 2]"),
-        ({"drum": ["steel"], GOOD: [1.0]}, "drum: is no number"),
+        ({"drum": ["steel"], GOOD: [1.0]}, "drum: is not a number"),
         ({GOOD: [1.0], "wound_on_tension +-": [0.0]}, "deviations of wound_on_tension must be > 0"),
         ({GOOD: [1.0], "half_width +-": [1.0]}, "deviations of half_width must be > 0 wherever"),
     ],
@@ -97,8 +119,9 @@ def test_bad_columns_are_refused(columns, says):
         (b"", "holds no header with rows below it"),
         (b"nip_load,half_width\n", "holds no header with rows below it"),
         (b"nip_load,half_width\n1,2,3\n", "row 1 has 3 cells, the header 2"),
+        (b"nip_load,half_width\n1,2\n3\n", "row 2 has 1 cells, the header 2"),
         (b"half_width,half_width\n1,2\n", "two columns have the same header"),
-        (b"nip_load,half_width\n\xff,1\n", "is no UTF-8 text, from byte 20"),
+        (b"nip_load,half_width\n\xff,1\n", "is not UTF-8 text, from byte 20"),
     ],
 )
 def test_bad_files_are_refused(tmp_path: Path, content, says):
@@ -112,11 +135,18 @@ def test_missing_and_broken_files_are_refused(tmp_path: Path):
     with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
         _read(tmp_path / "none.csv")
     pytest.importorskip("openpyxl")
-    with pytest.raises(InvalidProblem, match="cannot be read: no such file"):
+    with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
         _read(tmp_path / "none.xlsx")
     (tmp_path / "text.xlsx").write_text("nip_load", encoding="utf-8")
-    with pytest.raises(InvalidProblem, match="is no Excel file"):
+    with pytest.raises(InvalidProblem, match="is not an Excel file"):
         _read(tmp_path / "text.xlsx")
+
+
+def test_missing_openpyxl_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    for call in (_read, check_export):
+        with pytest.raises(InvalidProblem, match=r"need openpyxl: pip install 'woundon\[excel\]'"):
+            call(tmp_path / "rig.xlsx")
 
 
 def test_a_column_to_rename_must_be_there():

@@ -12,13 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import toys
+from thesis_cases import paper_nip
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies import runners
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.runners import DIED, DaskRunner, Here, Pool
-from woundon.thesis.cases import paper_nip
 
 DESIGN = make_design({"a": range(8)})
 
@@ -117,7 +118,7 @@ nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 240 }}
 [solver]
 nodes = 65
 """
-CASE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
+CASE = Path(__file__).with_name("nip_alone.toml")
 
 
 def _command(study: Path, out: Path, *more: str) -> list[str]:
@@ -190,6 +191,7 @@ def test_ctrl_c_ends_cleanly(whole: tuple[Path, bytes], tmp_path: Path, workers:
     out = tmp_path / "out"
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
     assert code == 130
+    assert "finishing the chunks under way; press Ctrl-C again to stop at once" in said
     assert f"stopped; what was solved is in {out}, --resume goes on from there" in said
     assert "Traceback" not in said
     assert not list((out / "parts").glob(".*.part"))

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.thesis.cases import paper_nip
 
 LOADS = np.geomspace(1000.0, 3000.0, 120)
 OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error")

@@ -7,12 +7,13 @@ from math import pi
 import numpy as np
 import pytest
 import toys
+from thesis_cases import paper_nip
 
 import woundon as wo
+from jorkama2001.cases import paper_nip
 from woundon.studies.engine import run_study
 from woundon.studies.runners import Here
 from woundon.studies.sobol import saltelli_design, sobol_indices_of
-from woundon.thesis.cases import paper_nip
 
 
 def _indices(model, ranges, samples):

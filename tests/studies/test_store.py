@@ -4,23 +4,34 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 import toys
 import xarray
+from thesis_cases import paper_nip
 
 import woundon as wo
+from woundon.studies.api import sweep_table
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.export import export
-from woundon.studies.nip import sweep_table
 from woundon.studies.runners import Here
 from woundon.studies.table import failures
-from woundon.thesis.cases import paper_nip
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
+
+
+class Other(toys.Toy):
+    """Has the record of a Toy, and answers otherwise."""
+
+    def value(self, inputs):
+        return -1.0
+
+    def record(self):
+        return toys.Toy().record()
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +39,7 @@ def table():
     """Six cases, three of which have no steady state: |F| >= 0.4 P."""
     over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
     outputs = ("nip_induced_tension", "half_width")
-    return sweep_table(paper_nip(), over, outputs, nodes=17, workers=1)
+    return sweep_table(paper_nip(), over, outputs, options={"nodes": 17}, workers=1)
 
 
 def test_resume_solves_only_what_is_missing(tmp_path: Path):
@@ -40,6 +51,18 @@ def test_resume_solves_only_what_is_missing(tmp_path: Path):
         progress=lambda done, size: solved.append((done, size)),
     )  # fmt: skip
     assert solved == [(8, 8)]  # 5 of 8 cases were there
+    assert np.array_equal(first.outputs["y"], again.outputs["y"])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names that Windows does not admit")
+@pytest.mark.parametrize("name", ["x[1]", "*", "?1", "[!a]1", "x{1,2}", "it's", 'a "b"', "a\\b"])
+def test_a_folder_s_name_is_no_pattern(tmp_path: Path, name: str):
+    """Beside it lie folders that it would match, with another study of the same cases."""
+    for other in ("x1", "x2"):
+        run_study(Other(), DESIGN, Here(), out=tmp_path / other)
+    first = run_study(toys.Toy(), DESIGN, Here(), out=tmp_path / name)
+    # solves nothing: what it answers would be seen
+    again = run_study(Other(), DESIGN, Here(), out=tmp_path / name, resume=True)
     assert np.array_equal(first.outputs["y"], again.outputs["y"])
 
 
@@ -81,7 +104,7 @@ def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
     with pytest.raises(wo.InvalidProblem, match="is not empty and holds no study"):
         run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
     (tmp_path / "manifest.json").write_text("{}", encoding="utf-8")
-    with pytest.raises(wo.InvalidProblem, match=r"its manifest\.json is none of a study"):
+    with pytest.raises(wo.InvalidProblem, match=r"its manifest\.json is not that of a study"):
         run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
 
 

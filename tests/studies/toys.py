@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from woundon.studies.model import Answer, Label
+from woundon.quantities import Quantity, pure
+from woundon.studies.model import Answer
+from woundon.studies.processes import in_processes
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,8 @@ class Toy:
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
         return None
 
-    def label(self, name: str) -> Label:
-        return Label("1", name)
+    def quantity(self, name: str) -> Quantity | None:
+        return pure(name, name)
 
     def record(self) -> dict[str, Any]:
         return {"toy": type(self).__name__}
@@ -131,3 +133,32 @@ class Waves(Toy):
 
     def value(self, inputs: Mapping[str, Any]) -> float:
         return inputs["x"] + sin(3 * inputs["a"]) + inputs["a"] / 4
+
+
+def square(x: int) -> int:
+    return x * x
+
+
+def raises(x: int) -> int:
+    return 1 // (x - 3)
+
+
+def setting(name: str) -> str:
+    return os.environ[name]
+
+
+def dies_at_three(x: int, once: str = "") -> int:
+    """Kill its process at 3: the first time only if ``once`` names a file, else always."""
+    Deadly(once=once).run({"a": x}, None)
+    return x * x
+
+
+def squares_by_a_pool(x: int) -> list[int]:
+    return sorted(answer for _, answer in in_processes(square, range(x), 2))
+
+
+def sleeps(x: int, folder: str, seconds: float = 60.0) -> int:
+    """Leave a file named for its process, and sleep."""
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(seconds)
+    return x

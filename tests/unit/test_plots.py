@@ -2,89 +2,350 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import woundon as wo
-from woundon.plots import plot_nip
-from woundon.results import NipResult
+from woundon import kinds, quantities
+from woundon.quantities import line_load, stress
+from woundon.show.figures import symbol_text
+from woundon.show.plots import plot_nip, plot_outputs, plot_rollers, plot_wrapped
+from woundon.show.study_plots import plot_fit, plot_sweep
+
+NODES = 25
+SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
 
 
 @pytest.fixture(scope="module")
-def result() -> NipResult:
-    newsprint = wo.material("newsprint")
-    return wo.solve_nip(
-        wo.NipProblem(
-            web=wo.Web(thickness=66e-6, material=newsprint),
-            roll=wo.HalfPlane(radius=0.1, material=newsprint),
-            drum=wo.Rigid(radius=0.0762),
-            roll_friction=0.19,
-            drum_friction=0.2,
-            nip_load=3502.0,
-            web_tension=350.0,
-        ),
-        nodes=25,
-    )
+def nip() -> wo.NipResult:
+    return wo.solve(wo.NipProblem.example(), nodes=NODES)
 
 
-def test_panels_show_the_results_in_the_units_of_their_labels(result):
-    tractions, slips, zones, tension = plot_nip(result).axes
+@pytest.fixture(scope="module")
+def wrapped() -> wo.WrappedNipResult:
+    problem = wo.NipProblem.example().wrapped(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
+    return wo.solve(problem, nodes=NODES)
+
+
+@pytest.fixture(scope="module")
+def results(nip, wrapped) -> dict[str, Any]:
+    """An example of every kind, and cases whose figures have more or less to show."""
+    cover = wo.Cylinder(radius=0.0762, core_radius=0.0662, material=SOFT)
+    pair = wo.RollerProblem.example()
+    rubber = pair.replace(lower=wo.HalfPlane(radius=0.2, material=SOFT), tangential_load=None)
+    more = {
+        "soft cover": nip.problem.replace(drum=cover, winding_force=-200.0).wrapped(),
+        "drum wrap alone": nip.problem.wrapped(roll_wrap=0.0, drum_wrap=1.0),
+        "drum slides": nip.problem.replace(nip_load=1e3).wrapped(winding_force=400, drum_wrap=2.5),
+        "static": pair.replace(motion="static"),
+        "free rolling": rubber,
+    }
+    solved = {name: wo.solve(problem, nodes=NODES) for name, problem in more.items()}
+    examples = {k.name: wo.solve(k.problem.example(), nodes=NODES) for k in kinds.every()}
+    return {**examples, **solved, "nip": nip, "wrapped on both": wrapped}
+
+
+def curves(axes: Any) -> dict[str, np.ndarray]:
+    """Return the points of a panel's lines by label."""
+    return {line.get_label(): line.get_xydata() for line in axes.get_lines()}
+
+
+# ---- the nip
+
+
+def test_panels_show_the_results_in_the_units_of_their_labels(nip):
+    tractions, slips, zones, tension = plot_nip(nip).axes
     assert tractions.get_ylabel() == "Tangential traction $q$ [kPa]"
     assert slips.get_ylabel() == "Relative slip speed $v$ [%]"
     assert tension.get_ylabel() == "Web tension $T$ [N/m]"
     assert zones.get_xlabel() == "Position along the nip $x$ [mm]"
     drawn = [line.get_xydata() for line in tractions.get_lines()]
-    for data, traction in zip(drawn, (result.roll_traction, result.drum_traction), strict=True):
-        np.testing.assert_allclose(data[:, 0], 1e3 * result.x)
+    for data, traction in zip(drawn, (nip.roll_traction, nip.drum_traction), strict=True):
+        np.testing.assert_allclose(data[:, 0], 1e3 * nip.x)
         np.testing.assert_allclose(data[:, 1], 1e-3 * traction)
     drawn = [line.get_xydata() for line in slips.get_lines()]
-    for data, slip in zip(drawn, (result.roll_slip, result.drum_slip), strict=True):
+    for data, slip in zip(drawn, (nip.roll_slip, nip.drum_slip), strict=True):
         np.testing.assert_allclose(data[:, 1], 100 * slip)
     (line,) = tension.get_lines()
-    np.testing.assert_allclose(line.get_ydata(), result.web_tension)
+    np.testing.assert_allclose(line.get_ydata(), nip.web_tension)
 
 
-def test_zone_bars_cover_the_nip(result):
-    zones = plot_nip(result).axes[2]
+def highest(axes: Any) -> dict[str, float]:
+    """Return the highest point of each shaded bound by label."""
+    return {
+        shade.get_label(): shade.get_paths()[0].vertices[:, 1].max() for shade in axes.collections
+    }
+
+
+def test_bounds_are_those_of_the_pressure_on_the_face(nip, wrapped):
+    p = 1e-3 * nip.peak_pressure
+    bounds = highest(plot_nip(nip).axes[0])
+    assert bounds == pytest.approx({r"$\pm\mu^{+}p$": 0.19 * p, r"$\pm\mu^{-}p$": 0.2 * p})
+    own = wrapped.in_nip
+    on_roll, on_drum = wrapped.roll_pressure[own].max(), wrapped.pressure[own].max()
+    bounds = highest(plot_wrapped(wrapped).axes[0])
+    assert bounds == pytest.approx(
+        {r"$\pm\mu^{+}p^{+}$": 0.19e-3 * on_roll, r"$\pm\mu^{-}p^{-}$": 0.2e-3 * on_drum}
+    )
+
+
+def test_zone_bars_cover_the_contact(nip):
+    zones = plot_nip(nip).axes[2]
+    assert [text.get_text() for text in zones.get_yticklabels()] == ["drum", "roll"][::-1]
     for row in (0, 1):
         bars = [bar for bar in zones.patches if round(bar.get_y() + bar.get_height() / 2) == row]
-        assert sum(bar.get_width() for bar in bars) == pytest.approx(2e3 * result.half_width)
+        assert sum(bar.get_width() for bar in bars) == pytest.approx(2e3 * nip.half_width)
 
 
-def test_legends_cover_no_data_and_nothing_is_clipped(result):
-    figure = plot_nip(result)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    width, height = canvas.get_width_height()
-    for axes in figure.axes:
-        box = axes.get_tightbbox()
-        assert box.x0 >= 0
-        assert box.y0 >= 0
-        assert box.x1 <= width
-        assert box.y1 <= height
-        legend = axes.get_legend()
-        if legend is not None:
-            assert legend.get_window_extent().y0 >= axes.get_window_extent().y1 - 1
+# ---- the nip with its wraps
+
+
+def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
+    figure = plot_wrapped(wrapped)
+    tractions, tension, slips, pressure = figure.axes[:4]
+    own, a = wrapped.in_nip, wrapped.half_width
+    for axes in (tractions, slips):  # the nip's nodes, no others
+        assert all(len(data) == wrapped.nodes for data in curves(axes).values())
+    assert tension.get_ylabel() == "Web tension $T$ [N/m]"
+    assert pressure.get_ylabel() == "Pressure $p$ [kPa]"
+    assert pressure.get_xlabel() == r"Angle from the edge of the nip $\theta$ [deg]"
+    on_roll = curves(tension)["$T$ on roll"]
+    behind = (wrapped.x[own.stop :] - a) / 0.1
+    np.testing.assert_allclose(on_roll[:, 0], np.degrees(behind))
+    np.testing.assert_allclose(on_roll[:, 1], wrapped.web_tension[own.stop :])
+    assert on_roll[-1, 1] == wrapped.wound_on_tension
+    assert f"WOT {wrapped.wound_on_tension:.5g}" in curves(tension)
+    assert curves(tension)["end of slip"][0][0] == pytest.approx(np.degrees(wrapped.slip_angle))
+    on_drum = curves(tension)["$T$ on drum"]
+    before = (-a - wrapped.x[: own.start]) / 0.0762
+    np.testing.assert_allclose(on_drum[:, 0], np.degrees(before))
+    np.testing.assert_allclose(on_drum[:, 1], wrapped.web_tension[: own.start])
+    drawn = curves(pressure)
+    np.testing.assert_allclose(drawn["$p^{+}$"][:, 1], 1e-3 * wrapped.roll_pressure[own.stop :])
+    np.testing.assert_allclose(drawn["$p^{-}$"][:, 1], 1e-3 * wrapped.pressure[: own.start])
+    # friction behind the nip is the wrap's own: where the web slips, all of it is needed
+    needed = drawn[r"$|q^{+}|/\mu^{+}$"][:, 1]
+    np.testing.assert_allclose(needed, 1e-3 * np.abs(wrapped.roll_traction[own.stop :]) / 0.3)
+    assert needed[0] == pytest.approx(drawn["$p^{+}$"][0, 1])
+
+
+def test_without_any_wrap_the_nip_alone_is_drawn():
+    result = wo.solve(wo.NipProblem.example().wrapped(roll_wrap=0.0), nodes=NODES)
+    assert len(result.plot().axes) == len(plot_nip(wo.solve(result.problem.confined())).axes)
+
+
+# ---- two rollers
+
+
+@pytest.mark.parametrize(
+    ("changes", "theory", "name"),
+    [
+        ({}, wo.theories.carter, "Carter"),
+        ({"motion": "static"}, wo.theories.cattaneo, "Cattaneo"),
+        (
+            {"lower": wo.HalfPlane(radius=0.2, material=SOFT), "tangential_load": None},
+            wo.theories.bentall_johnson_stick,
+            "Bentall-Johnson, no slip",
+        ),
+    ],
+)
+def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, name):
+    result = wo.solve(wo.RollerProblem.example().replace(**changes), nodes=NODES)
+    tractions, slips, zones = plot_rollers(result).axes
+    assert tractions.get_ylabel() == "Pressure $p$, traction $q$ [MPa]"
+    lines = tractions.get_lines()
+    assert [line.get_label() for line in lines] == ["$p$", "$q$ on upper roller", name, name]
+    np.testing.assert_allclose(lines[0].get_ydata(), 1e-6 * result.pressure)
+    np.testing.assert_allclose(lines[1].get_ydata(), 1e-6 * result.traction)
+    assert highest(tractions) == pytest.approx({r"$\pm\mu p$": 0.5e-6 * result.peak_pressure})
+    exact = theory(result.problem)
+    for marks, form in zip(lines[2:], (exact.pressure, exact.traction), strict=True):
+        at = 1e-3 * marks.get_xdata()
+        assert np.all(np.abs(at) <= result.half_width)
+        np.testing.assert_allclose(marks.get_ydata(), 1e-6 * form(at))
+    rolling = result.problem.motion == "rolling"
+    factor, label = (100, "Relative slip speed $v$ [%]") if rolling else (1e6, "Slip $v$ [µm]")
+    assert slips.get_ylabel() == label
+    np.testing.assert_allclose(slips.get_lines()[0].get_ydata(), factor * result.slip)
+    assert sum(bar.get_width() for bar in zones.patches) == pytest.approx(2e3 * result.half_width)
+
+
+def test_rollers_without_a_closed_form_are_drawn_alone():
+    braked = wo.RollerProblem.example().replace(lower=wo.HalfPlane(radius=0.2, material=SOFT))
+    result = wo.solve(braked, nodes=NODES)
+    assert set(curves(plot_rollers(result).axes[0])) == {"$p$", "$q$ on upper roller"}
+
+
+# ---- any kind
+
+
+def test_the_default_draws_every_array_once(results):
+    for result in results.values():
+        figure = plot_outputs(result)
+        arrays = {
+            place.path: place
+            for place in quantities.walk(result)
+            if isinstance(place.value, np.ndarray)
+        }
+        x = arrays.pop("x")
+        drawn = [line for axes in figure.axes for line in axes.get_lines()]
+        assert len(drawn) == len(arrays)
+        for place in arrays.values():
+            meaning = place.quantity.meaning.replace("> 0", ">\N{NO-BREAK SPACE}0")
+            (line,) = [
+                k for k in drawn if k.get_label().replace("\n", " ").endswith(f"  {meaning}")
+            ]
+            np.testing.assert_allclose(line.get_xdata(), 1e3 * x.value)
+            np.testing.assert_allclose(line.get_ydata(), place.quantity.shown(place.value))
+            unit = place.quantity.display
+            assert line.axes.get_ylabel() == (f"[{unit}]" if unit else "")
+        assert figure.axes[-1].get_xlabel().endswith("[mm]")
+
+
+def test_a_result_without_arrays_cannot_be_drawn(nip, monkeypatch):
+    monkeypatch.setattr("woundon.show.plots.quantities.walk", lambda result: iter(()))
+    with pytest.raises(wo.InvalidProblem, match="a NipResult has no arrays to draw"):
+        plot_outputs(nip)
+
+
+@pytest.mark.parametrize(
+    ("symbol", "text"),
+    [
+        ("q+", "$q^{+}$"),
+        ("s_l+", r"$s_{\mathrm{l}}^{+}$"),
+        ("2a", "$2a$"),
+        ("NIT", r"$\mathrm{NIT}$"),
+        ("xi-", r"$\xi^{-}$"),
+        ("eps1", r"$\varepsilon_{1}$"),
+        ("T_out", r"$T_{\mathrm{out}}$"),
+        ("WOT est.", "WOT est."),
+    ],
+)
+def test_symbols_are_set_as_formulas(symbol, text):
+    assert symbol_text(symbol) == text
+
+
+# ---- every figure
+
+
+def test_nothing_is_covered_or_clipped(results):
+    """Legends stand outside the data, no text leaves the figure, and none covers another."""
+    figures = {name: result.plot() for name, result in results.items()}
+    figures |= {f"{name} by default": plot_outputs(results[name]) for name in ("nip", "rollers")}
+    for name, figure in figures.items():
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        width, height = canvas.get_width_height()
+        texts = []
+        for axes in figure.axes:
+            box = axes.get_tightbbox()
+            assert min(box.x0, box.y0) >= 0, name
+            assert (box.x1 <= width, box.y1 <= height) == (True, True), name
+            texts += [axes.yaxis.label, axes.xaxis.label, axes._right_title]
+            legend = axes.get_legend()
+            if legend is not None:
+                assert not legend.get_window_extent().overlaps(_shrunk(axes)), name
+                texts.append(legend)
+        boxes = [text.get_window_extent() for text in texts if _said(text)]
+        for k, one in enumerate(boxes):
+            assert not any(one.overlaps(other) for other in boxes[:k]), name
+
+
+def _said(text: Any) -> bool:
+    return not hasattr(text, "get_text") or bool(text.get_text())
+
+
+def _shrunk(axes: Any) -> Any:
+    """Return the panel less a pixel all around."""
+    return axes.get_window_extent().padded(-1)
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-def test_the_same_result_gives_the_same_bytes(result, tmp_path, ending):
-    one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
-    result.plot(one)
-    result.plot(other)
-    assert one.read_bytes() == other.read_bytes()
-    assert len(one.read_bytes()) > 10_000
+def test_the_same_result_gives_the_same_bytes(results, tmp_path, ending):
+    """Of every kind; a second result too, that is solved anew."""
+    for kind in kinds.every():
+        result = results[kind.name]
+        again = wo.solve(result.problem, nodes=NODES)
+        one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
+        result.plot(one)
+        again.plot(other)
+        assert one.read_bytes() == other.read_bytes()
+        assert len(one.read_bytes()) > 10_000
 
 
-def test_global_style_is_left_alone(result):
+def test_global_style_is_left_alone(nip):
     import matplotlib as mpl
 
     before = dict(mpl.rcParams)
-    plot_nip(result)
+    nip.plot()
     assert dict(mpl.rcParams) == before
 
 
-def test_unknown_ending_is_refused(result, tmp_path):
-    with pytest.raises(wo.InvalidProblem, match=r"'.gif' names no format"):
-        result.plot(tmp_path / "nip.gif")
+def test_unknown_ending_is_refused(results, tmp_path):
+    for result in results.values():
+        with pytest.raises(wo.InvalidProblem, match=r"'.gif' names no format"):
+            result.plot(tmp_path / "figure.gif")
+
+
+# ---- studies
+
+
+def table(output: str, quantity: wo.Quantity) -> Any:
+    """Return a sweep over loads and moduli, 6 by 2."""
+    loads, moduli = np.geomspace(100.0, 1e4, 6), np.array([5e6, 2e7])
+    columns = [
+        SimpleNamespace(name=name, values=values, labels=values, numeric=True)
+        for name, values in (("nip_load", loads), ("roll.material.shear", moduli))
+    ]
+    design = SimpleNamespace(columns=columns, shape=(6, 2), gridded=True)
+    known = {
+        "nip_load": line_load("P", "nip load"),
+        "roll.material.shear": stress("G", "shear modulus", "MPa"),
+        output: quantity,
+    }
+    outputs = {output: np.outer(loads, [1.0, 2.0]).ravel()}
+    return SimpleNamespace(design=design, outputs=outputs, quantities=known)
+
+
+def test_a_sweep_is_drawn_in_the_units_of_its_quantities():
+    swept = table("peak_pressure", stress("p_max", "largest pressure"))
+    (axes,) = plot_sweep(swept, "peak_pressure").axes
+    assert axes.get_xlabel() == "nip load [N/m]"
+    assert axes.get_ylabel() == "largest pressure [kPa]"
+    assert axes.get_xscale() == "log"
+    low, high = axes.get_lines()
+    assert (low.get_label(), high.get_label()) == ("shear = 5 MPa", "shear = 20 MPa")
+    np.testing.assert_allclose(high.get_ydata(), 2e-3 * np.geomspace(100.0, 1e4, 6))
+
+
+def test_a_long_meaning_is_set_in_lines():
+    rig = quantities.output(wo.NipResult, "rig_tension").quantity
+    (axes,) = plot_sweep(table("rig_tension", rig), "rig_tension").axes
+    said = axes.get_ylabel()
+    assert said.replace("\n", " ") == f"{rig.meaning} [N/m]"
+    assert max(map(len, said.splitlines())) <= 44
+
+
+def test_the_legend_of_a_fit_is_short():
+    names = {name: quantities.output(cls, name).quantity for cls, name in (
+        (wo.NipResult, "rig_tension"), (wo.WrappedNipResult, "wound_on_tension"),
+    )}  # fmt: skip
+    profile = SimpleNamespace(name="web.thickness", values=np.array([1e-5, 5e-5, 9e-5]),
+                              rms=np.array([3.0, 1.0, 4.0]), rms_limit=2.0)  # fmt: skip
+    thickness = quantities.find(wo.NipProblem, "web.thickness")[0].quantity
+    fit = SimpleNamespace(
+        row_outputs=("rig_tension", "wound_on_tension"), weighted=False, profiles=(profile,),
+        measured=np.array([600.0, 700.0]), fitted=np.array([610.0, 690.0]),
+        quantities={**names, "web.thickness": thickness},
+    )  # fmt: skip
+    agreement, along = plot_fit(fit).axes
+    labels = [text.get_text() for text in agreement.get_legend().get_texts()]
+    assert labels == ["rig tension", "wound-on tension"]
+    assert agreement.get_xlabel() == "measured [N/m]"
+    assert along.get_xlabel() == "web.thickness [µm]"
+    assert along.get_ylabel() == "RMS of the fit [N/m]"
+    np.testing.assert_allclose(along.get_lines()[0].get_xdata(), [10, 50, 90])

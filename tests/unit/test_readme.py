@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMAND = "./run nip examples/newsprint_table2.toml"
+COMMAND = "./run solve examples/newsprint_table2.toml"
 PICTURE = "docs/_static/nip_newsprint.png"
 
 

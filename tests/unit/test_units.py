@@ -1,11 +1,15 @@
-"""Units at the edge: right to the last bit, or refused with field, value and what is due."""
+"""Units at the edge: right to the last bit both ways, or refused with what is due."""
 
 from __future__ import annotations
 
+from math import pi
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from woundon.errors import InvalidProblem
-from woundon.units import known_units, parse
+from woundon.io.units import known_units, parse, written
 
 
 @pytest.mark.parametrize(
@@ -100,3 +104,40 @@ def test_every_known_unit_is_of_a_dimension_that_is_used():
             return False
 
     assert [name for name in known_units() if not any(fits(name, unit) for unit in used)] == []
+
+
+# ---- and back -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown", "text"),
+    [
+        (66e-6, "m", "um", "66 um"),
+        (0.0762, "m", "mm", "76.2 mm"),
+        (1.5, "m", "mm", "1.5 m"),
+        (3.38e9, "Pa", "MPa", "3.38 GPa"),
+        (27e6, "Pa", "MPa", "27 MPa"),
+        (3502.0, "N/m", "", "3502 N/m"),
+        (-89e3, "N/m", "", "-89 kN/m"),
+        (0.0, "Pa", "MPa", "0 MPa"),
+        (pi, "rad", "deg", "180 deg"),
+        (pi / 3, "rad", "deg", "60 deg"),
+        (1e-4, "1", "%", "0.01 %"),
+        (0.19, "1", "", 0.19),
+        (13.5, "m/s", "", "13.5 m/s"),
+        (70.0, "1/m", "", 70.0),  # a unit that parse() does not read
+        (1e-12, "N/m", "", "1e-12 N/m"),
+        (66.0000000000001e-6, "m", "um", "66.0000000000001 um"),
+    ],
+)
+def test_written_as_people_like_to_read(value, unit, shown, text):
+    assert written(value, unit, shown) == text
+
+
+@given(
+    st.floats(allow_nan=False, allow_infinity=False),
+    st.sampled_from(["m", "N/m", "Pa", "rad", "1", "s", "m/s", "kg/m**2", "1/m"]),
+    st.sampled_from(["", "mm", "MPa", "deg", "%"]),
+)
+def test_what_is_written_is_read_as_the_same_number(value, unit, shown):
+    assert parse(written(value, unit, shown), unit) == value

@@ -120,22 +120,25 @@ class Known(NamedTuple):
 
 
 class Contact(Protocol):
-    """A problem that the loop can solve.
+    """A problem that the loop can solve."""
 
-    Attributes
-    ----------
-    load : float
-        What the pressure must carry [N/m].
-    widest : float
-        Largest half width that makes sense [m].
-    settles_apart : bool
-        Whether what is linearised must settle before a load tells the width, as bodies must that
-        are not linear; else both settle together.
-    """
+    @property
+    def load(self) -> float:
+        """What the pressure must carry [N/m]."""
+        ...
 
-    load: float
-    widest: float
-    settles_apart: bool
+    @property
+    def widest(self) -> float:
+        """Largest half width that makes sense [m]."""
+        ...
+
+    @property
+    def settles_apart(self) -> bool:
+        """Whether what is linearised must settle before a load tells the width.
+
+        Bodies that are not linear must; else both settle together.
+        """
+        ...
 
     def guess(self) -> float:
         """Return a half width to start from [m]."""
@@ -498,9 +501,7 @@ def halved(nodes: int, coarsest: int) -> list[int]:
     return counts
 
 
-def _told_error(
-    values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS
-) -> float:
+def _told_error(values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
     """Estimate the last value's error from the last two changes; nan from a single value."""
     changes = [abs(b - a) for a, b in pairwise(values)][::-1]
     if len(changes) < 2:

@@ -137,9 +137,7 @@ class Response:
         """Return u along +x at points in units of a, by p and by q, (k, n) each [m/Pa]."""
         return self._displacement(self._tangent, points)
 
-    def _displacement(
-        self, displace: Displace | None, points: Array | None
-    ) -> tuple[Array, Array]:
+    def _displacement(self, displace: Displace | None, points: Array | None) -> tuple[Array, Array]:
         if displace is not None:
             return displace(points)
         none = np.zeros((1 if points is None else points.size, self.gradients[0].shape[1]))

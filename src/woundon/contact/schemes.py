@@ -143,7 +143,8 @@ class GradedMesh(Mesh):
         return Response(
             lambda: tuple(grid.integrate_together(kernels.gradients, kernels.smooth, a, rank)),
             partial(self.displaced, kernels.normal_p, kernels.normal_q, rank, a),
-            partial(self.displaced, kernels.tangent_p, kernels.tangent_q, rank, a),
+            # alone it makes a static contact, whose borders start the next mesh: never coarse
+            partial(self.displaced, kernels.tangent_p, kernels.tangent_q, max(rank, 24), a),
             pressure_slope=lambda: grid.integrate(kernels.slope_p, a, slice(0, -1), rank),
             terms=kernels.terms,
             truncation_error=kernels.truncation_error,
@@ -172,7 +173,7 @@ class ThesisMesh(Mesh):
     def upstream(self) -> Array:
         """Integral of the traction from the leading edge to each cell, (N, n)."""
         if not self.printed:
-            return super().upstream  # type: ignore[no-any-return]
+            return super().upstream
         # eq. (121): 1/6 of the own node's hat, 5/6 of the one before, all of the others
         cells, nodes = np.arange(self.unknowns + 1)[:, None], np.arange(self.unknowns)[None, :]
         share = np.select([nodes == cells, nodes == cells - 1, nodes < cells], [1 / 6, 5 / 6, 1])
@@ -227,7 +228,9 @@ class Scheme(Protocol):
     starts_cold: ClassVar[bool]
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """As the command line and files write it."""
+        ...
 
     def mesh(self, nodes: int) -> Mesh:
         """Return the scheme's own mesh of so many nodes."""
@@ -309,6 +312,6 @@ def scheme_of(given: Any) -> Scheme:
     if isinstance(given, str) and given in SCHEMES:
         return SCHEMES[given]
     if hasattr(given, "mesh") and hasattr(given, "starts_cold"):
-        return given  # type: ignore[no-any-return]
+        return given
     text = f"{given!r} is unknown{did_you_mean(str(given), SCHEMES)}"
     raise InvalidProblem.at("scheme", text)

@@ -34,6 +34,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
@@ -53,6 +54,14 @@ class Ending(Enum):
     CYCLE = "the iteration repeats itself: use algorithm='pivoting'"
     LIMIT = "the limit of iterations was reached: give a nearer start or more iterations"
     SINGULAR = "a linear system was singular: check the loads and the material"
+
+
+class _System(NamedTuple):
+    """A linear system as it was last asked for, changed in place."""
+
+    state: Array
+    matrix: Array
+    right: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,25 +130,41 @@ class StickSlip:
 
     def system(self, state: Array) -> tuple[Array, Array]:
         """Return matrix and right side of one state, slipping rows balanced by ``scale``."""
-        m, bordered, scale = state.size, self.creep is not None, self.scale
-        matrix = np.empty((m + bordered, m + bordered))
-        right = np.empty(m + bordered)
-        matrix[:m, :m] = self.stick_matrix
-        right[:m] = -self.stick_offset
-        slips = np.nonzero(state)[0]
-        sign = scale * state[slips]
-        bound = self.pressure_response[slips % self.pressure.size]
-        matrix[slips, :m] = (-sign * self.friction[slips])[:, None] * bound
-        matrix[slips, slips] += scale
-        right[slips] = sign * self.bound_offset[slips]
+        made = self._made
+        turned = np.nonzero(state != made.state)[0]  # after the first time these are few
+        made.state[turned] = state[turned]
+        self._write_rows(made, turned)
+        return made.matrix.copy(), made.right.copy()
+
+    @cached_property
+    def _made(self) -> _System:
+        """The system asked for last, the border that no state changes written."""
+        m, bordered, unknown = self.friction.size, self.creep is not None, 9
+        matrix, right = np.zeros((m + bordered, m + bordered)), np.empty(m + bordered)
         if self.creep is not None and self.resultant is not None:
-            unit = scale / float(np.max(np.abs(self.resultant)))
-            matrix[:m, m] = scale * self.creep
-            matrix[slips, m] = 0.0
+            unit = self.scale / float(np.max(np.abs(self.resultant)))
             matrix[m, :m] = unit * self.resultant
-            matrix[m, m] = 0.0
             right[m] = unit * self.force
-        return matrix, right
+        return _System(np.full(m, unknown, dtype=np.int8), matrix, right)
+
+    def _write_rows(self, made: _System, rows: Array) -> None:
+        """Write the laws of some nodes: v = 0 in stick, q = s mu p in slip."""
+        m, scale = self.friction.size, self.scale
+        stuck, slips = (rows[made.state[rows] == 0], rows[made.state[rows] != 0])
+        made.matrix[stuck, :m] = self.stick_matrix[stuck]
+        made.right[stuck] = -self.stick_offset[stuck]
+        sign = scale * made.state[slips]
+        bound = self._pressure_rows[slips % self.pressure.size]
+        made.matrix[slips, :m] = (-sign * self.friction[slips])[:, None] * bound
+        made.matrix[slips, slips] += scale
+        made.right[slips] = sign * self.bound_offset[slips]
+        if self.creep is not None:
+            made.matrix[stuck, m], made.matrix[slips, m] = scale * self.creep[stuck], 0.0
+
+    @cached_property
+    def _pressure_rows(self) -> Array:
+        """K with its rows in one piece each, for they are gathered."""
+        return np.ascontiguousarray(self.pressure_response)
 
     def solve(self, state: Array) -> StickSlipSolution:
         """Solve the linear system of one state."""

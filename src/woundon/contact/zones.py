@@ -28,9 +28,7 @@ def zone_runs(x: Array, zones: Array) -> list[tuple[int, float, float]]:
     return runs
 
 
-def slip_begins(
-    x: Array, slip_x: Array, slip: Array, node: int, ahead: int, power: float
-) -> float:
+def slip_begins(x: Array, slip_x: Array, slip: Array, node: int, ahead: int, power: float) -> float:
     """Return where slip begins between ``node - 1`` and ``node``, extrapolated to nil [m].
 
     Parameters

@@ -1,7 +1,8 @@
-"""Cases in, results out: TOML with units to a problem; a result to netCDF, JSON or CSV and back.
+"""Cases in: TOML with units to a problem of any kind; :mod:`.case_texts` writes them.
 
-A case file's names are those of the descriptions (:class:`~woundon.problems.NipProblem`), and the
-unit of each field is the one that the description itself states; there is no second table.
+A case file's names are those of the descriptions, and the unit of each field is the one that the
+field itself states; there is no second table.  The kind of problem is told by the names: no kind
+is written.  Fields that a problem groups (``[wrap]``) may stand in their table or bare.
 """
 
 from __future__ import annotations
@@ -10,44 +11,43 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
-from importlib import resources
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel
-
-from .errors import InvalidProblem
-from .materials import material
-from .problems import NipProblem
-from .resultfile import load_result, save_result
+from .. import kinds
+from ..errors import InvalidProblem, did_you_mean
+from ..problems.fields import Problem, shown
+from ..problems.materials import Material, material
+from ..quantities import Place, find, is_list, members_of
+from .case_texts import SCHEMA, template, to_toml
+from .files import read_whole
 from .units import parse
 
-__all__ = [
-    "apply_settings",
-    "load_case",
-    "load_result",
-    "make_problem",
-    "read_case",
-    "save_result",
-    "template",
-]
+__all__ = ["apply_settings", "load_case", "make_problem", "read_case", "template", "to_toml"]
 
-SCHEMA = 1
+LARGEST = 10_000_000  # bytes; a case file has some hundreds, a wound roll's tables some thousands
+DEEPEST = 20  # tables in tables
 
 _BARE = re.compile(r"[\w.-]+\s*=\s*[\d.+-]+\s*[^\W\d_].*")  # nip_load = 3.5 kN/m
 
-Models = tuple[type[BaseModel], ...]
+Faults = list[tuple[str, str]]
 
 
-def load_case(path: str | Path, settings: Iterable[str] = ()) -> NipProblem:
+def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
     """Return the problem that a case file describes.
 
     Parameters
     ----------
     path : path
-        TOML file (see :func:`template`).
+        TOML file (see :func:`~.case_texts.template`).
     settings : str or iterable of str
-        Changes such as "nip_load=3.5 kN/m" or "web.thickness=57 um", made before validation.
+        Changes such as "nip_load=3.5 kN/m", "web.thickness=57 um" or, of the first item of a list,
+        "drum.layers.0.thickness=4 mm", made before validation.
+
+    Returns
+    -------
+    Problem
+        Of the kind that the names of the file's fields and tables tell.
 
     Raises
     ------
@@ -55,15 +55,9 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> NipProblem:
         For a file that cannot be read, broken TOML, or wrong fields: every fault of the file, by
         field, value and admissible range.
     NoSteadyState
-        If the drum would slide.
+        If no steady state carries the loads.
     """
     return make_problem(apply_settings(read_case(path), settings))
-
-
-def template() -> str:
-    """Return the text of a commented case file that is ready to run."""
-    file = resources.files(__package__) / "data" / "case_template.toml"
-    return file.read_text(encoding="utf-8")
 
 
 def read_case(path: str | Path) -> dict[str, Any]:
@@ -74,25 +68,32 @@ def read_case(path: str | Path) -> dict[str, Any]:
     InvalidProblem
         If the file cannot be read, is empty, or is no TOML (with the line).
     """
+    content = read_whole(path, LARGEST)
     try:
         # Windows editors put a mark before the first byte of UTF-8
-        text = Path(path).read_bytes().decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
         case = tomllib.loads(text)
-    except OSError as fault:
-        raise InvalidProblem([(str(path), f"cannot be read: {fault.strerror}")]) from None
     except UnicodeDecodeError as fault:
         why = f"is no UTF-8 text, from byte {fault.start}; save it as UTF-8"
-        raise InvalidProblem([(str(path), why)]) from None
+        raise InvalidProblem.at(str(path), why) from None
+    except RecursionError:
+        raise InvalidProblem.at(str(path), "is no case file: nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
         why = f"is no valid TOML: {fault}{_line_at_fault(text, str(fault))}"
-        raise InvalidProblem([(str(path), why)]) from None
-    except RecursionError:
-        raise InvalidProblem([(str(path), "is no case file: nested too deeply")]) from None
+        raise InvalidProblem.at(str(path), why) from None
+    except ValueError:  # Python's limit on the digits of a whole number
+        raise InvalidProblem.at(str(path), "has a number of thousands of digits") from None
+    if _too_deep(case):
+        raise InvalidProblem.at(str(path), "is no case file: nested too deeply")
     if not case:
-        raise InvalidProblem(
-            [(str(path), "is empty; 'woundon new > case.toml' writes a case to start from")]
-        )
+        text = "is empty; 'woundon new > case.toml' writes a case to start from"
+        raise InvalidProblem.at(str(path), text)
     return case
+
+
+def _too_deep(part: Any, levels: int = DEEPEST) -> bool:
+    inner = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
+    return levels < 0 or any(_too_deep(value, levels - 1) for value in inner)
 
 
 def _line_at_fault(text: str, fault: str) -> str:
@@ -104,10 +105,15 @@ def _line_at_fault(text: str, fault: str) -> str:
     return f": {line[:60]}{hint}"
 
 
-def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:
-    """Return the case's tables with settings "field=value" applied; nested fields by dotted name.
+# ---- settings -----------------------------------------------------------------------------------
 
-    A value with a unit, a plain number (SI) or a name is taken as in the file.
+
+def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:
+    """Return the case's tables with settings "field=value" applied.
+
+    Nested fields go by dotted name, items of a list by number, fields of a table such as ``[wrap]``
+    by their bare name.  A value with a unit, a plain number (SI) or a name is taken as in the file;
+    "none" leaves an optional field, or a table, out.
 
     Raises
     ------
@@ -117,30 +123,57 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     changed = deepcopy(dict(case))
     for setting in [settings] if isinstance(settings, str) else settings:
         path, sign, value = setting.partition("=")
-        *heads, leaf = path.strip().split(".")
-        if not sign or not all((*heads, leaf, value.strip())):
-            raise InvalidProblem(
-                [(setting, "is no setting; write field=value, e.g. nip_load='3.5 kN/m'")]
-            )
-        table: dict[str, Any] = changed
-        for head in heads:
-            table = _subtable(table, head, path.strip())
-        table[leaf] = _plain(value)
+        parts = path.strip().split(".")
+        if not sign or not all((*parts, value.strip())):
+            text = "is no setting; write field=value, e.g. nip_load='3.5 kN/m'"
+            raise InvalidProblem.at(setting, text)
+        model = _kind_of([*changed, parts[0]]).problem
+        if len(parts) == 1:
+            # beside a table that groups it, a field is changed in its table
+            groups = (group for group, names in model.tables.items() if parts[0] in names)
+            parts = [*(group for group in groups if group in changed), *parts]
+        _set(changed, parts, _plain(value), model)
     return changed
 
 
-def _subtable(table: dict[str, Any], name: str, path: str) -> dict[str, Any]:
-    inner = table.setdefault(name, {})
-    if name == "material" and isinstance(inner, str):
+def _set(case: dict[str, Any], parts: list[str], value: Any, model: type[Any]) -> None:
+    """Set one value in a case's tables; tables that are not there are made."""
+    *heads, leaf = parts
+    path = ".".join(parts)
+    inner: Any = case
+    for k, head in enumerate(heads):
+        inner = _below(inner, head, path, find(model, ".".join(heads[: k + 1])))
+    if isinstance(inner, list):
+        inner[_place(inner, leaf, path)] = value
+    elif value is None:
+        inner.pop(leaf, None)
+    else:
+        inner[leaf] = value
+
+
+def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
+    """Return the table, or the list of tables, of that name in a table or a list."""
+    key: Any = _place(table, name, path) if isinstance(table, list) else name
+    inner = table[key] if isinstance(table, list) else table.setdefault(name, {})
+    members = [m for place in places for m in members_of(place.field.annotation)]
+    if isinstance(inner, str) and any(issubclass(m, Material) for m in members):
         # a named material is opened up, so that one of its moduli can be changed
-        inner = table[name] = material(inner).model_dump()
-    if not isinstance(inner, dict):
-        raise InvalidProblem([(path, f"{name} has no fields of its own")])
+        inner = table[key] = material(inner).model_dump()
+    if not isinstance(inner, (dict, list)):
+        raise InvalidProblem.at(path, f"{name} has no fields of its own")
     return inner
 
 
-def _plain(text: str) -> str | float:
+def _place(items: list[Any], name: str, path: str) -> int:
+    if not (name.isdecimal() and int(name) < len(items)):
+        raise InvalidProblem.at(path, f"no item {name!r}; known: 0 to {len(items) - 1}")
+    return int(name)
+
+
+def _plain(text: str) -> str | float | None:
     text = text.strip()
+    if text.lower() == "none":
+        return None
     if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'":
         text = text[1:-1]
     try:
@@ -149,28 +182,42 @@ def _plain(text: str) -> str | float:
         return text
 
 
-def make_problem(case: Mapping[str, Any]) -> NipProblem:
-    """Return the validated problem of a case's tables.
+# ---- from tables to a problem -------------------------------------------------------------------
+
+
+def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
+    """Return the validated problem that a case's tables describe.
+
+    Parameters
+    ----------
+    tables : mapping
+        As a case file has them: numbers in SI, or texts with units.
+    kind : str, optional
+        The kind of problem to make of them; by default that which their names tell.
 
     Raises
     ------
     InvalidProblem
         With all faults: units first, then whatever validation finds in the rest.
     """
-    fields = {name: value for name, value in case.items() if name != "schema"}
-    faults = list(_schema_faults(case))
-    fields = _in_si(fields, (NipProblem,), "", faults)
+    model = (kinds.named(kind) if kind else _kind_of(tables)).problem
+    faults = list(_schema_faults(tables))
+    fields = {name: value for name, value in tables.items() if name != "schema"}
+    fields = _in_si(_ungrouped(fields, model, faults), (model,), "", faults)
     try:
-        problem = NipProblem(**fields)
+        problem = model(**fields)
     except InvalidProblem as report:
         told = {field for field, _ in faults}
-        faults += [_helped(f, t) for f, t in report.faults if f not in told]
-        raise (type(report) if len(faults) == len(report.faults) else InvalidProblem)(
-            faults
-        ) from None
+        faults += [_helped(f, t, model) for f, t in report.faults if f not in told]
+        whole = len(faults) == len(report.faults)
+        raise (type(report) if whole else InvalidProblem)(faults) from None
     if faults:
         raise InvalidProblem(faults)
     return problem
+
+
+def _kind_of(names: Iterable[str]) -> kinds.Kind:
+    return kinds.for_fields(name for name in names if name != "schema")
 
 
 def _schema_faults(case: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -181,45 +228,70 @@ def _schema_faults(case: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "schema", f"{given!r} is unknown; this version reads schema = {SCHEMA}"
 
 
+def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict[str, Any]:
+    """Return the fields with those of a problem's tables taken out of them."""
+    flat = dict(fields)
+    for group, names in model.tables.items():
+        if group not in flat or group in model.model_fields:
+            continue
+        table = flat.pop(group)
+        if not isinstance(table, Mapping):
+            text = f"{shown(table)} is out of place; must be a table of {', '.join(names)}"
+            faults.append((group, text))
+            continue
+        for name, value in table.items():
+            if name not in names:
+                text = f"no such field{did_you_mean(name, names)}"
+                faults.append(_helped(f"{group}.{name}", text, model))
+            elif name in flat:
+                faults.append((name, f"given twice, in [{group}] and above; must be in one place"))
+            else:
+                flat[name] = value
+    return flat
+
+
 def _in_si(
-    table: Mapping[str, Any], models: Models, prefix: str, faults: list[tuple[str, str]]
+    table: Mapping[str, Any], models: Iterable[type[Any]], prefix: str, faults: Faults
 ) -> dict[str, Any]:
-    """Return ``table`` in SI; faulty values are kept as they are and told in ``faults``."""
-    converted = dict(table)
-    for name, value in table.items():
-        path = f"{prefix}{name}"
-        fields = [model.model_fields[name] for model in models if name in model.model_fields]
-        if isinstance(value, Mapping):
-            inner = tuple(model for f in fields for model in _models_in(f.annotation))
-            converted[name] = _in_si(value, inner, f"{path}.", faults)
-            continue
-        unit = next(filter(None, (_unit_of(f.json_schema_extra) for f in fields)), None)
-        if unit is None:
-            continue
-        try:
-            converted[name] = parse(value, unit, path)
-        except InvalidProblem as fault:
-            faults += fault.faults
-    return converted
+    """Return a table in SI; faulty values are kept as they are and told in ``faults``."""
+    told = [m for m in models if getattr(m, "member_name", str)() == table.get("kind")]
+    return {
+        name: _value(value, [p for m in told or models for p in find(m, str(name))],
+                     f"{prefix}{name}", faults)
+        for name, value in table.items()
+    }  # fmt: skip
 
 
-def _models_in(annotation: Any) -> Models:
-    """Return the descriptions that an annotation, a union or Annotated, allows."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return (annotation,)
-    return tuple(model for part in get_args(annotation) for model in _models_in(part))
+def _value(value: Any, places: list[Place], path: str, faults: Faults) -> Any:
+    if isinstance(value, Mapping):
+        inner = tuple(model for p in places for model in members_of(p.field.annotation))
+        return _in_si(value, inner, f"{path}.", faults)
+    if isinstance(value, list) and any(is_list(p.field.annotation) for p in places):
+        return [_value(item, places, f"{path}.{k}", faults) for k, item in enumerate(value)]
+    quantity = next((p.quantity for p in places if p.quantity), None)
+    words = [word for p in places for word in _words(p.field.annotation)]
+    if quantity is None or (isinstance(value, str) and value in words):
+        return value
+    try:
+        return parse(value, quantity.unit, path)
+    except InvalidProblem as fault:
+        faults += fault.faults
+        return value
 
 
-def _unit_of(extra: Any) -> str | None:
-    return extra.get("unit") if isinstance(extra, dict) else None
+def _words(annotation: Any) -> Iterator[str]:
+    """Yield the words that an annotation admits beside numbers."""
+    for part in get_args(annotation):
+        if get_origin(annotation) is Literal:
+            yield part
+        else:
+            yield from _words(part)
 
 
-def _helped(field: str, text: str) -> tuple[str, str]:
+def _helped(field: str, text: str, model: type[Any]) -> tuple[str, str]:
     """Mend the text for the slip that TOML invites: a loose field below a [section]."""
     *heads, leaf = field.split(".")
-    if heads and leaf in NipProblem.model_fields and text.startswith("no such field"):
-        return (
-            field,
-            f"no such field in [{'.'.join(heads)}]; write {leaf} above the first [section]",
-        )
+    if heads and leaf in model.model_fields and text.startswith("no such field"):
+        section = ".".join(head for head in heads if not head.isdecimal())
+        return field, f"no such field in [{section}]; write {leaf} above the first [section]"
     return field, text

@@ -1,8 +1,7 @@
 """Results to files and back: netCDF (labelled, for xarray), JSON (complete), CSV (the arrays).
 
-A result's fields are read off its dataclass; what they mean and their units come from
-:mod:`woundon.quantities`, so that a new field needs no change here.  A file is written aside and
-then moved into place: an interrupted write leaves the old file as it was.
+What is kept of a result is its record (:mod:`.records`); labels and units come from the quantities,
+so that a new field, output or kind needs no change here.
 """
 
 from __future__ import annotations
@@ -10,37 +9,29 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 from collections.abc import Callable
-from dataclasses import fields
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import __version__
-from .errors import InvalidProblem
-from .problems import NipProblem, RollerProblem
-from .quantities import QUANTITIES, Quantity
-from .results import NipResult, Residuals, RollerResult, Sensitivity, SlipRatios
-from .wrap import WrappedNipResult, WrappedResiduals
+from .. import kinds
+from ..errors import InvalidProblem, NotConverged
+from ..quantities import Quantity, outputs
+from ..results import Result
+from . import results_0_1
+from .files import read_whole, write_whole
+from .records import FORMAT, SCHEMA, Record, from_record, plain, saved_fields, to_record
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["load_result", "result_to_dataset", "result_to_json", "save_result", "writer_for"]
+    from ..nip.sensitivity import Sensitivity
 
-FORMAT = "woundon-result"
-SCHEMA = 1
+__all__ = ["load_result", "save_result", "to_dataset", "to_json", "writer_for"]
 
-Result = NipResult | RollerResult | WrappedNipResult
-
-_KINDS: dict[str, tuple[type[Any], type[Any]]] = {
-    "nip": (NipProblem, NipResult),
-    "rollers": (RollerProblem, RollerResult),
-    "wrapped_nip": (NipProblem, WrappedNipResult),
-}
+LARGEST = 1_000_000_000  # bytes
 
 
 def save_result(result: Result, path: str | Path) -> None:
@@ -49,46 +40,38 @@ def save_result(result: Result, path: str | Path) -> None:
     Raises
     ------
     InvalidProblem
-        For another ending.
+        For another ending, or a field that is nothing that files hold.
     OSError
-        If the file cannot be written.
+        If the file cannot be written; the one that was there stays as it was.
     """
-    path = Path(path)
-    content = writer_for(path)(result)
-    # written aside: a result is whole or not there
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        aside.write_bytes(content)
-        os.replace(aside, path)
-    except OSError as fault:
-        raise OSError(fault.errno, fault.strerror, str(path)) from None
-    finally:
-        aside.unlink(missing_ok=True)
+    write_whole(path, writer_for(path)(result))
 
 
-def load_result(path: str | Path) -> Result:
-    """Return the result saved in a ``.nc`` or ``.json`` file.
+def load_result(path: str | Path, verify: bool = False) -> Any:
+    """Return the result saved in a netCDF or JSON file, of this version or of 0.1.
+
+    Parameters
+    ----------
+    path : path
+    verify : bool
+        Measure the certificate anew, from the problem and the arrays.
 
     Raises
     ------
     InvalidProblem
-        If the file is no saved result, or of a later format.
-    OSError
-        If the file cannot be read.
+        If the file cannot be read, is no saved result or damaged, or its certificate does not hold.
     """
-    path = Path(path)
-    content = path.read_bytes()
+    content = read_whole(path, LARGEST)
     try:
-        record = _record_of_netcdf(content) if path.suffix == ".nc" else json.loads(content)
-        if record["format"] != FORMAT or record["schema"] != SCHEMA:
-            raise KeyError("format")
-        return _from_record(record)
+        record = _read(content)
+        result = from_record(record)
+        if record["schema"] == 1:
+            result = results_0_1.completed(result)
+        if verify:
+            _verify(result)
     except InvalidProblem as fault:
-        raise fault.under(str(path)) from None
-    except (KeyError, TypeError, ValueError):
-        raise InvalidProblem(
-            [(str(path), f"is no result saved by this version of woundon (schema {SCHEMA})")]
-        ) from None
+        raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
+    return result
 
 
 def writer_for(path: str | Path) -> Callable[[Result], bytes]:
@@ -101,98 +84,83 @@ def writer_for(path: str | Path) -> Callable[[Result], bytes]:
     """
     ending = Path(path).suffix
     if ending not in _WRITERS:
-        raise InvalidProblem(
-            [(str(path), f"the ending {ending!r} names no format; must be {', '.join(_WRITERS)}")]
-        )
+        text = f"the ending {ending!r} names no format; must be {', '.join(_WRITERS)}"
+        raise InvalidProblem.at(str(path), text)
     return _WRITERS[ending]
 
 
-# ---- the record: plain dictionaries, lists, numbers and text ----------------------------------
+# ---- reading ------------------------------------------------------------------------------------
 
 
-def _to_record(result: Result) -> dict[str, Any]:
-    kind = next(name for name, (_, of) in _KINDS.items() if isinstance(result, of))
-    record: dict[str, Any] = {
-        "format": FORMAT,
-        "schema": SCHEMA,
-        "version": __version__,
-        "kind": kind,
-        "problem": result.problem.model_dump(),
-    }
-    values = {f.name: getattr(result, f.name) for f in fields(result) if f.name != "problem"}
-    if isinstance(result, NipResult):
-        values["wound_on_tension"] = result.wound_on_tension
-    return record | {name: _plain(value) for name, value in values.items()}
+def _read(content: bytes) -> Record:
+    """Return the record in a file's content, that of 0.1 as this version would have written it."""
+    try:
+        record = _record_of_netcdf(content) if content[:3] == b"CDF" else _record_of_json(content)
+        if record["format"] != FORMAT:
+            raise KeyError("format")
+        schema = record["schema"]
+        if schema == 1:
+            record = results_0_1.upgraded(record)
+    except InvalidProblem:
+        raise
+    except Exception:  # whatever damage makes the readers of JSON and netCDF raise
+        raise InvalidProblem("is no result saved by woundon, or damaged") from None
+    if schema not in (1, SCHEMA):
+        text = f"{schema!r} is unknown; this version of woundon reads 1 and {SCHEMA}"
+        raise InvalidProblem.at("schema", text)
+    return record
 
 
-def _plain(value: Any) -> Any:
-    """Return a field as JSON knows it; what is not a number becomes null."""
-    if isinstance(value, (str, int)):
-        return value
-    if isinstance(value, np.ndarray):
-        if np.isnan(value).any():  # slips where the web touches nothing
-            return [v if np.isfinite(v) else None for v in value.tolist()]
-        return value.tolist()
-    if isinstance(value, tuple):
-        return list(value)
-    if isinstance(value, (SlipRatios, Residuals)):
-        return {f.name: _plain(getattr(value, f.name)) for f in fields(value)}
-    return float(value) if np.isfinite(value) else None
+def _record_of_json(content: bytes) -> Record:
+    def refuse(word: str) -> None:
+        raise ValueError(f"{word} is no JSON")
+
+    record = json.loads(content, parse_constant=refuse)
+    if not isinstance(record, dict):
+        raise TypeError("no record")
+    return record
 
 
-def _from_record(record: dict[str, Any]) -> Result:
-    problem_type, result_type = _KINDS[record["kind"]]
-    parts = {
-        "slip_ratios": SlipRatios,
-        "residuals": WrappedResiduals if result_type is WrappedNipResult else Residuals,
-    }
-    values = {
-        f.name: _restored(f.name, record[f.name], parts)
-        for f in fields(result_type)
-        if f.name != "problem"
-    }
-    return result_type(problem=problem_type(**record["problem"]), **values)
+def _verify(result: Result) -> None:
+    """Measure the certificate anew.
+
+    Raises
+    ------
+    InvalidProblem
+        If it does not hold, or cannot be measured.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            result.replace(residuals=result.certified()).checked()
+    except NotConverged as fault:
+        raise InvalidProblem(f"does not hold what it says: {fault}") from None
+    except NotImplementedError as fault:
+        raise InvalidProblem(str(fault)) from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as fault:
+        raise InvalidProblem(f"does not hold what it says: {fault}") from None
 
 
-def _restored(name: str, value: Any, parts: dict[str, type[Any]]) -> Any:
-    if name in parts:
-        return parts[name](**{part: _restored(part, v, parts) for part, v in value.items()})
-    if name == "warnings":
-        return tuple(value)
-    if isinstance(value, list):
-        array = _numbers(value)
-        if array.dtype.kind not in "iuf":
-            raise TypeError("not numbers")
-        if array.dtype.kind == "i":  # zones
-            array = array.astype(np.int8)
-        array.setflags(write=False)
-        return array
-    return nan if value is None else value
+# ---- JSON ---------------------------------------------------------------------------------------
 
 
-def _numbers(values: list[Any]) -> Any:
-    """Return a list as an array, null as nan."""
-    return np.asarray([nan if v is None else v for v in values])
-
-
-def result_to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
-    """Return the complete result as JSON text, SI units, with a table of the units.
+def to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
+    """Return the complete result as JSON text, SI units, with a table of the units by name.
 
     With a ``sensitivity``: its derivatives and elasticities too, by output and dotted field name.
     """
-    record = _to_record(result)
-    if sensitivity:
+    record = to_record(result)
+    if sensitivity is not None:
         record["sensitivity"] = _sensitivity_record(sensitivity)
-    record["units"] = {name: _quantity(result, name).unit for name in record if name in QUANTITIES}
+    record["units"] = {name: quantity.unit for name, quantity in _quantities(result).items()}
     return json.dumps(record, indent=1, allow_nan=False) + "\n"
 
 
-def _sensitivity_record(sensitivity: Sensitivity) -> dict[str, Any]:
+def _sensitivity_record(sensitivity: Sensitivity) -> Record:
     ordered = sensitivity.sorted()
 
     def named(table: np.ndarray) -> dict[str, dict[str, float | None]]:
         return {
-            output: dict(zip(ordered.parameters, map(_plain, row), strict=True))
+            output: dict(zip(ordered.parameters, plain(row, output), strict=True))
             for output, row in zip(ordered.outputs, table, strict=True)
         }
 
@@ -203,100 +171,123 @@ def _sensitivity_record(sensitivity: Sensitivity) -> dict[str, Any]:
     }
 
 
+def _quantities(result: Result) -> dict[str, Quantity]:
+    return {place.path: place.quantity for place in outputs(result) if place.quantity is not None}
+
+
 # ---- CSV ----------------------------------------------------------------------------------------
 
 
 def _csv(result: Result) -> bytes:
-    arrays = [f.name for f in fields(result) if isinstance(getattr(result, f.name), np.ndarray)]
+    """Return the arrays along the first of them, a column each."""
+    known = _quantities(result)
+    arrays = {f.name: value for f in saved_fields(type(result))
+              if isinstance(value := getattr(result, f.name), np.ndarray)}  # fmt: skip
+    first = next(iter(arrays.values()), np.empty(0))
+    columns = {name: array for name, array in arrays.items() if array.shape == first.shape[:1]}
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow([f"{name} [{_quantity(result, name).unit}]" for name in arrays])
-    table.writerows(zip(*(getattr(result, name).tolist() for name in arrays), strict=True))
+    table.writerow(f"{name} [{known[name].unit}]" if name in known else name for name in columns)
+    table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
     return text.getvalue().encode("utf-8")
 
 
 # ---- netCDF -------------------------------------------------------------------------------------
 
 
-def result_to_dataset(result: Result) -> xarray.Dataset:
-    """Return the result as an xarray Dataset along ``x``, every variable with unit and symbol.
+def to_dataset(result: Result) -> xarray.Dataset:
+    """Return the result as an xarray Dataset, every variable with unit, name and symbol.
 
-    The problem is the attribute ``problem`` (JSON); the certificate is the variable ``residual``
-    along ``law``.
+    Arrays lie along the first of them (``x``), the certificate is ``residual`` along ``law``, and
+    the estimated error of an output stands beside it as ``half_width_error``; the problem is the
+    attribute ``problem`` (JSON).
     """
     import xarray
 
-    record = _to_record(result)
+    record, known = to_record(result), _quantities(result)
     variables: dict[str, Any] = {}
-    for name, value in record.items():
-        if isinstance(value, list) and name in QUANTITIES:
-            variables[name] = ("x", _numbers(value), _labels(_quantity(result, name)))
-        elif name in QUANTITIES:
-            variables[name] = (
-                (),
-                nan if value is None else value,
-                _labels(_quantity(result, name)),
-            )
-        elif name == "slip_ratios":
-            for part, inner in value.items():
-                variables[f"slip_ratio_{part}"] = ((), inner, _labels(_quantity(result, part)))
-    variables["residual"] = (
-        "law",
-        list(record["residuals"].values()),
-        _labels(_quantity(result, "residual")),
-    )
-    coordinates = {"x": variables.pop("x"), "law": list(record["residuals"])}
-    texts = {name: record[name] for name in record if isinstance(record[name], str)}
-    attributes = texts | {
-        "schema": SCHEMA,
-        "problem": json.dumps(record["problem"]),
-        "warnings": json.dumps(record["warnings"]),
-    }
-    return xarray.Dataset(variables, coordinates, attributes)
+    attributes = {name: record[name] for name in ("format", "schema", "version", "kind")}
+    attributes |= {name: json.dumps(record[name]) for name in ("problem", "warnings")}
+    attributes["errors"] = json.dumps(list(record["errors"]))
+    for name, value in (record["fields"] | record["outputs"]).items():
+        dims = record["dimensions"].get(name, ())
+        if isinstance(value, str):
+            attributes[name] = value
+            continue
+        if isinstance(value, list) and not dims:  # a tuple of whatever
+            attributes[name] = json.dumps(value)
+            continue
+        data = np.asarray(getattr(result, name)) if dims else nan if value is None else value
+        variables[name] = (dims, data, _labels(known.get(name)))
+    for name, error in result.errors.items():
+        variables.setdefault(f"{name}_error", ((), error, _error(known.get(name))))
+    variables["residual"] = ("law", list(record["residuals"].values()), _labels(known["residual"]))
+    names = {dim for dims in record["dimensions"].values() for dim in dims}
+    coordinates = {name: variables.pop(name) for name in list(variables) if name in names}
+    return xarray.Dataset(variables, coordinates | {"law": list(record["residuals"])}, attributes)
 
 
-def _quantity(result: Result, name: str) -> Quantity:
-    """Return what a field means: static rollers slip by a length, rolling ones at a speed."""
-    if name == "slip" and isinstance(result, RollerResult) and result.problem.motion == "static":
-        name = "static_slip"
-    return QUANTITIES[name]
+def _labels(quantity: Quantity | None) -> dict[str, str]:
+    if quantity is None:
+        return {}
+    return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol}
 
 
-def _labels(quantity: Quantity) -> dict[str, str]:
-    return {
-        "units": quantity.unit,
-        "long_name": quantity.description,
-        "symbol": quantity.symbol,
-    }
+def _error(quantity: Quantity | None) -> dict[str, str]:
+    """Return the labels of an output's error."""
+    if quantity is None:
+        return {}
+    about = f"estimated discretisation error: {quantity.meaning}"
+    return {"units": quantity.unit, "long_name": about, "symbol": f"{quantity.symbol} error"}
 
 
 def _netcdf(result: Result) -> bytes:
     # the classic format: read everywhere, written by SciPy alone, the same bytes every time
-    return bytes(result_to_dataset(result).to_netcdf(engine="scipy"))
+    return bytes(to_dataset(result).to_netcdf(engine="scipy"))
 
 
-def _record_of_netcdf(content: bytes) -> dict[str, Any]:
+def _record_of_netcdf(content: bytes) -> Record:
     import xarray
 
     with xarray.open_dataset(io.BytesIO(content), engine="scipy") as data:
-        record: dict[str, Any] = {
-            str(name): variable.values.tolist() for name, variable in data.variables.items()
-        }
-        record |= data.attrs
-    laws = record.pop("law")
-    record["residuals"] = dict(zip(laws, record.pop("residual"), strict=True))
-    record["slip_ratios"] = {
-        name.removeprefix("slip_ratio_"): value
-        for name, value in record.items()
-        if name.startswith("slip_ratio_")
+        values = {str(name): _null(v.values.tolist()) for name, v in data.variables.items()}
+        dimensions = {str(name): list(v.dims) for name, v in data.variables.items()}
+        attributes = {str(name): _item(value) for name, value in data.attrs.items()}
+    heads = ("format", "schema", "version", "kind")
+    record: Record = {name: attributes.pop(name) for name in heads}
+    record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
+    record["residuals"] = dict(zip(values.pop("law"), values.pop("residual"), strict=True))
+    if record["schema"] == 1:
+        return record | values | attributes
+    cls = kinds.named(str(record["kind"])).result
+    hints = {part.name: part.type for part in saved_fields(cls)}
+    known = {place.path for place in outputs(cls)}
+    errors = {str(name): f"{name}_error" for name in json.loads(attributes.pop("errors"))}
+    told = {name: value for name, value in values.items()
+            if name in hints or name not in known | set(errors.values())}  # fmt: skip
+    told |= {name: text if hints.get(name) in ("str", str) else json.loads(text)
+             for name, text in attributes.items()}  # fmt: skip
+    return record | {
+        "fields": told,
+        "dimensions": dimensions,
+        "errors": {name: values[of] for name, of in errors.items()},
     }
-    for name in ("problem", "warnings"):
-        record[name] = json.loads(record[name])
-    return record
+
+
+def _item(value: Any) -> Any:
+    """Return an attribute as Python has it."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _null(value: Any) -> Any:
+    """Return nan as None, as the record has it."""
+    if isinstance(value, list):
+        return [_null(item) for item in value]
+    return None if value != value else value
 
 
 _WRITERS: dict[str, Callable[[Result], bytes]] = {
     ".nc": _netcdf,
-    ".json": lambda result: result_to_json(result).encode("utf-8"),
+    ".json": lambda result: to_json(result).encode("utf-8"),
     ".csv": _csv,
 }

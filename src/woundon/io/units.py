@@ -1,4 +1,4 @@
-"""Units at the edge: text such as "66 um", "3.38 GPa" or "17 pli" to SI, and nothing else.
+"""Units at the edge: text such as "66 um", "3.38 GPa" or "17 pli" to SI, and back.
 
 Pint does the arithmetic, over definitions of our own: a general registry with free prefixes reads
 "17 pli" as a tiny length and "min" as a milli-inch.  Here a unit is known or refused.
@@ -7,14 +7,15 @@ Pint does the arithmetic, over definitions of our own: a general registry with f
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from math import isfinite
 from typing import Any
 
-from .errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, did_you_mean
 
-__all__ = ["known_units", "parse"]
+__all__ = ["known_units", "parse", "written"]
 
 # one line a unit, in Pint's notation; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
@@ -78,6 +79,14 @@ _MISTYPED = {
     "\N{EM DASH}": "; write the minus as '-'",
 }
 
+# in which units a number is written, by its SI unit
+_LADDERS = {
+    "m": ("um", "mm", "m"),
+    "N/m": ("N/m", "kN/m"),
+    "Pa": ("Pa", "kPa", "MPa", "GPa"),
+    "rad": ("deg", "rad"),
+}
+
 _EXAMPLES = {
     "m": ", e.g. '66 um' or 66e-6",
     "N/m": ", e.g. '3.5 kN/m', '20 pli' or 3500",
@@ -93,6 +102,7 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.
 _LONGEST = 60
 
 
+@cache
 def known_units() -> tuple[str, ...]:
     """Return the names of all units that are understood."""
     names = [line.split(" = ")[0] for line in _DEFINITIONS.strip().splitlines()]
@@ -143,6 +153,59 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
     return float(Fraction(number) * _factor(text, unit, field, value))
 
 
+def written(value: float, unit: str, shown_unit: str = "") -> str | float:
+    """Return a number in SI as a text that people like to read, the number itself if there is none.
+
+    Parameters
+    ----------
+    value : float
+    unit : str
+        Its SI unit; a pure number is written as one, unless ``shown_unit`` is given.
+    shown_unit : str
+        The unit to take where others would do as well.
+
+    Returns
+    -------
+    str or float
+        "66 um", "3.38 GPa"; :func:`parse` reads exactly the same number from it.
+    """
+    names = dict.fromkeys((shown_unit or unit, *_LADDERS.get(unit, (unit,))))
+    if unit == "1":
+        names = dict.fromkeys([shown_unit] if shown_unit else [])
+    texts = [text for name in names if (text := _in_unit(value, name, unit))]
+    if not texts:
+        return value
+    return min(texts, key=_effort) if value else texts[0]
+
+
+def _in_unit(value: float, name: str, unit: str) -> str:
+    """Return a number with a unit, '' if it would not be read as the same number."""
+    try:
+        factor = _factor(name, unit, "", "")
+        # the decimals that Python prints, moved by the unit, are no others; of pi they are
+        number = Decimal(repr(value)) * factor.denominator / factor.numerator
+        for digits in (15, 17):
+            text = f"{_short(round(number, digits - 1 - number.adjusted()))} {name}"
+            if parse(text, unit) == value:
+                return text
+    except (InvalidProblem, ArithmeticError):  # no such unit here, or beyond what floats hold
+        pass
+    return ""
+
+
+def _short(number: Decimal) -> str:
+    number = number.normalize()
+    return f"{number:f}" if -5 <= number.adjusted() <= 6 else f"{number:e}"
+
+
+def _effort(text: str) -> tuple[int, int]:
+    """Return how hard a number is to read: by its length, and more so below 1 or from 10^4."""
+    number = text.split()[0].lstrip("-")
+    before = len(number.partition(".")[0])
+    far = number.startswith("0") or before > 4
+    return len(number) + 2 * far + 4 * ("e" in number), before
+
+
 def _as_float(value: float, unit: str, field: str) -> float:
     try:
         return float(value)
@@ -158,11 +221,19 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     for name in re.findall(_NAME, text):
         if name not in known_units():
             raise _fault(field, value, f"has the unknown unit {name!r}", unit, _nearest(name))
+    factor = _converted(text, unit)
+    if factor is None:
+        raise _fault(field, value, "has the wrong dimension", unit)
+    return factor
+
+
+@lru_cache(maxsize=256)
+def _converted(text: str, unit: str) -> Fraction | None:
     registry = _registry()
     given = registry.parse_units(_spelled_for_pint(text))
     due = registry.parse_units("" if unit == "1" else unit)
     if given.dimensionality != due.dimensionality:
-        raise _fault(field, value, "has the wrong dimension", unit)
+        return None
     return Fraction(registry.convert(Fraction(1), given, due))
 
 

@@ -14,46 +14,32 @@ from ..contact.certificate import (
     largest,
     positive_pressure,
 )
-from ..contact.response import Tractions
-from ..contact.schemes import Mesh, scheme_of
-from ..problems.bodies import contact_radius
 from ..results import Residuals
+from ..two_bodies import Matrices, mesh_of
 from .equations import NipMatrices, web_compliance
 
 if TYPE_CHECKING:
     from .result import NipResult
 
-__all__ = ["certificate", "matrices_of", "mesh_of"]
+__all__ = ["certificate", "matrices_of"]
 
 Array = np.ndarray
 
 
-def mesh_of(result: NipResult) -> Mesh:
-    """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
-    if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
-    a = result.half_width
-    points = np.append(result.slip_x[1:] / a, 1.0)
-    return scheme_of(result.scheme).restored(result.x / a, points)
-
-
-def matrices_of(result: NipResult) -> NipMatrices:
+def matrices_of(result: NipResult) -> Matrices:
     """Assemble the equations of a result anew, bodies that are not linear about its tractions."""
-    inside = slice(1, -1)
-    loads = tuple(
-        Tractions(result.pressure[inside], traction[inside])
-        for traction in (result.roll_traction, result.drum_traction)
-    )
-    return NipMatrices.at(result.problem, mesh_of(result), result.half_width, loads)  # type: ignore[arg-type]
+    q = np.concatenate([result.roll_traction[1:-1], result.drum_traction[1:-1]])
+    about = NipMatrices.loads(result.pressure[1:-1], q)
+    return NipMatrices.at(result.problem, mesh_of(result), result.half_width, about)
 
 
-def certificate(result: NipResult, made: NipMatrices) -> Residuals:
+def certificate(result: NipResult, made: Matrices) -> Residuals:
     """Measure every law of a result.
 
     Parameters
     ----------
     result : NipResult
-    made : NipMatrices
+    made : Matrices
         Its equations; see :func:`matrices_of`.
     """
     problem, a, inside = result.problem, result.half_width, slice(1, -1)
@@ -68,12 +54,12 @@ def certificate(result: NipResult, made: NipMatrices) -> Residuals:
     creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
     v = made.slips(p, q, creep)
     n = p.size
-    slips = np.array([
-        np.concatenate([v[:1], v[:n], v[-2:-1]]), np.concatenate([v[n : n + 1], v[n : 2 * n], v[-1:]])
-    ])  # fmt: skip
+    cells = (v[:n], v[-2:-1]), (v[n : 2 * n], v[-1:])
+    # a node has the slip of the cell before it; that at the leading edge repeats the first
+    slips = np.array([np.concatenate([own[:1], own, last]) for own, last in cells])
     told = np.array([result.roll_slip, result.drum_slip])
     friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
-    shift = result.offset / contact_radius(problem.roll, problem.drum)
+    shift = result.offset / problem.contact_radius
     miss = made.indentation(p, q, shift)
     tension = np.concatenate([
         result.web_tension - T_in - gained,

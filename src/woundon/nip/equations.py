@@ -20,24 +20,21 @@ xi = xi- + c11 T_out/(2h), which the winding force fixes.  T_in drops out: the w
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from ..contact.normal import solve_normal
 from ..contact.response import Response, Tractions
 from ..contact.schemes import Mesh
-from ..contact.stick_slip import StickSlip, StickSlipSolution
+from ..contact.stick_slip import StickSlip
 from ..elasticity.strip import Compliance, compliance
-from ..problems.bodies import contact_radius
-from ..problems.nip import Web, WindingNip
+from ..problems.nip import Web
+from ..two_bodies import Matrices, PairEquations, PairState
 
-__all__ = ["NipEquations", "NipMatrices", "NipState", "frictionless_load", "web_compliance"]
+__all__ = ["NipEquations", "NipMatrices", "web_compliance"]
 
 Array = np.ndarray
-About = tuple[Tractions, Tractions] | None
 
 
 def web_compliance(web: Web) -> Compliance:
@@ -46,69 +43,20 @@ def web_compliance(web: Web) -> Compliance:
 
 
 @dataclass(frozen=True, eq=False)
-class NipState:
-    """A solved nip on one mesh: contact state, pressure and shift for one half width."""
+class NipMatrices(Matrices):
+    """The nip's matrices: tractions are stacked (q+, q-), m = 2n.
 
-    half_width: float
-    solution: StickSlipSolution
-    pressure: Array  # (n,) [Pa]
-    shift: float  # Delta/R*
-
-    @property
-    def roll_traction(self) -> Array:
-        """q+ at the interior nodes, (n,) [Pa]."""
-        return self.solution.traction[: self.pressure.size]
-
-    @property
-    def drum_traction(self) -> Array:
-        """q- at the interior nodes, (n,) [Pa]."""
-        return self.solution.traction[self.pressure.size :]
-
-    @property
-    def known(self) -> tuple[Tractions, Tractions]:
-        """What loads the roll and the drum: bodies that are not linear are linearised about it."""
-        return (
-            Tractions(self.pressure, self.roll_traction),
-            Tractions(self.pressure, self.drum_traction),
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class NipMatrices:
-    """Every matrix of the nip's equations for one half width a, nothing solved yet.
-
-    N cells, n = N - 1 unknown nodes; tractions are stacked (q+, q-).  Slips are those of the nodes'
-    cells first, roll then drum; the last cell, which belongs to no unknown, follows for both.
+    Slips are those of the nodes' cells first, roll then drum; the last cell, which belongs to no
+    unknown, follows for both, (2n + 2,).
     """
 
-    half_width: float
-    slope_p: Array  # (N, n)
-    slope_q: Array  # (N, 2n)
-    gap: Array  # (N,) slope of the gap, x/R*, less what a linearised body has at zero tractions
-    top: float  # largest slope of the gap alone
-    direct: Array  # (2n + 2, 2n) slips by tractions
-    through_pressure: Array  # (2n + 2, n) slips by pressures
-    offset: Array  # (2n + 2,) slips that a linearised body has at zero tractions
-    weights: Array  # (n,) integrate a traction over the nip [m]
-    roll: Response
-    drum: Response
-
     @classmethod
-    def at(cls, problem: WindingNip, mesh: Mesh, a: float, about: About = None) -> NipMatrices:
-        """Assemble for the half width ``a`` [m], bodies that are not linear about their loads."""
-        one, two = about or (None, None)
-        roll, drum = problem.roll.respond(mesh, a, one), problem.drum.respond(mesh, a, two)
-        return cls.of(problem, mesh, a, roll, drum)
-
-    @classmethod
-    def of(
-        cls, problem: WindingNip, mesh: Mesh, a: float, roll: Response, drum: Response
-    ) -> NipMatrices:
-        """Assemble for the half width ``a`` [m] and given responses of the bodies."""
+    def of(cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response) -> Self:
+        """Assemble for the half width ``a`` [m] and given responses of roll and drum."""
         web, thickness = web_compliance(problem.web), problem.web.thickness
         n, N = mesh.unknowns, mesh.unknowns + 1
         value = mesh.value[:-1]
-        slope_p = (-thickness * web.c22 / a) * mesh.slope[:-1]
+        slope_p = problem.thinning / a * mesh.slope[:-1]
         slope_q = np.empty((N, 2 * n))
         slope_q[:, :n] = slope_q[:, n:] = web.c12 * value
         # the web: its tension between the point and the trailing edge, and its squeezing
@@ -118,9 +66,9 @@ class NipMatrices:
         direct[2 * n :].reshape(2, 2, n)[...] = stretch[-1]
         through[: 2 * n].reshape(2, n, n)[...] = squeeze[:-1]
         through[2 * n :] = squeeze[-1]
-        gap = mesh.middle * (a / contact_radius(problem.roll, problem.drum))
+        gap = mesh.middle * (a / problem.contact_radius)
         top, offset = float(np.max(gap)), np.zeros(2 * N)
-        for face, (body, response) in enumerate(((problem.roll, roll), (problem.drum, drum))):
+        for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
             if body.rigid:
                 continue
             own, last = slice(face * n, (face + 1) * n), 2 * n + face
@@ -138,115 +86,46 @@ class NipMatrices:
                 rest = rest[:-1] - (rest[-1] if face == 0 else 0.0)
                 offset[own], offset[last] = -rest[:-1], -rest[-1]
                 gap = gap - np.broadcast_to(response.slope, (N + 1,))[:-1]
+        moves = np.zeros(2 * N)
+        moves[n : 2 * n] = moves[-1] = 1.0
         weights = a * mesh.grid.weights
-        return cls(a, slope_p, slope_q, gap, top, direct, through, offset, weights, roll, drum)
+        return cls(
+            a, slope_p, slope_q, gap, top, direct, through, offset, moves, weights, (one, two)
+        )  # fmt: skip
 
-    def indentation(self, p: Array, q: Array, shift: float) -> Array:
-        """Return what pressures, tractions and shift leave of the gap's slope, (N,)."""
-        return self.slope_p @ p + self.slope_q @ q + shift - self.gap  # type: ignore[no-any-return]
-
-    def slips(self, p: Array, q: Array, creep: float) -> Array:
-        """Return the slips of the nodes' cells, roll then drum, then the last cell's, (2n + 2,)."""
-        v = self.offset + self.direct @ q + self.through_pressure @ p
-        v[p.size : 2 * p.size] += creep
-        v[-1] += creep
-        return v  # type: ignore[no-any-return]
-
-
-def frictionless_load(problem: WindingNip, mesh: Mesh, a: float) -> float:
-    """Return the load that a frictionless contact of half width ``a`` carries [N/m]."""
-    web = web_compliance(problem.web)
-    slope_p = (-problem.web.thickness * web.c22 / a) * mesh.slope[:-1]
-    gap = mesh.middle * (a / contact_radius(problem.roll, problem.drum))
-    for body in (problem.roll, problem.drum):
-        if not body.rigid:
-            slope_p = slope_p + body.respond(mesh, a).pressure_slope()
-    pressure = solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
-    return float(a * mesh.grid.weights @ pressure)
+    @staticmethod
+    def loads(p: Array, q: Array) -> tuple[Tractions, Tractions]:
+        """Return what loads roll and drum."""
+        return Tractions(p, q[: p.size]), Tractions(p, q[p.size :])
 
 
 @dataclass(frozen=True, eq=False)
-class NipEquations:
-    """The equations of a nip for one half width, the normal problem solved; made by :meth:`at`."""
+class NipEquations(PairEquations):
+    """The equations of a nip for one half width, the normal problem solved."""
 
-    problem: WindingNip
-    mesh: Mesh
-    matrices: NipMatrices
-    pressure: Array  # (n,) p0
-    pressure_response: Array  # (n, 2n) K
-    shift: float  # Delta/R*
-    shift_response: Array  # (2n,)
-
-    @classmethod
-    def at(cls, problem: WindingNip, mesh: Mesh, a: float, about: About = None) -> NipEquations:
-        """Assemble the equations for the half width ``a`` [m] and solve the normal problem."""
-        made = NipMatrices.at(problem, mesh, a, about)
-        solved = solve_normal(made.slope_p, made.gap, made.slope_q)
-        return cls(
-            problem, mesh, made,
-            solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
-        )  # fmt: skip
-
-    @property
-    def faces(self) -> Sequence[Array]:
-        """Where the tractions on roll and drum are."""
-        return self.mesh.columns, self.mesh.columns
+    made_of: ClassVar[type[Matrices]] = NipMatrices
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
         n, made, problem = self.mesh.unknowns, self.matrices, self.problem
+        p0, K = self.pressure, self.pressure_response
         nodes = slice(0, 2 * n)
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
         # F in proportion to the load that this half width carries: a steady state at any width
         share = problem.winding_force / problem.nip_load
-        carried = share * (made.weights @ self.pressure_response)
+        carried = share * (made.weights @ K)
         return StickSlip(
             made.direct[nodes], made.through_pressure[nodes], made.offset[nodes],
-            self.pressure, self.pressure_response, friction, faces=2,
+            p0, K, friction, faces=2,
             creep=np.concatenate([zero, one]),
             resultant=np.concatenate([zero, made.weights]) - carried,
-            force=share * float(made.weights @ self.pressure),
+            force=share * float(made.weights @ p0),
         )  # fmt: skip
 
-    def state(self, solution: StickSlipSolution) -> NipState:
-        """Return the state that belongs to solved tractions."""
-        q = solution.traction
-        return NipState(
-            self.matrices.half_width, solution,
-            self.pressure + self.pressure_response @ q,
-            self.shift + float(self.shift_response @ q),
-        )  # fmt: skip
-
-    def carried(self, state: NipState) -> float:
-        """Return the integral of the pressure [N/m]."""
-        return float(self.matrices.weights @ state.pressure)
-
-    def frictionless(self) -> float | None:
-        """Return the integral of p0 [N/m]."""
-        return float(self.matrices.weights @ self.pressure)
-
-    def imbalance(self, state: NipState) -> float:
-        """Return what the state leaves of the laws of bodies that are not linear, relative."""
-        if self.problem.roll.linear and self.problem.drum.linear:
-            return 0.0
-        return imbalance(self.matrices, self.anew(state), state)
-
-    def last_slips(self, state: NipState) -> tuple[float, float]:
+    def last_slips(self, state: PairState) -> tuple[float, float]:
         """Return v+ and v- in the last cell, which belongs to no unknown."""
         made, last = self.matrices, slice(2 * self.mesh.unknowns, None)
         v = made.offset[last] + made.direct[last] @ state.solution.traction
         v += made.through_pressure[last] @ state.pressure
         return float(v[0]), float(v[1]) + state.solution.creep
-
-    def anew(self, state: NipState) -> NipMatrices:
-        """Return the matrices for the same half width about a state."""
-        return NipMatrices.at(self.problem, self.mesh, self.matrices.half_width, state.known)
-
-
-def imbalance(before: Any, after: Any, state: NipState) -> float:
-    """Return the largest difference of slopes and slips by two linearisations, relative."""
-    p, q = state.pressure, state.solution.traction
-    slope = before.indentation(p, q, 0.0) - after.indentation(p, q, 0.0)
-    slip = before.slips(p, q, 0.0) - after.slips(p, q, 0.0)
-    return float(max(np.max(np.abs(slope)), np.max(np.abs(slip)))) / float(after.top)

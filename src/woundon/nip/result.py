@@ -84,35 +84,25 @@ class WindingNipResult(Result):
         float, strain("s_t+", "slip length at the roll's trailing edge / nip width")
     ]
     dual: Annotated[float, strain("s_d", "length of slip at both roll and drum / nip width")]
-    x: Annotated[
-        Array, length("x", "position along the nip, with the web; the contact is [-a, a]")
-    ]
-    slip_x: Annotated[
-        Array, length("x_v", "where the slips are taken, in the cell before a node")
-    ]
+    x: Annotated[Array, length("x", "position along the nip, with the web; the contact is [-a, a]")]
+    slip_x: Annotated[Array, length("x_v", "where the slips are taken, in the cell before a node")]
     pressure: Annotated[Array, stress("p", "pressure")]
     roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
     drum_traction: Annotated[Array, stress("q-", "traction of the web on the drum")]
-    roll_slip: Annotated[
-        Array, strain("v+", "slip of the web against the roll, > 0: web faster")
-    ]
-    drum_slip: Annotated[
-        Array, strain("v-", "slip of the web against the drum, > 0: web faster")
-    ]
+    roll_slip: Annotated[Array, strain("v+", "slip of the web against the roll, > 0: web faster")]
+    drum_slip: Annotated[Array, strain("v-", "slip of the web against the drum, > 0: web faster")]
     roll_zone: Annotated[
-        Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower")
+        Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
     drum_zone: Annotated[
-        Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower")
+        Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
     web_tension: Annotated[Array, line_load("T", "web tension along the nip")]
     scheme: str = "graded"
     algorithm: str = "pivoting"
     iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
     series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
-    series_error: Annotated[
-        float, pure("e_s", "estimated truncation error of the series")
-    ] = 0.0
+    series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property
@@ -164,11 +154,13 @@ class NipResult(WindingNipResult):
     The others as of :class:`WindingNipResult`.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ("nip_induced_tension",)
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
         "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
         "problem.wrapped()",
     })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
 
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
     extrapolation: Annotated[
@@ -181,20 +173,24 @@ class NipResult(WindingNipResult):
         return slice(0, self.x.size)
 
     @property
-    def nip_induced_tension_error(self) -> Annotated[
+    def nip_induced_tension_error(
+        self,
+    ) -> Annotated[
         float, line_load("NIT error", "estimated discretisation error of the nip-induced tension")
     ]:
         """Estimated discretisation error of NIT [N/m]; nan where only one grid was solved."""
         return self.errors.get("nip_induced_tension", float("nan"))
 
     @property
-    def tension_behind_nip(self) -> Annotated[
-        float, line_load("T_out", "web tension at the trailing edge of the nip")
-    ]:
+    def tension_behind_nip(
+        self,
+    ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
         """T_out = T_in + NIT [N/m]."""
         return float(self.problem.web_tension + self.nip_induced_tension)
 
-    def wound_on_tension_estimate(self, angle: float = pi) -> Annotated[
+    def wound_on_tension_estimate(
+        self, angle: float = pi
+    ) -> Annotated[
         float, line_load("WOT est.", "wound-on tension estimated by eq. (183), half a turn behind")
     ]:
         """Return the tension of a web that sticks to the roll behind the nip (thesis eq. 183).
@@ -214,7 +210,9 @@ class NipResult(WindingNipResult):
         return float(estimate(self, angle))
 
     @property
-    def rig_tension(self) -> Annotated[
+    def rig_tension(
+        self,
+    ) -> Annotated[
         float,
         line_load(
             "T_rig", "tension at a load cell to which the web is led off the roll, eq. (183)"
@@ -242,6 +240,4 @@ class NipResult(WindingNipResult):
         parameters : str
             Dotted names (``"roll.material.shear"``); every continuous field if none is given.
         """
-        return kinds.fetch("woundon.nip.sensitivity:nip_sensitivity")(  # type: ignore[no-any-return]
-            self, parameters
-        )
+        return kinds.fetch("woundon.nip.sensitivity:nip_sensitivity")(self, parameters)

@@ -70,7 +70,8 @@ class _Outside:
                 out += values * (a * self.grid.weights)
             return out
 
-        return Response(lambda: tuple(map(whole, kernels.gradients)))
+        slope_p, slope_q, strain_p, strain_q = map(whole, kernels.gradients)
+        return Response((slope_p, slope_q, strain_p, strain_q))
 
 
 def wound_on_tension_estimate(result: NipResult, angle: float) -> float:

@@ -27,10 +27,9 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from ..errors import InvalidProblem, did_you_mean
-from ..problems.bodies import contact_radius
 from ..problems.nip import NipProblem
 from ..quantities import walk
-from .certificate import mesh_of
+from ..two_bodies import Matrices, mesh_of
 from .equations import NipMatrices, web_compliance
 from .result import NipResult
 
@@ -157,18 +156,18 @@ class _Differential:
         self.result, self.problem, self.mesh = result, problem, mesh_of(result)
         self.n = self.mesh.unknowns
         self.here = NipMatrices.at(problem, self.mesh, a)
-        self.bodies = {"roll": self.here.roll, "drum": self.here.drum}
+        self.bodies = dict(zip(problem.pair, self.here.responses, strict=True))
         traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
         c11 = web_compliance(problem.web).c11
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
-        shift = result.offset / contact_radius(problem.roll, problem.drum)
+        shift = result.offset / problem.contact_radius
         zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
         self.u = _Unknowns(result.pressure[inside], shift, traction, creep, a, zones)
         self.nodes = slice(0, 2 * self.n)
         self.rest = self.residual(problem, self.here)
 
-    def residual(self, problem: NipProblem, made: NipMatrices) -> Array:
+    def residual(self, problem: NipProblem, made: Matrices) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
         u, n = self.u, self.n
         p, q = u.pressure, u.traction
@@ -231,12 +230,12 @@ class _Differential:
         residual, outputs = self.residual(problem, made), self._outputs(problem)
         return (residual - self.rest) / step, (outputs - self._outputs(self.problem)) / step
 
-    def _changed(self, problem: NipProblem, part: str) -> NipMatrices:
+    def _changed(self, problem: NipProblem, part: str) -> Matrices:
         """Assemble for a problem of which only one part is another."""
         a, bodies = self.u.half_width, self.bodies
         if part in bodies:
             bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a)}
-        return NipMatrices.of(problem, self.mesh, a, **bodies)
+        return NipMatrices.of(problem, self.mesh, a, *bodies.values())
 
     def _size(self, name: str, value: float) -> float:
         """Return the scale on which a field matters."""

@@ -15,29 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
 from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Ladder, Level, Start, halved
-from ..contact.response import on_columns, padded
-from ..contact.schemes import SCHEMES, Mesh, Scheme, scheme_of
+from ..contact.response import padded
+from ..contact.schemes import Scheme, scheme_of
 from ..contact.zones import slip_lengths
 from ..errors import InvalidProblem, did_you_mean
-from ..problems.bodies import contact_radius, half_width_guess
 from ..problems.nip import NipProblem
 from ..results import Residuals
+from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate
-from .equations import (
-    About,
-    NipEquations,
-    NipMatrices,
-    NipState,
-    frictionless_load,
-    web_compliance,
-)
+from .equations import NipEquations, web_compliance
 from .result import NipResult
 from .validity import nip_warnings
 
@@ -147,70 +140,28 @@ def _started(start: NipResult, problem: NipProblem) -> Start:
 
 
 @dataclass(frozen=True, eq=False)
-class NipContact:
+class NipContact(PairContact):
     """A nip as the loop sees it; ``sub_cell`` follows zone borders to a fraction of a cell."""
 
-    problem: NipProblem
     sub_cell: bool = True
+
+    equations_of: ClassVar[type[PairEquations]] = NipEquations
 
     @property
     def load(self) -> float:
         """P [N/m]."""
-        return self.problem.nip_load
-
-    @property
-    def widest(self) -> float:
-        """The smaller radius [m]."""
-        return min(self.problem.roll.radius, self.problem.drum.radius)
-
-    @property
-    def settles_apart(self) -> bool:
-        """Whether a body is not linear."""
-        return not (self.problem.roll.linear and self.problem.drum.linear)
-
-    def guess(self) -> float:
-        """Return a half width to start from [m]."""
-        return half_width_guess(self.load, self.problem.roll, self.problem.drum)
-
-    def frictionless_load(self, mesh: Mesh, a: float) -> float:
-        """Return the load that a frictionless contact of half width a carries [N/m]."""
-        return frictionless_load(self.problem, mesh, a)
-
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
-        """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or not self.settles_apart:
-            return None
-        roll, drum = before.state.known
-        old, new = before.mesh.columns, mesh.columns
-        return on_columns(old, new, roll), on_columns(old, new, drum)
-
-    def equations(self, mesh: Mesh, a: float, about: About) -> NipEquations:
-        """Return the equations for the half width a [m]."""
-        return NipEquations.at(self.problem, mesh, a, about)
-
-    def refuse(self, equations: NipEquations, state: NipState) -> None:
-        """Refuse nothing: whatever has no steady state was refused with the problem."""
+        return float(self.problem.nip_load)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
-        state, problem = level.state, self.problem
-        whole = float(level.equations.matrices.weights @ (state.roll_traction + state.drum_traction))
+        whole = _whole(level)
         return {
+            **super().scalars(level),
             "nip_induced_tension": whole,
-            "tension_behind_nip": problem.web_tension + whole,
-            "half_width": level.half_width,
-            "nip_width": 2 * level.half_width,
-            "peak_pressure": level.at_load(float(np.max(state.pressure))),
-            "offset": state.shift * contact_radius(problem.roll, problem.drum),
-            "drum_creep": _drum_creep(problem, state, whole),
-            **slip_ratios(problem, along_nip(level), sub_cell=self.sub_cell),
+            "tension_behind_nip": self.problem.web_tension + whole,
+            "drum_creep": _drum_creep(self.problem, level.state, whole),
+            **slip_ratios(self.problem, along_nip(level), sub_cell=self.sub_cell),
         }
-
-    def scale(self, name: str, value: float) -> float:
-        """Return what relative errors of an output are measured by."""
-        if name in ("nip_induced_tension", "tension_behind_nip"):
-            return max(abs(value), 0.01 * self.problem.roll_friction * self.problem.nip_load)
-        return abs(value)
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------
@@ -222,37 +173,37 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     state, made = level.state, level.equations.matrices
     arrays = along_nip(level)
     gained = from_edge(arrays["roll_traction"] + arrays["drum_traction"], arrays["x"])
-    whole = float(made.weights @ (state.roll_traction + state.drum_traction))
+    whole, T_in = _whole(level), problem.web_tension
     NIT = ladder.values["nip_induced_tension"]
-    responses = (made.roll, made.drum)
     result = NipResult(
         problem=problem,
         nip_induced_tension=NIT,
         extrapolation=NIT - whole,
         half_width=state.half_width,
-        approach=_approach(problem, made, state, whole),
-        offset=state.shift * contact_radius(problem.roll, problem.drum),
+        approach=approach(
+            problem, made, state, web_compliance(problem.web).c12 * (T_in + whole)
+        ),
+        offset=state.shift * problem.contact_radius,
         drum_creep=_drum_creep(problem, state, whole),
         **slip_ratios(problem, arrays, sub_cell=scheme.refines),
         **arrays,
-        web_tension=problem.web_tension + gained,
+        web_tension=T_in + gained,
         residuals=Residuals(),
         scheme=scheme.name,
         algorithm=algorithm,
         iterations=ladder.solves,
-        series_terms=max(r.terms for r in responses),
-        series_error=max(r.truncation_error for r in responses),
+        series_terms=max(r.terms for r in made.responses),
+        series_error=max(r.truncation_error for r in made.responses),
         mesh=level.mesh,
     )  # fmt: skip
-    final = made if problem.roll.linear and problem.drum.linear else level.equations.anew(state)
     return result.replace(
         errors=ladder.errors_of(result),
-        residuals=certificate(result, final),
+        residuals=certificate(result, level.equations.anew(state)),
         warnings=nip_warnings(result),
     )
 
 
-def along_nip(level: Level) -> dict[str, Array]:
+def along_nip(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the nip, by the names of the result, (M,) each."""
     state, mesh, n = level.state, level.mesh, level.mesh.unknowns
     a, slips, zones = state.half_width, state.solution.slip, state.solution.state
@@ -261,8 +212,8 @@ def along_nip(level: Level) -> dict[str, Array]:
         "x": a * mesh.nodes,
         "slip_x": a * _on_nodes(mesh.middle[:-1], mesh.middle[-1]),
         "pressure": padded(state.pressure),
-        "roll_traction": padded(state.roll_traction),
-        "drum_traction": padded(state.drum_traction),
+        "roll_traction": padded(state.traction[:n]),
+        "drum_traction": padded(state.traction[n:]),
         "roll_slip": _on_nodes(slips[:n], last[0]),
         "drum_slip": _on_nodes(slips[n:], last[1]),
         "roll_zone": _on_nodes(zones[:n], zones[n - 1]),
@@ -279,7 +230,7 @@ def _on_nodes(values: Array, last: Any) -> Array:
 
 def slip_ratios(
     problem: Any, arrays: Mapping[str, Array], *, sub_cell: bool = True
-) -> dict[str, float]:
+) -> dict[str, Any]:
     """Return the signed slip lengths over the nip width (thesis eq. 172) by name.
 
     Parameters
@@ -307,18 +258,14 @@ def slip_ratios(
     }
 
 
-def _drum_creep(problem: NipProblem, state: NipState, whole: float) -> float:
+def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:
     """Return xi- (thesis eq. 93): the solved rigid slip holds the web's strain behind the nip."""
     c11 = web_compliance(problem.web).c11
     T_out = problem.web_tension + whole
     return float(state.solution.creep - c11 / problem.web.thickness * T_out)
 
 
-def _approach(problem: NipProblem, made: NipMatrices, state: NipState, whole: float) -> float:
-    """Return the mutual approach -delta > 0, from the indentation (82) at the trailing edge [m]."""
-    a = state.half_width
-    v = web_compliance(problem.web).c12 * (problem.web_tension + whole)
-    for response, q in ((made.roll, state.roll_traction), (made.drum, state.drum_traction)):
-        by_p, by_q = response.normal()
-        v += float((by_p @ state.pressure)[0]) + float((by_q @ q)[0])
-    return float(a**2 / (2 * contact_radius(problem.roll, problem.drum)) - v - state.shift * a)
+def _whole(level: Level) -> float:
+    """Return the integral of q+ + q-, the NIT of this mesh [N/m]."""
+    weights, q = level.equations.matrices.weights, level.state.traction
+    return float(weights @ (q[: weights.size] + q[weights.size :]))

@@ -10,8 +10,9 @@ The set of bodies is open: a subclass of :class:`Body` is a body like these.
 
 from __future__ import annotations
 
+from functools import cached_property
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
@@ -20,24 +21,22 @@ from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
 from ..errors import InvalidProblem
 from ..quantities import length
-from .fields import Family, Number
+from .fields import Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
     from ..contact.response import ContactGrid, Tractions
 
 __all__ = [
-    "AnyBody", "Body", "Cylinder", "HalfPlane", "KernelBody", "Radius", "Rigid", "contact_radius",
-    "half_width_guess",
+    "AnyBody", "Body", "ContactProblem", "Cylinder", "HalfPlane", "KernelBody", "Radius", "Rigid",
+    "contact_radius", "half_width_guess",
 ]  # fmt: skip
 
 
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
 
-Radius = Annotated[
-    Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)
-]
+Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
 
 
 class Body(Family):
@@ -57,9 +56,7 @@ class Body(Family):
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
 
-    def respond(
-        self, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
+    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the linear response of the surface on a grid scaled by the half width.
 
         Parameters
@@ -114,9 +111,7 @@ class Rigid(Body):
 
     rigid: ClassVar[bool] = True
 
-    def respond(
-        self, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
+    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the response of a body that does not deform: none."""
         return Response.none(grid)
 
@@ -128,9 +123,7 @@ class KernelBody(Body, abstract=True):
         """Return the influence functions, valid on the whole surface."""
         raise NotImplementedError
 
-    def respond(
-        self, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
+    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the influence functions integrated over the grid."""
         return grid.integrated(self.kernels(), self.curvature, self.radius, a)
 
@@ -218,3 +211,47 @@ def half_width_guess(load: float, one: Body, two: Body) -> float:
     # a body that tells no compliance: any width is a start, for the load grows with it
     hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
     return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)
+
+
+class ContactProblem(Problem):
+    """Two bodies pressed together; not a problem of its own.
+
+    Attributes
+    ----------
+    pair : (str, str)
+        Names of the fields that hold body 1 and body 2.
+    """
+
+    pair: ClassVar[tuple[str, str]]
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """Body 1 and body 2."""
+        one, two = (getattr(self, name) for name in self.pair)
+        return one, two
+
+    @cached_property
+    def contact_radius(self) -> float:
+        """R* with 1/R* = 1/R1 + 1/R2 [m]."""
+        return contact_radius(*self.bodies)
+
+    @cached_property
+    def linear(self) -> bool:
+        """Whether both bodies are."""
+        one, two = self.bodies
+        return one.linear and two.linear
+
+    @property
+    def thinning(self) -> float:
+        """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
+        return 0.0
+
+    @model_validator(mode="after")
+    def _deforms(self) -> Self:
+        one, two = self.bodies
+        if one.rigid and two.rigid:
+            first, second = self.pair
+            raise InvalidProblem.at(
+                first, f"{first} and {second} are both Rigid; one must be HalfPlane or Cylinder"
+            )
+        return self

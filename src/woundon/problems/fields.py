@@ -24,7 +24,10 @@ from pydantic_core import PydanticCustomError
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import members_of, quantity_of
 
-__all__ = ["Description", "Family", "Number", "Problem", "not_one_of", "shown"]
+__all__ = [
+    "Description", "Family", "Number", "Problem", "admissible", "best_match", "bounds",
+    "no_such_field", "not_one_of", "shown",
+]  # fmt: skip
 
 
 def _number(value: Any) -> float:
@@ -170,9 +173,9 @@ class Family(Description):
         if not isinstance(value, Mapping):
             return value
         table = dict(value)
-        kind = table.pop("kind", None)
-        if kind is None:
+        if "kind" not in table:
             return best_match(table, cls._members.values())(**table)
+        kind = table.pop("kind")
         if not isinstance(kind, str) or kind not in cls._members:
             raise InvalidProblem.at("kind", not_one_of(kind, cls._members))
         return cls._members[kind](**table)
@@ -202,17 +205,18 @@ class Problem(Description):
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     """Return the class of description whose fields are nearest to the given names.
 
-    A name it does not have counts two, one that is only like a field's one, a missing field one.
-    Of equals the first with the fewest fields.
+    A name that it does not have counts two, but one if it is like a field that is not given; a
+    field that is missing counts one.  Of equals the first with the fewest fields.
     """
     given = [str(name) for name in names]
 
     def misfit(model: type[Any]) -> tuple[int, int]:
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         strange = [name for name in given if name not in known]
-        like = sum(bool(nearest(name, known)) for name in strange)
-        missing = sum(f.is_required() and n not in given for n, f in model.model_fields.items())
-        return 2 * len(strange) - like + missing, len(known)
+        meant = {nearest(name, known) for name in strange} - {"", *given}
+        had = meant.union(given)
+        missing = sum(f.is_required() and n not in had for n, f in model.model_fields.items())
+        return 2 * len(strange) - len(meant) + missing, len(known)
 
     return min(models, key=misfit)
 
@@ -247,10 +251,13 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"
+    if kind in ("tuple_type", "list_type"):
+        return f"{shown(value)} is not a list"
     if kind == "literal_error":
         return not_one_of(value, get_args(field.annotation))
     if members_of(field.annotation):
         return f"{shown(value)} is out of place; must be {admissible(field)}"
+    value = value if isinstance(value, Real) else float(value)  # an array of no dimension
     return f"{shown(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
 
 
@@ -267,6 +274,8 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     own = model.model_fields
     family = model._members.values() if issubclass(model, Family) else ()
     owners = [m.__name__ for m in family if name in m.model_fields]
+    if name == "kind" and family:
+        return f"no field; for another kind than {model.__name__} give the whole description"
     if owners:
         return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
                 f"known: {', '.join(own)}")  # fmt: skip
@@ -291,7 +300,8 @@ def _words(field: FieldInfo) -> list[str]:
 # ---- what is admissible, from the field itself ------------------------------------------------
 
 
-def _bounds(field: FieldInfo) -> list[tuple[str, float]]:
+def bounds(field: FieldInfo) -> list[tuple[str, float]]:
+    """Return the limits of a field, each with its sign, as (">", 0.0)."""
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     return [(sign, getattr(part, name)) for name, sign in signs.items()
             for part in field.metadata if hasattr(part, name)]  # fmt: skip
@@ -313,8 +323,8 @@ def admissible(field: FieldInfo) -> str:
     if words:
         return one_of(map(repr, words))
     unit = _unit(field)
-    bounds = " and ".join(f"{sign} {bound:.6g}" for sign, bound in _bounds(field))
-    return (bounds or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
+    limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
+    return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
 
 
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
@@ -328,7 +338,7 @@ def _slip(value: Any, field: FieldInfo) -> str:
     fits = [
         f"{value:g} {unit} is {value * factor:g}"
         for unit, factor in _OTHER_UNITS.get(_unit(field), {}).items()
-        if all(tests[sign](value * factor, float(bound)) for sign, bound in _bounds(field))
+        if all(tests[sign](value * factor, float(bound)) for sign, bound in bounds(field))
     ]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 

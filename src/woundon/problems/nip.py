@@ -8,10 +8,11 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from ..elasticity.strip import compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure
-from .bodies import AnyBody, Cylinder, Rigid
-from .fields import Description, Number, Problem
+from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
+from .fields import Description, Number
 from .materials import AnyMaterial, material
 
 __all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNipProblem"]
@@ -37,39 +38,36 @@ class Web(Description):
     material: AnyMaterial
 
 
-class WindingNip(Problem):
+class WindingNip(ContactProblem):
     """What a nip has with and without its wraps; not a problem of its own."""
 
-    web: Web
-    roll: AnyBody
-    drum: AnyBody
+    pair: ClassVar[tuple[str, str]] = ("roll", "drum")
+
+    web: Annotated[Web, Field(description="the paper or film")]
+    roll: Annotated[AnyBody, Field(description="the wound roll")]
+    drum: Annotated[AnyBody, Field(description="the winding drum")]
     roll_friction: Annotated[
         Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
     ]
     drum_friction: Annotated[
         Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), Friction
     ]
-    nip_load: Annotated[
-        Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)
-    ]
+    nip_load: Annotated[Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)]
     winding_force: Annotated[
         Number,
         line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
-        Field(default=0.0, ge=-1e7, le=1e7),
-    ]
+        Field(ge=-1e7, le=1e7),
+    ] = 0.0
     web_tension: Annotated[
         Number,
         line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
-        Field(default=0.0, ge=0, le=1e6),
-    ]
+        Field(ge=0, le=1e6),
+    ] = 0.0
 
-    @model_validator(mode="after")
-    def _deforms(self) -> Self:
-        if self.roll.rigid and self.drum.rigid:
-            raise InvalidProblem.at(
-                "roll", "roll and drum are both Rigid; one must be HalfPlane or Cylinder"
-            )
-        return self
+    @property
+    def thinning(self) -> float:
+        """-2h c22 of the web [m/Pa]."""
+        return -self.web.thickness * compliance(*self.web.material.stiffness[:3]).c22
 
     @classmethod
     def example(cls) -> Self:
@@ -176,18 +174,18 @@ class WrappedNipProblem(WindingNip):
     roll_wrap: Annotated[
         Number,
         angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
-        Field(default=pi, ge=0, le=pi * (1 + 1e-12)),
-    ]
+        Field(ge=0, le=pi * (1 + 1e-12)),
+    ] = pi
     drum_wrap: Annotated[
         Number,
         angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)),
-        Field(default=0.0, ge=0, le=pi * (1 + 1e-12)),
-    ]
+        Field(ge=0, le=pi * (1 + 1e-12)),
+    ] = 0.0
     wrap_friction: Annotated[
         Number | None,
         pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
-        Field(default=None, ge=1e-6, le=10.0),
-    ]
+        Field(ge=1e-6, le=10.0),
+    ] = None
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

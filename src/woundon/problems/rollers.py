@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import line_load, pure, strain
-from .bodies import AnyBody, HalfPlane
-from .fields import Number, Problem
+from .bodies import AnyBody, ContactProblem, HalfPlane
+from .fields import Number
 from .materials import material
 from .nip import Friction
 
 __all__ = ["RollerProblem"]
 
 
-class RollerProblem(Problem):
+class RollerProblem(ContactProblem):
     """Two rollers in contact without a web, rolling or static, per metre of width.
 
     Parameters
@@ -42,24 +42,18 @@ class RollerProblem(Problem):
         If |Q| >= mu P: the rollers slide.
     """
 
-    upper: AnyBody
-    lower: AnyBody
+    pair: ClassVar[tuple[str, str]] = ("upper", "lower")
+
+    upper: Annotated[AnyBody, Field(description="the upper roller")]
+    lower: Annotated[AnyBody, Field(description="the lower roller")]
     load: Annotated[Number, line_load("P", "load", (1e3, 1e6)), Field(ge=1e-12, le=1e9)]
     friction: Annotated[Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Friction]
-    tangential_load: Annotated[
-        Number | None, line_load("Q", "tangential load"), Field(default=None)
-    ]
-    creepage: Annotated[
-        Number | None, strain("xi", "creepage"), Field(default=None, gt=-0.5, lt=0.5)
-    ]
+    tangential_load: Annotated[Number | None, line_load("Q", "tangential load")] = None
+    creepage: Annotated[Number | None, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = None
     motion: Literal["rolling", "static"] = "rolling"
 
     @model_validator(mode="after")
     def _has_a_state(self) -> Self:
-        if self.upper.rigid and self.lower.rigid:
-            raise InvalidProblem.at(
-                "upper", "upper and lower are both Rigid; one must be HalfPlane or Cylinder"
-            )
         if self.creepage is not None and self.tangential_load is not None:
             raise InvalidProblem.at(
                 "creepage",

@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..contact.certificate import friction_laws, integral, largest, positive_pressure
-from ..contact.response import Tractions
-from ..contact.schemes import SCHEMES, Mesh
-from ..problems.bodies import contact_radius
 from ..results import Residuals
+from ..two_bodies import Matrices, mesh_of
 from .equations import RollerMatrices
 
 if TYPE_CHECKING:
@@ -21,29 +19,19 @@ __all__ = ["certificate", "matrices_of"]
 Array = np.ndarray
 
 
-def mesh_of(result: RollerResult) -> Mesh:
-    """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
-    if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
-    a = result.half_width
-    points = np.append(result.slip_x[1:] / a, 1.0)
-    return SCHEMES["graded"].restored(result.x / a, points)
-
-
-def matrices_of(result: RollerResult) -> RollerMatrices:
+def matrices_of(result: RollerResult) -> Matrices:
     """Assemble the equations of a result anew, bodies that are not linear about its tractions."""
-    p, q = result.pressure[1:-1], result.traction[1:-1]
-    about = (Tractions(p, q), Tractions(p, -q))
+    about = RollerMatrices.loads(result.pressure[1:-1], result.traction[1:-1])
     return RollerMatrices.at(result.problem, mesh_of(result), result.half_width, about)
 
 
-def certificate(result: RollerResult, made: RollerMatrices) -> Residuals:
+def certificate(result: RollerResult, made: Matrices) -> Residuals:
     """Measure every law of a result.
 
     Parameters
     ----------
     result : RollerResult
-    made : RollerMatrices
+    made : Matrices
         Its equations; see :func:`matrices_of`.
     """
     problem, x, a = result.problem, result.x, result.half_width
@@ -53,7 +41,7 @@ def certificate(result: RollerResult, made: RollerMatrices) -> Residuals:
     scale = made.top * (a if static else 1.0)
     bound = problem.friction * p
     unit = np.full(p.size, problem.friction * np.max(np.abs(p)))
-    shift = result.offset / contact_radius(problem.upper, problem.lower)
+    shift = result.offset / problem.contact_radius
     Q = integral(result.traction, x)
     asked = result.tangential_load
     if problem.creepage is None:

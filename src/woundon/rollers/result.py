@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import nan
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..quantities import length, line_load, pure, strain, stress
-from ..results import Residuals, Result
+from ..quantities import Quantity, length, line_load, pure, strain, stress
+from ..results import Residuals, Result, Zone
 
 __all__ = ["RollerResult"]
 
@@ -45,10 +45,12 @@ class RollerResult(Result):
         On which it was solved.
     """
 
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"creepage", "shift", "traction_error"})
+
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
-    shift: Annotated[float, length("s", "shift of the lower roller, static contact")] = nan
+    shift: Annotated[float, length("s", "shift of the lower roller, static contact", "um")] = nan
     tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
     half_width: Annotated[float, length("a", "half-width of the contact")]
     approach: Annotated[float, length("delta", "approach of the rollers' centres")]
@@ -56,41 +58,53 @@ class RollerResult(Result):
         float, length("Delta", "shift of the contact centre from the line of centres")
     ]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
-    pressure: Annotated[Array, stress("p", "pressure")]
-    traction: Annotated[Array, stress("q", "traction on the upper roller")]
+    pressure: Annotated[Array, stress("p", "pressure", "MPa")]
+    traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
     slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
     slip: Annotated[
-        Array,
-        pure("v", "slip, > 0: lower surface faster; of static rollers along +x, in metres"),
+        Array, strain("v", "slip, > 0: lower surface faster; a length of static rollers")
     ]
     zone: Annotated[
-        Array, pure("z", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower")
+        Array, pure("z", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower"), Zone
     ]
     traction_error: Annotated[
         float, strain("e_q", "estimated error of the traction (L2), relative")
     ] = nan
     iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
+    scheme: str = "graded"
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property
-    def width(self) -> Annotated[float, length("2a", "width of the contact")]:
+    def relabelled(self) -> Mapping[str, Quantity]:
+        """The slip of static rollers is a length."""
+        if self.problem.motion == "rolling":
+            return {}
+        return {"slip": length("v", "slip, > 0: lower surface along +x")}
+
+    @property
+    def nip_width(self) -> Annotated[float, length("2a", "width of the contact")]:
         """2a [m]."""
         return 2 * self.half_width
 
     @property
-    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
+    def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure", "MPa")]:
         """Largest nodal pressure [Pa]."""
         return float(np.max(self.pressure))
 
     @property
-    def slip_share(self) -> Annotated[float, strain("s", "slip length / width of the contact")]:
+    def slip_share(self) -> Annotated[float, strain("s_q", "slip length / width of the contact")]:
         """Share of the width on which the rollers slip [1]."""
-        return sum(right - left for zone, left, right in self._runs() if zone) / self.width
+        return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
 
     def _runs(self) -> Iterator[tuple[int, float, float]]:
         from ..contact.zones import zone_runs
 
         yield from zone_runs(self.x, self.zone)
+
+    @property
+    def in_nip(self) -> slice:
+        """All nodes."""
+        return slice(0, self.x.size)
 
     @property
     def nodes(self) -> int:

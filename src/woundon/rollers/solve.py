@@ -7,23 +7,21 @@ each is fitted to the borders that the one before found.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import nan
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
 from ..contact.loop import Ladder, Level, Tolerance
-from ..contact.normal import solve_normal
-from ..contact.response import on_columns, padded
-from ..contact.schemes import Graded, Mesh
+from ..contact.response import padded
+from ..contact.schemes import Graded
 from ..errors import NotConverged
-from ..problems.bodies import contact_radius, half_width_guess
 from ..problems.rollers import RollerProblem
 from ..results import Residuals
+from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate
-from .equations import About, RollerEquations, RollerMatrices, RollerState
+from .equations import RollerEquations
 from .result import RollerResult
 
 __all__ = ["check_options", "solve_rollers"]
@@ -87,73 +85,28 @@ def check_options(*, nodes: Any = 101, rtol: Any = None) -> None:
         tolerance("rtol", rtol, 1e-8, 0.1)
 
 
-@dataclass(frozen=True, eq=False)
-class RollerContact:
+class RollerContact(PairContact):
     """Two rollers as the loop sees them."""
 
-    problem: RollerProblem
+    equations_of: ClassVar[type[PairEquations]] = RollerEquations
 
     @property
     def load(self) -> float:
         """P [N/m]."""
-        return self.problem.load
-
-    @property
-    def widest(self) -> float:
-        """The smaller radius [m]."""
-        return min(self.problem.upper.radius, self.problem.lower.radius)
-
-    @property
-    def settles_apart(self) -> bool:
-        """Whether a body is not linear."""
-        return not (self.problem.upper.linear and self.problem.lower.linear)
-
-    def guess(self) -> float:
-        """Return a half width to start from [m]."""
-        return half_width_guess(self.load, self.problem.upper, self.problem.lower)
-
-    def frictionless_load(self, mesh: Mesh, a: float) -> float:
-        """Return the load that a frictionless contact of half width a carries [N/m]."""
-        upper, lower = self.problem.upper, self.problem.lower
-        slopes = (b.respond(mesh, a).pressure_slope() for b in (upper, lower) if not b.rigid)
-        gap = mesh.middle * (a / contact_radius(upper, lower))
-        pressure = solve_normal(sum(slopes), gap, np.empty((gap.size, 0)))[:-1, 0]
-        return float(a * mesh.grid.weights @ pressure)
-
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> About:
-        """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or not self.settles_apart:
-            return None
-        upper, lower = before.state.known
-        old, new = before.mesh.columns, mesh.columns
-        return on_columns(old, new, upper), on_columns(old, new, lower)
-
-    def equations(self, mesh: Mesh, a: float, about: About) -> RollerEquations:
-        """Return the equations for the half width a [m]."""
-        return RollerEquations.at(self.problem, mesh, a, about)
-
-    def refuse(self, equations: RollerEquations, state: RollerState) -> None:
-        """Refuse nothing: whatever has no steady state was refused with the problem."""
+        return float(self.problem.load)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
-        state, problem = level.state, self.problem
-        rolling = problem.motion == "rolling"
+        state, weights = level.state, level.equations.matrices.weights
+        rolling = self.problem.motion == "rolling"
         return {
-            "half_width": level.half_width,
-            "width": 2 * level.half_width,
-            "peak_pressure": level.at_load(float(np.max(state.pressure))),
-            "offset": state.shift * contact_radius(problem.upper, problem.lower),
-            "tangential_load": float(level.equations.matrices.weights @ state.solution.traction),
-            **({"creepage": _creepage(problem, state)} if rolling else {}),
+            **super().scalars(level),
+            "tangential_load": float(weights @ state.traction),
+            **({"creepage": _creepage(self.problem, state)} if rolling else {}),
         }
 
-    def scale(self, name: str, value: float) -> float:
-        """Return what relative errors of an output are measured by."""
-        return abs(value)
 
-
-def _creepage(problem: RollerProblem, state: RollerState) -> float:
+def _creepage(problem: RollerProblem, state: PairState) -> float:
     given = problem.creepage
     return float(state.solution.creep) if given is None else given
 
@@ -165,7 +118,7 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
     ladder.climb_fitted((quarter, quarter, half, nodes), COARSE)
     level, before = ladder.level, ladder.before
     state, made, mesh = level.state, level.equations.matrices, level.mesh
-    q, zone, a = state.solution.traction, state.solution.state, state.half_width
+    q, zone, a = state.traction, state.solution.state, state.half_width
     rolling = problem.motion == "rolling"
     slip = state.solution.slip
     result = RollerResult(
@@ -174,8 +127,8 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         shift=nan if rolling else float(state.solution.creep),
         tangential_load=float(made.weights @ q),
         half_width=a,
-        approach=_approach(problem, made, state),
-        offset=state.shift * contact_radius(problem.upper, problem.lower),
+        approach=approach(problem, made, state),
+        offset=state.shift * problem.contact_radius,
         x=a * mesh.nodes,
         pressure=padded(state.pressure),
         traction=padded(q),
@@ -187,23 +140,14 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         iterations=ladder.solves,
         mesh=mesh,
     )
-    linear = problem.upper.linear and problem.lower.linear
-    final = made if linear else level.equations.anew(state)
-    return result.replace(errors=ladder.errors_of(result), residuals=certificate(result, final))
-
-
-def _approach(problem: RollerProblem, made: RollerMatrices, state: RollerState) -> float:
-    a, q, v = state.half_width, state.solution.traction, 0.0
-    for response, sign in ((made.upper, 1.0), (made.lower, -1.0)):
-        by_p, by_q = response.normal()
-        v += float((by_p @ state.pressure)[0]) + sign * float((by_q @ q)[0])
-    return float(a**2 / (2 * contact_radius(problem.upper, problem.lower)) - v - state.shift * a)
+    residuals = certificate(result, level.equations.anew(state))
+    return result.replace(errors=ladder.errors_of(result), residuals=residuals)
 
 
 def _traction_change(coarse: Level, fine: Level) -> float:
     """Return the L2 norm of the traction's change from mesh to mesh, relative to its own."""
     (x, q), (old_x, old_q) = (
-        (level.mesh.nodes, padded(level.state.solution.traction)) for level in (fine, coarse)
+        (level.mesh.nodes, padded(level.state.traction)) for level in (fine, coarse)
     )
     other = np.interp(x, old_x, old_q)
     whole = float(np.trapezoid(q**2, x))

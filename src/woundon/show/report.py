@@ -1,202 +1,383 @@
-"""A solved nip as text for the terminal: what matters with units, zones, rivals, certificate."""
+"""Results as text: for each kind what matters, its zones, other theories, and the certificate.
+
+:func:`report_text` is what ``print(result)`` says.  A kind's report is a function from a result to
+parts (:mod:`.parts`), found through :mod:`woundon.kinds`; warnings and certificate end every one.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from io import StringIO
+from math import isinf, isnan
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
-from . import theories
-from .bodies import HalfPlane
-from .quantities import QUANTITIES
-from .results import NipResult, Sensitivity, Zone
-from .wrap import WrappedNipResult
-from .zones import zone_runs
+from .. import kinds, quantities, theories
+from ..errors import InvalidProblem, NoSteadyState, NotConverged
+from ..nip.result import NipResult, WindingNipResult
+from ..problems.bodies import Body
+from ..problems.fields import Description
+from ..problems.nip import NipProblem
+from ..results import Result, Zone
+from ..rollers.result import RollerResult
+from ..wrap.result import WrappedNipResult
+from .parts import (
+    Line,
+    Part,
+    Row,
+    Section,
+    certificate_line,
+    field_row,
+    nip_zones,
+    output_row,
+    roller_zones,
+    row_of,
+    warning_lines,
+)
+from .terminal import WIDTH, print_columns, print_parts
 
-__all__ = ["print_report", "print_sensitivity", "zone_line"]
+if TYPE_CHECKING:
+    from ..nip.sensitivity import Sensitivity
 
-Array = np.ndarray
-
-_ZONES_WIDTH = 60
-_MARKS = {Zone.BACKWARD: "◀", Zone.STICK: "·", Zone.FORWARD: "▶"}
-_ASCII_MARKS = {Zone.BACKWARD: "<", Zone.STICK: ".", Zone.FORWARD: ">"}
-_STYLES = {Zone.BACKWARD: "yellow", Zone.STICK: "dim", Zone.FORWARD: "blue"}
-
-
-def print_report(result: NipResult | WrappedNipResult, console: Console) -> None:
-    """Print the report of a solved nip, with its wraps if it has any."""
-    ascii_only = console.options.ascii_only
-    plus_minus, marks = ("+-", _ASCII_MARKS) if ascii_only else ("±", _MARKS)
-    nip = result if isinstance(result, NipResult) else result.nip
-    solved = f"{nip.scheme} scheme, {result.nodes} nodes, {result.iterations} linear systems"
-    console.print(Text(solved, style="dim"))
-    console.print(_load_table(result))
-    if isinstance(result, NipResult):
-        console.print(_main_table(result, plus_minus))
-    else:
-        console.print(_wrap_table(result, plus_minus))
-        console.print(_main_table(nip, plus_minus, inner=True))
-    console.print(_zones(nip, marks))
-    if isinstance(result, NipResult):
-        console.print(_rivals(result))
-        console.print()
-    if result.warnings:
-        lines = "\n".join(f"warning: {warning}" for warning in result.warnings)
-        console.print(Text(f"{lines}\n", style="bold yellow"))
-    console.print(Text(_certificate(result), style="green"))
+__all__ = [
+    "nip_report", "outputs_report", "print_report", "print_sensitivity", "report_parts",
+    "report_text", "roller_report", "wrapped_report",
+]  # fmt: skip
 
 
-def _table(title: str) -> Table:
-    table = Table(
-        title=title, title_justify="left", title_style="bold", box=None, show_header=False
-    )
-    table.add_column(min_width=53)
-    table.add_column(min_width=6, style="dim")
-    table.add_column(justify="right", min_width=10)
-    table.add_column(style="dim")
-    return table
+def report_parts(result: Result) -> list[Part]:
+    """Return the report of a result of any kind: its kind's parts, warnings, certificate."""
+    told = list(kinds.of(result).report(result))
+    return [*told, *warning_lines(result.warnings), certificate_line(result.residuals)]
 
 
-def _row(
-    table: Table, name: str, value: float, *, note: str = "", label: str = "", symbol: str = ""
-) -> None:
-    quantity = QUANTITIES[name]
-    text = f"{quantity.shown(value):.5g}"
-    unit = f"{quantity.display}{note}"
-    table.add_row(label or quantity.description, symbol or quantity.symbol, text, unit)
+def report_text(result: Result) -> str:
+    """Return the report of a result of any kind as plain text."""
+    paper = StringIO()
+    print_report(result, Console(file=paper, width=WIDTH, color_system=None, legacy_windows=False))
+    return paper.getvalue().rstrip("\n")
 
 
-def _load_table(result: NipResult | WrappedNipResult) -> Table:
-    table = _table("\nLoads")
-    _row(table, "nip_load", result.problem.nip_load)
-    _row(table, "winding_force", result.problem.winding_force)
-    _row(table, "incoming_tension", result.problem.web_tension)
-    return table
+def print_report(result: Result, console: Console) -> None:
+    """Print the report of a result of any kind."""
+    print_parts(report_parts(result), console)
 
 
-def _wrap_table(result: WrappedNipResult, plus_minus: str) -> Table:
-    table = _table("\nWraps")
-    note = f"  {plus_minus} {result.wound_on_tension_error:.2g}"
-    _row(table, "roll_wrap", result.roll_wrap)
-    _row(table, "wound_on_tension", result.wound_on_tension, note=note, symbol="WOT")
-    _row(table, "tension_behind_nip", result.tension_behind_nip)
-    _row(table, "roll_wrap_traction", result.roll_wrap_traction)
-    way = {Zone.STICK: "", Zone.FORWARD: ", web faster", Zone.BACKWARD: ", web slower"}
-    _row(table, "slip_angle", result.slip_angle, note=way[result.slip_zone])
-    if result.drum_wrap:
-        _row(table, "drum_wrap", result.drum_wrap)
-        _row(table, "tension_before_nip", result.tension_before_nip)
-        _row(table, "drum_wrap_traction", result.drum_wrap_traction)
-    return table
+# told by another name, at the end, where they say something, or not at all
+LEFT_OUT = frozenset({
+    "residual", "half_width", "rig_tension", "extrapolation", "tension_before_nip",
+    "drum_wrap_traction", "creepage", "shift", "tangential_load", "traction_error",
+    "iterations", "series_terms", "series_error",
+})  # fmt: skip
 
 
-def _main_table(result: NipResult, plus_minus: str, *, inner: bool = False) -> Table:
-    """Tabulate the nip; ``inner`` is one between wraps, which tell its tensions themselves."""
-    slips = result.slip_ratios
-    table = _table("\nWinding nip")
-    error = result.nip_induced_tension_error
-    note = f"  {plus_minus} {error:.2g}" if np.isfinite(error) and not inner else ""
-    _row(table, "nip_induced_tension", result.nip_induced_tension, note=note)
-    if not inner:
-        _row(table, "wound_on_tension", result.wound_on_tension)
-    _row(table, "nip_width", 2 * result.half_width)
-    _row(table, "peak_pressure", float(result.pressure.max()))
-    _row(table, "approach", result.approach)
-    _row(table, "offset", result.offset)
-    _row(table, "drum_creep", result.drum_creep)
-    _row(table, "leading_roll", slips.leading_roll)
-    _row(table, "trailing_roll", slips.trailing_roll)
-    _row(table, "dual", slips.dual)
-    return table
+def _rows(result: Result, names: list[str], **notes: str) -> tuple[Row, ...]:
+    """Return the rows of the outputs named, then of all that nobody here knows of.
 
-
-def _zones(result: NipResult, marks: dict[Zone, str]) -> Text:
-    text = Text("\nZones, leading edge on the left\n", style="")
-    text.stylize("bold")
-    for side, zones in (("roll", result.roll_zone), ("drum", result.drum_zone)):
-        text.append(f" {side}  ")
-        for zone, length in zone_line(result.x, zones, _ZONES_WIDTH):
-            text.append(marks[zone] * length, style=_STYLES[zone])
-        text.append("\n")
-    words = {"stick": Zone.STICK, "web faster": Zone.FORWARD, "web slower": Zone.BACKWARD}
-    legend = "   ".join(f"{marks[zone]} {word}" for word, zone in words.items())
-    text.append(f"       {legend}\n", style="dim")
-    return text
-
-
-def zone_line(x: Array, zones: Array, width: int) -> list[tuple[Zone, int]]:
-    """Return runs (zone, characters) that draw the zones over ``width`` characters.
-
-    A run is as long as its share of the nip but never nothing: a short slip zone at an edge stays
-    in sight.
+    ``notes`` stand behind the units, by name.
     """
-    runs = [
-        (zone, max(1, round((right - left) / (x[-1] - x[0]) * width)))
-        for zone, left, right in zone_runs(x, zones)
+    beside = {f"{name}_error" for name in result.errors}
+    others = [
+        name
+        for name in quantities.scalar_outputs(result)
+        if name not in LEFT_OUT and name not in beside and name not in names
     ]
-    # rounding is made up for where it shows least
-    longest = max(range(len(runs)), key=lambda i: runs[i][1])
-    surplus = sum(length for _, length in runs) - width
-    runs[longest] = (runs[longest][0], max(1, runs[longest][1] - surplus))
-    return runs
+    return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
 
 
-def _rivals(result: NipResult) -> Table:
-    """Compare with the closed forms; those of the tension take the solved approach and zones."""
+# ---- the nip ------------------------------------------------------------------------------------
+
+NIP = ["nip_width", "peak_pressure", "approach", "offset", "drum_creep", "leading_roll",
+       "trailing_roll", "dual"]  # fmt: skip
+HELD = "Winding nip, the web held at its trailing edge"
+WRAPPED = "Winding nip, the web wrapped on the roll"
+BRACKETS = (
+    "T_out (web held at the trailing edge, eq. 97) and the estimate by eq. (183) bracket the "
+    "wound-on tension. To compute it, wrap the web on the roll: 'woundon solve' with a [wrap] "
+    "table in the case, or wo.solve(problem.wrapped()) in Python."
+)
+
+
+def nip_report(result: NipResult) -> list[Part]:
+    """Return the report of a nip whose web is held at its trailing edge."""
+    extrapolated = ["extrapolation"] if result.extrapolation else []
+    names = ["nip_induced_tension", *extrapolated, "tension_behind_nip",
+             "wound_on_tension_estimate"]  # fmt: skip
+    return [
+        _how(result),
+        Section("Loads", _loads(result)),
+        Section(HELD, _rows(result, names + NIP, approach=_level(result)), BRACKETS),
+        nip_zones(result),
+        *_other_theories(result),
+    ]
+
+
+def _how(result: WindingNipResult) -> Line:
+    systems = f"{result.iterations} linear systems"
+    return Line(f"{result.scheme} scheme, {result.nodes} nodes, {systems}", "quiet")
+
+
+def _loads(result: WindingNipResult) -> tuple[Row, ...]:
+    names = ("nip_load", "winding_force", "web_tension")
+    return tuple(field_row(result.problem, name) for name in names)
+
+
+def _level(result: WindingNipResult) -> str:
+    """Return what is to be said of an approach: that of a half-plane has no fixed level."""
+    return _up_to_a_constant(result.problem.roll, result.problem.drum)
+
+
+def _up_to_a_constant(*bodies: Body) -> str:
+    return ", up to a constant" if any(_deep(body) for body in bodies) else ""
+
+
+def _deep(body: Body) -> bool:
+    return not body.rigid and isinf(body.thickness)
+
+
+# ---- the nip with its wraps ---------------------------------------------------------------------
+
+
+def wrapped_report(result: WrappedNipResult) -> list[Part]:
+    """Return the report of a nip with its wraps, and of the same nip without them."""
     problem = result.problem
-    table = _table("Other theories")
-    for label, value in _rival_tensions(result):
-        _row(table, "nip_induced_tension", value, label=label)
-    contact = theories.hertz(problem)
-    _row(table, "nip_width", 2 * contact.half_width, label="Hertz (half-planes, no web)")
-    _row(table, "peak_pressure", contact.peak_pressure, label="Hertz (half-planes, no web)")
-    return table
+    loads = [*_loads(result), field_row(problem, "roll_wrap")]
+    if problem.drum_wrap:
+        loads.append(field_row(problem, "drum_wrap"))
+    if problem.wrap_friction is not None:
+        loads.append(field_row(problem, "wrap_friction"))
+    return [
+        _how(result),
+        Section("Loads and wraps", tuple(loads)),
+        Section(WRAPPED if problem.roll_wrap else HELD, _wrapped_rows(result)),
+        nip_zones(result),
+        *_held_at_the_edge(result),
+        *_other_theories(result),
+    ]
 
 
-def _rival_tensions(result: NipResult) -> Iterator[tuple[str, float]]:
+def _wrapped_rows(result: WrappedNipResult) -> tuple[Row, ...]:
+    on_drum = ["tension_before_nip", "drum_wrap_traction"] if result.problem.drum_wrap else []
+    names = ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", *on_drum,
+             "roll_wrap_traction", "slip_angle"]  # fmt: skip
+    way = {Zone.STICK: "", Zone.FORWARD: ", web faster", Zone.BACKWARD: ", web slower"}
+    notes = {"approach": _level(result), "slip_angle": way[result.slip_zone]}
+    return _rows(result, names + NIP, **notes)
+
+
+def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
+    """Yield what the same nip without its wraps says, solved with as many nodes."""
+    angle = result.problem.roll_wrap
+    if angle == 0:
+        return  # held there already
+    title = "The same nip, its web held at the trailing edge"
+    try:
+        nip = result.confined(nodes=result.nodes)
+        estimate = nip.wound_on_tension_estimate(angle)
+    except NoSteadyState as fault:
+        yield Section(title, (), f"Has no steady state: {fault}")
+        return
+    except (InvalidProblem, NotConverged) as fault:
+        yield Section(title, (), f"Was not solved: {fault}")
+        return
+    rows = (
+        output_row(nip, "tension_behind_nip", note="  eq. (97)"),
+        output_row(
+            nip, "wound_on_tension_estimate", estimate, note="  eq. (183)",
+            meaning="wound-on tension estimated for a web that sticks behind",
+        ),
+    )  # fmt: skip
+    low, high = sorted((nip.tension_behind_nip, estimate))
+    if low <= result.wound_on_tension <= high:
+        text = f"They bracket the wound-on tension, {result.wound_on_tension:.5g} N/m above."
+    else:
+        text = "Here the wound-on tension does not lie between the two."
+    yield Section(title, rows, text)
+
+
+# ---- two rollers --------------------------------------------------------------------------------
+
+
+def roller_report(result: RollerResult) -> list[Part]:
+    """Return the report of two rollers."""
+    problem, rolling = result.problem, result.problem.motion == "rolling"
+    given = "creepage" if problem.creepage is not None else "tangential_load"
+    loads = (field_row(problem, name, empty=0.0) for name in ("load", given, "friction"))
+    how = f"{problem.motion} contact, {result.nodes} nodes, {result.iterations} linear systems"
+    return [
+        Line(how, "quiet"),
+        Section("Loads", tuple(loads)),
+        Section("Rolling contact" if rolling else "Static contact", _roller_rows(result)),
+        roller_zones(result),
+        *_roller_theories(result),
+    ]
+
+
+def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
     problem = result.problem
+    found = "creepage" if problem.motion == "rolling" else "shift"
+    names = ["tangential_load" if problem.creepage is not None else found, "nip_width",
+             "peak_pressure", "approach", "offset", "slip_share"]  # fmt: skip
+    if not isnan(result.traction_error):
+        names.append("traction_error")
+    level = _up_to_a_constant(problem.upper, problem.lower)
+    return _rows(result, names, approach=level, shift=level)
+
+
+# ---- other theories, where they apply -----------------------------------------------------------
+
+
+def _other_theories(result: WindingNipResult) -> Iterator[Section]:
+    """Yield closed forms of a nip; those of the tension take the solved approach and zones."""
+    rows = [
+        output_row(result, "nip_induced_tension", value, meaning=label)
+        for label, value in _rival_tensions(result)
+    ]
+    rows += _hertz(result, "Hertz (half-planes, no web)")
+    if rows:
+        yield Section("Other theories", tuple(rows))
+
+
+def _rival_tensions(result: WindingNipResult) -> Iterator[tuple[str, float]]:
+    problem = result.problem
+    if getattr(problem, "drum_wrap", 0):
+        return  # they know of no winding force but the nip's
     yield "friction limit mu+ P + F (upper bound)", theories.friction_limit(problem)
-    dual = float(theories.dual_slip(problem, result.slip_ratios.dual))
-    yield "dual-slip formula, with the solved dual slip", dual
-    if not any(isinstance(body, HalfPlane) for body in (problem.roll, problem.drum)):
-        # a half-plane's approach holds up to a constant only
+    if result.dual:
+        dual = float(theories.dual_slip(problem, result.dual))
+        yield "dual-slip formula, with the solved dual slip", dual
+    if not (_deep(problem.roll) or _deep(problem.drum)):
         jalkanen = theories.jalkanen(problem, result.approach)
         yield "Jalkanen, with the solved approach", jalkanen
 
 
-def _certificate(result: NipResult | WrappedNipResult) -> str:
-    law, value = max(result.residuals.items(), key=lambda item: item[1])
-    count = sum(1 for _ in result.residuals.items())
-    return (
-        f"Certificate: all {count} contact laws hold; the largest residual is {value:.1e} "
-        f"({law.replace('_', ' ')})"
+def _hertz(result: WindingNipResult | RollerResult, label: str) -> list[Row]:
+    try:
+        contact = theories.hertz(result.problem)
+    except InvalidProblem:  # a body of no linear elastic material
+        return []
+    return [
+        output_row(result, "nip_width", 2 * contact.half_width, meaning=label),
+        output_row(result, "peak_pressure", contact.peak_pressure, meaning=label),
+    ]
+
+
+def _roller_theories(result: RollerResult) -> Iterator[Section]:
+    rows = [*_partial_slip(result), *_free_rolling(result)]
+    rows += _hertz(result, "Hertz (half-planes)")
+    if rows:
+        yield Section("Closed forms", tuple(rows))
+
+
+def _partial_slip(result: RollerResult) -> Iterator[Row]:
+    """Yield Carter's or Cattaneo's answer, where the rollers are elastically similar."""
+    rolling = result.problem.motion == "rolling"
+    name, theory = ("Carter", theories.carter) if rolling else ("Cattaneo", theories.cattaneo)
+    try:
+        found = theory(result.problem)
+    except InvalidProblem:
+        return
+    label = f"{name} (similar half-planes)"
+    if rolling and result.problem.creepage is None:
+        yield output_row(result, "creepage", found.creepage, meaning=label)
+    if rolling and result.problem.creepage is not None:
+        yield output_row(result, "tangential_load", found.tangential_load, meaning=label)
+    share = 1 - found.stick_half_width / found.half_width
+    yield output_row(result, "slip_share", share, meaning=label)
+
+
+def _free_rolling(result: RollerResult) -> Iterator[Row]:
+    """Yield the limits of Bentall and Johnson, where dissimilar rollers roll freely."""
+    problem = result.problem
+    if problem.motion != "rolling" or problem.creepage is not None or problem.tangential_load:
+        return
+    try:
+        stick = theories.bentall_johnson_stick(problem)
+        slip = theories.bentall_johnson_frictionless(problem)
+    except InvalidProblem:
+        return
+    if stick.oscillation:  # similar ones roll freely without creepage
+        for value, without in ((slip, "friction"), (stick.creepage, "slip")):
+            label = f"Bentall and Johnson (half-planes), without {without}"
+            yield output_row(result, "creepage", value, meaning=label)
+
+
+# ---- any kind -----------------------------------------------------------------------------------
+
+
+def outputs_report(result: Result) -> list[Part]:
+    """Return a report of any kind: the problem's fields, all outputs that are single numbers."""
+    kind = kinds.of(result)
+    title = kind.name.replace("_", " ").capitalize()
+    errors = {f"{name}_error" for name in result.errors}  # told beside their outputs already
+    rows = (
+        output_row(result, name)
+        for name in quantities.scalar_outputs(result)
+        if name != "residual" and name not in errors
     )
+    return [
+        Section(f"{title}: problem", tuple(_fields(result.problem))),
+        Section(f"{title}: result", tuple(rows)),
+    ]
+
+
+def _fields(problem: Description, under: str = "") -> Iterator[Row]:
+    """Yield every field of a description, nested ones by dotted name."""
+    for name in type(problem).model_fields:
+        value = getattr(problem, name)
+        items = enumerate(value) if isinstance(value, tuple) else ()
+        inner = [(f"{under}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
+        inner += [(f"{under}{name}", value)] if isinstance(value, Description) else []
+        for path, part in inner:
+            yield Row(path, "", type(part).__name__)
+            yield from _fields(part, f"{path}.")
+        if not inner and value is not None:
+            yield _field(problem, name, value, under)
+
+
+def _field(problem: Description, name: str, value: Any, under: str) -> Row:
+    quantity = quantities.find(problem, name)[0].quantity
+    if quantity is None or not isinstance(value, (int, float)):
+        return Row(f"{under}{name}", "", str(value))
+    row = row_of(quantity, value)
+    # the name that --set takes; the meaning of a nested field would not say whose it is
+    return replace(row, meaning=f"{under}{name}") if under else row
+
+
+# ---- sensitivities ------------------------------------------------------------------------------
 
 
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     """Print elasticities, what matters most for the nip-induced tension first."""
     ordered = sensitivity.sorted()
-    title = "\nElasticities: percent of output per percent of field"
-    table = Table(title=title, title_justify="left", title_style="bold", box=None)
-    table.add_column("", min_width=32)
-    table.add_column("value [SI]", justify="right", style="dim")
-    for output in ordered.outputs:
-        table.add_column(QUANTITIES[output].symbol, justify="right", min_width=9)
-    for name, field, column in zip(
-        ordered.parameters, ordered.fields, ordered.elasticities.T, strict=True
-    ):
-        if field != 0:
-            table.add_row(
-                name, f"{field:.5g}", *(f"{round(value, 4) + 0:+.4f}" for value in column)
-            )
-    console.print(table)
+    known = quantities.scalar_outputs(NipResult)
+    # the width's elasticities are the half width's
+    told = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
+    head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in told)]
+    table = [
+        [name, f"{field:.5g}", *(f"{_rounded(value):+.4f}" for value in values)]
+        for name, field, values in zip(
+            ordered.parameters, ordered.fields, ordered.elasticities[told].T, strict=True
+        )
+        if field
+    ]
+    widths = [max(32, *map(len, ordered.parameters)), 10, *(9 for _ in told)]
+    console.print(Text("\nElasticities: percent of output per percent of field", style="bold"))
+    print_columns([head, *table], widths, "<" + ">" * len(head), console)
     for name, field in zip(ordered.parameters, ordered.fields, strict=True):
-        if field == 0:  # no percent of it; what it does all the same
+        if not field:  # no percent of it; what it does all the same
             slope = ordered.derivative("nip_induced_tension", name)
-            console.print(Text(f"{name} is 0: NIT changes by {slope:+.4g} N/m per SI unit of it"))
+            quantity = quantities.find(NipProblem, name)[0].quantity
+            unit = "unit" if quantity is None else quantity.unit.replace("1", "unit")
+            console.print(Text(f"{name} is 0: NIT changes by {slope:+.4g} N/m per {unit} of it"))
     if ordered.zone_change:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
         console.print(Text(text, style="bold yellow"))
+
+
+def _rounded(value: float) -> float:
+    return float(np.round(value, 4)) + 0.0  # no minus zero

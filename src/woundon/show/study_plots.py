@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,26 +11,21 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ..plots import save_figure, style
-from .model import Label
-from .table import Table
+from ..quantities import Quantity
+from .figures import COLOURS, axis_label, save_figure, style, unit_of, wrapped_text
 
 if TYPE_CHECKING:
-    from .fit import FitResult
-    from .sobol import SobolIndices
+    from ..studies.fit import FitResult
+    from ..studies.sobol import SobolIndices
+    from ..studies.table import Table
 
 __all__ = ["plot_fit", "plot_indices", "plot_sweep"]
 
 Array = np.ndarray
 
-# Okabe and Ito's palette, told apart with any colour vision
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 _LINES = ("-", "--", "-.", ":")
 _MOST_CURVES, _MOST_PANELS = 7, 4
-_SHOWN = {
-    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa")),
-    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm")),
-}
+_LONG_NAME = 32  # characters; a longer one is too long for a legend
 
 
 def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Figure:
@@ -56,7 +50,7 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
 
 def _grid_figure(table: Table, output: str) -> Figure:
     design = table.design
-    flat, text = _scaled(table.labels.get(output), output, table.outputs[output])
+    flat, text = _scaled(table.quantities.get(output), output, table.outputs[output])
     values = flat.reshape(design.shape)
     ranked = sorted(
         range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
@@ -80,8 +74,8 @@ def _grid_figure(table: Table, output: str) -> Figure:
     if len(drawn) > 1:
         axes[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     if fixed:
-        text = ", ".join(_at(table, k, place) for k, place in fixed.items())
-        figure.suptitle(text, fontsize=9)
+        held_at = ", ".join(_at(table, k, place) for k, place in fixed.items())
+        figure.suptitle(held_at, fontsize=9)
     return figure
 
 
@@ -90,13 +84,13 @@ def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
     numeric = x.numeric
     at, text = np.arange(len(x.values)), x.name
     if numeric:
-        at, text = _scaled(table.labels.get(x.name), x.name, x.labels.astype(float))
+        at, text = _scaled(table.quantities.get(x.name), x.name, x.labels.astype(float))
     order = np.argsort(at, kind="stable")
     for place, k in enumerate(_spread(values.shape[1], _MOST_CURVES)):
         label = _at(table, drawn[1], k) if len(drawn) > 1 else None
         mark = "." if at.size <= 30 else None
         axes.plot(
-            at[order], values[order, k], _LINES[place % 4], color=_COLOURS[place],
+            at[order], values[order, k], _LINES[place % 4], color=COLOURS[place],
             marker=mark if numeric else "o", label=label,
         )  # fmt: skip
     if not numeric:
@@ -114,11 +108,11 @@ def _scatter(table: Table, output: str) -> Figure:
     panels = figure.subplots(rows, wide, sharey=True, squeeze=False)
     for axes in panels.flat[len(columns) :]:
         axes.set_visible(False)
-    values, text = _scaled(table.labels.get(output), output, table.outputs[output])
+    values, text = _scaled(table.quantities.get(output), output, table.outputs[output])
     for axes, column in zip(panels.flat, columns, strict=False):
-        label = table.labels.get(column.name)
-        at, along = _scaled(label, column.name, column.labels.astype(float), words=False)
-        axes.plot(at, values, ".", color=_COLOURS[0], markersize=3, alpha=0.6, rasterized=True)
+        quantity = table.quantities.get(column.name)
+        at, along = _scaled(quantity, column.name, column.labels.astype(float), words=False)
+        axes.plot(at, values, ".", color=COLOURS[0], markersize=3, alpha=0.6, rasterized=True)
         if _logarithmic(at):
             _log_axis(axes.xaxis)
         axes.set_xlabel(along)
@@ -142,42 +136,59 @@ def plot_fit(fit: FitResult, path: str | Path | None = None) -> Figure:
         panels = figure.subplots(1, count, squeeze=False)[0]
         _draw_agreement(panels[0], fit)
         told = "others refitted" if len(fit.profiles) > 1 else "profile"
+        rms, text = _rms(fit)
         for axes, profile in zip(panels[1:], fit.profiles, strict=True):
-            label = fit.labels.get(profile.name)
-            at, text = _scaled(label, profile.name, profile.values, words=False)
-            axes.plot(at, profile.rms, ".-", color=_COLOURS[0], label=told)
-            axes.axhline(profile.rms_limit, color=_COLOURS[1], linestyle="--", label="95 % limit")
+            quantity = fit.quantities.get(profile.name)
+            at, along = _scaled(quantity, profile.name, profile.values, words=False)
+            axes.plot(at, rms * profile.rms, ".-", color=COLOURS[0], label=told)
+            axes.axhline(
+                rms * profile.rms_limit, color=COLOURS[1], linestyle="--", label="95 % limit"
+            )
             if _logarithmic(at):
                 _log_axis(axes.xaxis)
-            axes.set_xlabel(text)
-            axes.set_ylabel(f"RMS of the fit [{_rms_unit(fit)}]")
+            axes.set_xlabel(along)
+            axes.set_ylabel(text)
             axes.legend()
     if path is not None:
         save_figure(figure, path)
     return figure
 
 
-def _rms_unit(fit: FitResult) -> str:
-    label = fit.labels.get(fit.row_outputs[0])
-    return "standard deviations" if fit.weighted else label.unit if label else "1"
+def _rms(fit: FitResult) -> tuple[float, str]:
+    """Return the factor that takes an RMS to the unit for display, and the axis's text."""
+    quantity = fit.quantities.get(fit.row_outputs[0])
+    if fit.weighted or quantity is None:
+        return 1.0, "RMS of the fit [standard deviations]" if fit.weighted else "RMS of the fit"
+    return float(quantity.shown(1.0)), axis_label("RMS of the fit", quantity)
 
 
 def _draw_agreement(axes: Axes, fit: FitResult) -> None:
-    for place, output in enumerate(dict.fromkeys(fit.row_outputs)):
-        known = fit.labels.get(output)
+    outputs = list(dict.fromkeys(fit.row_outputs))
+    units, ends = [], []
+    for place, output in enumerate(outputs):
+        quantity = fit.quantities.get(output)
         rows = np.array([name == output for name in fit.row_outputs])
+        measured, fitted = fit.measured[rows], fit.fitted[rows]
+        if quantity is not None:
+            measured, fitted = quantity.shown(measured), quantity.shown(fitted)
+        units.append(unit_of(quantity) if quantity is not None else "")
+        ends += [measured.min(), measured.max(), fitted.min(), fitted.max()]
         axes.plot(
-            fit.measured[rows], fit.fitted[rows], "os^dv"[place % 5], color=_COLOURS[place % 7],
-            markersize=4, label=known.description if known else output.replace("_", " "),
+            measured, fitted, "os^dv"[place % 5], color=COLOURS[place % 7], markersize=4,
+            label=_short_name(quantity, output),
         )  # fmt: skip
-    ends = [float(min(fit.measured.min(), fit.fitted.min())),
-            float(max(fit.measured.max(), fit.fitted.max()))]  # fmt: skip
-    axes.plot(ends, ends, color="#888888", linewidth=0.8)
-    units = {label.unit for name in fit.row_outputs if (label := fit.labels.get(name))}
-    unit = f" [{units.pop()}]" if len(units) == 1 else " [SI]"
+    line = [min(ends), max(ends)]
+    axes.plot(line, line, color="#888888", linewidth=0.8)
+    unit = f" [{units[0]}]" if len(set(units)) == 1 and units[0] else ""
     axes.set_xlabel(f"measured{unit}")
     axes.set_ylabel(f"fitted{unit}")
     axes.legend()
+
+
+def _short_name(quantity: Quantity | None, name: str) -> str:
+    """Return what a legend calls a quantity: its meaning without the explanation, if short."""
+    meaning = "" if quantity is None else quantity.meaning.partition(",")[0]
+    return meaning if 0 < len(meaning) <= _LONG_NAME else name.replace("_", " ")
 
 
 def plot_indices(indices: SobolIndices, path: str | Path | None = None) -> Figure:
@@ -200,7 +211,7 @@ def plot_indices(indices: SobolIndices, path: str | Path | None = None) -> Figur
                 reach = np.abs(ends[:, k] - value[k])
                 axes.barh(
                     at + shift, value[k], height=0.38, xerr=reach, label=label,
-                    color=_COLOURS[0 if shift < 0 else 4], error_kw={"linewidth": 0.9},
+                    color=COLOURS[0 if shift < 0 else 4], error_kw={"linewidth": 0.9},
                 )  # fmt: skip
             axes.set_yticks(at, [name.replace("_", " ") for name in indices.inputs])
             axes.invert_yaxis()
@@ -225,22 +236,15 @@ def _logarithmic(values: Array) -> bool:
     return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
 
 
-def _prefixed(unit: str, largest: float) -> tuple[float, str]:
-    """Return factor and unit that show values up to ``largest`` with few digits."""
-    for factor, shown in _SHOWN.get(unit, ()):
-        if largest >= factor:
-            return 1 / factor, shown
-    return 1.0, unit
-
-
-def _scaled(label: Label | None, name: str, values: Array, words: bool = True) -> tuple[Array, str]:
-    """Return values as they are drawn, and the axis's text with their unit."""
-    if label is None:
-        return values, name.replace("_", " ")
-    finite = np.abs(values[np.isfinite(values)])
-    factor, unit = _prefixed(label.unit, float(finite.max()) if finite.size else 0.0)
-    text = label.description if words else name.replace("_", " ")
-    return values * factor, text if unit in ("", "1") else f"{text} [{unit}]"
+def _scaled(
+    quantity: Quantity | None, name: str, values: Array, words: bool = True
+) -> tuple[Array, str]:
+    """Return values in the unit for display, and the axis's text."""
+    text = name.replace("_", " ")
+    if quantity is None:
+        return values, text
+    text = wrapped_text(quantity.meaning, 36) if words else text
+    return quantity.shown(values), axis_label(text, quantity)
 
 
 def _log_axis(axis: Axis) -> None:
@@ -252,14 +256,12 @@ def _log_axis(axis: Axis) -> None:
 
 
 def _at(table: Table, axis: int, place: int) -> str:
-    """Return "shear modulus = 1e+07 Pa" for a place on an axis."""
+    """Return "shear = 10 MPa" for a place on an axis."""
     column = table.design.columns[axis]
-    label: Mapping[str, Label] = table.labels
-    value = column.labels[place]
-    unit = label[column.name].unit if column.name in label else ""
-    if column.numeric:
-        factor, unit = _prefixed(unit, abs(float(value)))
-        value = value * factor
-    shown = f"{value:.4g}" if column.numeric else str(value)
+    value, quantity = column.labels[place], table.quantities.get(column.name)
     name = column.name.rpartition(".")[2].replace("_", " ")
-    return f"{name} = {shown} {unit if unit != '1' else ''}".strip()
+    if not column.numeric:
+        return f"{name} = {value}"
+    if quantity is None:
+        return f"{name} = {value:.4g}"
+    return f"{name} = {quantity.shown(value):.4g} {unit_of(quantity)}".rstrip()

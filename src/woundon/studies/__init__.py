@@ -1,6 +1,7 @@
-"""Studies over any solver: sweeps, fits, global sensitivity; callables and tables, no physics.
+"""Studies over any kind of problem: sweeps, fits, global sensitivity; they know no physics.
 
     inputs and their values --> Design --> chunks --> runner (here, pool, Dask) --> store, Table
 
-``nip`` binds woundon's own solvers to it; it and the command line are all that know physics.
+The engine knows a ``Model`` only: names in, numbers out.  ``kind_model`` makes one of a problem of
+any kind; ``api`` and ``commands`` are what people call.
 """

@@ -1,4 +1,4 @@
-"""``wo.sweep``, ``wo.fit``, ``wo.global_sensitivity``: the study engine over woundon's solvers."""
+"""``wo.sweep``, ``wo.fit``, ``wo.global_sensitivity``: the engine over problems of any kind."""
 
 from __future__ import annotations
 
@@ -8,17 +8,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..problems import RollerProblem
+from ..problems.fields import Problem, shown
+from ..quantities import Quantity
 from .design import make_design
 from .engine import Progress, run_study
-from .fields import field_label, get_field
 from .fit import FitResult, fit_parameters
+from .kind_model import (
+    KindModel,
+    column_quantity,
+    field_quantity,
+    get_field,
+    measurable,
+    model_of,
+    options_of,
+)
 from .measured import Measured, read_measured
-from .model import Label
+from .model import quantities_of
 from .predict import Parameter, Predictor
 from .runners import runner_for
 from .sobol import SobolIndices, saltelli_design, sobol_indices_of
-from .solver_model import Problem, all_labels, solver_model
 from .table import Table
 
 if TYPE_CHECKING:
@@ -32,21 +40,33 @@ FIT_NODES = 65
 def sweep(
     problem: Problem,
     over: Mapping[str, Any],
-    outputs: Sequence[str] = ("nip_induced_tension",),
+    outputs: Sequence[str] | None = None,
+    *,
+    design: str = "grid",
+    samples: int | None = None,
+    seed: int = 0,
+    tie: Mapping[str, str] | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    chunk: int | None = None,
+    progress: bool | Progress = False,
     **options: Any,
 ) -> xarray.Dataset:
-    """Solve a problem for many values of its fields.
+    """Solve a problem of any kind for many values of its fields.
 
     Parameters
     ----------
-    problem : NipProblem or RollerProblem
-        What is not varied.
+    problem : Problem
+        What is not varied: :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
+        :class:`~woundon.RollerProblem`, ...
     over : mapping
-        Dotted name of any field -> its values, SI; for a drawn design (low, high) or
-        (low, high, "log").  Values may be bodies or names of materials too.
+        Dotted name of any field, ``"drum.layers.0.thickness"``, -> its values, SI; for a drawn
+        design (low, high) or (low, high, "log").  Values may be bodies or names of materials too.
     outputs : sequence of str
-        Any scalar of the result; also ``peak_pressure``, ``nip_width``, ``dual``, ``leading_roll``,
-        ``trailing_roll``, ``residual`` (largest violation of a law), ``rig_tension``.
+        Any scalar of the result, or ``"errors.<output>"`` for its estimated error; by default the
+        nip-induced tension of a nip, the wound-on tension of a wrapped one.
     design : {"grid", "table", "latin-hypercube", "sobol"}
         All combinations (default); row by row; drawn.
     samples, seed : int
@@ -63,8 +83,8 @@ def sweep(
         Cases that are solved in a row, each from the state of the one before.
     progress : bool or callable
         Show rate and time left, or call with (cases done, cases in all).
-    scheme, nodes, rtol, algorithm
-        As of :func:`~woundon.nip.solve_nip`.
+    options
+        Of the kind's solver: ``nodes``, ``rtol``, ...
 
     Returns
     -------
@@ -77,13 +97,17 @@ def sweep(
     InvalidProblem
         For a name that does not exist, or a folder that holds another study.
     """
-    return sweep_table(problem, over, outputs, **options).to_dataset()
+    return sweep_table(
+        problem, over, outputs, design=design, samples=samples, seed=seed, tie=tie,
+        workers=workers, scheduler=scheduler, options=options, out=out, resume=resume, chunk=chunk,
+        progress=progress,
+    ).to_dataset()  # fmt: skip
 
 
 def sweep_table(
     problem: Problem,
     over: Mapping[str, Any],
-    outputs: Sequence[str] = ("nip_induced_tension",),
+    outputs: Sequence[str] | None = None,
     *,
     design: str = "grid",
     samples: int | None = None,
@@ -91,25 +115,29 @@ def sweep_table(
     tie: Mapping[str, str] | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
-    out: str | Path | None = None,
-    resume: bool = False,
-    chunk: int | None = None,
-    progress: bool | Progress = False,
-    **options: Any,
+    options: Mapping[str, Any] | None = None,
+    **storing: Any,
 ) -> Table:
-    """Return the table of :func:`sweep`."""
-    model = solver_model(problem, outputs, tie, options)
-    model.check_free(over if isinstance(over, Mapping) else ())
-    return run_study(
-        model, make_design(over, design, samples, seed), runner_for(workers, scheduler),
-        out=out, resume=resume, chunk=chunk, progress=progress,
-    )  # fmt: skip
+    """Return the table of :func:`sweep`; ``storing`` goes to :func:`~.engine.run_study`."""
+    model = _varied(problem, over, outputs, tie, options or {})
+    cases = make_design(over, design, samples, seed)
+    return run_study(model, cases, runner_for(workers, scheduler), **storing)
+
+
+def _varied(
+    problem: Problem, over: Any, outputs: Sequence[str] | None, tie: Mapping[str, str] | None,
+    options: Mapping[str, Any],
+) -> KindModel:  # fmt: skip
+    """Return the model of a study, its inputs checked."""
+    model = model_of(problem, outputs, tie, options)
+    model.check_varied(over if isinstance(over, Mapping) else ())
+    return model
 
 
 def global_sensitivity(
     problem: Problem,
     over: Mapping[str, Any],
-    outputs: Sequence[str] = ("nip_induced_tension",),
+    outputs: Sequence[str] | None = None,
     *,
     samples: int = 256,
     seed: int = 0,
@@ -125,7 +153,8 @@ def global_sensitivity(
 
     Parameters
     ----------
-    problem : NipProblem or RollerProblem
+    problem : Problem
+        Of any kind.
     over : mapping
         Dotted name -> range (low, high), or (low, high, "log") for one even in the logarithm.
     outputs : sequence of str
@@ -139,8 +168,7 @@ def global_sensitivity(
     InvalidProblem
         Also if a case of the ranges cannot be solved: the indices need every one.
     """
-    model = solver_model(problem, outputs, tie, options)
-    model.check_free(over if isinstance(over, Mapping) else ())
+    model = _varied(problem, over, outputs, tie, options)
     table = run_study(
         model, saltelli_design(over, samples, seed), runner_for(workers, scheduler),
         out=out, resume=resume, progress=progress,
@@ -160,13 +188,14 @@ def fit(
     profiles: bool = True,
     **options: Any,
 ) -> FitResult:
-    """Fit fields of a problem to measured data by least squares.
+    """Fit fields of a problem of any kind to measured data by least squares.
 
     Parameters
     ----------
-    problem : NipProblem or RollerProblem
-        Everything that is neither measured nor fitted.
-    measured : path or mapping
+    problem : Problem
+        Everything that is neither measured nor fitted.  Wound-on tensions are fitted by
+        ``problem.wrapped(...)``; a nip alone has ``tension_behind_nip``.
+    measured : path, mapping or pandas.DataFrame
         CSV or Excel file with units in its header, or columns by name: inputs ("nip_load [kN/m]"),
         outputs ("wound_on_tension [N/m]"), and standard deviations of these
         ("wound_on_tension +- [N/m]").
@@ -180,10 +209,10 @@ def fit(
         Starting points: the problem as it is, the others drawn.
     profiles : bool
         Find profile-likelihood intervals.
-    scheme, nodes
-        As of :func:`~woundon.nip.solve_nip`; 65 nodes by default.  Leave ``rtol`` out: on one grid
-        the outputs are continuous in the parameters, between grids they jump by the
-        discretisation's error.
+    options
+        Of the kind's solver; 65 nodes by default where it would choose their number itself.  Leave
+        ``rtol`` out: on one grid the outputs are continuous in the parameters, between grids they
+        jump by the discretisation's error.
 
     Returns
     -------
@@ -198,30 +227,30 @@ def fit(
         If no start can be solved.
     """
     data = read_measured(
-        measured, all_labels(problem), lambda name: field_label(problem, name), columns
+        measured, measurable(problem), lambda name: column_quantity(problem, name), columns
     )
-    model = solver_model(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
+    model = model_of(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
     parameters = tuple(_parameter(problem, name, bounds) for name, bounds in _bounds(vary).items())
-    model.check_free([*(p.name for p in parameters), *data.inputs])
+    model.check_varied([*(p.name for p in parameters), *data.inputs])
     for parameter in parameters:
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
-    labels = {n: model.label(n) for n in (*(p.name for p in parameters), *data.outputs)}
-    _one_unit(labels, data)
+    quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
+    _one_unit(quantities, data)
     found = fit_parameters(
         Predictor(model, data, parameters), starts=starts, seed=seed, profiles=profiles,
-        labels=labels,
+        quantities=quantities,
     )  # fmt: skip
     estimates = dict(zip(found.names, found.estimates, strict=True))
     return replace(found, problem=model.variant(estimates))
 
 
 def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Keep a nip's grid from being refined where the estimated error asks for it."""
-    free = isinstance(problem, RollerProblem) or any(
-        options.get(name) is not None for name in ("nodes", "rtol", "scheme")
-    )
-    return dict(options) if free else {**options, "nodes": FIT_NODES}
+    """Keep a grid that its solver would choose from being refined where the error asks for it."""
+    chosen = options_of(problem).get("nodes", ...) is None
+    if not chosen or any(options.get(name) is not None for name in ("nodes", "rtol", "scheme")):
+        return dict(options)
+    return {**options, "nodes": FIT_NODES}
 
 
 def _bounds(vary: Any) -> dict[str, Any]:
@@ -229,22 +258,22 @@ def _bounds(vary: Any) -> dict[str, Any]:
         [vary] if isinstance(vary, str) else vary
     )  # fmt: skip
     if not given:
-        raise InvalidProblem([("vary", "nothing to fit: give fields and their bounds")])
+        raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
     return given
 
 
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
     base = get_field(problem, name)
-    if not isinstance(base, float):
-        raise InvalidProblem([(name, f"{base!r} is no number, so it cannot be fitted")])
+    if field_quantity(problem, name) is None or not isinstance(base, float | None):
+        raise InvalidProblem.at(name, f"{shown(base)} is not a number, so it cannot be fitted")
     if bounds is None:
-        if base <= 0:
-            raise InvalidProblem([(name, f"is {base:g}: give bounds for it")])
+        if base is None or base <= 0:
+            raise InvalidProblem.at(name, f"is {shown(base)}: give bounds for it")
         bounds = (base / 10, base * 10)
     try:
         low, high = (float(end) for end in bounds)
     except (TypeError, ValueError):
-        raise InvalidProblem([(name, f"{bounds!r} are no bounds; write (low, high)")]) from None
+        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write (low, high)") from None
     return Parameter(name, low, high, base)
 
 
@@ -258,7 +287,7 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
         except InvalidProblem as fault:
             own = [text for field, text in fault.faults if field == parameter.name]
             if own:
-                raise InvalidProblem([(parameter.name, f"bounds: {own[0]}")]) from None
+                raise InvalidProblem.at(parameter.name, f"bounds: {own[0]}") from None
 
 
 def _check_rows(problem: Problem, data: Measured) -> None:
@@ -273,9 +302,9 @@ def _check_rows(problem: Problem, data: Measured) -> None:
             raise fault.under(f"measured: row {number}") from None
 
 
-def _one_unit(labels: Mapping[str, Label], data: Measured) -> None:
+def _one_unit(quantities: Mapping[str, Quantity], data: Measured) -> None:
     """Refuse to weigh outputs of different units against each other without deviations."""
-    units = {labels[name].unit for name in data.outputs}
+    units = {quantities[name].unit for name in data.outputs}
     if len(units) > 1 and set(data.deviations) != set(data.outputs):
         text = f"outputs of different units ({', '.join(sorted(units))}) need standard deviations"
-        raise InvalidProblem([("measured", text)])
+        raise InvalidProblem.at("measured", text)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .. import kinds
 from ..errors import InvalidProblem
-from ..outputs import check_writable
+from ..io.files import check_writable
 
 if TYPE_CHECKING:
     from .table import Table
@@ -49,9 +50,8 @@ def sweep(
     DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
     on with --resume.
     """
+    from .api import sweep_table
     from .export import check_export, export
-    from .nip import sweep_table
-    from .plots import plot_sweep
     from .studyfile import load_study
 
     told = load_study(study)
@@ -61,15 +61,15 @@ def sweep(
     began = time.perf_counter()
     table = _stoppable(
         sweep_table, told.problem, told.over, told.outputs, tie=told.tie, **told.design,
-        **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers, chunk=chunk,
-        progress=True,
+        options=told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
+        chunk=chunk, progress=True,
     )  # fmt: skip
     seconds = time.perf_counter() - began
     for target in targets:
         export(table, target)
-    figures = [out / f"{output}.png" for output in told.outputs]
-    for output, figure in zip(told.outputs, figures, strict=True):
-        plot_sweep(table, output, figure)
+    figures = [out / f"{output}.png" for output in table.outputs]
+    for output, figure in zip(table.outputs, figures, strict=True):
+        table.plot(output, figure)
     code = _summary(table, seconds)
     _written([*targets, *figures])
     return code
@@ -101,10 +101,10 @@ def _summary(table: Table, seconds: float) -> int:
         click.secho(f"  {warned} leave the model's validity, the first: {first}", fg="yellow")
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
-            label = table.labels[name]
-            unit = "" if label.unit == "1" else f" {label.unit}"
+            about = table.quantities[name]
+            unit = "" if about.unit == "1" else f" {about.unit}"
             low, high = np.nanmin(values), np.nanmax(values)
-            click.echo(f"{label.description}: {low:.5g} to {high:.5g}{unit}")
+            click.echo(f"{about.meaning}: {low:.5g} to {high:.5g}{unit}")
     return 3 if failed == size else 0
 
 
@@ -124,8 +124,7 @@ def sensitivity(
 
     Every entry of [over] is a range { from, to }.  It takes samples * (inputs + 2) cases.
     """
-    from .nip import global_sensitivity
-    from .plots import plot_indices
+    from .api import global_sensitivity
     from .studyfile import load_study
 
     told = load_study(study, ranges=True)
@@ -141,7 +140,7 @@ def sensitivity(
         click.echo(line)
     targets = [out / "sensitivity.nc", out / "sensitivity.png"]
     indices.to_dataset().to_netcdf(targets[0], engine="scipy")
-    plot_indices(indices, targets[1])
+    indices.plot(targets[1])
     _written(targets)
 
 
@@ -177,14 +176,12 @@ def fit(
     A column is an input or an output by its name, e.g. "nip_load [kN/m]", "web_tension [N/m]",
     "wound_on_tension [N/m]"; "wound_on_tension +- [N/m]" holds its standard deviations.
     """
-    from ..casefile import load_case
-    from .nip import fit as fit_problem
+    from ..io.case_files import load_case
+    from .api import fit as fit_problem
 
     problem = load_case(case, settings)
     if plot:
-        from ..plots import check_format
-
-        check_format(plot)
+        kinds.fetch("woundon.show.plots:check_format")(plot)
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     for path in filter(None, (save, plot)):
@@ -205,23 +202,23 @@ def fit(
 def _pair(text: str) -> tuple[str, str]:
     left, sign, right = (part.strip() for part in text.partition("="))
     if not sign or not left:
-        raise InvalidProblem([(text, "must be written NAME=NAME")])
+        raise InvalidProblem.at(text, "must be written NAME=NAME")
     return left, right
 
 
 def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
     """Return field and bounds of "FIELD" or "FIELD=LOW:HIGH"."""
-    from ..units import parse
-    from .fields import field_label
+    from ..io.units import parse
+    from .kind_model import field_quantity
 
     name, sign, bounds = (part.strip() for part in text.partition("="))
-    unit = field_label(problem, name).unit
-    if not sign:
+    quantity = field_quantity(problem, name)
+    if not sign or quantity is None:
         return name, None
     ends = bounds.split(":")
     if len(ends) != 2:
-        raise InvalidProblem([(name, f"{bounds!r} are no bounds; write LOW:HIGH")])
-    low, high = (parse(_number(end), unit or "1", name) for end in ends)
+        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write LOW:HIGH")
+    low, high = (parse(_number(end), quantity.unit, name) for end in ends)
     return name, (low, high)
 
 

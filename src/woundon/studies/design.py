@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2, prod
 from numbers import Real
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +24,7 @@ from .order import bisected, serpentine, tour
 __all__ = ["Column", "Design", "Range", "make_design"]
 
 Array = np.ndarray
-Kind = Literal["grid", "table", "latin-hypercube", "sobol"]
-KINDS = ("grid", "table", "latin-hypercube", "sobol")
+DESIGNS = ("grid", "table", "latin-hypercube", "sobol")
 MOST_CASES = 100_000_000
 
 
@@ -53,15 +52,15 @@ class Column:
             If it is no sequence, or empty, or mixes numbers with other things.
         """
         if isinstance(values, (str, Mapping)) or not hasattr(values, "__len__"):
-            raise InvalidProblem([(name, f"{values!r} is no list of values")])
+            raise InvalidProblem.at(name, f"{values!r} is not a list of values")
         items = list(values)
         if not items:
-            raise InvalidProblem([(name, "an empty list of values")])
+            raise InvalidProblem.at(name, "an empty list of values")
         numbers = [isinstance(v, (Real, np.number)) and not isinstance(v, bool) for v in items]
         if all(numbers):
             return cls(name, np.array(items, dtype=float))
         if any(numbers):
-            raise InvalidProblem([(name, "numbers and other things do not mix in one list")])
+            raise InvalidProblem.at(name, "numbers and other things do not mix in one list")
         return cls(name, tuple(items))
 
     @property
@@ -100,13 +99,13 @@ class Range:
         if not (len(parts) == 2 or self.log) or not all(
             isinstance(v, (Real, np.number)) and np.isfinite(float(v)) for v in parts[:2]
         ):
-            raise InvalidProblem(
-                [(name, f"{given!r} is no range; write (low, high) or (low, high, 'log')")]
+            raise InvalidProblem.at(
+                name, f"{given!r} is not a range; write (low, high) or (low, high, 'log')"
             )
         self.low, self.high = float(parts[0]), float(parts[1])
         if not self.low < self.high or (self.log and self.low <= 0):
             positive = "0 < " if self.log else ""
-            raise InvalidProblem([(name, f"{given!r} is no range: must be {positive}low < high")])
+            raise InvalidProblem.at(name, f"{given!r} is not a range: must be {positive}low < high")
 
     def scaled(self, unit: Array) -> Array:
         """Map [0, 1] onto the range."""
@@ -210,35 +209,35 @@ def make_design(
     InvalidProblem
         Naming the input at fault.
     """
-    if kind not in KINDS:
-        raise InvalidProblem([("design", f"{kind!r} is unknown{did_you_mean(kind, KINDS)}")])
+    if kind not in DESIGNS:
+        raise InvalidProblem.at("design", f"{kind!r} is unknown{did_you_mean(kind, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:
-        raise InvalidProblem([("over", "nothing to vary: give fields and their values")])
+        raise InvalidProblem.at("over", "nothing to vary: give fields and their values")
     if kind in ("grid", "table"):
         if samples is not None:
-            raise InvalidProblem([("samples", f"{samples!r} has no meaning in a {kind}")])
+            raise InvalidProblem.at("samples", f"{samples!r} has no meaning in a {kind}")
         design = Design(kind, tuple(Column.of(name, values) for name, values in over.items()))
         lengths = {len(c.values) for c in design.columns}
         if kind == "table" and len(lengths) > 1:
-            raise InvalidProblem([("over", f"columns of a table differ in length: {lengths}")])
+            raise InvalidProblem.at("over", f"columns of a table differ in length: {lengths}")
     else:
         ranges = [Range(name, given) for name, given in over.items()]
         unit = _drawn(kind, len(ranges), _checked_samples(kind, samples), seed)
         columns = (Column(r.name, r.scaled(unit[:, k])) for k, r in enumerate(ranges))
         design = Design(kind, tuple(columns))
     if design.size > MOST_CASES:
-        raise InvalidProblem([("over", f"{design.size} cases are more than {MOST_CASES}")])
+        raise InvalidProblem.at("over", f"{design.size} cases are more than {MOST_CASES}")
     return design
 
 
 def _checked_samples(kind: str, samples: int | None) -> int:
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
-        raise InvalidProblem([("samples", f"{samples!r} is no number of cases, at least 2")])
+        raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
     power = int(log2(samples))
     if kind == "sobol" and samples != 2**power:
         near = f"{2**power} or {2 ** (power + 1)}"
-        text = f"{samples} is no power of 2, as Sobol points ask for: {near}"
-        raise InvalidProblem([("samples", text)])
+        text = f"{samples} is not a power of 2, as Sobol points ask for: {near}"
+        raise InvalidProblem.at("samples", text)
     return int(samples)
 
 
@@ -247,7 +246,7 @@ def _drawn(kind: str, inputs: int, samples: int, seed: int) -> Array:
     from scipy.stats import qmc
 
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InvalidProblem([("seed", f"{seed!r} is no whole number, at least 0")])
+        raise InvalidProblem.at("seed", f"{seed!r} is not a whole number, at least 0")
     if kind == "sobol":
         return np.asarray(qmc.Sobol(inputs, rng=seed).random_base2(int(log2(samples))))
     return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))

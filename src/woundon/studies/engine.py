@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from ..errors import InvalidProblem
 from .design import Design
 from .evaluate import Chunk
-from .model import Model
+from .model import Model, quantities_of
 from .runners import Runner
 from .store import Store
 from .table import Table
@@ -53,10 +53,10 @@ def run_study(
         After Ctrl-C; finished chunks are in ``out``.
     """
     for name in set(design.names) & set(model.outputs):
-        raise InvalidProblem([(name, "is varied, so it cannot be an output too")])
-    labels = {name: model.label(name) for name in (*design.names, *model.outputs)}
+        raise InvalidProblem.at(name, "is varied, so it cannot be an output too")
+    quantities = quantities_of(model, (*design.names, *model.outputs))
     record = model.record()
-    table = Table.empty(design, model.outputs, labels, record)
+    table = Table.empty(design, model.outputs, quantities, record)
     store, done = None, set[int]()
     if out is not None:
         store = Store(out, design, model.outputs, record, chunk=chunk, resume=resume)
@@ -69,19 +69,14 @@ def run_study(
         if number not in done
     ]
     left = sum(len(c.cases) for c in chunks)
-    blocks = runner.solved(model, chunks)
-    with _told(progress, design.size - left, design.size) as tell:
-        try:
-            for block in blocks:
-                if store is not None:
-                    store.write(block)
-                table.put(block)
-                tell(len(block.cases))
-        finally:
-            # ends the workers here, where Ctrl-C can be heard, not whenever garbage is collected
-            close = getattr(blocks, "close", None)
-            if close is not None:
-                close()
+    told = _told(progress, design.size - left, design.size)
+    # closed: that ends the workers here, not whenever garbage is collected
+    with told as tell, closing(runner.solved(model, chunks)) as blocks:
+        for block in blocks:
+            if store is not None:
+                store.write(block)
+            table.put(block)
+            tell(len(block.cases))
     return table
 
 

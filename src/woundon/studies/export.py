@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ..errors import InvalidProblem
+from .measured import need_openpyxl
 from .store import write_parquet
 from .table import Table
+
+if TYPE_CHECKING:
+    import pandas
 
 __all__ = ["check_export", "export"]
 
@@ -47,31 +49,16 @@ def check_export(path: str | Path) -> Callable[[Table, Path], None]:
             [(str(path), f"the ending {ending!r} names no format; must be {', '.join(_WRITERS)}")]
         )
     if ending == ".xlsx":
-        openpyxl()
+        need_openpyxl()
     return _WRITERS[ending]
 
 
-def openpyxl() -> Any:
-    """Return the module that reads and writes Excel, or say how to install it."""
-    try:
-        import openpyxl
-    except ImportError:
-        raise InvalidProblem(
-            [("xlsx", "Excel files need openpyxl: pip install 'woundon[excel]'")]
-        ) from None
-    return openpyxl
+def _frame(table: Table) -> pandas.DataFrame:
+    """Return the table with units in its header."""
+    import pandas
 
-
-def _rows(table: Table) -> Iterable[tuple[Any, ...]]:
-    """Yield the header, then the rows."""
-    columns = table.columns()
-    yield tuple(_header(table, name) for name in columns)
-    yield from zip(*(values.tolist() for values in columns.values()), strict=True)
-
-
-def _header(table: Table, name: str) -> str:
-    label = table.labels.get(name)
-    return name if label is None or not label.unit else f"{name} [{label.unit}]"
+    header = {name: f"{name} [{about.unit}]" for name, about in table.quantities.items()}
+    return pandas.DataFrame(table.columns()).rename(columns=header)
 
 
 def _netcdf(table: Table, path: Path) -> None:
@@ -80,26 +67,22 @@ def _netcdf(table: Table, path: Path) -> None:
 
 
 def _csv(table: Table, path: Path) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(_rows(table))
+    _frame(table).to_csv(path, index=False, na_rep="nan", lineterminator="\n")
 
 
 def _excel(table: Table, path: Path) -> None:
+    import pandas
+
     if table.design.size + 1 > EXCEL_ROWS:
         raise InvalidProblem(
             [(str(path), f"{table.design.size} cases are more than an Excel sheet's rows")]
         )
-    book = openpyxl().Workbook(write_only=True)
-    sheet = book.create_sheet("study")
-    for row in _rows(table):
+    record = {"design": table.design.kind, **table.record}
+    about = {k: v if isinstance(v, str) else json.dumps(v) for k, v in record.items()}
+    with pandas.ExcelWriter(path, engine="openpyxl") as book:
         # Excel knows no nan: a failed case has empty cells
-        sheet.append([None if value != value else value for value in row])
-    about = book.create_sheet("about")
-    for name, value in {"design": table.design.kind, **table.record}.items():
-        about.append([name, value if isinstance(value, str) else json.dumps(value)])
-    content = io.BytesIO()
-    book.save(content)
-    path.write_bytes(content.getvalue())
+        _frame(table).to_excel(book, sheet_name="study", index=False, freeze_panes=(1, 0))
+        pandas.Series(about).to_excel(book, sheet_name="about", header=False)
 
 
 def _parquet(table: Table, path: Path) -> None:

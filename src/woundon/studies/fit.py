@@ -20,8 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from .. import kinds
 from ..errors import InvalidProblem, NotConverged
-from .model import Label
+from ..quantities import Quantity
+from . import fitreport
 from .predict import Parameter, Predictor
 from .profiles import Profile, profile_of, threshold
 
@@ -61,6 +63,8 @@ class FitResult:
     measured, fitted : (m,) arrays
     row_outputs, row_numbers : tuples
         Output and row of each measured value.
+    quantities : mapping of str to Quantity
+        Of parameters and outputs.
     problem : object
         The base problem with the estimates put in.
     """
@@ -86,7 +90,7 @@ class FitResult:
     row_numbers: tuple[int, ...]
     weighted: bool
     profiles: tuple[Profile, ...] = ()
-    labels: Mapping[str, Label] = field(default_factory=dict)
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
     problem: Any = None
 
     @property
@@ -100,26 +104,21 @@ class FitResult:
 
     def lines(self) -> list[str]:
         """Return the fit as lines of text."""
-        from .fitreport import lines
-
-        return lines(self)
+        return fitreport.lines(self)
 
     def to_json(self) -> str:
         """Return the fit as JSON."""
-        from .fitreport import to_json
-
-        return to_json(self)
+        return fitreport.to_json(self)
 
     def plot(self, path: Any = None) -> Any:
         """Draw fitted against measured values, and the profiles."""
-        from .plots import plot_fit
-
-        return plot_fit(self, path)
+        return kinds.fetch("woundon.show.study_plots:plot_fit")(self, path)
 
 
 def fit_parameters(
-    predictor: Predictor, *, starts: int, seed: int, profiles: bool, labels: Mapping[str, Label]
-) -> FitResult:
+    predictor: Predictor, *, starts: int, seed: int, profiles: bool,
+    quantities: Mapping[str, Quantity],
+) -> FitResult:  # fmt: skip
     """Fit the predictor's parameters.
 
     Parameters
@@ -130,7 +129,8 @@ def fit_parameters(
     seed : int
     profiles : bool
         Whether to find profile-likelihood intervals.
-    labels : mapping of str to Label
+    quantities : mapping of str to Quantity
+        Of parameters and outputs.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def fit_parameters(
     parameters, m = predictor.parameters, predictor.measured.size
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
-        raise InvalidProblem([("vary", text)])
+        raise InvalidProblem.at("vary", text)
     ends = [_from(predictor, u) for u in _starting_points(parameters, starts, seed)]
     found = sorted((end for end in ends if end is not None), key=lambda end: end[0])
     if not found:
@@ -162,14 +162,14 @@ def fit_parameters(
             break
         # a profile walked into a deeper valley that no start had found
         found = sorted([*found, _from(predictor, lower[1]) or lower], key=lambda end: end[0])
-    return _result(predictor, found, starts, made, labels)
+    return _result(predictor, found, starts, made, quantities)
 
 
 def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) -> list[Array]:
     from scipy.stats import qmc
 
     low, high = np.transpose([p.ends for p in parameters])
-    base = np.array([p.coordinate(min(max(p.base, p.low), p.high)) for p in parameters])
+    base = np.array([p.start for p in parameters])
     drawn = qmc.LatinHypercube(len(parameters), rng=seed).random(max(starts - 1, 0))
     return [base, *(low + drawn * (high - low))]
 
@@ -183,9 +183,10 @@ def _from(predictor: Predictor, start: Array) -> tuple[float, Array] | None:
     if not np.isfinite(predictor.residuals(inside)).all():
         return None
     try:
+        # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
         end = least_squares(
             predictor.residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
-            xtol=1e-8, ftol=1e-10, max_nfev=60,
+            xtol=1e-8, ftol=1e-10, gtol=None, max_nfev=60,
         )  # fmt: skip
     except ValueError:  # a derivative could not be had
         return None
@@ -211,7 +212,7 @@ def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
 
 def _result(
     predictor: Predictor, found: list[tuple[float, Array]], starts: int,
-    profiles: tuple[Profile, ...], labels: Mapping[str, Label],
+    profiles: tuple[Profile, ...], quantities: Mapping[str, Quantity],
 ) -> FitResult:  # fmt: skip
     S, u = found[0]
     J, parameters = predictor.jacobian(u), predictor.parameters
@@ -225,6 +226,7 @@ def _result(
     _, singular, V = np.linalg.svd(J * unit, full_matrices=False)
     direction = V[-1] / V[-1][np.argmax(np.abs(V[-1]))]
     m, tenth = predictor.measured.size, np.log(1.1)
+    rounding = 1e-12 * float(np.sum((predictor.measured / predictor.deviation) ** 2))
     return FitResult(
         names=tuple(p.name for p in parameters),
         estimates=np.array(list(predictor.inputs(u).values())),
@@ -235,10 +237,10 @@ def _result(
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
         minima=tuple((s, tuple(predictor.inputs(v).values())) for s, v in found),
-        reached=sum(s <= S * (1 + SAME_MINIMUM) + 1e-12 for s, _ in found), starts=starts,
+        reached=sum(s <= S * (1 + SAME_MINIMUM) + rounding for s, _ in found), starts=starts,
         solves=predictor.solves, measured=predictor.measured, fitted=predictor.values(u),
         row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
-        weighted=predictor.weighted, profiles=profiles, labels=labels,
+        weighted=predictor.weighted, profiles=profiles, quantities=quantities,
     )  # fmt: skip
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from math import expm1, isfinite, log
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .fit import FitResult
-from .profiles import Profile
+if TYPE_CHECKING:
+    from .fit import FitResult
+    from .profiles import Profile
 
 __all__ = ["lines", "to_json"]
 
@@ -29,15 +30,15 @@ def lines(fit: FitResult) -> list[str]:
 def _rms_unit(fit: FitResult) -> str:
     if fit.weighted:
         return " standard deviations"
-    label = fit.labels.get(fit.row_outputs[0])
-    return "" if label is None or label.unit == "1" else f" {label.unit}"
+    quantity = fit.quantities.get(fit.row_outputs[0])
+    return "" if quantity is None or quantity.unit == "1" else f" {quantity.unit}"
 
 
 def _estimates(fit: FitResult) -> Iterator[str]:
     profiles = {profile.name: profile for profile in fit.profiles}
     width = max(map(len, fit.names))
     for k, name in enumerate(fit.names):
-        unit = fit.labels[name].unit if name in fit.labels else ""
+        unit = fit.quantities[name].unit if name in fit.quantities else ""
         value, error = fit.estimates[k], fit.standard_errors[k]
         text = f"{name:<{width}}  {value:.4g} {unit if unit != '1' else ''}".rstrip()
         if isfinite(error):
@@ -101,7 +102,7 @@ def to_json(fit: FitResult) -> str:
             "reached", "starts", "solves", "measured", "fitted", "row_outputs", "row_numbers",
         )
     }  # fmt: skip
-    record["units"] = {name: label.unit for name, label in fit.labels.items()}
+    record["units"] = {name: quantity.unit for name, quantity in fit.quantities.items()}
     record["profiles"] = {
         p.name: {"low": p.low, "high": p.high, "values": p.values, "rms": p.rms}
         for p in fit.profiles

@@ -13,17 +13,18 @@ import csv
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
-from ..errors import InvalidProblem, did_you_mean
-from ..units import parse
-from .model import Label
+from ..errors import InvalidProblem
+from ..io.units import parse
+from ..quantities import Quantity
 
-__all__ = ["Measured", "read_measured"]
+__all__ = ["Measured", "need_openpyxl", "read_measured"]
 
 Array = np.ndarray
 _HEADER = re.compile(r"\s*([^\[\(]*?)\s*(?:[\[\(]\s*(.*?)\s*[\]\)])?\s*")
@@ -51,20 +52,21 @@ class Measured:
 
 def read_measured(
     data: Any,
-    outputs: Mapping[str, Label],
-    label: Callable[[str], Label],
+    outputs: Mapping[str, Quantity],
+    quantity: Callable[[str], Quantity | None],
     columns: Mapping[str, str | None] | None = None,
 ) -> Measured:
     """Return measured data.
 
     Parameters
     ----------
-    data : path or mapping
+    data : path, mapping or pandas.DataFrame
         ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name ends in a [unit].
-    outputs : mapping of str to Label
+    outputs : mapping of str to Quantity
         The outputs that a column may hold; every other column is an input.
-    label : callable
-        Name of an input -> its unit; raises InvalidProblem if there is none.
+    quantity : callable
+        Name of an input -> what it is, None if it is not a number; raises InvalidProblem if there
+        is no such input.
     columns : mapping, optional
         Name in the data -> name of the model, None for a column to leave out.
 
@@ -73,7 +75,7 @@ def read_measured(
     InvalidProblem
         Naming the file's column or row at fault.
     """
-    if isinstance(data, Mapping):
+    if hasattr(data, "items"):
         where, table = "measured", {str(name): list(values) for name, values in data.items()}
     else:
         where, table = str(data), _read(Path(data))
@@ -85,7 +87,7 @@ def read_measured(
         target = renames.pop(name, name)
         if target is None:
             continue
-        kind, target, of = _role(target, outputs, label, where)
+        kind, target, of = _role(target, outputs, quantity, where)
         if target in found[kind]:
             raise InvalidProblem([(where, f"two columns are {target}")])
         gap = kind != "inputs"
@@ -95,21 +97,18 @@ def read_measured(
 
 
 def _role(
-    name: str, outputs: Mapping[str, Label], label: Callable[[str], Label], where: str
-) -> tuple[str, str, Label]:
-    """Tell what a column is: kind, name in the model, label."""
+    name: str, outputs: Mapping[str, Quantity], quantity: Callable[[str], Quantity | None],
+    where: str,
+) -> tuple[str, str, Quantity | None]:  # fmt: skip
+    """Tell what a column is: kind, name in the model, quantity."""
     match = _DEVIATION.fullmatch(name)
     plain = match.group(1) if match else name
     if plain in outputs:
         return "deviations" if match else "outputs", plain, outputs[plain]
     try:
-        return "inputs", plain, label(plain)
+        return "inputs", plain, quantity(plain)
     except InvalidProblem as fault:
-        _, text = fault.faults[0]
-        hint = did_you_mean(plain, outputs)
-        raise InvalidProblem(
-            [(f"{where}: {plain}", f"{text}; among the outputs: {hint.lstrip('; ')}")]
-        ) from None
+        raise InvalidProblem.at(f"{where}: {plain}", fault.faults[0][1]) from None
 
 
 def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: str) -> None:
@@ -127,69 +126,76 @@ def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: s
             raise InvalidProblem([(where, text)])
 
 
-def _si(cells: list[Any], unit: str | None, of: Label, where: str, gap: bool) -> Array:
-    """Return a column in SI; an empty cell is nan where a ``gap`` is allowed."""
-    if not of.unit:
-        raise InvalidProblem([(where, "is no number, so it cannot be a column")])
-    factor = 1.0
-    if unit:
-        factor = parse(f"1 {unit}", of.unit, where) if unit != "1" else 1.0
-    values = np.empty(len(cells))
+def _si(cells: list[Any], unit: str | None, of: Quantity | None, where: str, gap: bool) -> Array:
+    """Return a column in SI; an empty cell, or nan, is nan where a ``gap`` is allowed."""
+    if of is None:
+        raise InvalidProblem([(where, "is not a number, so it cannot be a column")])
+    factor = parse(f"1 {unit}", of.unit, where) if unit and unit != "1" else 1.0
+    values = np.full(len(cells), np.nan)
     for row, cell in enumerate(cells):
-        empty = cell is None or (isinstance(cell, str) and not cell.strip())
+        text = cell.strip().replace(",", ".") if isinstance(cell, str) else cell
+        if gap and (text in (None, "") or (isinstance(text, float) and text != text)):
+            continue
         try:
-            values[row] = np.nan if empty and gap else factor * float(_decimal(cell))
+            values[row] = factor * float(text)
         except (TypeError, ValueError):
-            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no number")]) from None
-        if not empty and not np.isfinite(values[row]):
-            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is no finite number")])
+            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is not a number")]) from None
+        if not np.isfinite(values[row]):
+            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is not a finite number")])
     return values
 
 
-def _decimal(cell: Any) -> Any:
-    return cell.strip().replace(",", ".") if isinstance(cell, str) else cell
-
-
 def _read(path: Path) -> dict[str, list[Any]]:
-    """Return a file's columns by header."""
+    """Return a file's columns by header; an empty cell is ''."""
     try:
-        rows = _excel_rows(path) if path.suffix == ".xlsx" else _csv_rows(path)
+        header, *rows = _excel_rows(path) if path.suffix == ".xlsx" else _csv_rows(path)
     except OSError as fault:
         raise InvalidProblem([(str(path), f"cannot be read: {fault.strerror}")]) from None
-    if len(rows) < 2:
+    if not rows:
         raise InvalidProblem([(str(path), "holds no header with rows below it")])
-    header = [str(cell).strip() if cell is not None else "" for cell in rows[0]]
-    for number, row in enumerate(rows[1:], 1):
+    for number, row in enumerate(rows, 1):
         if len(row) != len(header):
             text = f"row {number} has {len(row)} cells, the header {len(header)}"
             raise InvalidProblem([(str(path), text)])
-    if len(set(header)) < len(header):
+    names = [str(cell).strip() for cell in header]
+    if len(set(names)) < len(names):
         raise InvalidProblem([(str(path), "two columns have the same header")])
-    columns = ([row[k] for row in rows[1:]] for k in range(len(header)))
-    return {name: cells for name, cells in zip(header, columns, strict=True) if name}
+    return {name: list(cells) for name, *cells in zip(names, *rows, strict=True) if name}
 
 
 def _csv_rows(path: Path) -> list[list[Any]]:
+    """Return a file's lines as cells.
+
+    By the standard library: pandas.read_csv would fill short rows up, and take the first column
+    for an index where a row is longer than the header.
+    """
     try:
         text = path.read_text("utf-8-sig")
     except UnicodeDecodeError as fault:
-        raise InvalidProblem([(str(path), f"is no UTF-8 text, from byte {fault.start}")]) from None
+        raise InvalidProblem([(str(path), f"is not UTF-8 text, from byte {fault.start}")]) from None
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    if not lines:
-        return []
-    between = next((sign for sign in ";\t" if sign in lines[0]), ",")
-    return [list(row) for row in csv.reader(lines, delimiter=between, skipinitialspace=True)]
+    between = next((sign for sign in ";\t" if sign in "".join(lines[:1])), ",")
+    return list(csv.reader(lines, delimiter=between, skipinitialspace=True)) or [[]]
 
 
 def _excel_rows(path: Path) -> list[list[Any]]:
-    from .export import openpyxl
+    """Return the rows of the first sheet that are not empty."""
+    import pandas
 
-    if not path.is_file():
-        raise InvalidProblem([(str(path), "cannot be read: no such file")])
+    need_openpyxl()
     try:
-        book = openpyxl().load_workbook(path, read_only=True, data_only=True)
-        rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
-        book.close()
-    except (KeyError, ValueError, OSError, EOFError, BadZipFile) as fault:
-        raise InvalidProblem([(str(path), f"is no Excel file: {fault}")]) from None
-    return [row for row in rows if any(cell is not None for cell in row)]
+        table = pandas.read_excel(
+            path, header=None, dtype=object, keep_default_na=False, engine="openpyxl"
+        )
+    except (KeyError, ValueError, EOFError, BadZipFile) as fault:
+        raise InvalidProblem([(str(path), f"is not an Excel file: {fault}")]) from None
+    # nan is a formula that ended in an error
+    table = table.where(table.notna(), "#N/A")
+    return table[(table != "").any(axis=1)].to_numpy().tolist() or [[]]
+
+
+def need_openpyxl() -> None:
+    """Say how to install what pandas reads and writes Excel with, where it is missing."""
+    if find_spec("openpyxl") is None:
+        text = "Excel files need openpyxl: pip install 'woundon[excel]'"
+        raise InvalidProblem([("xlsx", text)])

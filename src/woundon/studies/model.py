@@ -5,12 +5,14 @@ A study knows nothing of what it studies.  Whoever binds a solver to it writes a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["Answer", "Label", "Model"]
+from ..quantities import Quantity
+
+__all__ = ["Answer", "Model", "quantities_of"]
 
 
 class Answer(NamedTuple):
@@ -29,14 +31,6 @@ class Answer(NamedTuple):
     values: tuple[float, ...]
     warnings: str
     state: Any
-
-
-class Label(NamedTuple):
-    """What a column says of itself; ``unit`` is "1" for a pure number, "" for what is no number."""
-
-    unit: str
-    description: str
-    symbol: str = ""
 
 
 class Model(Protocol):
@@ -63,10 +57,22 @@ class Model(Protocol):
         """Return exact derivatives of a solved case's outputs, (outputs, names), None without."""
         ...
 
-    def label(self, name: str) -> Label:
-        """Return unit and meaning of an input or output; raise InvalidProblem if there is none."""
+    def quantity(self, name: str) -> Quantity | None:
+        """Return what an input or output is, None for what is not a number.
+
+        Raises
+        ------
+        InvalidProblem
+            If there is no such input or output.
+        """
         ...
 
     def record(self) -> dict[str, Any]:
         """Return all that the numbers depend on (base problem, settings, version) for JSON."""
         ...
+
+
+def quantities_of(model: Model, names: Iterable[str]) -> dict[str, Quantity]:
+    """Return what inputs and outputs are, those that are numbers."""
+    told = {name: model.quantity(name) for name in names}
+    return {name: quantity for name, quantity in told.items() if quantity is not None}

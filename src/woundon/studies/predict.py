@@ -31,19 +31,19 @@ class Parameter:
         Dotted name of the field.
     low, high : float
         Bounds.
-    base : float
-        Where the first start lies.
+    base : float, optional
+        Where the first start lies; midway between the bounds where None.
     """
 
     name: str
     low: float
     high: float
-    base: float
+    base: float | None
 
     def __post_init__(self) -> None:
         if not self.low < self.high or not np.isfinite([self.low, self.high]).all():
-            text = f"bounds {self.low!r} to {self.high!r} are none: must be low < high"
-            raise InvalidProblem([(self.name, text)])
+            text = f"bounds {self.low!r} to {self.high!r} must be low < high"
+            raise InvalidProblem.at(self.name, text)
 
     @property
     def logarithmic(self) -> bool:
@@ -67,6 +67,13 @@ class Parameter:
         """Bounds of u."""
         return self.coordinate(self.low), self.coordinate(self.high)
 
+    @property
+    def start(self) -> float:
+        """Where the first start lies, u."""
+        if self.base is None:
+            return sum(self.ends) / 2
+        return self.coordinate(min(max(self.base, self.low), self.high))
+
 
 class Predictor:
     """Predicts every measured value from the parameters' coordinates u.
@@ -79,7 +86,7 @@ class Predictor:
         self.model, self.parameters = model, parameters
         for parameter in parameters:
             if parameter.name in measured.inputs:
-                raise InvalidProblem([(parameter.name, "is measured, so it cannot be fitted")])
+                raise InvalidProblem.at(parameter.name, "is measured, so it cannot be fitted")
         names = tuple(measured.inputs)
         rows = list(zip(*(measured.inputs[n].tolist() for n in names), strict=True))
         if not names:

@@ -123,31 +123,28 @@ class _Walk:
         """Minimise S over the other parameters, this one held."""
         from scipy.optimize import least_squares
 
-        predictor, j = self.predictor, self.j
         for known, S, u in self.points:
             if known == at:
                 return S, u
-        others = [k for k in range(near.size) if k != j]
+        predictor, j = self.predictor, self.j
+        others = np.delete(near, j)
 
         def whole(part: Array) -> Array:
-            u = np.array(near)
-            u[others], u[j] = part, at
-            return u
+            return np.insert(part, j, at)
 
         def residuals(part: Array) -> Array:
             return predictor.residuals(whole(part))
 
         def jacobian(part: Array) -> Array:
-            return predictor.jacobian(whole(part))[:, others]
+            return np.delete(predictor.jacobian(whole(part)), j, axis=1)
 
-        best = whole(near[others])
+        best = whole(others)
         r = predictor.residuals(best)
-        if others and np.isfinite(r).all():
-            ends = np.transpose([predictor.parameters[k].ends for k in others])
-            inside = np.clip(near[others], ends[0] + 1e-9, ends[1] - 1e-9)
+        if others.size and np.isfinite(r).all():
+            low, high = np.delete(np.transpose([p.ends for p in predictor.parameters]), j, axis=1)
             found = least_squares(
-                residuals, inside, jacobian, (ends[0], ends[1]), x_scale="jac", ftol=1e-6,
-                xtol=1e-6, max_nfev=20,
+                residuals, np.clip(others, low + 1e-9, high - 1e-9), jacobian, (low, high),
+                x_scale="jac", ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
             )  # fmt: skip
             best, r = whole(found.x), found.fun
         S = float(r @ r)

@@ -22,25 +22,31 @@ __all__ = ["bar"]
 
 
 class _Rate(ProgressColumn):
-    """Cases a second since the study was started or resumed."""
+    """How fast it goes since the work was started or resumed."""
 
     def render(self, task: Task) -> Text:
         solved = task.completed - task.fields["begun_with"]
         elapsed = task.finished_time or task.elapsed or 0.0
-        rate = f"{solved / elapsed:.3g}" if elapsed > 0 and solved > 0 else "-"
-        return Text(f"{rate} cases/s")
+        unit = task.fields["unit"]
+        seconds = 60.0 if unit.endswith("/min") else 1.0
+        rate = f"{seconds * solved / elapsed:.3g}" if elapsed > 0 and solved > 0 else "-"
+        return Text(f"{rate} {unit}")
 
 
 @contextmanager
-def bar(done: int, size: int, label: str = "solving") -> Iterator[Callable[[int], None]]:
-    """Provide a function to tell of every batch of cases that is done.
+def bar(
+    done: int, size: int, label: str = "solving", unit: str = "cases/s"
+) -> Iterator[Callable[[int], None]]:
+    """Provide a function to tell how many more are done.
 
     Parameters
     ----------
     done, size : int
-        Cases done before, and in all.
+        How many were done before, and are in all.
     label : str
         What is being done.
+    unit : str
+        Of the rate: ".../s" or ".../min".
     """
     console = Console(stderr=True)
     columns = (
@@ -48,5 +54,5 @@ def bar(done: int, size: int, label: str = "solving") -> Iterator[Callable[[int]
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
     with Progress(*columns, console=console) as progress:
-        task = progress.add_task(label, total=size, completed=done, begun_with=done)
-        yield lambda cases: progress.advance(task, cases)
+        task = progress.add_task(label, total=size, completed=done, begun_with=done, unit=unit)
+        yield lambda more: progress.advance(task, more)

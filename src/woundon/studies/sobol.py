@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import kinds
 from ..errors import InvalidProblem
 from .design import Column, Design, Range
 from .table import Table, failures
@@ -81,9 +82,7 @@ class SobolIndices:
 
     def plot(self, path: Any = None) -> Any:
         """Draw the indices as bars."""
-        from .plots import plot_indices
-
-        return plot_indices(self, path)
+        return kinds.fetch("woundon.show.study_plots:plot_indices")(self, path)
 
 
 def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:
@@ -106,10 +105,10 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
     from scipy.stats import qmc
 
     if not isinstance(ranges, Mapping) or not ranges:
-        raise InvalidProblem([("over", "nothing to vary: give fields and their ranges")])
+        raise InvalidProblem.at("over", "nothing to vary: give fields and their ranges")
     valid = isinstance(samples, (int, np.integer)) and not isinstance(samples, bool)
     if not valid or samples < 4 or samples != 2 ** int(log2(samples)):
-        raise InvalidProblem([("samples", f"{samples!r} is no power of 2, at least 4")])
+        raise InvalidProblem.at("samples", f"{samples!r} is not a power of 2, at least 4")
     d = len(ranges)
     unit = qmc.Sobol(2 * d, rng=seed).random_base2(int(log2(samples)))
     A, B = unit[:, :d], unit[:, d:]
@@ -130,10 +129,11 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
     """
     if table.failed.size:
         reason, count = failures(table.failure)[0]
-        raise InvalidProblem(
-            [("over", f"narrow the ranges: Sobol's indices need every case, and "
-              f"{table.failed.size} of {table.design.size} failed, {count} like this: {reason}")]
-        )  # fmt: skip
+        raise InvalidProblem.at(
+            "over",
+            f"narrow the ranges: Sobol's indices need every case, and {table.failed.size} of "
+            f"{table.design.size} failed, {count} like this: {reason}",
+        )
     inputs, outputs = table.design.names, tuple(table.outputs)
     values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
     first, total = _indices(values, samples)

@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +82,7 @@ class Store:
 
     def done(self) -> set[int]:
         """Return the numbers of the chunks that are on disk."""
-        return {int(path.stem) for path in self.parts.glob("[0-9]*.parquet")}
+        return {int(path.stem) for path in self._parts()}
 
     def write(self, block: Block) -> None:
         """Write a chunk's rows: aside, then into place."""
@@ -95,18 +96,21 @@ class Store:
 
     def blocks(self) -> Iterator[Block]:
         """Yield the chunks on disk in one go."""
-        if not self.done():
+        # DuckDB takes every name of a file for a pattern
+        files = [escape(str(path)) for path in self._parts()]
+        if not files:
             return
-        files = str(self.parts / "[0-9]*.parquet").replace("'", "''")
         names = [*self.outputs, "case", "failure", "warnings"]
         chosen = ", ".join('"' + name.replace('"', '""') + '"' for name in names)
         found = self.connection.execute(
-            f"SELECT {chosen} FROM read_parquet('{files}')"
-        ).fetchnumpy()
-        columns = {name: np.ma.filled(found[name], np.nan) for name in self.outputs}
-        values = np.column_stack(list(columns.values()))
+            f"SELECT {chosen} FROM read_parquet(?)", [files]
+        ).fetchnumpy()  # fmt: skip
+        values = np.column_stack([np.ma.filled(found[name], np.nan) for name in self.outputs])
         failure, warnings = (np.asarray(found[n], dtype=object) for n in ("failure", "warnings"))
         yield Block(0, np.asarray(found["case"], dtype=np.intp), values, failure, warnings)
+
+    def _parts(self) -> list[Path]:
+        return sorted(self.parts.glob("[0-9]*.parquet"))
 
 
 def write_parquet(connection: Any, rows: Mapping[str, np.ndarray], path: Path) -> None:
@@ -129,7 +133,7 @@ def _same_study(path: Path, manifest: Mapping[str, Any], resume: bool) -> None:
     except (OSError, ValueError, KeyError, TypeError):
         known, digest, there = False, "", {}
     if not known:
-        raise InvalidProblem([(where, "its manifest.json is none of a study of this version")])
+        raise InvalidProblem([(where, "its manifest.json is not that of a study of this version")])
     if not resume:
         raise InvalidProblem([(where, "holds a study already; resume it, or take another folder")])
     if digest != _digest(manifest):

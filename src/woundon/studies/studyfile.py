@@ -1,4 +1,4 @@
-"""STUDY.toml: a base case, what is varied, what is wanted; units are read as in case files."""
+"""STUDY.toml: a base case of any kind, what is varied, what is wanted; units as in case files."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..casefile import load_case, make_problem, read_case
 from ..errors import InvalidProblem, did_you_mean
-from ..problems import NipProblem
-from ..units import parse
-from .design import KINDS
-from .fields import field_label
+from ..io.case_files import load_case, make_problem, read_case
+from ..io.units import parse
+from ..problems.fields import Problem
+from .design import DESIGNS
+from .kind_model import field_quantity
 
 __all__ = ["StudyFile", "load_study"]
 
@@ -29,20 +29,21 @@ class StudyFile:
 
     Attributes
     ----------
-    problem : NipProblem
+    problem : Problem
     over : mapping
         Field -> values, or range (low, high[, "log"]) of a drawn design.
-    outputs : tuple of str
+    outputs : tuple of str, optional
+        None where the file does not say: the kind's own.
     tie : mapping
     design : mapping
-        Keywords ``design``, ``samples``, ``seed`` of :func:`~woundon.studies.nip.sweep`.
+        Keywords ``design``, ``samples``, ``seed`` of :func:`~woundon.studies.api.sweep`.
     options : mapping
         Keywords of the solver.
     """
 
-    problem: NipProblem
+    problem: Problem
     over: Mapping[str, Any]
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...] | None = None
     tie: Mapping[str, str] = field(default_factory=dict)
     design: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -66,9 +67,9 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
     told = read_case(path)
     for name in told:
         if name not in _KNOWN:
-            raise InvalidProblem([(name, f"no such field{did_you_mean(name, _KNOWN)}")])
+            raise InvalidProblem.at(name, f"no such field{did_you_mean(name, _KNOWN)}")
     if told.get("schema") != SCHEMA:
-        raise InvalidProblem([("schema", f"write 'schema = {SCHEMA}' at the top of the file")])
+        raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
     problem = _base(told.get("case"), path.parent)
     design = _design(_table(told, "design"))
     drawn = ranges or design.get("design", "grid") not in ("grid", "table")
@@ -77,40 +78,43 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
         for name, given in _flat(_table(told, "over")).items()
     }
     return StudyFile(
-        problem, over, _outputs(told.get("outputs", ["nip_induced_tension"])),
+        problem, over, _outputs(told.get("outputs")),
         _table(told, "tie"), design, _table(told, "solver"),
     )  # fmt: skip
 
 
-def _base(case: Any, folder: Path) -> NipProblem:
+def _base(case: Any, folder: Path) -> Problem:
     if isinstance(case, str):
         return load_case(folder / case)
     if isinstance(case, Mapping):
         return make_problem({"schema": SCHEMA, **case})
-    raise InvalidProblem([("case", "missing; give the path of a case file, or the case as [case]")])
+    raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
 
 
 def _table(told: Mapping[str, Any], name: str) -> dict[str, Any]:
     table = told.get(name, {})
     if not isinstance(table, Mapping):
-        raise InvalidProblem([(name, f"{table!r} is no table; write it under [{name}]")])
+        raise InvalidProblem.at(name, f"{table!r} is not a table; write it under [{name}]")
     return dict(table)
 
 
-def _outputs(given: Any) -> tuple[str, ...]:
+def _outputs(given: Any) -> tuple[str, ...] | None:
+    if given is None:
+        return None
     names = [given] if isinstance(given, str) else given
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InvalidProblem([("outputs", f"{given!r} is no list of names")])
+        raise InvalidProblem.at("outputs", f"{given!r} is not a list of names")
     return tuple(names)
 
 
 def _design(table: dict[str, Any]) -> dict[str, Any]:
     for name in table:
         if name not in ("kind", "samples", "seed"):
-            raise InvalidProblem([(f"design.{name}", "no such field; known: kind, samples, seed")])
+            raise InvalidProblem.at(f"design.{name}", "no such field; known: kind, samples, seed")
     kind = table.pop("kind", "grid")
-    if kind not in KINDS:
-        raise InvalidProblem([("design.kind", f"{kind!r} is unknown{did_you_mean(kind, KINDS)}")])
+    if kind not in DESIGNS:
+        text = f"{kind!r} is unknown{did_you_mean(kind, DESIGNS)}"
+        raise InvalidProblem.at("design.kind", text)
     return {"design": kind, **table}
 
 
@@ -125,22 +129,26 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def _values(problem: NipProblem, name: str, given: Any, drawn: bool) -> Any:
+def _values(problem: Problem, name: str, given: Any, drawn: bool) -> Any:
     """Return an entry of [over] in SI: a list of values, or a range to draw from."""
-    unit = field_label(problem, name).unit
+    quantity = field_quantity(problem, name)
+    unit = "" if quantity is None else quantity.unit
     where = f"over.{name}"
     if isinstance(given, Mapping):
+        if not unit:
+            text = "is not a number, so it has no range; write a list of values"
+            raise InvalidProblem.at(where, text)
         return _spread(given, unit, where, drawn)
     if not isinstance(given, list) or drawn:
         wanted = "{ from = ..., to = ... }" if drawn else "a list, or { from, to, count }"
-        raise InvalidProblem([(where, f"{given!r} is no set of values; write {wanted}")])
+        raise InvalidProblem.at(where, f"{given!r} is not a set of values; write {wanted}")
     return [_finite(v, unit, where) if unit else v for v in given]
 
 
 def _finite(value: Any, unit: str, where: str) -> float:
     number = parse(value, unit, where)
     if not np.isfinite(number):
-        raise InvalidProblem([(where, f"{value!r} is not a finite number")])
+        raise InvalidProblem.at(where, f"{value!r} is not a finite number")
     return number
 
 
@@ -148,22 +156,22 @@ def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any
     known = ("from", "to", "spacing", *(() if drawn else ("count",)))
     for name in given:
         if name not in known:
-            raise InvalidProblem([(f"{where}.{name}", f"no such field{did_you_mean(name, known)}")])
+            raise InvalidProblem.at(f"{where}.{name}", f"no such field{did_you_mean(name, known)}")
     for name in set(known) - {"spacing"}:
         if name not in given:
-            raise InvalidProblem([(f"{where}.{name}", "missing")])
+            raise InvalidProblem.at(f"{where}.{name}", "missing")
     low, high = (_finite(given[end], unit, f"{where}.{end}") for end in ("from", "to"))
     spacing = given.get("spacing", "linear")
     if spacing not in _SPACING:
         text = f"{spacing!r} is unknown; must be linear or log"
-        raise InvalidProblem([(f"{where}.spacing", text)])
+        raise InvalidProblem.at(f"{where}.spacing", text)
     if drawn:
         return (low, high, "log") if spacing == "log" else (low, high)
     count = given["count"]
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= 1_000_000:
-        raise InvalidProblem([(f"{where}.count", f"{count!r} is no whole number, 2 to 1000000")])
+        raise InvalidProblem.at(f"{where}.count", f"{count!r} is not a whole number, 2 to 1000000")
     if spacing == "linear":
         return np.linspace(low, high, count)
     if low <= 0 or high <= 0:
-        raise InvalidProblem([(where, "a log spacing must lie above 0")])
+        raise InvalidProblem.at(where, "a log spacing must lie above 0")
     return np.geomspace(low, high, count)

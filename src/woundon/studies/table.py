@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import kinds
+from ..quantities import Quantity
 from .design import Design
 from .evaluate import Block
-from .model import Label
 
 if TYPE_CHECKING:
     import xarray
@@ -35,8 +36,8 @@ class Table:
     outputs : mapping of str to (cases,) float array
         nan where the case failed.
     failure, warnings : (cases,) object arrays of str
-    labels : mapping of str to Label
-        Of inputs and outputs.
+    quantities : mapping of str to Quantity
+        Of inputs and outputs; bodies, materials and words have none.
     record : mapping
         What the numbers depend on: base problem, settings, version.
     """
@@ -45,19 +46,19 @@ class Table:
     outputs: Mapping[str, Array]
     failure: Array
     warnings: Array
-    labels: Mapping[str, Label] = field(default_factory=dict)
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
     record: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def empty(
-        cls, design: Design, outputs: tuple[str, ...], labels: Mapping[str, Label],
+        cls, design: Design, outputs: tuple[str, ...], quantities: Mapping[str, Quantity],
         record: Mapping[str, Any],
     ) -> Table:  # fmt: skip
         """Return a table to be filled by :meth:`put`."""
         n = design.size
         columns = {name: np.full(n, np.nan) for name in outputs}
         why = np.full(n, "not solved", dtype=object)
-        return cls(design, columns, why, np.full(n, "", dtype=object), labels, record)
+        return cls(design, columns, why, np.full(n, "", dtype=object), quantities, record)
 
     def put(self, block: Block) -> None:
         """Enter the rows of a solved chunk."""
@@ -109,11 +110,14 @@ class Table:
         return xarray.Dataset(variables, coordinates, {"design": design.kind, **record})
 
     def _attributes(self, name: str) -> dict[str, str]:
-        label = self.labels.get(name)
-        if label is None:
+        quantity = self.quantities.get(name)
+        if quantity is None:
             return {}
-        about = {"units": label.unit, "long_name": label.description, "symbol": label.symbol}
-        return {key: text for key, text in about.items() if text}
+        return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol}
+
+    def plot(self, output: str, path: Any = None) -> Any:
+        """Draw one output over the inputs."""
+        return kinds.fetch("woundon.show.study_plots:plot_sweep")(self, output, path)
 
 
 def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:

@@ -15,10 +15,9 @@ from ..contact.certificate import (
     positive_pressure,
 )
 from ..contact.response import Tractions
-from ..contact.schemes import SCHEMES, Mesh
 from ..errors import InvalidProblem
-from ..problems.bodies import contact_radius
 from ..results import Residuals
+from ..two_bodies import mesh_of
 from .equations import Known, WrapEquations
 from .grid import WrapGrid, grid_for
 
@@ -48,22 +47,13 @@ def _grid_of(result: WrappedNipResult) -> WrapGrid:
     InvalidProblem
         If the nodes cannot be those of such a nip.
     """
-    first, mesh = result.in_nip.start, _nip_mesh(result)
+    first, mesh = result.in_nip.start, mesh_of(result)
     behind = result.x.size - first - mesh.nodes.size
     grid = grid_for(result.problem, mesh.grid, result.half_width, first, max(behind, 1))
     if grid.size != result.x.size or grid.first != first:
         a = result.half_width
         raise InvalidProblem.at("x", f"its nodes are not those of a nip of half width {a:.6g} m")
     return grid
-
-
-def _nip_mesh(result: WrappedNipResult) -> Mesh:
-    """Return the nip's mesh: that of the solution, or one restored from a file's arrays."""
-    if result.mesh is not None:
-        return result.mesh  # type: ignore[no-any-return]
-    own, a = result.in_nip, result.half_width
-    points = np.append(result.slip_x[own][1:] / a, 1.0)
-    return SCHEMES["graded"].restored(result.x[own] / a, points)
 
 
 def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals:
@@ -80,10 +70,10 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     web, h = equations.web, problem.web.thickness
     gap, by_z, by_q = equations.indentation
     top = float(np.max(np.abs(grid.points[grid.first : grid.last])))
-    top *= a / contact_radius(problem.roll, problem.drum)
+    top *= a / problem.contact_radius
     z = np.concatenate([
         result.roll_pressure[equations.roll_nodes], result.pressure[equations.drum_nodes],
-        [result.offset / contact_radius(problem.roll, problem.drum)],
+        [result.offset / problem.contact_radius],
     ])  # fmt: skip
     q = np.concatenate([
         result.roll_traction[equations.roll_q], result.drum_traction[equations.drum_q],
@@ -142,9 +132,7 @@ def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
     return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
 
 
-def _curvature(
-    result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array
-) -> float:
+def _curvature(result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array) -> float:
     """Return how far the curvature is from that of the bodies, relative to the largest."""
     constant, by_z, by_q = equations.curvature
     kappa = constant + by_z @ z + by_q @ q

@@ -38,7 +38,6 @@ from ..contact.response import Tractions
 from ..contact.stick_slip import StickSlip, StickSlipSolution
 from ..elasticity.strip import Compliance
 from ..nip.equations import web_compliance
-from ..problems.bodies import contact_radius
 from ..problems.nip import WrappedNipProblem
 from .face import Face, face
 from .grid import WrapGrid
@@ -81,6 +80,11 @@ class WrapState:
     roll_slip: Array  # nan where a face has no contact
     drum_slip: Array
     shift: float  # Delta/R*
+
+    @property
+    def pressure(self) -> Array:
+        """p- on the drum, that of the nip and its largest."""
+        return self.drum_pressure
 
     @property
     def known(self) -> Known:
@@ -208,7 +212,7 @@ class WrapEquations:
         n_p, n_q = self.roll_nodes.size, self.roll_q.size
         cells = slice(grid.first, grid.last)  # in the row of all cells
         own = slice(0, grid.last - grid.first)  # among the roll's
-        gap = grid.points[cells] * (a / contact_radius(problem.roll, problem.drum))
+        gap = grid.points[cells] * (a / problem.contact_radius)
         gap = gap - self.roll.slope[own] - self.drum.slope[cells]
         by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
         by_q = web.c12 * grid.value[cells][:, self.columns]
@@ -421,7 +425,7 @@ class WrapEquations:
         weight = np.where(self.weighs, state.tension * state.bend, 0.0)
         miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
         top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
-        if self.problem.roll.linear and self.problem.drum.linear:
+        if self.problem.linear:
             return float(miss / top)
         return max(float(miss / top), self._bodies_miss(state))
 

@@ -117,9 +117,10 @@ def face(
 
 
 class FaceGrid:
-    """The nodes of a face, all of them columns, and a point in each cell, beside the edge, at the end.
+    """The nodes of a face, all of them columns, and points: one in each cell, two more.
 
-    The point beside the edge of the arc tells the slope with which the arc begins.
+    The one beside the edge of the arc tells the slope with which the arc begins; the last is the
+    end.
     """
 
     def __init__(self, grid: WrapGrid, start: int, stop: int, edge: int) -> None:

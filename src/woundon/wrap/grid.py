@@ -18,11 +18,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from ..contact.grid import Grid
 from ..contact.schemes import interpolation_rank
 from ..elasticity.kernels import Kernel
 from ..errors import InvalidProblem
 from ..problems.nip import WrappedNipProblem
-from ..contact.grid import Grid
 
 __all__ = ["Influence", "OpenGrid", "WrapGrid", "grid_for", "wrap_grid"]
 

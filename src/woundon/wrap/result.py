@@ -40,11 +40,13 @@ class WrappedNipResult(WindingNipResult):
     not touch the body.
     """
 
+    MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "nip": "take the nodes in_nip of the arrays, or confined() for the nip alone",
         "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
         "wound_on_tension_estimate": "the wrapped web's wound_on_tension is solved, not estimated",
     })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"roll_slip", "drum_slip", "roll_strain"})
 
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
@@ -54,58 +56,60 @@ class WrappedNipResult(WindingNipResult):
     roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
 
     @property
-    def wound_on_tension(self) -> Annotated[
-        float, line_load("WOT", "wound-on tension, far behind the nip")
-    ]:
+    def wound_on_tension(
+        self,
+    ) -> Annotated[float, line_load("WOT", "wound-on tension, far behind the nip")]:
         """WOT, the tension at the far side of the roll [N/m]: what the roll keeps."""
         return float(self.web_tension[-1])
 
     @property
-    def wound_on_tension_error(self) -> Annotated[
+    def wound_on_tension_error(
+        self,
+    ) -> Annotated[
         float, line_load("WOT error", "estimated discretisation error of the wound-on tension")
     ]:
         """Its estimated discretisation error [N/m]; nan where only one grid was solved."""
         return self.errors.get("wound_on_tension", float("nan"))
 
     @property
-    def tension_before_nip(self) -> Annotated[
-        float, line_load("T_n", "web tension at the leading edge of the nip")
-    ]:
+    def tension_before_nip(
+        self,
+    ) -> Annotated[float, line_load("T_n", "web tension at the leading edge of the nip")]:
         """T at x = -a [N/m]."""
         return float(self.web_tension[self.in_nip.start])
 
     @property
-    def tension_behind_nip(self) -> Annotated[
-        float, line_load("T_out", "web tension at the trailing edge of the nip")
-    ]:
+    def tension_behind_nip(
+        self,
+    ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
         """T_out at x = a [N/m]."""
         return float(self.web_tension[self.in_nip.stop - 1])
 
     @property
-    def nip_induced_tension(self) -> Annotated[
-        float, line_load("NIT", "nip-induced tension, of the nip between its edges")
-    ]:
+    def nip_induced_tension(
+        self,
+    ) -> Annotated[float, line_load("NIT", "nip-induced tension, of the nip between its edges")]:
         """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
         return self.tension_behind_nip - self.tension_before_nip
 
     @property
-    def roll_wrap_traction(self) -> Annotated[
-        float, line_load("Q_w+", "traction on the roll behind the nip, integrated")
-    ]:
+    def roll_wrap_traction(
+        self,
+    ) -> Annotated[float, line_load("Q_w+", "traction on the roll behind the nip, integrated")]:
         """Q_w+ [N/m]."""
         return self.wound_on_tension - self.tension_behind_nip
 
     @property
-    def drum_wrap_traction(self) -> Annotated[
-        float, line_load("Q_w-", "traction on the drum before the nip, integrated")
-    ]:
+    def drum_wrap_traction(
+        self,
+    ) -> Annotated[float, line_load("Q_w-", "traction on the drum before the nip, integrated")]:
         """Q_w- [N/m]."""
         return self.tension_before_nip - float(self.web_tension[0])
 
     @property
-    def slip_angle(self) -> Annotated[
-        float, angle("theta_s", "how far the web slips on the roll behind the nip")
-    ]:
+    def slip_angle(
+        self,
+    ) -> Annotated[float, angle("theta_s", "how far the web slips on the roll behind the nip")]:
         """How far behind the trailing edge the web slips on the roll before it sticks [rad]."""
         last = self.in_nip.stop - 1
         zones, x = self.roll_zone[last:], self.x[last:]
@@ -136,7 +140,7 @@ class WrappedNipResult(WindingNipResult):
             If the nip alone cannot carry the winding force.
         """
         solve_nip = kinds.fetch("woundon.nip.solve:solve_nip")
-        return solve_nip(self.problem.confined(), **options)  # type: ignore[no-any-return]
+        return solve_nip(self.problem.confined(), **options)
 
     def certified(self) -> Residuals:
         """Return the certificate measured anew, from the problem and the arrays held here."""

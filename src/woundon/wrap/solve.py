@@ -1,11 +1,11 @@
 r"""The winding nip with its wraps: from a problem to a certified result (thesis sec. 3.5).
 
-    WrappedNipProblem --> for a half width a and a known T0, kappa0:   equations.WrapEquations
-                          normal problem       z = z0 + Z q            p+, p-, Delta
-                          stick-slip problem   q+, q-, xi              contact.stick_slip
-                      --> T, kappa of the solution take the place of T0, kappa0, while a secant moves
-                          a until int p- = P: both settle together     contact.loop
-                      --> WrappedNipResult with its certificate        certificate
+WrappedNipProblem --> for a half width a and a known T0, kappa0:   equations.WrapEquations
+normal problem       z = z0 + Z q            p+, p-, Delta
+stick-slip problem   q+, q-, xi              contact.stick_slip
+--> T, kappa of the solution take the place of T0, kappa0, while a secant moves
+a until int p- = P: both settle together     contact.loop
+--> WrappedNipResult with its certificate        certificate
 """
 
 from __future__ import annotations
@@ -22,12 +22,11 @@ from ..contact.loop import Ladder, Level, Tolerance, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
-from ..nip.equations import frictionless_load
 from ..nip.solve import slip_ratios
 from ..nip.validity import nip_warnings
-from ..problems.bodies import contact_radius, half_width_guess
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
+from ..two_bodies import PairContact
 from .certificate import certificate, roll_strain
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
@@ -136,35 +135,16 @@ def check_options(
 
 
 @dataclass(frozen=True, eq=False)
-class WrapContact:
+class WrapContact(PairContact):
     """A wrapped nip as the loop sees it; ``cells`` on each arc belong to ``nodes`` in the nip."""
 
-    problem: WrappedNipProblem
     cells: int
     nodes: int
 
     @property
     def load(self) -> float:
         """P [N/m]."""
-        return self.problem.nip_load
-
-    @property
-    def widest(self) -> float:
-        """The smaller radius [m]."""
-        return min(self.problem.roll.radius, self.problem.drum.radius)
-
-    @property
-    def settles_apart(self) -> bool:
-        """Whether a body is not linear."""
-        return not (self.problem.roll.linear and self.problem.drum.linear)
-
-    def guess(self) -> float:
-        """Return a half width to start from [m]."""
-        return half_width_guess(self.load, self.problem.roll, self.problem.drum)
-
-    def frictionless_load(self, mesh: Mesh, a: float) -> float:
-        """Return the load that the nip of half width a carries without friction or wrap [N/m]."""
-        return frictionless_load(self.problem, mesh, a)
+        return float(self.problem.nip_load)
 
     def grid(self, mesh: Mesh, a: float) -> WrapGrid:
         """Return the grid for a half width: the arcs' ends stay where they are in space."""
@@ -210,26 +190,16 @@ class WrapContact:
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
-        state, problem, grid = level.state, self.problem, level.equations.grid
-        T = state.tension
-        before, behind, far = float(T[grid.first]), float(T[grid.last]), float(T[-1])
+        state, grid = level.state, level.equations.grid
+        before, behind, far = (float(state.tension[k]) for k in (grid.first, grid.last, -1))
         return {
+            **super().scalars(level),
             "wound_on_tension": far,
             "nip_induced_tension": behind - before,
             "tension_behind_nip": behind,
-            "half_width": level.half_width,
-            "nip_width": 2 * level.half_width,
-            "peak_pressure": level.at_load(float(np.max(state.drum_pressure))),
-            "offset": state.shift * contact_radius(problem.roll, problem.drum),
             "drum_creep": _creep(level.equations, state),
-            **slip_ratios(problem, _in_nip(along_web(level), grid)),
+            **slip_ratios(self.problem, _in_nip(along_web(level), grid)),
         }
-
-    def scale(self, name: str, value: float) -> float:
-        """Return what relative errors of an output are measured by."""
-        if name in ("wound_on_tension", "nip_induced_tension", "tension_behind_nip"):
-            return max(abs(value), 0.01 * self.problem.roll_friction * self.problem.nip_load)
-        return abs(value)
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------
@@ -239,7 +209,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
     """Return the result of the last mesh, its certificate measured on what it reports."""
     level = ladder.level
     equations, state = level.equations, level.state
-    if not (problem.roll.linear and problem.drum.linear):
+    if not problem.linear:
         equations = equations.anew(state)
     arrays, grid = along_web(level), equations.grid
     responses = [face.response for face in (equations.roll, equations.drum) if face.response]
@@ -247,7 +217,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         problem=problem,
         half_width=state.half_width,
         approach=_approach(equations, state),
-        offset=state.shift * contact_radius(problem.roll, problem.drum),
+        offset=state.shift * problem.contact_radius,
         drum_creep=_creep(equations, state),
         **slip_ratios(problem, _in_nip(arrays, grid)),
         **arrays,
@@ -266,7 +236,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
     )
 
 
-def along_web(level: Level) -> dict[str, Array]:
+def along_web(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the web, by the names of the result, (N,) each."""
     equations, state = level.equations, level.state
     grid, a = equations.grid, state.half_width
@@ -321,5 +291,4 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
         (equations.drum, drum, state.drum_pressure, state.drum_traction),
     ):
         v += face.normal_p @ p[own] + face.normal_q @ q[own]
-    radius = contact_radius(problem.roll, problem.drum)
-    return -float(v + state.shift * a - a**2 / (2 * radius))
+    return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))

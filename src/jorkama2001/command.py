@@ -1,0 +1,101 @@
+"""``woundon thesis``: recompute figures and tables, and tell of each as it is done."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from .publication import Published
+
+__all__ = ["thesis"]
+
+
+@click.command(short_help="Recompute figures and tables of the thesis.")
+@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.option("--all", "everything", is_flag=True, help="Every figure and table.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("thesis"),
+    show_default=True,
+    help="Folder for PNG, SVG, CSV and the verdict.",
+)
+@click.option(
+    "--scheme",
+    type=click.Choice(["graded", "thesis"]),
+    default="graded",
+    show_default=True,
+    help="Accurate, or as the thesis solved it.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
+def thesis(
+    names: tuple[str, ...], everything: bool, out: Path, scheme: str, jobs: int | None
+) -> None:
+    """Recompute figures and tables of the thesis, and test what it says: fig16, table3, ..."""
+    from .exhibits import NAMES, chosen
+    from .publication import publish, summary
+
+    if bool(names) == everything:
+        raise click.UsageError(
+            f"name figures or tables, or ask for --all; there are {', '.join(NAMES)}"
+        )
+    wanted = NAMES if everything else chosen(names)
+    done: list[Published] = []
+    try:
+        with _bar(len(wanted)) as tell, closing(publish(wanted, out, scheme, jobs=jobs)) as parts:
+            for one in parts:
+                done.append(one)
+                click.echo("\n".join(_brief(one)) if everything else one.judged.report())
+                tell()
+    except KeyboardInterrupt:
+        click.echo(f"stopped; {len(done)} of {len(wanted)} are in {out}", err=True)
+        raise
+    if everything:
+        click.echo(_total(done))
+        (out / "index.md").write_text(summary(done), encoding="utf-8")
+    click.echo(f"written to {out}: {_files(done)}")
+
+
+@contextmanager
+def _bar(size: int) -> Iterator[Callable[[], object]]:
+    """Show a bar on the error channel if that is a terminal; provide what moves it on by one."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("figures and tables"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+    )  # fmt: skip
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal,
+        redirect_stdout=sys.stdout.isatty(),
+    ) as progress:  # fmt: skip
+        task = progress.add_task("", total=size)
+        yield lambda: progress.advance(task)
+
+
+def _brief(one: Published) -> list[str]:
+    """Return how many statements hold, and the ones that do not."""
+    label = one.judged.exhibit.label
+    failures = (f"    - {line}" for line in one.judged.failures)
+    return [f"{label:9}{one.judged.tally}  ({one.seconds:.1f} s)", *failures]
+
+
+def _total(done: Iterable[Published]) -> str:
+    counts = [one.judged.counts for one in done]
+    held, failed, untested = map(sum, zip(*counts, strict=True))
+    return (
+        f"{len(counts)} figures and tables, {held + failed + untested} statements: {held} hold, "
+        f"{failed} do not hold, {untested} cannot be tested"
+    )
+
+
+def _files(done: Iterable[Published]) -> str:
+    paths = [path.name for one in done for path in one.files]
+    return ", ".join(paths) if len(paths) <= 8 else f"{len(paths)} files"

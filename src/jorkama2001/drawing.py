@@ -1,0 +1,119 @@
+"""How the thesis's figures are drawn: panels of curves, line styles, legends, labels with units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .inside import style
+
+__all__ = ["COLOURS", "LINES", "blank", "curves", "one_panel", "shared_legend", "sheet"]
+
+# the thesis's line styles in its order; the colours tell its two solid lines apart
+LINES = ("-", "--", "-.", ":", "-")
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#444444")
+
+# name -> axis label and factor from SI
+AXES = {
+    "nip_load": ("Nip load $P$ [kN/m]", 1e-3),
+    "roll_friction": (r"Friction between layers $\mu^+$", 1.0),
+    "roll_radius": ("Roll radius $R_1$ [m]", 1.0),
+    "drum_radius": ("Drum radius $R_2$ [m]", 1.0),
+    "youngs_modulus": ("Cover modulus $E_2$ [Pa]", 1.0),
+    "cover_thickness": (r"Cover thickness $\Delta R_2$ [mm]", 1e3),
+    "tangential": (r"$A_{\theta\theta}$ [GPa]", 1e-9),
+    "x": ("Position along the nip $x$ [mm]", 1e3),
+    "nip_induced_tension": ("NIT [N/m]", 1.0),
+    "nip_width": ("Nip width $2a$ [mm]", 1e3),
+    "leading_roll_slip": ("Leading edge $s_{r1}$", 1.0),
+    "trailing_roll_slip": ("Trailing edge $s_{r2}$", 1.0),
+    "dual_slip": ("Dual slip ratio $s_d$", 1.0),
+    "tension_increase": (r"Web tension $T - T_\mathrm{in}$ [N/m]", 1.0),
+    "traction": ("Tangential traction $q$ [MPa]", 1e-6),
+}
+# dimension -> what a legend says of its values
+NAMES: dict[str, Callable[[Any], str]] = {
+    "winding_force": lambda F: f"$F = {F:.0f}$ N/m",
+    "poissons_ratio": lambda nu: rf"$\nu_2 = {nu:g}$",
+    "radial": lambda A_rr: f"$A_{{rr}}$ = {A_rr / 1e6:g} MPa",
+    "cross": lambda A_rt: rf"$A_{{r\theta}}$ = {A_rt / 1e6:g} MPa",
+    "cover": str,
+    "rolling": lambda rolls: "rolling (Carter)" if rolls else "static (Cattaneo)",
+}
+
+
+def blank(
+    rows: int = 1, columns: int = 2, size: tuple[float, float] | None = None, letters: bool = True
+) -> Figure:
+    """Return a figure of empty panels, lettered (a), (b), ... if there are several."""
+    with style():
+        figure = Figure(figsize=size or (3.6 * columns, 3.3 * rows), layout="constrained")
+        panels = figure.subplots(rows, columns, squeeze=False).flat
+        if letters and rows * columns > 1:
+            for letter, axes in zip("abcdefghi", panels, strict=False):
+                axes.set_title(f"({letter})", loc="right", fontsize=9)
+    return figure
+
+
+def one_panel(size: tuple[float, float] = (6.0, 4.0)) -> tuple[Figure, Axes]:
+    """Return a figure of one empty panel."""
+    figure = blank(1, 1, size)
+    return figure, figure.axes[0]
+
+
+def curves(
+    axes: Axes, data: xr.Dataset, x: str, y: str, along: str, names: Sequence[str] = ()
+) -> None:
+    """Draw a variable over another, or over a dimension, one curve for each value along a third.
+
+    ``names`` stand in the legend in place of the values.
+    """
+    (x_label, per_x), (y_label, per_y) = AXES[x], AXES[y]
+    for k, value in enumerate(data[along].values):
+        one = data.isel({along: k})
+        name = names[k] if names else NAMES[along](value)
+        axes.plot(one[x] * per_x, one[y] * per_y, LINES[k], color=COLOURS[k], label=name)
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+
+
+def sheet(
+    panels: Sequence[tuple[xr.Dataset, str, str]],
+    x: str,
+    along: str = "winding_force",
+    names: Sequence[str] = (),
+    legend: int = 5,
+) -> Figure:
+    """Draw one or two panels of curves with a legend in common.
+
+    Parameters
+    ----------
+    panels : sequence of (data, y, title)
+    x, along, names
+        As of :func:`curves`.
+    legend : int
+        Its number of columns.
+    """
+    figure = blank() if len(panels) == 2 else one_panel()[0]
+    for axes, (data, y, title) in zip(figure.axes, panels, strict=True):
+        curves(axes, data, x, y, along, names)
+        axes.set_title(title, fontsize=9)
+    shared_legend(figure, legend)
+    return figure
+
+
+def shared_legend(figure: Figure, columns: int = 5) -> None:
+    """Put one legend for all panels above them, where it covers no data."""
+    handles: dict[str, Any] = {}
+    for axes in figure.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    with style():
+        figure.legend(
+            handles=list(handles.values()), labels=list(handles), loc="outside upper center",
+            ncols=columns, handlelength=2.6, columnspacing=1.3,
+        )  # fmt: skip

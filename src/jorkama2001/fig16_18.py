@@ -1,0 +1,177 @@
+"""Thesis Figs. 16 to 18, sec. 4.3: NIT, nip width, slip zones against nip load, winding force."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import woundon as wo
+
+from . import drawing
+from .cases import WINDING_FORCES, paper_nip
+from .exhibits import Exhibit
+from .nips import solved, swept
+from .verdicts import Verdict, falls, grows, verdict
+from .zones import zone_lengths
+
+__all__ = ["NIP_LOADS", "exhibits"]
+
+# from just above the load that F = -500 N/m needs (|F| < mu- P) to a nip 20 mm wide
+NIP_LOADS = np.geomspace(1300.0, 11200.0, 25)
+LIGHT_LOAD, HEAVY_LOAD = 1.0, 1e5  # far outside the figures, for what the text says of limits [N/m]
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve Table 1's nip over nip load and winding force; return Figs. 16, 17 and 18."""
+    data, heavy = _swept(NIP_LOADS, scheme), _swept([HEAVY_LOAD], scheme)
+    light = solved(paper_nip(winding_force=0.0, nip_load=LIGHT_LOAD), scheme)
+    made = (
+        ("fig16", "NIT and nip width against the nip load", _tension(data, light),
+         ("nip_induced_tension", "nip_width")),
+        ("fig17", "Leading and trailing slip at the roll against the nip load", _slip(data),
+         ("leading_roll_slip", "trailing_roll_slip")),
+        ("fig18", "Dual slip ratio against the nip load", _dual_slip(data, heavy), ("dual_slip",)),
+    )  # fmt: skip
+    return [
+        Exhibit(
+            name, title, data, verdicts,
+            partial(_draw, data, shown),
+        )
+        for name, title, verdicts, shown in made
+    ]  # fmt: skip
+
+
+def _swept(nip_loads: Sequence[float] | np.ndarray, scheme: str) -> xr.Dataset:
+    return swept(paper_nip(), {"winding_force": WINDING_FORCES, "nip_load": nip_loads}, scheme)
+
+
+def _spread(values: xr.DataArray) -> xr.DataArray:
+    """Return the range over the winding forces at every load."""
+    return values.max("winding_force") - values.min("winding_force")
+
+
+def _range(values: xr.DataArray) -> xr.DataArray:
+    """Return the range over the loads."""
+    return values.max("nip_load") - values.min("nip_load")
+
+
+def _tension(data: xr.Dataset, light: wo.NipResult) -> list[Verdict]:
+    friction = light.nip_induced_tension / (light.problem.roll_friction * LIGHT_LOAD)
+    backward = -zone_lengths(light).leading_roll
+    NIT, width, approach = data["nip_induced_tension"], data["nip_width"], data["approach"]
+    spread = _spread(NIT)
+    free = NIT.sel(winding_force=slice(0, None))  # centre winding and F = 100 N/m
+    return [
+        grows(
+            "a higher winding force gives a higher NIT at every nip load", NIT, "winding_force",
+            "N/m", "smallest step between neighbouring forces",
+        ),
+        falls(
+            "the winding force acts more on NIT where the load is light", spread, "nip_load", "N/m",
+            f"largest step of the curves' spread, which falls from {spread[0]:.0f} to "
+            f"{spread[-1]:.0f} N/m",
+        ),
+        verdict(
+            "the nip width does not depend on the winding force",
+            100 * (_spread(width) / width[-1]).max(), high=1.0, unit="%",
+            note="largest spread between the forces",
+        ),
+        verdict(
+            "nor does the approach of the centres, so that no theory can be right in which NIT is "
+            "a function of the approach alone", 100 * (_spread(approach) / approach[-1]).max(),
+            high=1.0, unit="%", note="largest spread between the forces",
+        ),
+        verdict(
+            "the curves flatten as the load grows (ch. 6)",
+            np.diff(np.diff(free) / np.diff(NIP_LOADS)).max(), high=0.0,
+            note="largest change of slope [N/m per N/m] between neighbouring loads, F >= 0",
+        ),
+        verdict(
+            "at a very light load NIT is about mu+ P (ch. 6)", friction, 0.9, 1.0,
+            note=f"NIT/(mu+ P), centre winding at P = {LIGHT_LOAD:.0f} N/m.  Even there the web "
+            f"slips backward on {100 * backward:.0f} % of the roll's face, which takes friction "
+            "off; as P goes to zero the ratio tends to 0.87",
+        ),
+    ]  # fmt: skip
+
+
+def _slip(data: xr.Dataset) -> list[Verdict]:
+    leading, trailing = data["leading_roll_slip"], data["trailing_roll_slip"]
+    spread, over_loads = _spread(trailing), _range(trailing)
+    return [
+        verdict(
+            "at the lightest load and lowest force the web slips on the whole roll: s_r1 = 0",
+            leading[0, 0], 0.0, 0.0,
+        ),
+        verdict("and s_r2 = 1", trailing[0, 0], 1.0, 1.0),
+        verdict(
+            "at the leading edge the roll is ahead of the web", leading.max(), high=0.0,
+            note="largest s_r1, negative: web slower",
+        ),
+        verdict(
+            "at the trailing edge the web is ahead of the roll", trailing.min(), 0.0,
+            note="smallest s_r2, positive: web faster",
+        ),
+        verdict(
+            "the winding force acts more on the slip lengths where the load is light",
+            spread[0] - spread[-1], 0.0,
+            note=f"the spread of s_r2 falls from {spread[0]:.2f} to {spread[-1]:.2f}",
+        ),
+        verdict(
+            "for F = 100 N/m s_r1 hardly depends on the load", _range(leading)[-1], high=0.05,
+            note="its range over the loads",
+        ),
+        verdict(
+            "for F = 100 N/m s_r2 hardly depends on the load", over_loads[-1], high=0.1,
+            note="its range over the loads",
+        ),
+        verdict(
+            "for lower winding forces the load matters much more: smallest range of s_r2 for "
+            "F <= -200 N/m, over that for F = 100 N/m", over_loads[:3].min() / over_loads[-1], 2.0,
+        ),
+    ]  # fmt: skip
+
+
+def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
+    dual, spread = data["dual_slip"], _spread(data["dual_slip"])
+    agree = (np.sign(dual) == np.sign(data["nip_induced_tension"])).mean()
+    last, limit = dual[:, -1], heavy["dual_slip"].mean()
+    return [
+        verdict(
+            "the dual slip ratio has the sign of NIT", 100 * agree, 95.0, unit="% of the points"
+        ),
+        verdict(
+            "it falls with the load for F >= 0", dual[3:, -1].max() - dual[3:, 0].min(), high=0.0,
+            note="change from the lightest to the heaviest load",
+        ),
+        verdict(
+            "it rises with the load for F <= -200 N/m", (dual[:3, -1] - dual[:3, 0]).min(), 0.0,
+            note=f"smallest change over the range; the largest fall between neighbouring loads is "
+            f"{-dual[:3].diff('nip_load').min():.3f}",
+        ),
+        verdict(
+            "at heavy loads the winding force loses its influence", spread[-1] / spread[0],
+            high=0.1, note="spread of the curves at the heaviest load, over that at the lightest",
+        ),
+        verdict(
+            "all curves come to about 0.1", last.mean(), 0.08, 0.12,
+            note=f"average at the heaviest load; from {last.min():.3f} to {last.max():.3f}",
+        ),
+        verdict(
+            "which is a limit, independent of the load", 100 * (limit / last.mean() - 1),
+            -10.0, 10.0, "%",
+            f"change to P = {HEAVY_LOAD / 1e3:.0f} kN/m, where all five are near "
+            f"{limit:.3f}.  The ratio would be constant if the half width "
+            "were the only length; but the web has one of its own, its stiffness 2h A_tt over that "
+            "of the roll, and the nip goes on outgrowing it",
+        ),
+    ]  # fmt: skip
+
+
+def _draw(data: xr.Dataset, shown: tuple[str, ...]) -> Figure:
+    panels = [(data, y, "") for y in shown]
+    return drawing.sheet(panels, "nip_load", legend=5 if len(panels) > 1 else 3)

@@ -1,0 +1,141 @@
+"""Thesis Fig. 19, sec. 4.4: NIT against the friction between the layers.
+
+The thesis holds the web to the roll from the trailing edge on (97).  What the section says is
+tested on that, and again with the web wrapped on half the roll behind the nip, on fewer points.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from . import drawing
+from .cases import WINDING_FORCES, paper_nip
+from .exhibits import Exhibit
+from .nips import OUTPUTS, swept
+from .verdicts import Verdict, accurate, verdict
+
+__all__ = ["exhibits"]
+
+NIP_LOADS = (1910.0, 4897.0)
+FRICTIONS = np.linspace(0.05, 0.6, 45)
+OVER = {"nip_load": NIP_LOADS, "winding_force": WINDING_FORCES, "roll_friction": FRICTIONS}
+# the text tells for which forces there is a maximum; it is right from this friction on
+LOWEST_FRICTION = 0.2 - 1e-9
+CONFINED, WRAPPED, ESTIMATE = "nip_induced_tension", "wrapped_tension", "estimate"
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve Table 1's nip over mu+ and winding force at both loads; return Fig. 19."""
+    data = swept(paper_nip(), OVER, scheme, [*OUTPUTS, "wound_on_tension_estimate"])
+    wrapped = _wrapped().rename(nip_induced_tension=WRAPPED, wound_on_tension="wrapped_added")
+    data = data.rename(wound_on_tension_estimate=ESTIMATE)
+    data = data.merge(wrapped.reindex_like(data), join="exact")
+    for name in (ESTIMATE, "wrapped_added"):
+        data[name].values -= paper_nip().web_tension
+    verdicts = [
+        *_statements(data[CONFINED], ""),
+        *accurate(_statements(data[WRAPPED], "with the web wrapped on the roll behind the nip: ")),
+        *accurate([_share_of_fall()]),
+    ]
+    title = "NIT against the friction between the layers"
+    return [Exhibit("fig19", title, data, verdicts, lambda: _draw(data))]
+
+
+@cache
+def _wrapped() -> xr.Dataset:
+    outputs = ["nip_induced_tension", "wound_on_tension"]
+    return swept(
+        paper_nip().wrapped(), OVER | {"roll_friction": FRICTIONS[::4]}, outputs=outputs, nodes=65
+    )
+
+
+def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
+    curves = NIT.dropna("roll_friction")
+    low, high = (_maxima(curves.sel(nip_load=P)) for P in NIP_LOADS)
+    said = [
+        "highest such F.  Over all mu+ the maxima lie at mu+ by F [N/m] "
+        + ", ".join(f"{F:.0f}: {mu:.3f}" for F, mu in maxima.items())
+        for maxima in (low, high)
+    ]
+    steps, fall = _beyond_maxima(curves)
+    low_forces, high_forces = ([F for F in m if m[F] >= LOWEST_FRICTION] for m in (low, high))
+    return [
+        verdict(
+            f"{when}from mu+ = 0.2 on NIT has a maximum at the low load for F <= -200 N/m",
+            max(low_forces, default=-np.inf), -200, -200, "N/m", f"{said[0]}: below it the web "
+            "slips forward on nearly the whole roll and NIT grows like mu+ P + F",
+        ),
+        verdict("for each of these forces", len(low_forces), 3, 3, note="curves with a maximum"),
+        verdict(
+            "and at the high load for F = -500 N/m only", max(high_forces, default=-np.inf),
+            -500, -500, "N/m", said[1],
+        ),
+        verdict(
+            "beyond the maxima NIT falls as mu+ grows", steps, high=0.0, unit="N/m",
+            note="largest step",
+        ),
+        verdict(
+            "the curves are steeper at the higher load", (fall[1] / fall[0]).min(), 1.0,
+            note="smallest ratio over F of the falls from the maximum to mu+ = 0.6",
+        ),
+    ]  # fmt: skip
+
+
+def _maxima(NIT: xr.DataArray) -> dict[float, float]:
+    """Return the friction of each curve's maximum by winding force, nan if that is at an end."""
+    at = NIT.idxmax("roll_friction")
+    inner = at.isin(NIT["roll_friction"][1:-1])
+    return dict(zip(WINDING_FORCES, at.where(inner).values.tolist(), strict=True))
+
+
+def _beyond_maxima(NIT: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the largest step of all curves, and each one's fall, (load, force)."""
+    friction = NIT["roll_friction"]
+    beyond = NIT.where(friction >= NIT.idxmax("roll_friction") - 1e-9)
+    return beyond.diff("roll_friction").max(), beyond.max("roll_friction") - beyond[..., -1]
+
+
+def _share_of_fall() -> Verdict:
+    """Compare the falls of NIT in centre winding from mu+ = 0.1 to 0.6."""
+    over = {"nip_load": NIP_LOADS, "roll_friction": [0.1, 0.6]}
+    nips = swept(
+        paper_nip(winding_force=0.0), over, outputs=[CONFINED, "wound_on_tension_estimate"]
+    )
+    wrapped = _wrapped()[CONFINED].sel(winding_force=0.0)
+    wrapped = wrapped.sel(roll_friction=over["roll_friction"], method="nearest")
+    fall = wrapped.diff("roll_friction").values / nips[CONFINED].diff("roll_friction").values
+    estimate = nips["wound_on_tension_estimate"] - paper_nip().web_tension
+    said = [
+        "{:.0f} to {:.0f} N/m".format(*at[-1].values) for at in (nips[CONFINED], wrapped, estimate)
+    ]
+    return verdict(
+        "and the decrease that was expected is the nip's own, in centre winding from mu+ = 0.1 to "
+        "0.6: fall over that with the web held at the trailing edge", fall.min(), 0.5,
+        note=f"the lesser of both loads.  At P = {NIP_LOADS[1]:.0f} N/m NIT goes from {said[0]} "
+        f"held there, from {said[1]} wrapped, and from {said[2]} by (183): most of the fall is the "
+        "condition at the trailing edge (97), by which friction binds the web to a surface that is "
+        "compressed there",
+    )  # fmt: skip
+
+
+def _draw(data: xr.Dataset) -> Figure:
+    """Draw the curves of the nip alone; points with the web wrapped, thin lines by (183)."""
+    figure = drawing.blank(size=(7.2, 3.8))
+    for axes, P in zip(figure.axes, NIP_LOADS, strict=True):
+        panel = data.sel(nip_load=P)
+        drawing.curves(axes, panel, "roll_friction", CONFINED, "winding_force")
+        for name, look in (
+            (WRAPPED, {"marker": "o", "linewidth": 0}),
+            (ESTIMATE, {"linewidth": 0.6}),
+        ):
+            for k, values in enumerate(panel[name]):
+                axes.plot(FRICTIONS, values, color=drawing.COLOURS[k], markersize=3, **look)
+            label = {WRAPPED: "wrapped", ESTIMATE: "by (183)"}[name]
+            axes.plot([], [], color="#888888", markersize=3, label=label, **look)
+        axes.set_title(f"$P = {P:.0f}$ N/m", fontsize=9)
+    drawing.shared_legend(figure, 4)
+    return figure

@@ -1,0 +1,118 @@
+"""Thesis Fig. 20, sec. 4.4: two slip patterns, mu+ below and above mu- = 0.4.
+
+The text gives neither nip load nor winding force.  Taken are those of Fig. 19(b) and of Table 1:
+P = 4897 and F = 100 N/m.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import woundon as wo
+
+from . import drawing
+from .cases import paper_nip
+from .exhibits import Exhibit
+from .inside import draw_slips, style
+from .nips import FINE, along_nip, joined, solved
+from .verdicts import Verdict, accurate, verdict, whether
+from .zones import Run, longest_stick, runs
+
+__all__ = ["exhibits"]
+
+FRICTIONS = (0.3, 0.5)
+NIP_LOAD = 4897.0
+PRINTED = (206.0, 125.0)  # NIT of panels (a) and (b) in the text [N/m]
+UNTOLD = (
+    "the text gives neither P nor F, and two numbers fix two loads: the accurate scheme has 206 "
+    "and 126 N/m at P = 7500, F = 0, the thesis's 212 and 122 N/m at P = 9000, F = 100 N/m"
+)
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve both frictions; return Fig. 20."""
+    base = paper_nip(nip_load=NIP_LOAD, web_tension=0.0)  # T is then what the nip has added so far
+    nips = {mu: solved(base.replace(roll_friction=mu), scheme, FINE) for mu in FRICTIONS}
+    data = joined("roll_friction [1]", {mu: along_nip(r) for mu, r in nips.items()})
+    title = "Slips and tension for mu+ below and above mu-"
+    below, above = nips.values()
+    taut = paper_nip(nip_load=NIP_LOAD)
+    wrapped = [solved(taut.replace(roll_friction=mu).wrapped()) for mu in FRICTIONS]
+    verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
+    return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
+
+
+def _pattern(r: wo.NipResult | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
+    own = r.in_nip
+    x, T = r.x[own], r.web_tension[own]
+    roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
+    leading = min(roll[0].right, drum[0].right) - x[0]
+    stick, end = longest_stick(drum), _end_of_stick(drum)
+    assert stick is not None
+    return [
+        verdict(
+            f"{when}: the web slips at roll and drum at the leading edge already",
+            100 * leading / (2 * r.half_width), 1.0, unit="% of the width",
+        ),
+        whether("where it is a little ahead of the drum", drum[0].zone == 1),
+        verdict(
+            "at the trailing end slip begins at the drum, before it does at the roll: from the "
+            "end of stick at the drum to that at the roll",
+            1e3 * (_end_of_stick(roll) - end), 0.0, unit="mm",
+        ),
+        whether(
+            "first the drum is ahead of the web", drum[stick + 1].zone == -1,
+            "v- < 0 behind the stick zone",
+        ),
+        verdict("and the tension falls", T.min() - np.interp(end, x, T), high=0.0, unit="N/m"),
+        whether("on the last part the slip turns round", drum[-1].zone == 1, "v- > 0"),
+    ]  # fmt: skip
+
+
+def _end_of_stick(found: list[Run]) -> float:
+    """Return where the longest stick zone ends [m]."""
+    k = longest_stick(found)
+    assert k is not None
+    return found[k].right
+
+
+def _numbers(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
+    a, b = below.nip_induced_tension, above.nip_induced_tension
+    return [
+        verdict(
+            "mu+ > mu- makes much less tension (ch. 6): NIT of (b) over that of (a)", b / a,
+            high=0.75, note=f"the text's numbers give {PRINTED[1] / PRINTED[0]:.2f}",
+        ),
+        verdict(
+            f"NIT is {PRINTED[0]:.0f} N/m in panel (a) and {PRINTED[1]:.0f} N/m in panel (b)",
+            None, note=f"{UNTOLD}.  At the loads taken here they are {a:.0f} and {b:.0f} N/m",
+        ),
+    ]  # fmt: skip
+
+
+def _of_the_wrap(below: wo.WrappedNipResult, above: wo.WrappedNipResult) -> list[Verdict]:
+    a, b = below.nip_induced_tension, above.nip_induced_tension
+    return [
+        *_pattern(above, "with the web wrapped on the roll behind the nip, mu+ > mu-"),
+        verdict(
+            "and mu+ > mu- makes much less tension: NIT of (b) over that of (a)", b / a, high=0.75,
+            note=f"{b:.0f} and {a:.0f} N/m.  What the nip alone loses is largely what (97) takes "
+            "off (Fig. 19)",
+        ),
+    ]  # fmt: skip
+
+
+def _draw(nips: list[wo.NipResult]) -> Figure:
+    figure = drawing.blank(1, 2, (9.0, 3.6), letters=False)
+    panels = list(figure.axes)
+    with style():
+        for letter, axes, nip in zip("ab", panels, nips, strict=True):
+            draw_slips(axes, nip)
+            text = rf"({letter})  $\mu^+ = {nip.problem.roll_friction}$, $\mu^- = 0.4$"
+            axes.set_title("", loc="right")  # the letter stands inside, the legend is above
+            axes.text(0.04, 0.93, text, transform=axes.transAxes)
+            axes.set_xlabel("Position along the nip $x$ [mm]")
+        for twin in figure.axes[2:]:
+            twin.set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
+    return figure

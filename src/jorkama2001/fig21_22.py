@@ -1,0 +1,128 @@
+"""Thesis Figs. 21 and 22, sec. 4.5: NIT against the radii of roll and drum."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import woundon as wo
+
+from . import drawing
+from .cases import WINDING_FORCES, paper_nip
+from .exhibits import Exhibit
+from .nips import swept
+from .verdicts import Verdict, falls, grows, verdict
+
+__all__ = ["exhibits"]
+
+NIP_LOAD = 4850.0
+RADII = np.array([0.1, 0.125, 0.15, 0.175, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8, 1.0])
+OTHERS = (0.25, 0.5)  # of the other body: panels (a) and (b)
+_OTHER = {"roll": "drum", "drum": "roll"}
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve Table 1's nip over both radii and the winding force; return Figs. 21 and 22."""
+    data = {body: _swept(body, scheme) for body in _OTHER}
+    own = {"roll": [_increasing()], "drum": _exponents(list(data.values()))}
+    return [
+        Exhibit(
+            name, f"NIT against the radius of the {body}", data[body],
+            [*_trends(data[body], body), *own[body]], partial(_draw, data[body], body),
+        )
+        for name, body in (("fig21", "roll"), ("fig22", "drum"))
+    ]  # fmt: skip
+
+
+def _swept(body: str, scheme: str) -> xr.Dataset:
+    """Return dimensions (radius of the other body, winding force, radius)."""
+    over = {
+        f"{_OTHER[body]}_radius": OTHERS,
+        "winding_force": WINDING_FORCES,
+        f"{body}_radius": RADII,
+    }
+    return swept(paper_nip(nip_load=NIP_LOAD), over, scheme)
+
+
+def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
+    radius, other = f"{body}_radius", _OTHER[body]
+    NIT = data["nip_induced_tension"]
+    largest, half = NIT.sel({radius: 1.0}), NIT.sel({radius: 0.5})
+    total = NIT.sel({radius: 0.1}) - largest
+    return [
+        falls(f"NIT falls as the {body}'s radius grows", NIT, radius, "N/m"),
+        verdict(
+            "it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
+            "0.5 m on", 100 * ((half - largest) / total).max(), high=25.0, unit="%", note="largest",
+        ),
+        verdict(
+            "which is negligible", 100 * (1 - largest / half)[:, 3:].max(), high=5.0, unit="%",
+            note="fall of NIT from 0.5 to 1 m, largest for F >= 0; the power "
+            "law of Fig. 22 asks for as much: the relative radius grows by a fifth to a third",
+        ),
+        grows(
+            f"the lower the winding force, the less the {body}'s radius matters", total,
+            "winding_force", "N/m", "smallest step of the falls over F; panel (a): "
+            f"{', '.join(f'{fall:.0f}' for fall in total[0])} N/m for F = -500 to 100",
+        ),
+        falls(
+            f"a larger {other} gives less NIT", NIT, f"{other}_radius", "N/m",
+            "largest difference of the panels, (b) less (a)",
+        ),
+        verdict("but steeper curves", (total[1] / total[0]).min(), 1.0,
+                note="smallest ratio of the falls, (b) over (a)"),
+        verdict(
+            f"the dual slip ratio falls as the {body}'s radius grows",
+            data["dual_slip"][:, 3:].diff(radius).max(), high=1e-9, note="largest step, F >= 0",
+        ),
+    ]  # fmt: skip
+
+
+def _increasing() -> Verdict:
+    problem, ratios = paper_nip(nip_load=NIP_LOAD), np.linspace(0.0, 1.0, 201)
+    steps = np.diff([wo.theories.dual_slip(problem, float(s)) for s in ratios])
+    return verdict(
+        "NIT by the dual slip ratio alone, eq. (173), grows with it", steps.min(), 0.0, unit="N/m",
+        note="smallest step of 1/200",
+    )  # fmt: skip
+
+
+def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
+    """Fit ln NIT by the logarithms of the relative radius and of the drum's."""
+    rows = [one["nip_induced_tension"].to_dataframe().reset_index() for one in data]
+
+    def fit(name: str, F: float) -> tuple[float, float]:
+        of = [frame[frame["winding_force"] == F] for frame in rows]
+        R1, R2, NIT = (
+            np.concatenate([frame[column] for frame in of])
+            for column in ("roll_radius", "drum_radius", "nip_induced_tension")
+        )
+        x, y = np.log(R1 * R2 / (R1 + R2) if name == "relative" else R2), np.log(NIT)
+        slope, level = np.polyfit(x, y, 1)
+        return float(slope), float(np.std(y - slope * x - level))
+
+    relative, drum = fit("relative", 0.0), fit("drum", 0.0)
+    return [
+        verdict(
+            "NIT goes with the relative radius R* to the power -1/2: fitted exponent, F = 0",
+            relative[0], -0.55, -0.45,
+            note="by F [N/m] "
+            + ", ".join(f"{F:.0f}: {fit('relative', F)[0]:.2f}" for F in WINDING_FORCES)
+            + ".  The strains go with a/R*, at a given load with R*^-1/2; but NIT over that strain "
+            "still grows slowly with a, because the web brings a length of its own (Fig. 18)",
+        ),
+        verdict(
+            "and not with the drum's radius: scatter of ln NIT about the fit by R*, over that by "
+            "the drum's", relative[1] / drum[1], high=0.2,
+            note=f"{100 * relative[1]:.1f} % against {100 * drum[1]:.0f} % of NIT",
+        ),
+    ]  # fmt: skip
+
+
+def _draw(data: xr.Dataset, body: str) -> Figure:
+    other, symbol = f"{_OTHER[body]}_radius", {"roll": "R_2", "drum": "R_1"}[body]
+    panels = [(data.sel({other: R}), "nip_induced_tension", f"${symbol} = {R}$ m") for R in OTHERS]
+    return drawing.sheet(panels, f"{body}_radius")

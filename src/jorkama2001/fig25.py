@@ -1,0 +1,123 @@
+"""Thesis Fig. 25, sec. 4.6: the nip of Fig. 15 with a soft drum cover.
+
+2 cm of E = 10 MPa, nu = 0.1.  The text gives no nip load; since it compares with Fig. 15, that
+figure's P = 1900 N/m is taken.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import woundon as wo
+
+from .cases import covered_nip, paper_nip
+from .exhibits import Exhibit
+from .nips import FINE, along_nip, solved
+from .verdicts import Verdict, verdict, whether
+from .zones import runs
+
+__all__ = ["exhibits"]
+
+FALL_LOAD = 3000.0  # where the web tension falls by what the text says [N/m]
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve the soft-covered drum, and the hard one to compare with; return Fig. 25."""
+    # without T_in, T is what the nip has added so far, as the thesis shows it
+    soft, heavier = (
+        solved(covered_nip(10e6, 0.1, nip_load=P, web_tension=0.0), scheme, FINE)
+        for P in (1900.0, FALL_LOAD)
+    )
+    hard = solved(paper_nip(), scheme, FINE)
+    title = "Tractions, slips and web tension in the nip, soft drum cover"
+    verdicts = [
+        *_tractions(hard, soft), *_pattern(soft), *_edges(soft, heavier), *_tension(soft, heavier),
+    ]  # fmt: skip
+    return [Exhibit("fig25", title, along_nip(soft), verdicts, lambda: _draw(soft))]
+
+
+def _tractions(hard: wo.NipResult, soft: wo.NipResult) -> list[Verdict]:
+    def smaller(name: str) -> float:
+        peaks = [float(np.max(np.abs(getattr(r, name)))) for r in (soft, hard)]
+        return 100 * (1 - peaks[0] / peaks[1])
+
+    return [
+        verdict(
+            "tractions are more than 50 % smaller than with the hard drum: at the roll",
+            smaller("roll_traction"), 50.0, unit="%", note="of the largest",
+        ),
+        verdict(
+            "and at the drum", smaller("drum_traction"), 50.0, unit="%",
+            note=f"of the largest.  It is bound to mu- p, and the wider nip's largest pressure is "
+            f"{smaller('pressure'):.0f} % smaller only",
+        ),
+    ]  # fmt: skip
+
+
+def _pattern(r: wo.NipResult) -> list[Verdict]:
+    roll, drum, width = runs(r.x, r.roll_zone), runs(r.x, r.drum_zone), 2 * r.half_width
+    forward = max((run for run in drum if run.zone == 1), key=lambda run: run.length)
+    return [
+        whether(
+            "the roll's pattern is that of the hard drum: backward, stick, forward",
+            [run.zone for run in roll] == [-1, 0, 1],
+        ),
+        whether(
+            "the drum has a leading slip zone too, the web behind it", drum[0].zone == -1,
+            f"v- < 0 on {100 * drum[0].length / width:.1f} % of the width",
+        ),
+        whether(
+            "at the trailing edge the web is ahead of the drum first",
+            max(run.zone for run in drum[1:]) == 1, "v- > 0",
+        ),
+        verdict("and behind it very near the edge", drum[-1].zone, -1, -1, note="sign of v-"),
+        verdict("from so near on", 100 * (r.half_width - forward.right) / width, 1e-6, 2.0,
+                "% of the width"),
+        verdict(
+            "slip is larger at the drum than at the roll: largest |v-| over largest |v+|",
+            np.max(np.abs(r.drum_slip)) / np.max(np.abs(r.roll_slip)), 1.0,
+        ),
+    ]  # fmt: skip
+
+
+def _edges(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
+    base, more = (100 * np.abs(nip.drum_slip[[1, -1]]) for nip in (r, heavier))
+    return [
+        verdict(
+            "|v-| is about 0.35 % at the leading edge", base[0], 0.3, 0.4, "%",
+            f"{more[0]:.2f} % at P = {FALL_LOAD:.0f} N/m",
+        ),
+        verdict(
+            "and at the trailing edge", base[1], 0.3, 0.4, "%",
+            f"{more[1]:.2f} % at P = {FALL_LOAD:.0f} N/m; it turns round within the last "
+            "per cent of the width, where the cover's strain has a vertical tangent",
+        ),
+    ]  # fmt: skip
+
+
+def _tension(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
+    T, steps = r.web_tension, np.abs(np.diff(r.web_tension))
+    both = (r.roll_zone == 0) & (r.drum_zone == 0)
+    inside = both[1:] & both[:-1]
+    return [
+        verdict(
+            "most of the tension's variation happens where both faces stick",
+            100 * steps[inside].sum() / steps.sum(), 50.0, unit="%",
+        ),
+        verdict(
+            "it is lowest at the nip's centre", r.x[np.argmin(T)] / r.half_width, -0.1, 0.1,
+            note="x/a of the lowest tension",
+        ),
+        verdict(
+            "where it has fallen by almost 150 N/m", -T.min(), 135.0, 150.0, "N/m",
+            f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.web_tension.min():.0f} "
+            "N/m, and the text does not give the load",
+        ),
+    ]  # fmt: skip
+
+
+def _draw(result: wo.NipResult) -> Figure:
+    figure: Figure = result.plot()
+    figure.axes[-1].set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
+    return figure

@@ -1,0 +1,73 @@
+"""Thesis Fig. 26, sec. 4.6: NIT and nip width against the nip load for three drum covers."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+import woundon as wo
+
+from . import drawing
+from .cases import COVERS, DRUM_RADIUS, covered_nip
+from .exhibits import Exhibit
+from .fig16_18 import NIP_LOADS
+from .nips import swept
+from .verdicts import Verdict, grows, verdict
+
+__all__ = ["exhibits"]
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve Table 1's nip with three covers over the nip load; return Fig. 26."""
+    over = {"nip_load": NIP_LOADS}
+    covers = [swept(covered_nip(*cover), over, scheme) for cover in COVERS.values()]
+    data = xr.concat(covers, xr.DataArray(list(COVERS), dims="cover", name="cover"))
+    E, nu = zip(*COVERS.values(), strict=True)
+    data["youngs_modulus"] = ("cover", list(E), {"units": "Pa"})
+    data["poissons_ratio"] = ("cover", list(nu), {"units": "1"})
+    names = [f"{name}, {_modulus(E)}, $\\nu_2$ = {nu:g}" for name, (E, nu) in COVERS.items()]
+    panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
+    draw = lambda: drawing.sheet(panels, "nip_load", "cover", names, legend=3)  # noqa: E731
+    title = "NIT and nip width against the nip load for three drum covers"
+    return [Exhibit("fig26", title, data, _verdicts(data, _without_shell(scheme)), draw)]
+
+
+def _without_shell(scheme: str) -> xr.DataArray:
+    """Return NIT on a half-plane of rubber at 2, 5 and 11 kN/m [N/m]."""
+    E, nu = COVERS["rubber"]
+    rubber = wo.Isotropic(youngs_modulus=E, poissons_ratio=nu)
+    problem = covered_nip(E, nu).replace(drum=wo.HalfPlane(radius=DRUM_RADIUS, material=rubber))
+    return swept(problem, {"nip_load": [2e3, 5e3, 11e3]}, scheme)["nip_induced_tension"]
+
+
+def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
+    hard, rubber, cellular = data["nip_induced_tension"]
+    slopes = np.diff(rubber) / np.diff(NIP_LOADS)
+    width = 1e3 * data["nip_width"].sel(cover="rubber")
+    return [
+        verdict(
+            "the cellular cover's NIT is very small", 100 * (cellular / hard).max(), high=10.0,
+            unit="%", note=f"of the hard drum's; at most {cellular.max():.1f} N/m",
+        ),
+        verdict(
+            "and practically independent of the load", np.ptp(cellular.values), high=5.0,
+            unit="N/m", note=f"its range; the hard drum's is {np.ptp(hard.values):.0f} N/m",
+        ),
+        verdict(
+            "the rubber cover's NIT is lower than the hard drum's too",
+            100 * (rubber / hard).max(), high=50.0, unit="%", note="largest share",
+        ),
+        grows("it grows with the load", rubber, "nip_load", "N/m"),
+        verdict(
+            "ever more slowly", slopes[-1] / slopes[0], high=1.0,
+            note="slope at the heaviest load over that at the lightest.  It grows, as Peters found "
+            "and the text denies: rubber cannot change its volume, so that the cover stiffens as "
+            f"the nip, {width[0]:.0f} to {width[-1]:.0f} mm wide, outgrows its "
+            "20 mm, and comes nearer to a hard drum.  On a half-plane of rubber NIT would be "
+            f"{without[0]:.1f}, {without[1]:.1f} and {without[2]:.1f} N/m at 2, 5 and 11 kN/m",
+        ),
+    ]  # fmt: skip
+
+
+def _modulus(E: float) -> str:
+    return f"{E / 1e9:g} GPa" if E >= 1e9 else f"{E / 1e6:g} MPa"

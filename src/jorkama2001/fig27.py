@@ -1,0 +1,49 @@
+"""Thesis Fig. 27, sec. 4.6: NIT and nip width against the thickness of the drum cover."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from . import drawing
+from .cases import COVERS, DRUM_RADIUS, covered_nip
+from .exhibits import Exhibit
+from .nips import swept
+from .verdicts import Verdict, falls, verdict
+
+__all__ = ["exhibits"]
+
+THICKNESSES = np.linspace(0.005, 0.05, 19)
+SOFT = ("cellular elastomer", "rubber")  # alike in E
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve both soft covers over their thickness; return Fig. 27."""
+    ratios = [COVERS[name][1] for name in SOFT]
+    over = {"poissons_ratio": ratios, "cover_core_radius": DRUM_RADIUS - THICKNESSES}
+    data = swept(covered_nip(*COVERS["rubber"], nip_load=5000.0), over, scheme)
+    data = data.rename(cover_core_radius="cover_thickness")
+    data["cover_thickness"] = ("cover_thickness", THICKNESSES, {"units": "m"})
+    names = [rf"{name}, $\nu_2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]
+    panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
+    draw = lambda: drawing.sheet(panels, "cover_thickness", "poissons_ratio", names, 2)  # noqa: E731
+    title = "NIT and nip width against the thickness of the drum cover"
+    return [Exhibit("fig27", title, data, _verdicts(data), draw)]
+
+
+def _verdicts(data: xr.Dataset) -> list[Verdict]:
+    cellular, rubber = data["nip_induced_tension"]
+    slope = -rubber.differentiate("cover_thickness") / 1e3  # [N/m per mm]
+    thin, thick = slope.sel(cover_thickness=[0.01, 0.03], method="nearest").values
+    return [
+        verdict(
+            "the thickness of the cellular cover hardly matters for NIT, in N/m",
+            np.ptp(cellular.values), high=20.0, unit="N/m",
+            note=f"its range from 5 to 50 mm; the rubber's is {np.ptp(rubber.values):.0f} N/m",
+        ),
+        falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness", "N/m"),
+        verdict(
+            "thickness matters most where the rubber is thin, about 10 mm: fall at 10 mm over "
+            "that at 30 mm", thin / thick, 3.0, note=f"{thin:.1f} and {thick:.1f} N/m per mm",
+        ),
+    ]  # fmt: skip

@@ -1,0 +1,124 @@
+"""Thesis Figs. 28 and 29, sec. 4.7: NIT and dual slip ratio against the paper's moduli."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from . import drawing
+from .cases import paper_nip
+from .exhibits import Exhibit
+from .nips import swept
+from .verdicts import Verdict, falls, grows, verdict
+
+__all__ = ["exhibits"]
+
+SHEAR = (1e6, 20e6, 100e6)  # G: rows of panels (a), (b), (c) [Pa]
+CROSS = (0.1e6, 1e6, 40e6)  # A_rt: columns of panels 1, 2, 3
+RADIAL = (4e6, 20e6, 100e6)  # A_rr: curves
+TANGENTIAL = 1e9 * np.array([0.5, 0.55, 0.6, 0.7, 0.85, 1, 1.5, 2, 3, 4, 5, 6, 7])  # A_tt: x axis
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Solve the nip at 5 kN/m over the four moduli; return Figs. 28 and 29."""
+    over = {"shear": SHEAR, "cross": CROSS, "radial": RADIAL, "tangential": TANGENTIAL}
+    data = swept(paper_nip(nip_load=5000.0), over, scheme)
+    return [
+        Exhibit(
+            "fig28", "NIT against the elastic constants of the paper", data,
+            _tension(data["nip_induced_tension"]), lambda: _draw(data, "nip_induced_tension"),
+        ),
+        Exhibit(
+            "fig29", "Dual slip ratio against the elastic constants of the paper", data,
+            _dual_slip(data["dual_slip"], scheme), lambda: _draw(data, "dual_slip"),
+        ),
+    ]  # fmt: skip
+
+
+def _where(found: np.ndarray) -> str:
+    """Say at which moduli the flagged steps of A_rr lie."""
+    places = [
+        f"G {SHEAR[i] / 1e6:g}, A_rt {CROSS[j] / 1e6:g}, A_rr {RADIAL[k] / 1e6:g} to "
+        f"{RADIAL[k + 1] / 1e6:g} MPa at A_tt {TANGENTIAL[found[i, j, k]].min() / 1e9:g} to "
+        f"{TANGENTIAL[found[i, j, k]].max() / 1e9:g} GPa"
+        for i, j, k in np.argwhere(found.any(axis=3))
+    ]
+    return "; ".join(places) or "nowhere"
+
+
+def _tension(NIT: xr.DataArray) -> list[Verdict]:
+    steps = NIT.diff("radial").values
+    rising = steps > 0
+    exception = np.zeros_like(rising)
+    exception[-1, -1][:, TANGENTIAL <= 0.61e9] = True
+    small = 100 * np.abs(NIT[:, 1].drop_vars("cross") / NIT[:, 0].drop_vars("cross") - 1)
+    return [
+        grows("NIT grows with A_tt", NIT, "tangential", "N/m"),
+        verdict(
+            "usually it falls as A_rr grows", 100 * np.mean(~rising), 80.0, unit="% of the steps",
+            note="the text says usually",
+        ),
+        verdict(
+            "except for A_tt from 0.5 to 0.6 GPa, A_rt = 40 MPa and G = 100 MPa: there it grows",
+            steps[exception].max(), 0.0, unit="N/m", note="largest step",
+        ),
+        verdict(
+            "and nowhere else", np.sum(rising & ~exception), high=0,
+            note=f"steps that grow elsewhere.  All: {_where(rising)}.  A_rt^2 comes near A_rr A_tt "
+            "there, and a soft roll loses more tension to Poisson's effect than it gains by being "
+            "soft.  No web thickness from 20 to 100 um confines it to what the text says",
+        ),
+        grows("it grows with G", NIT, "shear", "N/m"),
+        verdict(
+            "up to A_rt = 1 MPa it does not depend on A_rt", small.max(), high=5.0, unit="%",
+            note="largest change from 0.1 to 1 MPa",
+        ),
+        falls("beyond, it falls as A_rt grows", NIT[:, 1:], "cross", "N/m",
+              "largest change from 1 to 40 MPa"),
+    ]  # fmt: skip
+
+
+def _dual_slip(dual: xr.DataArray, scheme: str) -> list[Verdict]:
+    # what a step may fall by through the grid: a cell of the thesis's, a fraction of one else
+    cell = {"graded": 0.001, "thesis": 0.005}[scheme]
+
+    def steps_up(statement: str, along: str, note: str = "") -> Verdict:
+        steps = dual.diff(along)
+        said = f"steps from {steps.min():.3f} to {steps.max():.3f}{note}"
+        share = 100 * (steps > -cell).mean()
+        return verdict(statement, share, 95.0, unit="% of the steps", note=said)
+
+    stiff = dual.diff("cross").sel(tangential=slice(3.5e9, None))
+    return [
+        steps_up("the dual slip ratio grows with A_tt", "tangential"),
+        steps_up(
+            "with A_rr", "radial",
+            ".  It falls, as NIT does; the text likens it to NIT in the same sentence, so that "
+            "this may be a slip of the pen",
+        ),
+        steps_up("with G", "shear"),
+        steps_up(
+            "and, unlike NIT, with A_rt", "cross",
+            f".  It does in {100 * (stiff > -cell).mean():.0f} % of the steps with A_tt of 4 GPa "
+            "or more, as in Fig. 30; where A_tt is small, A_rt^2 comes near A_rr A_tt and it falls",
+        ),
+    ]  # fmt: skip
+
+
+def _draw(data: xr.Dataset, shown: str) -> Figure:
+    figure = drawing.blank(3, 3, (9.0, 8.4), letters=False)
+    for k, axes in enumerate(figure.axes):
+        row, column = divmod(k, 3)
+        drawing.curves(axes, data.isel(shear=row, cross=column), "tangential", shown, "radial")
+        axes.set_title(
+            f"({'abc'[row]}$_{column + 1}$)  $G$ = {SHEAR[row] / 1e6:g}, "
+            rf"$A_{{r\theta}}$ = {CROSS[column] / 1e6:g} MPa",
+            fontsize=8.5,
+        )
+        if row < 2:
+            axes.set_xlabel("")
+        if column > 0:
+            axes.set_ylabel("")
+    drawing.shared_legend(figure, 3)
+    return figure

@@ -1,0 +1,89 @@
+"""Thesis Fig. 34, sec. 4.9: how fast web and roll stretch under a web that slips all round."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+import woundon as wo
+
+from . import drawing
+from .cases import paper_nip
+from .exhibits import Exhibit
+from .inside import strain_under
+from .nips import dataset
+from .verdicts import Verdict, verdict
+
+__all__ = ["exhibits", "web_rate"]
+
+FRICTION = 0.5
+TENSION = 500.0  # T_0 [N/m]; the ratio of the rates does not depend on it
+CELLS = 720  # a quarter of a degree each
+AWAY = 5.0  # [deg] from either end of the load, where strains are singular
+
+
+def exhibits(scheme: str) -> list[Exhibit]:
+    """Load the roll of Table 1 by eq. (181) with mu+ = 0.5; return Fig. 34."""
+    data = _rates()
+    title = "Growth rates of the strains of web and roll under a web that slips all round"
+    return [Exhibit("fig34", title, data, _verdicts(data), lambda: _draw(data), one_scheme=True)]
+
+
+def web_rate(web: wo.Web, tension: float, friction: float, theta: np.ndarray) -> np.ndarray:
+    """Return d eps/d theta of a web that slips on an undeformed roll from a tension on [1/rad]."""
+    A_rr, A_tt, A_rt, _ = web.material.stiffness
+    c11 = A_rr / (A_rr * A_tt - A_rt**2)
+    return c11 / web.thickness * tension * friction * np.exp(friction * theta)
+
+
+@cache
+def _rates() -> xr.Dataset:
+    problem = paper_nip()
+    assert isinstance(problem.roll, wo.Cylinder)
+    theta = np.linspace(0.0, pi, CELLS + 1)
+    middle = (theta[1:] + theta[:-1]) / 2
+    pressure = TENSION / problem.roll.radius * np.exp(FRICTION * theta)
+    strain = strain_under(problem.roll, theta, middle, pressure, FRICTION * pressure)
+    return dataset(
+        "point",
+        {
+            "angle [rad]": theta[1:-1],
+            "roll_rate [1/rad]": np.diff(strain) / np.diff(middle),
+            "web_rate [1/rad]": web_rate(problem.web, TENSION, FRICTION, theta[1:-1]),
+        },
+    )
+
+
+def _verdicts(data: xr.Dataset) -> list[Verdict]:
+    angle = np.degrees(data["angle"])
+    away = (angle > AWAY) & (angle < 180 - AWAY)
+    ratio = (data["web_rate"] / np.abs(data["roll_rate"]))[away]
+    return [
+        verdict(
+            "the rates of web and roll differ by several decades: median of their ratio",
+            ratio.median(), 100.0,
+            note=f"between {AWAY:g} and {180 - AWAY:g} degrees; the smallest is "
+            f"{ratio.min():.0f}, at the end, where the load stops and the roll's strain is "
+            "singular",
+        ),
+        verdict(
+            "so a slipping web does not stick again: its strain outgrows the roll's everywhere",
+            ratio.min(), 1.0, note="smallest ratio",
+        ),
+    ]  # fmt: skip
+
+
+def _draw(data: xr.Dataset) -> Figure:
+    figure, axes = drawing.one_panel()
+    for k, body in enumerate(("roll", "web")):
+        rate = np.abs(data[f"{body}_rate"])
+        look = {"color": drawing.COLOURS[k], "label": body}
+        axes.semilogy(np.degrees(data["angle"]), rate, drawing.LINES[k], **look)
+    axes.set_xlabel(r"Angle behind the start of slip $\theta$ [deg]")
+    axes.set_ylabel(r"$|d\varepsilon/d\theta|$ [1/rad]")
+    drawing.shared_legend(figure, 2)
+    return figure

@@ -1,0 +1,44 @@
+"""What the reproduction takes from within woundon, for want of a public name; all of it is here."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+import woundon as wo
+from woundon.nip.roll_surface import roll_strain
+from woundon.show.figures import save_figure, style
+from woundon.show.plots import draw_slips
+from woundon.studies.processes import in_processes
+from woundon.wrap.grid import Influence, OpenGrid
+
+__all__ = ["draw_slips", "in_processes", "roll_strain", "save_figure", "strain_under", "style"]
+
+Array = np.ndarray
+
+
+def strain_under(
+    roll: wo.Cylinder, nodes: Array, points: Array, pressure: Array, traction: Array
+) -> Array:
+    """Return a roll's surface strain under loads given at nodes on half its circumference.
+
+    Parameters
+    ----------
+    roll : Cylinder
+    nodes, points : (n,), (k,) arrays
+        Angles where the loads are given, and where the strain is asked for [rad].
+    pressure, traction : (n,) arrays
+        Piecewise linear between the nodes [Pa].
+
+    Returns
+    -------
+    (k,) array
+    """
+    R = roll.radius
+    kernels = roll.kernels()
+    put = Influence(
+        OpenGrid(nodes, points), None, np.arange(0), slice(0), R, kernels.length, 2 * pi * R
+    )
+    strain: Array = put(kernels.strain_p) @ pressure + put(kernels.strain_q) @ traction
+    return strain

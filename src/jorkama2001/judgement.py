@@ -1,0 +1,137 @@
+"""An exhibit with its verdicts in words, and where one fails, what the other scheme says to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .exhibits import Exhibit, made_by
+from .verdicts import Outcome, Verdict
+
+__all__ = ["SCHEMES", "Judged", "judged"]
+
+SCHEMES = {"graded": "the accurate scheme", "thesis": "the thesis's scheme"}
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """An exhibit, and its verdicts by the other scheme if a statement does not hold.
+
+    Attributes
+    ----------
+    exhibit : Exhibit
+    scheme : {"graded", "thesis"}
+        By which it was computed.
+    others : sequence of Verdict
+        One for each of the exhibit's, or none.
+    """
+
+    exhibit: Exhibit
+    scheme: str
+    others: Sequence[Verdict] = ()
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """How many statements hold, do not, cannot be tested."""
+        return tuple(self.exhibit.count(outcome) for outcome in Outcome)
+
+    @property
+    def tally(self) -> str:
+        """The same in words."""
+        words = [
+            f"{n} {outcome.value if n == 1 else _PLURAL[outcome]}"
+            for n, outcome in zip(self.counts, Outcome, strict=True)
+            if n
+        ]
+        return f"{len(self.exhibit.verdicts)} statements: {', '.join(words)}"
+
+    @property
+    def failures(self) -> list[str]:
+        """Sentences on the statements that do not hold."""
+        said = zip(self.exhibit.verdicts, self.lines(), strict=True)
+        return [line for verdict, line in said if verdict.outcome is Outcome.FAILS]
+
+    def lines(self, *, strong: str = "") -> list[str]:
+        """Return a sentence for each statement, outcome and number between marks if given."""
+        others: Sequence[Verdict | None] = self.others or (None,) * len(self.exhibit.verdicts)
+        pairs = zip(self.exhibit.verdicts, others, strict=True)
+        return [self._line(mine, other, strong) for mine, other in pairs]
+
+    def _line(self, verdict: Verdict, other: Verdict | None, strong: str) -> str:
+        # failures are to meet the eye of who runs down the list
+        word = verdict.outcome.value
+        word = word.upper() if verdict.outcome is Outcome.FAILS else word
+        text = f"{strong}{word}{strong}: {verdict.statement}"
+        if verdict.outcome is not Outcome.UNTESTED:
+            text += f": {strong}{verdict.measured}{strong}, asked {verdict.expected}"
+        if other is not None and _asks_other(verdict):
+            name = SCHEMES["thesis" if self.scheme == "graded" else "graded"]
+            text += f"; with {name} {other.measured}, {other.outcome.value}"
+        note = _sentence(verdict.note)
+        return f"{text}. {note}" if note else f"{text}."
+
+    def report(self) -> str:
+        """Return all that is to be said, as text for a terminal."""
+        exhibit = self.exhibit
+        lines = [f"{exhibit.label}: {exhibit.title}", self._how(), ""]
+        if exhibit.text:
+            lines += [exhibit.text, ""]
+        return "\n".join([*lines, *(f"- {line}" for line in self.lines())]) + "\n"
+
+    def markdown(self, picture: str = "") -> str:
+        """Return the same as Markdown, with the picture at this path if there is one."""
+        exhibit = self.exhibit
+        lines = [f"# {exhibit.label}: {exhibit.title}", "", self._how(), ""]
+        if picture:
+            lines += [f"![{exhibit.label}]({picture})", ""]
+        if exhibit.text:
+            lines += ["```text", exhibit.text, "```", ""]
+        said = (f"- {line}" for line in self.lines(strong="**"))
+        return "\n".join([*lines, *said]) + "\n"
+
+    def _how(self) -> str:
+        if self.exhibit.one_scheme:
+            return f"{self.tally}."
+        name = SCHEMES[self.scheme]
+        return f"{name[0].upper()}{name[1:]}. {self.tally}."
+
+
+_PLURAL = {
+    Outcome.HOLDS: "hold",
+    Outcome.FAILS: "do not hold",
+    Outcome.UNTESTED: "cannot be tested",
+}
+_SYMBOLS = ("x", "v", "p", "q")
+
+
+def _sentence(note: str) -> str:
+    text = note.strip()
+    if not text:
+        return ""
+    # words take a capital, symbols such as s_r2 do not
+    first = text.split()[0].strip(",.;:")
+    start = text[0].upper() if first.isalpha() and first not in _SYMBOLS else text[0]
+    return start + text[1:] + ("" if text[-1] in ".?!" else ".")
+
+
+def _asks_other(verdict: Verdict) -> bool:
+    """Whether the other scheme may have something to say."""
+    return verdict.outcome is Outcome.FAILS and not verdict.accurate
+
+
+def judged(module: str, names: Sequence[str], scheme: str) -> list[Judged]:
+    """Compute the exhibits of a module that are asked for, by both schemes where one fails.
+
+    Parameters
+    ----------
+    module : str
+        From :func:`~jorkama2001.exhibits.modules`.
+    names : sequence of str
+        Exhibits asked for; the module may make more.
+    scheme : {"graded", "thesis"}
+    """
+    mine = [exhibit for exhibit in made_by(module, scheme) if exhibit.name in names]
+    failing = {e.name for e in mine if not e.one_scheme and any(map(_asks_other, e.verdicts))}
+    other = "thesis" if scheme == "graded" else "graded"
+    others = {e.name: e.verdicts for e in made_by(module, other)} if failing else {}
+    return [Judged(e, scheme, others[e.name] if e.name in failing else ()) for e in mine]

@@ -1,0 +1,138 @@
+"""The laboratory winder's wound-on tension by the theory, and fits of it to the measured points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import woundon as wo
+
+from .cases import ONE_PAPER, measured_tensions, newsprint_nip
+from .nips import options, swept
+
+__all__ = ["FITTED_POINT", "NIP_LOADS", "THICKNESSES", "Theory", "rms", "theories", "theory"]
+
+NIP_LOADS = (350.0, 876.0, 1751.0, 3502.0, 5837.0)
+THICKNESSES = (66e-6, 57e-6)
+SEARCH_NODES = 65  # of the fit to all points: NIT to 0.1 %, far below the scatter of the data
+FITTED_POINT = (3502.0, 350.0)  # P, T_in [N/m]
+
+_SYMBOLS = {"shear": "G", "radial": "A_rr"}
+# bounds of a modulus fitted alone to the one point, and of both fitted to all [Pa]
+_ALONE = {"shear": (1e6, 1e8), "radial": (5e6, 5e8)}
+_BOTH = {"shear": (1e6, 1e9), "radial": (5e6, 5e9)}
+
+
+@dataclass(frozen=True, eq=False)
+class Theory:
+    """The tension that the theory lets the load cell measure.
+
+    Attributes
+    ----------
+    thickness : float
+        2h [m].
+    added : Series
+        Wound-on tension by eq. (183) less T_in, by nip load [N/m].
+    fit : FitResult, optional
+        What was fitted; nothing by default.
+    """
+
+    thickness: float
+    added: pd.Series
+    fit: Any = None
+
+    @property
+    def fitted(self) -> dict[str, float]:
+        """The fitted moduli [Pa]: ``shear``, ``radial``."""
+        if self.fit is None:
+            return {}
+        names = (name.rpartition(".")[2] for name in self.fit.names)
+        return dict(zip(names, self.fit.estimates.tolist(), strict=True))
+
+    @property
+    def name(self) -> str:
+        """What it is, for a table's column."""
+        moduli = [f"{_SYMBOLS[name]} = {E / 1e6:.2f} MPa" for name, E in self.fitted.items()]
+        return ", ".join([*(moduli or ["theory"]), f"2h = {self.thickness * 1e6:.0f} um"])
+
+    def tension(self, points: pd.DataFrame) -> np.ndarray:
+        """Return the wound-on tension at measured points [N/m]."""
+        return (points["web_tension"] + points["nip_load"].map(self.added)).to_numpy()
+
+    @property
+    def rms(self) -> float:
+        """RMS of theory less measurement over the fifteen points [N/m]."""
+        return self._rms(measured_tensions())
+
+    @property
+    def rms_predicted(self) -> float:
+        """The same over the fourteen points other than the one that the thesis fitted [N/m]."""
+        points = measured_tensions()
+        return self._rms(points[~_is_fitted(points)])
+
+    def _rms(self, points: pd.DataFrame) -> float:
+        return rms(self.tension(points) - points["measured"].to_numpy())
+
+
+def rms(values: np.ndarray) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _is_fitted(points: pd.DataFrame) -> pd.Series:
+    P, T_in = FITTED_POINT
+    return (points["nip_load"] == P) & (points["web_tension"] == T_in)
+
+
+def theory(thickness: float, scheme: str = "graded") -> Theory:
+    """Compute the theory for a web thickness [m], with the moduli of Table 2."""
+    return _theory(newsprint_nip(**{"web.thickness": thickness}), scheme)
+
+
+def _theory(problem: wo.NipProblem, scheme: str, fit: Any = None) -> Theory:
+    tension = swept(problem, {"nip_load": NIP_LOADS}, scheme, ["rig_tension"])["rig_tension"]
+    added = tension.to_series() - problem.web_tension
+    return Theory(problem.web.thickness, added, fit)
+
+
+def _fitted(
+    bounds: dict[str, tuple[float, float]], thickness: float, scheme: str, *, to_one: bool
+) -> Theory:
+    """Fit moduli of roll and web, to the thesis's point or to all fifteen, by least squares."""
+    points = measured_tensions()
+    points = points[_is_fitted(points)] if to_one else points
+    data = {
+        "nip_load": points["nip_load"],
+        "web_tension": points["web_tension"],
+        "rig_tension": points["measured"],
+    }
+    how = options(scheme) if to_one else options(scheme, SEARCH_NODES)
+    fit = wo.fit(
+        newsprint_nip(**{"web.thickness": thickness}),
+        data,
+        {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
+        tie=ONE_PAPER, starts=1, profiles=False, **how,
+    )  # fmt: skip
+    return _theory(fit.problem, scheme, fit)
+
+
+@cache
+def theories(scheme: str) -> tuple[Theory, ...]:
+    """Return the theory for both thicknesses: as printed; one modulus fitted; both fitted.
+
+    In this order: two with the thesis's moduli, G and A_rr alone fitted to the one point at either
+    thickness, both fitted to all points at either thickness.
+    """
+    return (
+        *(theory(thickness, scheme) for thickness in THICKNESSES),
+        *(
+            _fitted({modulus: ends}, thickness, scheme, to_one=True)
+            for thickness in THICKNESSES
+            for modulus, ends in _ALONE.items()
+        ),
+        *(_fitted(_BOTH, thickness, scheme, to_one=False) for thickness in THICKNESSES),
+    )

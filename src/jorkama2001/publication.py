@@ -1,0 +1,128 @@
+"""Figures and tables of the thesis written to files: PNG, SVG, CSV, and the verdict as Markdown."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
+from importlib import resources
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+from .exhibits import NAMES, chosen, modules
+from .inside import in_processes, save_figure
+from .judgement import Judged, judged
+from .verdicts import Outcome
+
+__all__ = ["Published", "known_counts", "publish", "summary"]
+
+
+class Published(NamedTuple):
+    """What has been written of a figure or table, for those who wait.
+
+    Attributes
+    ----------
+    judged : Judged
+        Without the drawing.
+    files : list of Path
+    seconds : float
+        Spent on the module that made it, and perhaps others with it.
+    """
+
+    judged: Judged
+    files: list[Path]
+    seconds: float
+
+    @property
+    def name(self) -> str:
+        """``fig16``, ``table3``."""
+        return self.judged.exhibit.name
+
+
+def publish(
+    names: Sequence[str],
+    folder: Path,
+    scheme: str = "graded",
+    *,
+    jobs: int | None = None,
+    dpi: int | None = None,
+) -> Generator[Published]:
+    """Compute figures and tables and write them, each as soon as it is done.
+
+    Parameters
+    ----------
+    names : sequence of str
+        ``fig16``, ``table3``, ...
+    folder : Path
+        Made if it is not there.
+    scheme : {"graded", "thesis"}
+    jobs : int, optional
+        Number of processes; by default one for each processor.
+    dpi : int, optional
+        Of the PNG files.
+
+    Raises
+    ------
+    InvalidProblem
+        For an unknown name.
+    """
+    names = chosen(names)
+    folder.mkdir(parents=True, exist_ok=True)
+    work = partial(_write_module, names=names, folder=folder, scheme=scheme, dpi=dpi)
+    with closing(in_processes(work, modules(names), jobs or os.cpu_count() or 1)) as parts:
+        for _, done in parts:
+            yield from done
+
+
+def _write_module(
+    module: str, *, names: Sequence[str], folder: Path, scheme: str, dpi: int | None
+) -> list[Published]:
+    begun = perf_counter()
+    made = judged(module, names, scheme)
+    files = [_write(one, folder, dpi) for one in made]
+    seconds = perf_counter() - begun
+    # drawings do not pass from process to process
+    told = [replace(one, exhibit=replace(one.exhibit, draw=None)) for one in made]
+    return [Published(one, paths, seconds) for one, paths in zip(told, files, strict=True)]
+
+
+def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
+    exhibit = one.exhibit
+    paths = [folder / f"{exhibit.name}.csv"]
+    paths[0].write_text(exhibit.csv(), encoding="utf-8")
+    picture = ""
+    if exhibit.draw is not None:
+        drawing = exhibit.draw()
+        for ending in ("png", "svg"):
+            paths.append(folder / f"{exhibit.name}.{ending}")
+            save_figure(drawing, paths[-1], dpi=dpi)
+        picture = f"{exhibit.name}.png"
+    paths.append(folder / f"{exhibit.name}.md")
+    paths[-1].write_text(one.markdown(picture), encoding="utf-8")
+    return paths
+
+
+def summary(done: Iterable[Published], folder: str = "") -> str:
+    """Return a Markdown table of what was published with how many of the statements hold.
+
+    ``folder``, ending in a slash, is where the pages lie, seen from the table.
+    """
+    words = " | ".join(outcome.value for outcome in Outcome)
+    lines = [f"| | shows | {words} |", "|---|---|---|---|---|"]
+    for one in sorted(done, key=lambda one: NAMES.index(one.name)):
+        exhibit, counts = one.judged.exhibit, " | ".join(map(str, one.judged.counts))
+        lines.append(f"| [{exhibit.label}]({folder}{one.name}.md) | {exhibit.title} | {counts} |")
+    return "\n".join(lines) + "\n"
+
+
+def known_counts() -> dict[str, tuple[int, ...]]:
+    """Return how many statements of each exhibit are known to hold, fail, be beyond a test.
+
+    By the accurate scheme.  Why a statement fails stands beside it in the exhibit.
+    """
+    lines = (resources.files(__package__) / "known_counts.csv").read_text("utf-8").splitlines()
+    rows = (line.split(",") for line in lines if not line.startswith("#"))
+    return {name: tuple(map(int, counts)) for name, *counts in rows}

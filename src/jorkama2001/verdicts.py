@@ -1,0 +1,120 @@
+"""A statement of the thesis as a number that must lie in a range: it holds, fails, or is untold."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, replace
+from enum import Enum
+from math import inf
+from typing import SupportsFloat
+
+import xarray as xr
+
+__all__ = ["Outcome", "Verdict", "accurate", "falls", "grows", "verdict", "whether"]
+
+
+class Outcome(Enum):
+    """What has become of a statement; the value is how it is said."""
+
+    HOLDS = "holds"
+    FAILS = "does not hold"
+    UNTESTED = "cannot be tested"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A statement of the thesis about a figure, as a number that must lie in a range.
+
+    Attributes
+    ----------
+    statement : str
+        What the text says, in other words.
+    value : float or None
+        What was computed, in ``unit``; None if the statement cannot be tested.
+    low, high : float
+        The range in which the statement holds, ends included.
+    unit : str
+    note : str
+        What the number is, why the statement does not hold, or why it cannot be tested.
+    logical : bool
+        Whether the number stands for yes (1) or no (0).
+    accurate : bool
+        Whether it was solved accurately whatever the scheme, as wraps are.
+    """
+
+    statement: str
+    value: float | None
+    low: float = -inf
+    high: float = inf
+    unit: str = ""
+    note: str = ""
+    logical: bool = False
+    accurate: bool = False
+
+    @property
+    def outcome(self) -> Outcome:
+        """Whether the number lies in the range; nan does not."""
+        if self.value is None:
+            return Outcome.UNTESTED
+        return Outcome.HOLDS if self.low <= self.value <= self.high else Outcome.FAILS
+
+    @property
+    def expected(self) -> str:
+        """The range as text, e.g. ``at most 3 %``."""
+        if self.logical:
+            return "yes"
+        if self.low == self.high:
+            return self._with_unit(f"{self.low:.4g}")
+        if self.high == inf:
+            return self._with_unit(f"at least {self.low:.4g}")
+        if self.low == -inf:
+            return self._with_unit(f"at most {self.high:.4g}")
+        return self._with_unit(f"{self.low:.4g} to {self.high:.4g}")
+
+    @property
+    def measured(self) -> str:
+        """The number as text."""
+        if self.value is None:
+            return "-"
+        if self.logical:
+            return "yes" if self.value == 1 else "no"
+        return self._with_unit(
+            f"{self.value:.3g}" if abs(self.value) < 100 else f"{self.value:.1f}"
+        )
+
+    def _with_unit(self, text: str) -> str:
+        return f"{text} {self.unit}".strip()
+
+
+def verdict(
+    statement: str, value: SupportsFloat | None, low: float = -inf, high: float = inf,
+    unit: str = "", note: str = "",
+) -> Verdict:  # fmt: skip
+    """Return the verdict on a statement by a number of any make; None: it cannot be tested."""
+    return Verdict(statement, None if value is None else float(value), low, high, unit, note)
+
+
+def whether(statement: str, fact: bool, note: str = "") -> Verdict:
+    """Return the verdict on a statement that is right or wrong, without a number."""
+    return Verdict(statement, float(fact), 1.0, 1.0, note=note, logical=True)
+
+
+def accurate(verdicts: Iterable[Verdict]) -> list[Verdict]:
+    """Return verdicts on what was solved accurately whatever the scheme."""
+    return [replace(one, accurate=True) for one in verdicts]
+
+
+def grows(
+    statement: str, values: xr.DataArray, along: Hashable, unit: str = "",
+    note: str = "smallest step",
+) -> Verdict:  # fmt: skip
+    """Return the verdict on a statement that values grow in every step along a dimension."""
+    return verdict(statement, values.diff(along).min(), 0.0, unit=unit, note=note)
+
+
+def falls(
+    statement: str, values: xr.DataArray, along: Hashable, unit: str = "",
+    note: str = "largest step",
+) -> Verdict:  # fmt: skip
+    """Return the verdict on a statement that values fall in every step along a dimension."""
+    return verdict(statement, values.diff(along).max(), high=0.0, unit=unit, note=note)

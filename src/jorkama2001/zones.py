@@ -1,0 +1,125 @@
+"""Stick and slip along a nip as runs of one zone, and the thesis's slip ratios from them.
+
+The ratios run between the thesis's points A, B and C.  A ends the leading slip at the roll, B
+begins the forward slip there, C ends the stick at the drum.  The roll may stick again for a short
+length around C, at heavy loads for instance; that is not taken off s_r2 and s_d, which run from B
+and C to the trailing edge.  A face that slips all over counts as its trailing zone.  The sign of
+s_d is that of the slip at the drum, because at the roll the web is always the faster one there.
+
+The thesis took the nodes for the points, which makes its curves jagged.  So does its scheme here;
+the accurate one follows the slip to where it is nil, so that the lengths vary smoothly.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+import woundon as wo
+
+__all__ = ["Run", "ZoneLengths", "longest_stick", "runs", "zone_lengths"]
+
+Array = np.ndarray
+
+# how the slip grows with the distance from the point where it begins: behind A slip dies out and
+# the traction leaves its bound smoothly, at B it sets in with a vertical tangent, at C with a kink
+POWER_A, POWER_B, POWER_C = 1.5, 0.5, 1.0
+
+
+class Run(NamedTuple):
+    """Neighbouring nodes in one zone: the first, and the one behind the last; from where to where.
+
+    Borders lie half-way between nodes; ``left`` and ``right`` are in the unit of x.
+    """
+
+    zone: int
+    first: int
+    end: int
+    left: float
+    right: float
+
+    @property
+    def length(self) -> float:
+        """From border to border."""
+        return self.right - self.left
+
+
+class ZoneLengths(NamedTuple):
+    """Slip lengths over the nip width: s_r1, s_r2, s_d of thesis eq. (172)."""
+
+    leading_roll: float
+    trailing_roll: float
+    dual: float
+
+
+def runs(x: Array, zones: Array) -> list[Run]:
+    """Return the runs of one zone along x, both (M,)."""
+    borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
+    ends = [0, *(np.flatnonzero(np.diff(zones)) + 1).tolist(), zones.size]
+    return [
+        Run(int(zones[a]), a, b, float(borders[a]), float(borders[b])) for a, b in pairwise(ends)
+    ]
+
+
+def longest_stick(found: list[Run]) -> int | None:
+    """Return which run is the longest stick zone by its nodes, None if all slips."""
+    sticks = [k for k, run in enumerate(found) if run.zone == 0]
+    return max(sticks, key=lambda k: found[k].end - found[k].first, default=None)
+
+
+def zone_lengths(result: wo.NipResult) -> ZoneLengths:
+    """Measure the slip zones of a nip between the thesis's points A, B and C."""
+    roll, dual = runs(result.x, result.roll_zone), _dual(result)
+    if all(run.zone != 0 for run in roll):
+        return ZoneLengths(0.0, float(roll[-1].zone), dual)
+    leading = roll[0].zone
+    first = next(k for k, run in enumerate(roll) if run.zone == 0)
+    begins = next((run for run in roll[first:] if run.zone != 0), None)
+    slip = result.roll_slip
+    A = _share(result, slip, roll[first].first, -1, POWER_A) if leading else 0.0
+    trailing = 0.0
+    if begins is not None:
+        trailing = begins.zone * (1 - _share(result, slip, begins.first, 1, POWER_B))
+    return ZoneLengths(leading * A, trailing, dual)
+
+
+def _dual(result: wo.NipResult) -> float:
+    """Return s_d, from the end of the drum's longest stick zone."""
+    drum = runs(result.x, result.drum_zone)
+    k = longest_stick(drum)
+    if k is None:
+        return float(drum[-1].zone)
+    if k + 1 == len(drum):
+        return 0.0
+    return drum[k + 1].zone * (1 - _share(result, result.drum_slip, drum[k].end, 1, POWER_C))
+
+
+def _share(result: wo.NipResult, slip: Array, node: int, ahead: int, power: float) -> float:
+    """Return where slip begins, as a share of the nip's width from the leading edge.
+
+    Parameters
+    ----------
+    result : NipResult
+    slip : (M,) array
+        v+ or v-.
+    node : int
+        The border lies between ``node - 1`` and ``node``.
+    ahead : {1, -1}
+        Slip lies behind the border (1) or before it (-1).
+    power : float
+        With which the slip grows.
+    """
+    x = result.x
+    border = float(x[node] + x[node - 1]) / 2
+    near = node if ahead == 1 else node - 1
+    far = near + ahead
+    if result.scheme == "graded" and 0 < far < x.size - 1:
+        v = np.abs(slip[[near, far]]) ** (1 / power)
+        at = result.slip_x[[near, far]]
+        stick = float(result.slip_x[near - ahead])
+        if v[1] > v[0]:
+            root = float(at[0] - v[0] * (at[1] - at[0]) / (v[1] - v[0]))
+            border = min(max(root, min(stick, at[0])), max(stick, at[0]))
+    return border / (2 * result.half_width) + 0.5

@@ -1,0 +1,279 @@
+"""Problems as case files: the inverse of reading one, and the template that ``woundon new`` prints.
+
+A file is written from the fields of the problem alone: names, units, ranges and meanings are those
+that the fields carry.
+"""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, get_args
+
+from .. import kinds
+from ..errors import InvalidProblem, one_of
+from ..problems.fields import Description, Family, Problem, bounds
+from ..problems.materials import MATERIALS
+from ..quantities import Quantity, quantity_of
+from .units import written
+
+__all__ = ["SCHEMA", "described", "template", "to_toml"]
+
+SCHEMA = 1
+_WIDTH = 100
+_TIED = "\N{NO-BREAK SPACE}"  # in a comment, where no line may end
+
+_HEADER = """\
+{about}
+
+  woundon solve case.toml                            solve it
+  woundon solve case.toml --set {setting:<20} change a value for once
+  woundon solve case.toml --plot case.png --save case.nc
+
+A value is a text with its unit ("66 um", "3.38 GPa", "20 pli", "19 %") or a plain number in SI.
+Loads and tensions are per metre of width.  Fields of no [section] come first.
+
+Behind a value: symbol, meaning, the usual range, and in brackets what is admissible."""
+
+
+def template(kind: str = "wrapped_nip") -> str:
+    """Return the text of a commented case file that is ready to run.
+
+    Parameters
+    ----------
+    kind : str
+        The kind of problem, with hyphens or underscores.
+
+    Raises
+    ------
+    InvalidProblem
+        For an unknown kind, or one that has no example.
+    """
+    chosen = kinds.named(kind.replace("-", "_"))
+    try:
+        return to_toml(chosen.problem.example(), comments=True)
+    except NotImplementedError:
+        text = f"{chosen.name!r} has no example to start from"
+        raise InvalidProblem.at("kind", text) from None
+
+
+def to_toml(problem: Problem, comments: bool = False) -> str:
+    """Return the case file of a problem; reading it gives an equal problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of any kind.
+    comments : bool
+        Say how to run it, and of each field its symbol, meaning, unit and ranges; a material that
+        has a name is written by it where it first occurs.
+
+    Returns
+    -------
+    str
+        Numbers as texts with units where that reads well and is exact, else in SI.
+    """
+    sections = list(_Writer(comments).problem(problem))
+    lines = [*_header(problem), ""] if comments else []
+    keys = max(len(row.key) for section in sections for row in section.rows)
+    values = max(min(len(row.value), 24) for section in sections for row in section.rows)
+    for section in sections:
+        lines += section.lines(keys if comments else 0, values)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _header(problem: Problem) -> list[str]:
+    of = kinds.of(problem)
+    known = {n: quantity_of(about) for n, about in type(problem).model_fields.items()}
+    settings = [f"{n}={_value(q.typical[1], q)}" for n, q in known.items()
+                if q and q.unit != "1" and q.typical]  # fmt: skip
+    text = _HEADER.format(about=of.about, setting=[*settings, "FIELD=VALUE"][0])
+    return [f"# {line}".rstrip() for line in text.split("\n")]
+
+
+# ---- rows and sections --------------------------------------------------------------------------
+
+
+class Row(NamedTuple):
+    """A line of the file; one without a value is an optional field that is left out."""
+
+    key: str
+    value: str
+    comment: str = ""
+
+    def lines(self, keys: int, values: int) -> list[str]:
+        """Return the line, its comment aligned with the others and folded."""
+        text = f"{self.key.ljust(keys)} = {self.value}"
+        if self.value == "...":
+            text = f"# {self.key} = ..."
+        return _commented(text, self.comment, keys + 3 + values)
+
+
+class Section(NamedTuple):
+    """A table of the file with its rows; the first has no header."""
+
+    header: str
+    rows: list[Row]
+    comment: str = ""
+
+    def lines(self, keys: int, values: int) -> list[str]:
+        """Return the section's lines and an empty one."""
+        own = keys or max((len(row.key) for row in self.rows if row.value != "..."), default=0)
+        head = _commented(self.header, self.comment, own + 3 + values) if self.header else []
+        return [*head, *(line for row in self.rows for line in row.lines(own, values)), ""]
+
+
+def _commented(text: str, comment: str, column: int) -> list[str]:
+    if not comment:
+        return [text]
+    parts = textwrap.wrap(comment, max(_WIDTH - column - 4, 30), break_long_words=False)
+    first, *others = (part.replace(_TIED, " ") for part in parts)
+    return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
+
+
+# ---- from a problem to sections -----------------------------------------------------------------
+
+
+@dataclass
+class _Writer:
+    """Walks a problem; remembers what it has already shown."""
+
+    comments: bool
+    named: set[str] = field(default_factory=set)
+    listed: set[type[Any]] = field(default_factory=set)
+
+    def problem(self, problem: Problem) -> Iterator[Section]:
+        """Yield the sections of a problem: its own fields, its tables, then what is nested."""
+        grouped = {name for names in problem.tables.values() for name in names}
+        top, *nested = self.description(problem, "", "", grouped)
+        schema = Row("schema", str(SCHEMA), self.told("version of the format"))
+        yield Section("", [schema, *top.rows])
+        for group, names in problem.tables.items():
+            yield Section(f"[{group}]", [self.row(problem, name) for name in names
+                                         if self.shows(problem, name)],
+                          self.told(_without(problem, group)))  # fmt: skip
+        yield from nested
+
+    def description(
+        self, thing: Description, path: str, header: str, apart: set[str], comment: str = ""
+    ) -> Iterator[Section]:
+        """Yield the section of a description, then those of the ones in it."""
+        fields = {name: getattr(thing, name) for name in type(thing).model_fields
+                  if name not in apart}  # fmt: skip
+        inner = {name: value for name, value in fields.items() if self.is_nested(value)}
+        rows = [self.kind(thing)] if isinstance(thing, Family) else []
+        rows += [self.row(thing, name) for name in fields
+                 if name not in inner and self.shows(thing, name)]  # fmt: skip
+        yield Section(header, rows, comment)
+        for name, value in inner.items():
+            below = f"{path}{name}"
+            about = self.told(type(thing).model_fields[name].description or "")
+            for item in value if isinstance(value, tuple) else (value,):
+                head = f"[[{below}]]" if isinstance(value, tuple) else f"[{below}]"
+                yield from self.description(item, f"{below}.", head, set(), about)
+
+    def told(self, comment: str) -> str:
+        """Return a comment, where there are to be any."""
+        return comment if self.comments else ""
+
+    def shows(self, thing: Description, name: str) -> bool:
+        """Tell whether a field gets a line: one that is left out only with its comment."""
+        return self.comments or getattr(thing, name) is not None
+
+    def is_nested(self, value: Any) -> bool:
+        """Tell whether a value gets sections of its own; a named material its name, once."""
+        if isinstance(value, tuple):
+            return any(isinstance(item, Description) for item in value)
+        name = _name_of(value) if self.comments else None
+        if name is None or name in self.named:
+            return isinstance(value, Description)
+        self.named.add(name)
+        return False
+
+    def row(self, thing: Description, name: str) -> Row:
+        """Return the line of a field."""
+        value, about = getattr(thing, name), type(thing).model_fields[name]
+        if isinstance(value, Description):
+            comment = "a name ('woundon materials' lists them), or a table of its fields"
+            return Row(name, json.dumps(_name_of(value)), self.told(comment))
+        text = "..." if value is None else _value(value, quantity_of(about)) or _plain(value)
+        return Row(name, text, self.told(described(about)))
+
+    def kind(self, thing: Family) -> Row:
+        """Return the line that names a member of an open set; the first lists all of them."""
+        base: Any = next(b for b in type(thing).__mro__ if Family in b.__bases__)
+        others = {n: m for n, m in base.members().items() if n != thing.member_name()}
+        told = [f"{name} ({', '.join(of.model_fields)})" for name, of in others.items()]
+        if base in self.listed:
+            told = list(others)
+        self.listed.add(base)
+        comment = f"or {', '.join(told)}" if told else ""
+        return Row("kind", json.dumps(thing.member_name()), self.told(comment))
+
+
+def _name_of(value: Any) -> str | None:
+    return next((name for name, known in MATERIALS.items() if known.material == value), None)
+
+
+def _without(problem: Problem, group: str) -> str:
+    """Return what a case is without one of its tables."""
+    names = set(type(problem).model_fields) - set(problem.tables[group])
+    other = kinds.for_fields(names)
+    if isinstance(problem, other.problem):
+        return ""
+    return f"without this table: {other.about[:1].lower()}{other.about[1:].rstrip('.')}"
+
+
+def _value(value: Any, quantity: Quantity | None) -> str | None:
+    """Return a number with its unit as TOML has it; None for what has none."""
+    if quantity is None or isinstance(value, (bool, str)) or value is None:
+        return None
+    if isinstance(value, tuple):
+        return f"[{', '.join(_value(item, quantity) or _plain(item) for item in value)}]"
+    text = written(float(value), quantity.unit, quantity.shown_unit)
+    return _plain(text) if isinstance(text, str) else None
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, (tuple, list)):
+        return f"[{', '.join(map(_plain, value))}]"
+    if isinstance(value, (bool, str)):
+        return json.dumps(value, ensure_ascii=False)
+    return repr(value)
+
+
+# ---- what is said of a field --------------------------------------------------------------------
+
+
+def described(field: Any) -> str:
+    """Return a field's symbol, meaning, usual and admissible range, in the unit for display."""
+    quantity = quantity_of(field)
+    if quantity is None:
+        words = [part for part in get_args(field.annotation) if isinstance(part, str)]
+        return one_of(map(json.dumps, words)) if words else field.description or ""
+    text, unit = f"{quantity.symbol}: {quantity.meaning}", quantity.display
+    usual, limits = "", _limits(field, quantity)
+    if quantity.typical:
+        usual = " to ".join(_number(quantity.shown(end)) for end in quantity.typical)
+    if usual:
+        text += f", {f'{usual} {unit}'.rstrip().replace(' ', _TIED)}"
+    if limits and limits != usual:
+        told = limits if usual else f"{limits} {unit}".rstrip()
+        text += f" ({told.replace(' ', _TIED)})"
+    return text if field.is_required() or field.default is not None else f"{text}; optional"
+
+
+def _limits(field: Any, quantity: Quantity) -> str:
+    """Return what is admissible: "0 to 10", "> 0", "0 to < 0.5"."""
+    ends = dict(bounds(field))
+    shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}
+    if len(shown) == 2:
+        marks = {">": "> ", "<": "< "}
+        return " to ".join(f"{marks.get(sign, '')}{end}" for sign, end in shown.items())
+    return "".join(f"{sign} {end}" for sign, end in shown.items())
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}"

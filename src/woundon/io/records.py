@@ -1,0 +1,204 @@
+"""A result as a record of plain values, as files hold it, and back.
+
+A record has format, schema, version, kind, the problem, the result's fields with their dimensions,
+residuals, errors and warnings, and, for readers only, the outputs that the fields give.  Fields are
+read off the dataclass: one with ``metadata={"saved": False}`` stays out.  A field that a record
+does not have takes its default; one that this version does not know is left out with a warning,
+for the record may come from a later version.  What is damaged is refused.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, fields
+from math import isfinite, nan
+from typing import Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from .. import __version__, kinds
+from ..errors import InvalidProblem, NotConverged
+from ..quantities import scalar_outputs, value_of
+from ..results import Residuals, Result, Zone
+
+__all__ = ["FORMAT", "SCHEMA", "Record", "from_record", "plain", "saved_fields", "to_record"]
+
+FORMAT = "woundon-result"
+SCHEMA = 2
+
+Array = np.ndarray
+Record = dict[str, Any]
+
+_OWN = ("problem", "residuals", "errors", "warnings")  # told beside the other fields
+
+
+def to_record(result: Result) -> Record:
+    """Return the record of a result.
+
+    Raises
+    ------
+    InvalidProblem
+        For a field that is nothing that files hold.
+    """
+    saved = {part.name: getattr(result, part.name) for part in saved_fields(type(result))}
+    told = [name for name in scalar_outputs(result) if name not in saved]
+    return {
+        "format": FORMAT,
+        "schema": SCHEMA,
+        "version": __version__,
+        "kind": kinds.of(result).name,
+        "problem": result.problem.model_dump(mode="json"),
+        "fields": {name: plain(value, name) for name, value in saved.items()},
+        "dimensions": _dimensions(saved),
+        "outputs": {name: plain(value_of(result, name), name) for name in told},
+        "residuals": {law: plain(value, law) for law, value in result.residuals.items()},
+        "errors": {name: plain(value, name) for name, value in result.errors.items()},
+        "warnings": list(result.warnings),
+    }
+
+
+def saved_fields(cls: type[Any]) -> list[Field[Any]]:
+    """Return the fields of a result's class that a record has under ``fields``."""
+    return [f for f in fields(cls) if f.name not in _OWN and f.metadata.get("saved", True)]
+
+
+def plain(value: Any, name: str) -> Any:
+    """Return a field as JSON knows it; what is not a number becomes null."""
+    if value is None or isinstance(value, (str, bool)):
+        return value
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist(), name)
+    if isinstance(value, (list, tuple)):
+        return [plain(item, name) for item in value]
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if isfinite(value) else None
+    text = f"a {type(value).__name__} cannot be saved; give the field metadata={{'saved': False}}"
+    raise InvalidProblem.at(name, text)
+
+
+def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return the names of each array's dimensions; the first array of a length names it."""
+    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+    named: dict[int, str] = {}
+    for name, array in arrays.items():
+        if array.ndim == 1:
+            named.setdefault(array.size, name)
+    return {
+        name: [named.setdefault(size, f"{name}_{k}") for k, size in enumerate(array.shape)]
+        for name, array in arrays.items()
+    }
+
+
+# ---- from a record ------------------------------------------------------------------------------
+
+
+def from_record(record: Record) -> Result:
+    """Return the result of a record, each of its parts checked."""
+    kind = kinds.named(str(record.get("kind")))
+    try:
+        problem = kind.problem(**record["problem"])
+        values = dict(_restored_fields(kind.result, record["fields"], record["dimensions"]))
+        told = _told(record["residuals"])
+        errors = {name: _number(v, f"errors.{name}", True) for name, v in record["errors"].items()}
+        notes = tuple(str(text) for text in record["warnings"])
+        result = kind.result(
+            problem=problem, residuals=Residuals(**told), errors=errors, warnings=notes, **values
+        )
+        with np.errstate(all="ignore"):
+            for name in scalar_outputs(result):
+                value_of(result, name)
+    except InvalidProblem:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
+        raise InvalidProblem("is no result saved by woundon, or damaged") from None
+    return _accepted(result)
+
+
+def _restored_fields(
+    cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any]
+) -> Iterator[tuple[str, Any]]:
+    """Yield the fields of a result by name; those that have a default may be missing."""
+    hints = get_type_hints(cls, include_extras=True)
+    known = {part.name: part for part in saved_fields(cls)}
+    strange = [str(name) for name in given if name not in known]
+    if strange:
+        text = f"not known to this version of woundon, left out: {', '.join(strange)}"
+        warnings.warn(text, UserWarning, stacklevel=5)
+    sizes: dict[str, int] = {}
+    for name, part in known.items():
+        if name in given:
+            free = cls.MAY_BE_NAN is None or name in cls.MAY_BE_NAN
+            value = _restored(given[name], hints[name], name, free)
+            if isinstance(value, np.ndarray):
+                _check_shape(value, dimensions[name], sizes, name)
+            yield name, value
+        elif part.default is MISSING and part.default_factory is MISSING:
+            raise InvalidProblem.at(name, "missing")
+
+
+def _check_shape(value: Array, named: Any, sizes: dict[str, int], name: str) -> None:
+    if len(named) != value.ndim:
+        raise InvalidProblem.at(name, f"has {value.ndim} dimensions; must be {len(named)}")
+    for dimension, size in zip(named, value.shape, strict=True):
+        due = sizes.setdefault(str(dimension), size)
+        if size != due:
+            raise InvalidProblem.at(name, f"has {size} values; must be {due}, as {dimension}")
+
+
+def _restored(value: Any, hint: Any, name: str, free: bool) -> Any:
+    """Return a field of the type that its annotation says; ``free`` ones may be nan."""
+    marks = get_args(hint)[1:] if get_origin(hint) not in (None, tuple) else ()
+    own = get_args(hint)[0] if marks else hint
+    if own is np.ndarray:
+        return _zones(value, name) if Zone in marks else _array(value, name, free)
+    if own is float:
+        return _number(value, name, free)
+    if own in (int, str) and type(value) is not own:
+        word = "a whole number" if own is int else "a word"
+        raise InvalidProblem.at(name, f"{value!r:.40} is out of place; must be {word}")
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _number(value: Any, name: str, free: bool) -> float:
+    if value is None and free:
+        return nan
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+        raise InvalidProblem.at(name, f"{value!r:.40} is not a finite number")
+    return float(value)
+
+
+def _array(values: Any, name: str, free: bool) -> Array:
+    """Return a list as an array, null as nan."""
+    parts = np.asarray(values)
+    kinds_ok = parts.dtype.kind in "iuf" or all(
+        part is None or type(part) in (int, float) for part in parts.ravel().tolist()
+    )
+    array = np.asarray(values, dtype=float) if kinds_ok and parts.ndim else None
+    if array is None or np.isinf(array).any() or (not free and np.isnan(array).any()):
+        raise InvalidProblem.at(name, "must be a list of finite numbers")
+    return array
+
+
+def _zones(values: Any, name: str) -> Array:
+    parts = np.asarray(values)
+    if parts.dtype.kind not in "iu" or not np.isin(parts, list(Zone)).all():
+        raise InvalidProblem.at(name, "must be a list of zones, -1, 0 or 1")
+    return parts.astype(np.int8)
+
+
+def _told(residuals: Mapping[str, Any]) -> dict[str, float]:
+    return {str(law): _number(value, f"residuals.{law}", False) for law, value in residuals.items()}
+
+
+def _accepted(result: Result) -> Result:
+    """Return a result whose laws hold, by its own certificate."""
+    x = getattr(result, "x", None)
+    if isinstance(x, np.ndarray) and not (x.size > 2 and np.all(np.diff(x) > 0)):
+        raise InvalidProblem.at("x", "must be increasing, of three values or more")
+    try:
+        return result.checked()
+    except NotConverged as fault:
+        raise InvalidProblem.at("residuals", str(fault)) from None

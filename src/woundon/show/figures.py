@@ -1,0 +1,187 @@
+"""What all figures share: style, labels from quantities, legends, strips of zones, saving.
+
+Figures are made without pyplot, so that any number may be drawn in any thread, and are saved with
+fixed metadata: the same result gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import AbstractContextManager
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from .. import quantities
+from ..contact.zones import zone_runs
+from ..errors import InvalidProblem
+from ..quantities import Quantity
+from ..results import Result
+from .parts import ZoneStrips
+
+__all__ = [
+    "COLOURS", "axis_label", "check_format", "draw_zones", "legend_above", "letter", "quantity_of",
+    "save_figure", "shown", "style", "symbol_text", "unit_of", "wrapped_text",
+]  # fmt: skip
+
+Array = np.ndarray
+
+# Okabe and Ito's palette: told apart with any colour vision, and by line style in grey
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+_ZONES = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
+_ZONE_HATCH = {-1: "\\\\\\\\", 0: "", 1: "////"}
+
+_STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.6,
+    "hatch.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.6,
+    "svg.hashsalt": "woundon",
+    "savefig.dpi": 200,
+}
+_METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": "woundon"},
+    ".svg": {"Date": None, "Creator": "woundon"},
+    ".pdf": {"CreationDate": None, "Creator": "woundon", "Producer": "woundon"},
+}
+
+
+def style() -> AbstractContextManager[None]:
+    """Return the context in which figures are made: woundon's style, the global one untouched."""
+    return mpl.rc_context(_STYLE)
+
+
+# ---- saving -------------------------------------------------------------------------------------
+
+
+def check_format(path: str | Path) -> str:
+    """Return the path's ending if figures are saved in its format.
+
+    Raises
+    ------
+    InvalidProblem
+        For an ending other than .png, .svg, .pdf.
+    """
+    ending = Path(path).suffix
+    if ending not in _METADATA:
+        raise InvalidProblem(
+            [(str(path), f"the ending {ending!r} names no format; must be {', '.join(_METADATA)}")]
+        )
+    return ending
+
+
+def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> None:
+    """Save a figure with fixed metadata: the same figure gives the same bytes.
+
+    ``dpi`` is the resolution of a PNG file, 200 by default.
+
+    Raises
+    ------
+    InvalidProblem
+        For an ending other than .png, .svg, .pdf.
+    OSError
+        If the file cannot be written.
+    """
+    ending = check_format(path)
+    with style():
+        figure.savefig(path, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+
+
+# ---- labels from quantities ---------------------------------------------------------------------
+
+
+def quantity_of(result: Result, name: str) -> Quantity:
+    """Return the quantity of a result's output."""
+    place = quantities.output(result, name)
+    if place is None or place.quantity is None:
+        raise AttributeError(f"{type(result).__name__} has no output {name!r}")
+    return place.quantity
+
+
+def shown(result: Result, name: str) -> Any:
+    """Return an output's value or array in its unit for display."""
+    return quantity_of(result, name).shown(quantities.value_of(result, name))
+
+
+def unit_of(quantity: Quantity) -> str:
+    """Return a quantity's unit for display as figures write it."""
+    return quantity.display.replace("um", "µm")
+
+
+def axis_label(words: str, quantity: Quantity) -> str:
+    """Return "words [unit]"."""
+    unit = unit_of(quantity)
+    return f"{words} [{unit}]" if unit else words
+
+
+_GREEK = ("delta", "Delta", "eps", "kappa", "mu", "nu", "theta", "xi")
+_SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+))?([+-]?)")
+
+
+def symbol_text(symbol: str) -> str:
+    """Return a symbol as figures write it: "s_l+" as s with index l and superscript +."""
+    found = _SYMBOL.fullmatch(symbol)
+    if found is None:
+        return symbol
+    factor, base, number, index, sign = found.groups()
+    if base in _GREEK:
+        base = rf"\{'varepsilon' if base == 'eps' else base}"
+    elif len(base) > 1:
+        base = rf"\mathrm{{{base}}}"
+    below = "".join(filter(None, (number, rf"\mathrm{{{index}}}" if index else "")))
+    return f"${factor}{base}{f'_{{{below}}}' if below else ''}{f'^{{{sign}}}' if sign else ''}$"
+
+
+def wrapped_text(text: str, width: int = 44) -> str:
+    """Return a text in lines of at most so many characters; "> 0" stays together."""
+    return fill(text.replace("> 0", ">\N{NO-BREAK SPACE}0"), width)
+
+
+# ---- panels -------------------------------------------------------------------------------------
+
+
+def letter(axes: Axes, text: str) -> None:
+    """Number a panel, above it on the right."""
+    axes.set_title(f"({text})", loc="right", fontsize=9)
+
+
+def legend_above(axes: Axes, handles: list[Any]) -> None:
+    """Put the legend above the panel, where it covers no data."""
+    axes.legend(
+        handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(handles),
+        borderaxespad=0.2, columnspacing=1.4, handlelength=2.2,
+    )  # fmt: skip
+
+
+def draw_zones(axes: Axes, strips: ZoneStrips, x: Quantity) -> None:
+    """Draw zones as bars along x, the first face on top, with a legend above."""
+    rows = range(len(strips.faces))[::-1]
+    for row, zones in zip(rows, strips.faces.values(), strict=True):
+        for zone, left, right in zone_runs(x.shown(strips.x), zones):
+            axes.barh(
+                row, right - left, left=left, height=0.7, color=_ZONES[zone],
+                hatch=_ZONE_HATCH[zone], edgecolor="#666666", linewidth=0.6,
+            )  # fmt: skip
+    axes.set_yticks(list(rows), list(strips.faces))
+    axes.set_ylim(-0.55, len(rows) - 0.45)
+    axes.grid(visible=False)
+    axes.tick_params(axis="y", length=0)
+    words = {0: "stick", 1: f"slip, {strips.faster}", -1: f"slip, {strips.slower}"}
+    patches = [
+        Patch(facecolor=_ZONES[zone], hatch=_ZONE_HATCH[zone], edgecolor="#666666", label=word)
+        for zone, word in words.items()
+    ]
+    legend_above(axes, patches)

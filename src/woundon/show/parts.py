@@ -1,0 +1,218 @@
+"""What a report is made of: sections of rows, strips of zones, lines of text.
+
+A kind's report function returns such parts; they say what is told and in which order, and know
+nothing of where it is shown.  A row takes meaning, symbol and unit from the quantity on the field
+or output that it tells of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import floor, isfinite, log10, nan
+from typing import Any
+
+import numpy as np
+
+from .. import quantities
+from ..contact.zones import zone_runs
+from ..nip.result import WindingNipResult
+from ..quantities import Quantity
+from ..results import ACCEPTED_RESIDUAL, Residuals, Result
+from ..rollers.result import RollerResult
+
+__all__ = [
+    "Line", "Part", "Row", "Section", "ZoneStrips", "certificate_line", "field_row", "nip_zones",
+    "output_row", "roller_zones", "row_of", "warning_lines", "zone_line",
+]  # fmt: skip
+
+Array = np.ndarray
+DIGITS = 5  # significant ones of a value
+
+
+@dataclass(frozen=True)
+class Row:
+    """One value of a section.
+
+    Attributes
+    ----------
+    meaning, symbol : str
+    value : float, int or str
+        In the unit for display; a word where it is no number.
+    unit : str
+    error : float
+        Its told error in the same unit; nan where none is told.
+    note : str
+        What stands behind the unit.
+    """
+
+    meaning: str
+    symbol: str
+    value: float | int | str
+    unit: str = ""
+    error: float = nan
+    note: str = ""
+
+    @property
+    def value_text(self) -> str:
+        """The value in five digits; no digits below its error where it is smaller than that."""
+        if isinstance(self.value, str):
+            return self.value
+        value = float(self.value)
+        if isfinite(self.error) and abs(value) < self.error:
+            value = round(value, 1 - floor(log10(self.error))) + 0.0
+        return f"{value:.{DIGITS}g}"
+
+    @property
+    def error_text(self) -> str:
+        """The error in two digits; "<" a unit of the value's last digit where it is smaller."""
+        size = nan if isinstance(self.value, str) else abs(float(self.value))
+        if not (isfinite(size) and isfinite(self.error)):
+            return ""
+        if size == self.error == 0:  # e.g. of a zone that there is not
+            return ""
+        last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
+        return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
+
+
+@dataclass(frozen=True)
+class Section:
+    """Rows under a title, and what is to be said of them below, line by line."""
+
+    title: str
+    rows: tuple[Row, ...]
+    text: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ZoneStrips:
+    """Zones along a contact.
+
+    Attributes
+    ----------
+    x : (M,) array
+        Nodes [m].
+    faces : mapping of str to (M,) int arrays
+        Zones of each node, by the face's name.
+    faster, slower : str
+        What slip forward (1) and backward (-1) mean.
+    """
+
+    x: Array
+    faces: Mapping[str, Array]
+    faster: str = "web faster"
+    slower: str = "web slower"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A text; ``tone`` is one of "quiet", "warning", "good", "bad"."""
+
+    text: str
+    tone: str = ""
+
+
+Part = Section | ZoneStrips | Line
+
+
+# ---- rows from quantities -----------------------------------------------------------------------
+
+
+def row_of(quantity: Quantity, value: Any, error: float = nan, **more: str) -> Row:
+    """Return the row of a value and its error [SI], ``more`` in place of the quantity's texts."""
+    shown, told = quantity.shown(value), abs(quantity.shown(error))
+    row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, told)
+    return replace(row, **more)  # type: ignore[arg-type]
+
+
+def output_row(result: Result, name: str, value: float | None = None, **more: str) -> Row:
+    """Return the row of a result's output with its told error.
+
+    Parameters
+    ----------
+    result : Result
+    name : str
+        Of the output.
+    value : float, optional
+        Told in place of the result's own, e.g. a closed form's, in SI units; without error.
+    more : str
+        ``meaning``, ``symbol`` in place of the quantity's; ``note`` behind the unit.
+    """
+    place = quantities.output(result, name)
+    if place is None or place.quantity is None:
+        raise AttributeError(f"{type(result).__name__} has no output {name!r}")
+    if value is not None:
+        return row_of(place.quantity, value, nan, **more)
+    error = result.errors.get(name, nan)
+    return row_of(place.quantity, quantities.value_of(result, name), error, **more)
+
+
+def field_row(problem: Any, name: str, *, empty: float = nan, **more: str) -> Row:
+    """Return the row of a problem's field; ``empty`` is what one that is None stands for."""
+    quantity = quantities.find(problem, name)[0].quantity
+    if quantity is None:
+        raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
+    value = getattr(problem, name)
+    return row_of(quantity, empty if value is None else value, nan, **more)
+
+
+# ---- what every report ends with ----------------------------------------------------------------
+
+
+def warning_lines(warnings: Iterable[str]) -> list[Line]:
+    """Return the lines of a result's warnings."""
+    return [Line(f"warning: {warning}", "warning") for warning in warnings]
+
+
+def certificate_line(residuals: Residuals) -> Line:
+    """Return what the certificate says: all laws hold, or which do not."""
+    laws = dict(residuals.items())
+    if not laws:
+        return Line("Certificate: none; no law was measured", "bad")
+    broken = {law: value for law, value in laws.items() if not value <= ACCEPTED_RESIDUAL}
+    if not broken:
+        held = f"all {len(laws)} laws hold" if len(laws) > 1 else "its one law holds"
+        worst = f"{residuals.largest:.1e} ({_words(residuals.worst)})"
+        return Line(f"Certificate: {held}; the largest residual is {worst}", "good")
+    told = ", ".join(
+        f"{_words(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
+        for law, value in broken.items()
+    )
+    count = f"{len(broken)} of {len(laws)} laws {'is' if len(broken) == 1 else 'are'}"
+    return Line(f"Certificate: {count} NOT satisfied: {told}", "bad")
+
+
+def _words(law: str) -> str:
+    return law.replace("_", " ")
+
+
+# ---- zones --------------------------------------------------------------------------------------
+
+
+def nip_zones(result: WindingNipResult) -> ZoneStrips:
+    """Return the zones of a nip at roll and drum."""
+    own = result.in_nip
+    faces = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
+    return ZoneStrips(result.x[own], faces)
+
+
+def roller_zones(result: RollerResult) -> ZoneStrips:
+    """Return the zones of two rollers."""
+    return ZoneStrips(result.x, {"contact": result.zone}, "lower faster", "lower slower")
+
+
+def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:
+    """Return runs (zone, characters) that draw the zones over ``width`` characters.
+
+    A run is as long as its share of the contact but never nothing: a short slip zone at an edge
+    stays in sight.
+    """
+    runs = [
+        (zone, max(1, round((right - left) / (x[-1] - x[0]) * width)))
+        for zone, left, right in zone_runs(x, zones)
+    ]
+    # rounding is made up for where it shows least
+    longest = max(range(len(runs)), key=lambda i: runs[i][1])
+    surplus = sum(length for _, length in runs) - width
+    runs[longest] = (runs[longest][0], max(1, runs[longest][1] - surplus))
+    return runs

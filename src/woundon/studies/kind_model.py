@@ -1,0 +1,335 @@
+"""A base problem of any kind as a :class:`~.model.Model`: what studies know of problems is here.
+
+Problem, solver and result class are looked up in :mod:`woundon.kinds`, fields and outputs in
+:mod:`woundon.quantities`; no kind of problem is treated otherwise than another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from inspect import signature
+from typing import Any
+
+import numpy as np
+
+from .. import __version__, kinds
+from ..arguments import check_type
+from ..errors import InvalidProblem, NotConverged, did_you_mean
+from ..problems.fields import Description, Problem, no_such_field
+from ..quantities import Quantity, find, scalar_outputs, value_of
+from .model import Answer
+
+__all__ = [
+    "KindModel", "column_quantity", "field_quantity", "get_field", "measurable", "model_of",
+    "options_of",
+]  # fmt: skip
+
+_ERROR = "errors."  # of an output: "errors.half_width"
+
+
+@dataclass(frozen=True, eq=False)
+class KindModel:
+    """A problem of any kind, the outputs wanted and the solver's options.
+
+    Attributes
+    ----------
+    problem : Problem
+    outputs : tuple of str
+    options : mapping
+        Keywords of the solver.
+    tie : mapping of str to str
+        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``: one paper.
+    """
+
+    problem: Problem
+    outputs: tuple[str, ...]
+    options: Mapping[str, Any] = field(default_factory=dict)
+    tie: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> kinds.Kind:
+        """The kind of the problem; looked up, for solvers do not go to worker processes."""
+        return kinds.of(self.problem)
+
+    # ---- what is refused before anything is solved ---------------------------------------------
+
+    def checked(self) -> KindModel:
+        """Return itself.
+
+        Raises
+        ------
+        InvalidProblem
+            For an output, an option or a tied field that does not exist, or an option out of range.
+        """
+        self._check_outputs()
+        self._check_options()
+        given: Mapping[Any, Any] = self.tie
+        for follower, leader in given.items():
+            if not isinstance(follower, str) or not isinstance(leader, str):
+                text = f"{leader!r} is not the name of a field; write FIELD = 'FIELD'"
+                raise InvalidProblem.at(f"tie.{follower}", text)
+        self.variant({})
+        return self
+
+    def _check_outputs(self) -> None:
+        known = scalar_outputs(self.kind.result)
+        if not self.outputs:
+            text = f"none is asked for; known: {', '.join(known)}"
+            raise InvalidProblem.at("outputs", text)
+        twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
+        if twice:
+            raise InvalidProblem.at("outputs", f"{twice[0]!r} is given twice")
+        strange = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
+        if strange:
+            raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in strange)
+
+    def _check_options(self) -> None:
+        known = options_of(self.problem)
+        for name in self.options:
+            if name in type(self.problem).model_fields:
+                text = f"is a field of the problem, not an option: use problem.replace({name}=...)"
+                raise InvalidProblem.at(name, text)
+            if name not in known:
+                text = f"no such option{did_you_mean(name, known)}"
+                raise InvalidProblem.at(name, text)
+        if self.kind.check is not None:
+            self.kind.check(**self.options)
+
+    def check_varied(self, names: Iterable[Any]) -> None:
+        """Refuse to vary what the problem does not have, or what follows another field.
+
+        A field that the base problem lacks may come with a body or material that is varied too.
+        """
+        varied = [str(name) for name in names]
+        for name in varied:
+            for follower, leader in self.tie.items():
+                if _below(name, follower):
+                    text = f"cannot be varied, for {follower} is tied to {leader}"
+                    raise InvalidProblem.at(name, text)
+            if not any(name != other and _below(name, other) for other in varied):
+                get_field(self.problem, name)
+
+    # ---- one case -------------------------------------------------------------------------------
+
+    def variant(self, inputs: Mapping[str, Any]) -> Any:
+        """Return the problem of one case."""
+        problem = self.problem.replace(**inputs)
+        if not self.tie:
+            return problem
+        return problem.replace(**{path: get_field(problem, to) for path, to in self.tie.items()})
+
+    def solve(self, problem: Any, start: Any | None) -> Any:
+        """Solve; a start that leads nowhere is put aside."""
+        kind = self.kind
+        if isinstance(start, kind.result):
+            known = None if kind.neighbour is None else kind.neighbour(problem, start)
+            if known is not None:
+                return known
+            if "start" in _keywords(kind.solver):
+                try:
+                    return kind.solver(problem, start=start, **self.options)
+                except NotConverged:
+                    pass
+        return kind.solver(problem, **self.options)
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        """Solve one case."""
+        result = self.solve(self.variant(inputs), start)
+        values = tuple(float(_value(result, name)) for name in self.outputs)
+        return Answer(values, "; ".join(result.warnings), result)
+
+    # ---- what a solved case tells of others -----------------------------------------------------
+
+    @property
+    def free_inputs(self) -> frozenset[str]:
+        """Inputs that shift the outputs in a known way, if nothing else follows them."""
+        return frozenset(
+            name
+            for name, shifted in self.kind.shifted.items()
+            if set(self.outputs) <= shifted and not self._followers(name)
+        )
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        """Return exact derivatives of the outputs, None where one of them has none."""
+        if not hasattr(state, "sensitivity"):
+            return None
+        paths = [(name, *self._followers(name)) for name in names]
+        flat = dict.fromkeys(path for group in paths for path in group)
+        try:
+            found = state.sensitivity(*flat)
+        except InvalidProblem:  # not of this problem, or not of this field
+            return None
+        if not set(self.outputs) <= set(found.outputs):
+            return None
+        rows = [found.outputs.index(output) for output in self.outputs]
+        columns = dict(zip(found.parameters, found.derivatives[rows].T, strict=True))
+        return np.column_stack([sum(columns[path] for path in group) for group in paths])
+
+    def _followers(self, name: str) -> list[str]:
+        """Return the tied fields that change when ``name`` does."""
+        return [
+            path + name.removeprefix(leader)
+            for path, leader in self.tie.items()
+            if _below(name, leader)
+        ]
+
+    # ---- what it says of itself -----------------------------------------------------------------
+
+    def quantity(self, name: str) -> Quantity | None:
+        """Return what an output or a field is; None for a field that is not a number."""
+        output = name.removeprefix(_ERROR)
+        known = scalar_outputs(self.kind.result)
+        if output not in known:
+            return field_quantity(self.problem, name)
+        of = known[output]
+        return of if output == name else replace(of, meaning=f"estimated error of: {of.meaning}")
+
+    def record(self) -> dict[str, Any]:
+        """Return all that the numbers depend on, for JSON."""
+        plain = (str, int, float, type(None))
+        return {
+            "version": __version__,
+            "kind": self.kind.name,
+            "problem": self.problem.model_dump(),
+            "options": {k: v if isinstance(v, plain) else repr(v) for k, v in self.options.items()},
+            "tie": dict(self.tie),
+        }
+
+
+def model_of(
+    problem: Any,
+    outputs: Sequence[str] | None,
+    tie: Mapping[str, str] | None,
+    options: Mapping[str, Any],
+) -> KindModel:
+    """Return the model of a study; options that are None are left to the solver.
+
+    Raises
+    ------
+    InvalidProblem
+        For what is no problem, and as of :meth:`KindModel.checked`.
+    """
+    if outputs is None:
+        outputs = _kind_of(problem).result.MAIN
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    given = {name: value for name, value in options.items() if value is not None}
+    return KindModel(problem, names, given, dict(tie or {})).checked()
+
+
+def _kind_of(problem: Any) -> kinds.Kind:
+    kind = kinds.of(problem)
+    check_type("problem", problem, kind.problem)  # not a result, nor the class itself
+    return kind
+
+
+@cache
+def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
+    """Return what a solver takes beside the problem, by name, with what it takes by default."""
+    parameters = signature(solver).parameters.values()
+    return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+
+
+def options_of(problem: Problem) -> dict[str, Any]:
+    """Return the options of a problem's solver by name, with what it takes by default."""
+    own = {"start", *type(problem).model_fields}
+    keywords = _keywords(_kind_of(problem).solver)
+    return {name: default for name, default in keywords.items() if name not in own}
+
+
+# ---- fields and outputs by name -----------------------------------------------------------------
+
+
+def get_field(base: Description, path: str) -> Any:
+    """Return the value of a field: nested ones by dotted name, items of a list by number.
+
+    Raises
+    ------
+    InvalidProblem
+        If ``base`` has no such field, with what was meant.
+    """
+    value: Any = base
+    for name in path.split("."):
+        if isinstance(value, Description):
+            if name not in type(value).model_fields:
+                raise InvalidProblem.at(path, no_such_field(name, type(value)))
+            value = getattr(value, name)
+        elif isinstance(value, tuple):
+            if not (name.isdigit() and int(name) < len(value)):
+                text = f"no item {name!r} in this list; known: 0 to {len(value) - 1}"
+                raise InvalidProblem.at(path, text)
+            value = value[int(name)]
+        else:
+            raise InvalidProblem.at(path, f"no such field; nothing is below {value!r}")
+    return value
+
+
+def field_quantity(base: Problem, path: str) -> Quantity | None:
+    """Return what a field is, None if it is not a number; also one that only another body has.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such field.
+    """
+    places = find(base, path)
+    if not places:
+        get_field(base, path)  # says what is wrong with it
+    return next((place.quantity for place in places if place.quantity is not None), None)
+
+
+def measurable(problem: Problem) -> dict[str, Quantity]:
+    """Return the outputs that a column of measured data may hold.
+
+    What the problem itself gives, such as the tangential load of rollers, is an input.
+    """
+    known = scalar_outputs(_kind_of(problem).result)
+    fields = type(problem).model_fields
+    return {
+        name: quantity
+        for name, quantity in known.items()
+        if name not in fields or getattr(problem, name) is None
+    }
+
+
+def column_quantity(problem: Problem, name: str) -> Quantity | None:
+    """Return what a column of measured inputs holds.
+
+    Raises
+    ------
+    InvalidProblem
+        For what is no field, with what was meant among fields and outputs.
+    """
+    if name in _replaced(problem):
+        raise InvalidProblem.at(name, _no_output(problem, name))
+    try:
+        return field_quantity(problem, name)
+    except InvalidProblem as fault:
+        hint = did_you_mean(name, measurable(problem)).lstrip("; ")
+        text = f"{fault.faults[0][1]}; among the outputs: {hint}"
+        raise InvalidProblem.at(name, text) from None
+
+
+def _replaced(problem: Problem) -> Mapping[str, str]:
+    replaced: Mapping[str, str] = kinds.of(problem).result.REPLACED
+    return replaced
+
+
+def _no_output(problem: Problem, name: str) -> str:
+    """Return why a name is no output: what there is in its place, or what was meant."""
+    replaced = _replaced(problem)
+    if name in replaced:
+        return f"no such output: {replaced[name]}"
+    return f"no scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
+
+
+def _value(result: Any, name: str) -> Any:
+    """Return an output, or the estimated error of one; nan where none is told."""
+    if name.startswith(_ERROR):
+        return result.errors.get(name.removeprefix(_ERROR), np.nan)
+    return value_of(result, name)
+
+
+def _below(name: str, path: str) -> bool:
+    return name == path or name.startswith(f"{path}.")

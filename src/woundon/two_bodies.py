@@ -1,0 +1,263 @@
+r"""Two bodies pressed together: what nip, wrapped nip and rollers have in common.
+
+For a half width a the surfaces of the bodies 1 and 2 close the gap, and slip where friction allows:
+
+    slope_p p + slope_q q + Delta/R* = gap                 N cells
+    v = offset + direct q + through_pressure p + moves xi  slips
+
+The first is solved for p and Delta once, p = p0 + K q (the normal problem); put into the second it
+leaves the stick-slip problem in q.  What q is, one face or two, and what v is made of, the web or
+no web, is the business of the rooms above.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from .contact.loop import Level
+from .contact.normal import solve_normal
+from .contact.response import Response, Tractions, on_columns
+from .contact.schemes import Mesh, scheme_of
+from .contact.stick_slip import StickSlip, StickSlipSolution
+from .problems.bodies import ContactProblem, half_width_guess
+
+__all__ = [
+    "About", "Matrices", "PairContact", "PairEquations", "PairState", "approach",
+    "frictionless_load", "mesh_of",
+]  # fmt: skip
+
+Array = np.ndarray
+# what loads body 1 and body 2; those that are not linear are linearised about it
+About = tuple[Tractions, Tractions] | None
+
+
+@dataclass(frozen=True, eq=False)
+class PairState:
+    """A solved contact on one mesh, for one half width."""
+
+    half_width: float
+    solution: StickSlipSolution
+    pressure: Array  # (n,) [Pa]
+    shift: float  # Delta/R*
+    known: About
+
+    @property
+    def traction(self) -> Array:
+        """The tractions of all faces, (m,) [Pa]."""
+        return self.solution.traction
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """Every matrix of a contact's equations for one half width a, nothing solved yet.
+
+    N cells, n = N - 1 unknown nodes, m tractions of all faces; the first m slips belong to them.
+    """
+
+    half_width: float
+    slope_p: Array  # (N, n)
+    slope_q: Array  # (N, m)
+    gap: Array  # (N,) slope of the gap, x/R*, less what a linearised body has at zero tractions
+    top: float  # largest slope of the gap alone
+    direct: Array  # (m + ..., m) slips by tractions
+    through_pressure: Array  # (m + ..., n) slips by pressures
+    offset: Array  # (m + ...,) slips that a linearised body has at zero tractions
+    moves: Array  # (m + ...,) slips by the creep
+    weights: Array  # (n,) integrate a traction over the contact [m]
+    responses: tuple[Response, Response]
+
+    @classmethod
+    def at(cls, problem: Any, mesh: Mesh, a: float, about: About = None) -> Self:
+        """Assemble for the half width ``a`` [m], bodies that are not linear about their loads."""
+        loads = about or (None, None)
+        pairs = zip(problem.bodies, loads, strict=True)
+        return cls.of(problem, mesh, a, *(body.respond(mesh, a, load) for body, load in pairs))
+
+    @classmethod
+    def of(cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response) -> Self:
+        """Assemble for the half width ``a`` [m] and given responses of the bodies."""
+        raise NotImplementedError
+
+    @staticmethod
+    def loads(p: Array, q: Array) -> tuple[Tractions, Tractions]:
+        """Return what loads the two bodies."""
+        raise NotImplementedError
+
+    def indentation(self, p: Array, q: Array, shift: float) -> Array:
+        """Return what pressures, tractions and shift leave of the gap's slope, (N,)."""
+        return np.asarray(self.slope_p @ p + self.slope_q @ q + shift - self.gap)
+
+    def slips(self, p: Array, q: Array, creep: float) -> Array:
+        """Return all slips."""
+        v = self.offset + self.direct @ q + self.through_pressure @ p
+        return np.asarray(v + self.moves * creep)
+
+
+@dataclass(frozen=True, eq=False)
+class PairEquations:
+    """The equations for one half width, the normal problem solved; made by :meth:`at`."""
+
+    problem: Any
+    mesh: Mesh
+    matrices: Matrices
+    normal: Array  # (N, 1 + m) rows p and shift; by the gap, and by unit tractions
+
+    made_of: ClassVar[type[Matrices]]
+
+    @classmethod
+    def at(cls, problem: Any, mesh: Mesh, a: float, about: About = None) -> Self:
+        """Assemble the equations for the half width ``a`` [m] and solve the normal problem."""
+        made = cls.made_of.at(problem, mesh, a, about)
+        return cls(problem, mesh, made, solve_normal(made.slope_p, made.gap, made.slope_q))
+
+    @property
+    def pressure(self) -> Array:
+        """p0, (n,) [Pa]."""
+        return self.normal[:-1, 0]
+
+    @property
+    def pressure_response(self) -> Array:
+        """K, (n, m)."""
+        return self.normal[:-1, 1:]
+
+    @property
+    def faces(self) -> tuple[Array, ...]:
+        """Where the tractions of each face are, in units of a."""
+        return (self.mesh.columns,) * (self.pressure_response.shape[1] // self.mesh.unknowns)
+
+    def stick_slip(self) -> StickSlip:
+        """Return the stick-slip problem, the normal problem put in."""
+        raise NotImplementedError
+
+    def state(self, solution: StickSlipSolution) -> PairState:
+        """Return the state that belongs to solved tractions."""
+        q = solution.traction
+        solved = self.normal[:, 0] + self.normal[:, 1:] @ q
+        known = self.matrices.loads(solved[:-1], q)
+        return PairState(
+            self.matrices.half_width, solution, solved[:-1], float(solved[-1]), known
+        )  # fmt: skip
+
+    def carried(self, state: PairState) -> float:
+        """Return the integral of the pressure [N/m]."""
+        return float(self.matrices.weights @ state.pressure)
+
+    def frictionless(self) -> float | None:
+        """Return the integral of the pressure without tractions [N/m]."""
+        return float(self.matrices.weights @ self.pressure)
+
+    def imbalance(self, state: PairState) -> float:
+        """Return the largest change of slopes and slips by a linearisation anew, relative."""
+        if self.problem.linear:
+            return 0.0
+        p, q, now, anew = state.pressure, state.traction, self.matrices, self.anew(state)
+        slope = now.indentation(p, q, 0.0) - anew.indentation(p, q, 0.0)
+        slip = now.slips(p, q, 0.0) - anew.slips(p, q, 0.0)
+        return float(max(np.max(np.abs(slope)), np.max(np.abs(slip)))) / anew.top
+
+    def anew(self, state: PairState) -> Matrices:
+        """Return the matrices for the same half width about a state; the same where linear."""
+        if self.problem.linear:
+            return self.matrices
+        return self.made_of.at(self.problem, self.mesh, self.matrices.half_width, state.known)
+
+
+def frictionless_load(problem: Any, mesh: Mesh, a: float) -> float:
+    """Return the load that a frictionless contact of half width ``a`` carries [N/m]."""
+    slope_p = problem.thinning / a * mesh.slope[:-1]
+    for body in problem.bodies:
+        if not body.rigid:
+            slope_p += body.respond(mesh, a).pressure_slope()
+    gap = mesh.middle * (a / problem.contact_radius)
+    pressure = solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
+    return float(a * mesh.grid.weights @ pressure)
+
+
+def approach(problem: ContactProblem, made: Matrices, state: PairState, v: float = 0.0) -> float:
+    """Return the mutual approach -delta > 0, from the indentation (82) at the trailing edge [m].
+
+    ``v`` is what the web between the bodies adds there.
+    """
+    a = state.half_width
+    for response, (p, q) in zip(
+        made.responses, made.loads(state.pressure, state.traction), strict=True
+    ):
+        by_p, by_q = response.normal()
+        v += float((by_p @ p)[0]) + float((by_q @ q)[0])
+    return float(a**2 / (2 * problem.contact_radius) - v - state.shift * a)
+
+
+def mesh_of(result: Any) -> Mesh:
+    """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
+    if result.mesh is not None:
+        return result.mesh
+    own, a = result.in_nip, result.half_width
+    points = np.append(result.slip_x[own][1:] / a, 1.0)
+    return scheme_of(result.scheme).restored(result.x[own] / a, points)
+
+
+@dataclass(frozen=True, eq=False)
+class PairContact:
+    """Two bodies as the loop sees them; subclasses say which equations, and what to tell."""
+
+    problem: Any
+
+    equations_of: ClassVar[type[PairEquations]]
+
+    @property
+    def load(self) -> float:
+        """What the pressure must carry [N/m]."""
+        raise NotImplementedError
+
+    @property
+    def widest(self) -> float:
+        """The smaller radius [m]."""
+        return float(min(body.radius for body in self.problem.bodies))
+
+    @property
+    def settles_apart(self) -> bool:
+        """Whether a body is not linear."""
+        return not self.problem.linear
+
+    def guess(self) -> float:
+        """Return a half width to start from [m]."""
+        return half_width_guess(self.load, *self.problem.bodies)
+
+    def frictionless_load(self, mesh: Mesh, a: float) -> float:
+        """Return the load that a frictionless contact of half width a carries [N/m]."""
+        return frictionless_load(self.problem, mesh, a)
+
+    def about(self, mesh: Mesh, a: float, before: Level | None) -> Any:
+        """Return the loads about which bodies that are not linear are linearised."""
+        if before is None or self.problem.linear:
+            return None
+        old, new = before.mesh.columns, mesh.columns
+        return tuple(on_columns(old, new, loads) for loads in before.state.known)
+
+    def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
+        """Return the equations for the half width a [m]."""
+        return self.equations_of.at(self.problem, mesh, a, about)
+
+    def refuse(self, equations: Any, state: Any) -> None:
+        """Refuse nothing: whatever has no steady state was refused with the problem."""
+
+    def scalars(self, level: Level) -> Mapping[str, float]:
+        """Return the outputs whose errors are told, those that every contact has."""
+        return {
+            "half_width": level.half_width,
+            "nip_width": 2 * level.half_width,
+            "peak_pressure": level.at_load(float(np.max(level.state.pressure))),
+            "offset": level.state.shift * self.problem.contact_radius,
+        }
+
+    def scale(self, name: str, value: float) -> float:
+        """Return what relative errors of an output are measured by."""
+        if name == "tension_behind_nip":  # T_in is given: it errs by what the nip adds
+            value -= self.problem.web_tension
+        if "tension" in name:
+            return max(abs(value), 0.01 * self.problem.roll_friction * self.problem.nip_load)
+        return abs(value)

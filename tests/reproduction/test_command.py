@@ -1,0 +1,202 @@
+"""``woundon thesis``: what is written, what is said, how it is stopped."""
+
+from __future__ import annotations
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+from threading import Thread
+
+import pytest
+
+from jorkama2001 import exhibits
+from woundon import cli
+
+PROJECT = Path(__file__).parents[2] / "pyproject.toml"
+# a process of its own that has the command, whether or not the package has been installed
+WOUNDON = (
+    "import sys; from jorkama2001.command import thesis; from woundon import cli; "
+    "cli.commands.add_command(thesis); sys.exit(cli.main())"
+)
+
+Capture = pytest.CaptureFixture[str]
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and terminals of POSIX")
+
+
+@pytest.fixture(autouse=True)
+def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the commands that the project declares, whether or not it has been installed."""
+    declared = tomllib.loads(PROJECT.read_text("utf-8"))["project"]["entry-points"][cli.COMMANDS]
+    points = EntryPoints(EntryPoint(*item, cli.COMMANDS) for item in declared.items())
+    monkeypatch.setattr(cli, "entry_points", points.select)
+
+
+def test_the_command_is_found_late():
+    assert [*cli.entry_points(group=cli.COMMANDS)]
+    code = "import sys; import woundon.cli; sys.exit('jorkama2001' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
+    out = tmp_path / "made" / "here"
+    assert cli.main(["thesis", "fig15", "--out", str(out)]) == 0
+    said = capsys.readouterr()
+    assert "Fig. 15: " in said.out
+    assert said.out.count("- holds: ") == said.out.count("\n- ")  # every statement of sec. 4.2
+    assert said.err == ""  # no bar where there is no terminal
+    assert sorted(path.name for path in out.iterdir()) == [
+        "fig15.csv", "fig15.md", "fig15.png", "fig15.svg"
+    ]  # fmt: skip
+    assert (out / "fig15.png").read_bytes().startswith(b"\x89PNG")
+    header, *rows = (out / "fig15.csv").read_text().splitlines()
+    assert header.startswith("x [m],pressure [Pa],roll_traction [Pa]")
+    assert len(rows) == 257
+    assert (
+        "- **holds**: before C it falls a little: **-4.77 N/m**" in (out / "fig15.md").read_text()
+    )
+
+
+def test_the_scheme_of_the_thesis_on_request(tmp_path, capsys: Capture):
+    assert cli.main(["thesis", "fig15", "--scheme", "thesis", "--out", str(tmp_path)]) == 0
+    assert "The thesis's scheme." in capsys.readouterr().out
+    assert len((tmp_path / "fig15.csv").read_text().splitlines()) == 201  # M = 200 and the header
+
+
+def test_two_processes_do_the_same(tmp_path, capsys: Capture):
+    names = ["table4", "fig15"]
+    for jobs in ("1", "2"):
+        out = str(tmp_path / jobs)
+        assert cli.main(["thesis", *names, "--jobs", jobs, "--out", out]) == 0
+    first, second = (sorted((tmp_path / jobs).iterdir()) for jobs in ("1", "2"))
+    assert [path.name for path in first] == [path.name for path in second]
+    for one, other in zip(first, second, strict=True):
+        assert one.read_bytes() == other.read_bytes()
+
+
+def test_all_are_summed_up(tmp_path, capsys: Capture, monkeypatch):
+    monkeypatch.setattr(exhibits, "NAMES", ("fig15", "table4"))
+    assert cli.main(["thesis", "--all", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "Table 4  5 statements: 5 hold" in said
+    assert "2 figures and tables, 14 statements: 14 hold, 0 do not hold" in said
+    assert "| [Table 4](table4.md) |" in (tmp_path / "index.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["fgi15"], "error: fgi15: unknown; did you mean 'fig15'?"),
+        ([], "error: name figures or tables, or ask for --all; there are fig"),
+        (["fig15", "--all"], "error: name figures or tables, or ask for --all; there are fig"),
+        (["fig15", "--scheme", "exact"], "error: Invalid value for '--scheme'"),
+        (["fig15", "--jobs", "0"], "error: Invalid value for '--jobs'"),
+    ],
+)
+def test_faults(args, said, tmp_path, monkeypatch, capsys: Capture):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["thesis", *args]) == 2
+    output = capsys.readouterr()
+    assert output.err.startswith(said)
+    assert list(tmp_path.iterdir()) == []
+
+
+def _children(pid: int) -> list[int]:
+    """Return the processes that a process has started and that live."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rpartition(")")[2].split()
+        except OSError:  # it has just ended
+            continue
+        if int(fields[1]) == pid and fields[0] != "Z":
+            found.append(int(status.parent.name))
+    return found
+
+
+def _hear_ctrl_c() -> None:
+    """Undo what a shell does to jobs in its background: there Ctrl-C is ignored, and inherited."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+@posix
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_ctrl_c_stops_it_at_once_and_leaves_nobody_behind(tmp_path, jobs: str):
+    # two modules of many seconds each, and a quick one before whose end nothing is stopped
+    names = ["table4", "fig28", "table3"]
+    command = [sys.executable, "-c", WOUNDON, "thesis", *names, "--jobs", jobs]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, start_new_session=True, preexec_fn=_hear_ctrl_c,
+    ) as process:  # fmt: skip
+        limit, workers = time.monotonic() + 60, list[int]()
+        while time.monotonic() < limit and process.poll() is None:
+            workers = _children(process.pid)
+            # they have begun to work when the resource tracker and both have their libraries
+            if len(workers) >= (3 if jobs == "2" else 0) and _used(process.pid, workers) > 2.0:
+                break
+            time.sleep(0.05)
+        assert process.poll() is None
+        begun = time.monotonic()
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal's Ctrl-C does: to the whole group
+        said = process.communicate(timeout=30)[1]
+    assert time.monotonic() - begun < 3  # a module's work takes ten and more
+    assert process.returncode == 130
+    assert f"stopped; 0 of 3 are in {tmp_path}" in said
+    assert "Traceback" not in said
+    limit = time.monotonic() + 3
+    while time.monotonic() < limit and any(Path(f"/proc/{pid}").exists() for pid in workers):
+        time.sleep(0.02)
+    assert [pid for pid in workers if Path(f"/proc/{pid}").exists()] == []
+
+
+def _used(*found: int | list[int]) -> float:
+    """Return the processor time that processes have used [s]."""
+    ticks = 0
+    for pid in (p for group in found for p in (group if isinstance(group, list) else [group])):
+        try:
+            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def _read(terminal: int) -> Iterator[bytes]:
+    """Yield what is written to a terminal until nobody can write to it any more."""
+    while True:
+        try:
+            block = os.read(terminal, 4096)
+        except OSError:  # Linux says so where others end
+            return
+        if not block:
+            return
+        yield block
+
+
+@posix
+def test_a_bar_shows_on_a_terminal_and_leaves_the_output_alone(tmp_path):
+    (parent, child), seen = pty.openpty(), list[bytes]()
+    command = [sys.executable, "-c", WOUNDON, "thesis", "table4", "--out", str(tmp_path)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=child, text=True,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
+    ) as process:  # fmt: skip
+        os.close(child)
+        reader = Thread(target=lambda: seen.extend(_read(parent)))
+        reader.start()  # a terminal takes a few kilobytes, then the program waits for its reader
+        out = process.communicate(timeout=60)[0]
+        reader.join(timeout=60)
+    os.close(parent)
+    shown = b"".join(seen).decode()
+    assert "figures and tables" in shown
+    assert "1/1" in shown
+    assert out.startswith("Table 4: The winding theorem on measured tensions of newsprint\n")
+    assert "\x1b" not in out

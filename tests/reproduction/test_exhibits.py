@@ -1,0 +1,57 @@
+"""Every figure and table: as many statements of the thesis hold, and fail, as are known to.
+
+Why a statement fails is told beside it in the exhibit.  The figures are not drawn here.
+"""
+
+from __future__ import annotations
+
+import io
+
+import pandas as pd
+import pytest
+
+from jorkama2001 import exhibits
+from jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
+from jorkama2001.publication import known_counts
+from jorkama2001.verdicts import Outcome
+
+SLOW = ("fig28_29", "table3")  # ten seconds and more
+
+
+@pytest.mark.parametrize(
+    "module",
+    [pytest.param(m, marks=pytest.mark.slow) if m in SLOW else m for m in modules(NAMES)],
+)
+def test_as_many_statements_hold_as_are_known_to(module: str) -> None:
+    known = known_counts()
+    for exhibit in made_by(module, "graded"):
+        failing = [v.statement for v in exhibit.verdicts if v.outcome is Outcome.FAILS]
+        found = tuple(exhibit.count(outcome) for outcome in Outcome)
+        assert found == known[exhibit.name], failing
+        _check_data(exhibit)
+
+
+def _check_data(exhibit: Exhibit) -> None:
+    """The CSV file has a unit in every header and leaves out nothing but what has no unit."""
+    table = pd.read_csv(io.StringIO(exhibit.csv()))
+    assert all(head.endswith("]") for head in table)
+    names = {name for name, of in exhibit.data.variables.items() if "units" in of.attrs}
+    assert {head.rpartition(" [")[0] for head in table} == names
+    assert set(exhibit.data.data_vars) <= names
+    assert not table.isna().all(axis=None)
+
+
+def test_no_exhibit_is_forgotten() -> None:
+    assert tuple(known_counts()) == NAMES
+    assert {exhibits._MODULES[name] for name in NAMES} == set(modules(NAMES))
+
+
+def test_a_false_statement_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fig. 15 with the wrong friction: the pattern that the text tells is not there."""
+    from jorkama2001 import fig15
+
+    base = fig15.paper_nip
+    monkeypatch.setattr(fig15, "paper_nip", lambda **c: base(roll_friction=0.5, **c))
+    for scheme in ("graded", "thesis"):
+        (made,) = fig15.exhibits(scheme)
+        assert made.count(Outcome.FAILS) >= 2

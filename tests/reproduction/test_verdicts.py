@@ -1,0 +1,124 @@
+"""Verdicts on the thesis's figures: they can fail, and say so; data; which module makes which."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from jorkama2001 import exhibits, judgement
+from jorkama2001.exhibits import Exhibit
+from jorkama2001.judgement import Judged, judged
+from jorkama2001.nips import dataset, joined
+from jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict, whether
+from woundon import InvalidProblem
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "outcome"),
+    [
+        (1.0, 0.5, 2.0, Outcome.HOLDS),
+        (2.0, 0.5, 2.0, Outcome.HOLDS),  # ends included
+        (2.1, 0.5, 2.0, Outcome.FAILS),
+        (0.4, 0.5, np.inf, Outcome.FAILS),
+        (0.1, -np.inf, 0.0, Outcome.FAILS),
+        (float("nan"), -np.inf, np.inf, Outcome.FAILS),  # nothing computed is no evidence
+        (None, 0.5, 2.0, Outcome.UNTESTED),
+    ],
+)
+def test_a_statement_holds_fails_or_cannot_be_tested(value, low, high, outcome):
+    assert Verdict("x", value, low, high).outcome is outcome
+
+
+def test_a_fact_without_a_number():
+    assert whether("x", True).outcome is Outcome.HOLDS
+    wrong = whether("x", False)
+    assert (wrong.outcome, wrong.measured, wrong.expected) == (Outcome.FAILS, "no", "yes")
+    assert verdict("x", None, note="no load given").outcome is Outcome.UNTESTED
+
+
+@pytest.mark.parametrize(
+    ("made", "measured", "expected"),
+    [
+        (Verdict("", 1.234567, high=3.0, unit="%"), "1.23 %", "at most 3 %"),
+        (Verdict("", 206.04, 195.7, 216.3, "N/m"), "206.0 N/m", "195.7 to 216.3 N/m"),
+        (Verdict("", -0.5, 0.0), "-0.5", "at least 0"),
+        (Verdict("", 3.0, 3, 3), "3", "3"),
+    ],
+)
+def test_numbers_with_their_ranges(made, measured, expected):
+    assert (made.measured, made.expected) == (measured, expected)
+
+
+def test_a_rise_and_a_fall_in_every_step():
+    NIT = xr.DataArray([[1.0, 2.0, 2.5], [1.0, 3.0, 2.9]], dims=("F", "P"))
+    rising = grows("x", NIT[:1], "P", "N/m")
+    assert (rising.outcome, rising.value, rising.note) == (Outcome.HOLDS, 0.5, "smallest step")
+    assert grows("x", NIT, "P").value == pytest.approx(-0.1)
+    assert grows("x", NIT, "P").outcome is Outcome.FAILS
+    falling = falls("x", -NIT[:1], "P")
+    assert (falling.outcome, falling.value, falling.note) == (Outcome.HOLDS, -0.5, "largest step")
+    assert falls("x", -NIT, "P").outcome is Outcome.FAILS
+    assert falls("x", NIT, "F").outcome is Outcome.FAILS
+
+
+def test_data_as_csv():
+    joint = joined("F [N/m]", {0.0: dataset("node", {"x [m]": [1.0, 2.0], "z [1]": [0, 1]}),
+                               -5.0: dataset("node", {"x [m]": [3.0], "z [1]": [1]})})  # fmt: skip
+    joint["untold"] = ("node", [7.0, 8.0])
+    text = Exhibit("fig99", "One", joint, ()).csv()
+    # what is shorter ends where it ends, and what has no unit is no column
+    assert text == "F [N/m],x [m],z [1]\n0,1,0\n0,2,1\n-5,3,1\n"
+
+
+def two(scheme: str) -> tuple[Exhibit, ...]:
+    """Return an exhibit of which one statement fails with the accurate scheme only."""
+    value = {"graded": 5.0, "thesis": 1.0}[scheme]
+    verdicts = (
+        Verdict("it is small", value, high=2.0, unit="N/m", note="s_d of the nip"),
+        Verdict("it is there", 1.0, 0.5),
+        verdict("it is blue", None, note="no colour is printed"),
+    )
+    return (Exhibit("fig99", "Two", dataset("row", {"x [m]": [1.0]}), verdicts),)
+
+
+def test_where_a_statement_fails_both_schemes_are_shown(monkeypatch):
+    monkeypatch.setattr(judgement, "made_by", lambda _, scheme: two(scheme))
+    (one,) = judged("fig99", ("fig99",), "graded")
+    assert one.tally == "3 statements: 1 holds, 1 does not hold, 1 cannot be tested"
+    assert one.lines() == [
+        "DOES NOT HOLD: it is small: 5 N/m, asked at most 2 N/m; with the thesis's scheme 1 N/m, "
+        "holds. s_d of the nip.",
+        "holds: it is there: 1, asked at least 0.5.",
+        "cannot be tested: it is blue. No colour is printed.",
+    ]
+    text = one.markdown("fig99.png")
+    assert text.startswith("# Fig. 99: Two\n")
+    assert "![Fig. 99](fig99.png)" in text
+    assert one.report().count("\n- ") == 3
+
+
+def test_where_all_hold_one_scheme_is_enough(monkeypatch):
+    asked: list[str] = []
+
+    def made_by(_: str, scheme: str) -> tuple[Exhibit, ...]:
+        asked.append(scheme)
+        return two(scheme)
+
+    monkeypatch.setattr(judgement, "made_by", made_by)
+    (one,) = judged("fig99", ("fig99",), "thesis")
+    assert asked == ["thesis"]
+    assert one.others == ()
+    assert judged("fig99", (), "thesis") == []
+
+
+def test_verdicts_of_both_schemes_must_be_the_same_statements():
+    with pytest.raises(ValueError, match="shorter"):
+        Judged(two("graded")[0], "graded", two("thesis")[0].verdicts[:1]).lines()
+
+
+def test_the_exhibits_knows_its_figures():
+    assert exhibits.chosen(("table4", "fig16")) == ("fig16", "table4")
+    assert exhibits.modules(("fig17", "fig16", "table4")) == ("fig16_18", "table4")
+    with pytest.raises(InvalidProblem, match="fig1: unknown; did you mean 'fig"):
+        exhibits.chosen(("fig1",))

@@ -1,0 +1,331 @@
+"""Studies over every kind of problem, woundon's and others': fields, outputs, options by name."""
+
+from __future__ import annotations
+
+import json
+import sys
+from importlib import import_module
+from math import pi
+
+import numpy as np
+import pytest
+from thesis_cases import measured_tensions, newsprint_nip, paper_nip
+
+import woundon as wo
+from woundon import kinds
+from woundon.studies.api import _on_one_grid, sweep_table
+from woundon.studies.kind_model import model_of
+from woundon.studies.measured import Measured
+from woundon.studies.predict import Parameter, Predictor
+
+SAME = 1e-12  # the same solves in another order: rounding alone
+
+
+@pytest.fixture
+def springs():
+    """A kind registered for the time of a test."""
+    before = dict(kinds._KINDS)
+    yield import_module("springs")
+    kinds._KINDS.clear()
+    kinds._KINDS.update(before)
+    del sys.modules["springs"]
+
+
+@pytest.fixture
+def row(springs):
+    parts = [{"stiffness": 100.0}, {"stiffness": 300.0}]
+    return springs.SpringsProblem(springs=parts, force=3.0)
+
+
+# ---- woundon's kinds ----------------------------------------------------------------------------
+
+
+def test_wraps_are_swept_as_any_field():
+    """Also over friction behind the nip that the base case leaves to that in it."""
+    wrapped = paper_nip().wrapped(drum_wrap=0.5)
+    over = {"wrap_friction": [0.1, 0.3], "roll_wrap": [0.5, pi]}
+    data = wo.sweep(wrapped, over, ("wound_on_tension", "slip_angle"), nodes=17, workers=1)
+    for mu in over["wrap_friction"]:
+        for angle in over["roll_wrap"]:
+            single = wo.solve(wrapped.replace(wrap_friction=mu, roll_wrap=angle), nodes=17)
+            case = data.sel(wrap_friction=mu, roll_wrap=angle)
+            assert float(case.wound_on_tension) == pytest.approx(single.wound_on_tension, rel=SAME)
+            assert float(case.slip_angle) == pytest.approx(single.slip_angle, rel=SAME)
+    assert data.roll_wrap.attrs["units"] == "rad"
+    assert data.wound_on_tension.attrs["long_name"] == "wound-on tension, far behind the nip"
+    assert data.attrs["kind"] == "wrapped_nip"
+
+
+def test_by_default_a_study_gives_what_the_kind_is_about():
+    loads = {"nip_load": [1e3]}
+    assert "nip_induced_tension" in wo.sweep(paper_nip(), loads, nodes=9, workers=1)
+    assert "wound_on_tension" in wo.sweep(paper_nip().wrapped(), loads, nodes=17, workers=1)
+    with pytest.raises(wo.InvalidProblem, match="none is asked for; known: creepage, shift, "):
+        wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
+
+
+def test_properties_methods_and_told_errors_are_outputs():
+    outputs = ("nip_width", "rig_tension", "wound_on_tension_estimate", "errors.half_width")
+    single = wo.solve(paper_nip(nip_load=1e3), nodes=33)
+    data = wo.sweep(paper_nip(), {"nip_load": [1e3]}, outputs, nodes=33, workers=1)
+    expected = {
+        "nip_width": single.nip_width,
+        "rig_tension": single.rig_tension,
+        "wound_on_tension_estimate": single.wound_on_tension_estimate(),
+        "errors.half_width": single.errors["half_width"],
+    }
+    for name, value in expected.items():
+        assert float(data[name][0]) == pytest.approx(value, rel=SAME)
+    assert data["errors.half_width"].attrs["units"] == "m"
+
+
+NIP_ALONE = "no such output: a nip alone has tension_behind_nip .* and wound_on_tension_estimate"
+
+
+def test_a_nip_alone_has_no_wound_on_tension_to_sweep():
+    with pytest.raises(wo.InvalidProblem, match=f"wound_on_tension: {NIP_ALONE}"):
+        wo.sweep(paper_nip(), {"nip_load": [1e3]}, ("half_width", "wound_on_tension"))
+    with pytest.raises(wo.InvalidProblem, match="rig_tension: no such output: the wrapped web's"):
+        wo.sweep(paper_nip().wrapped(), {"nip_load": [1e3]}, "rig_tension")
+
+
+@pytest.mark.parametrize("column", ["wound_on_tension", "wound_on_tension [N/m]", "WOT"])
+def test_a_nip_alone_is_not_fitted_to_wound_on_tensions(column: str):
+    data, names = {"nip_load": [1e3], column: [600.0]}, {"WOT": "wound_on_tension"}
+    columns = names if column in names else None
+    with pytest.raises(wo.InvalidProblem, match=f"measured: wound_on_tension: {NIP_ALONE}"):
+        wo.fit(paper_nip(), data, ["roll_friction"], columns=columns)
+
+
+def test_deviations_of_a_wound_on_tension_do_not_fit_a_nip_alone_either():
+    data = {"tension_behind_nip": [600.0], "wound_on_tension +-": [5.0]}
+    with pytest.raises(wo.InvalidProblem, match=f"measured: wound_on_tension: {NIP_ALONE}"):
+        wo.fit(paper_nip(), data, ["roll_friction"])
+
+
+def test_a_wrapped_nip_is_fitted_to_measured_tensions():
+    """Three of the thesis's points; what the fit predicts is what the solver says."""
+    rows = [p for p in measured_tensions() if p["web_tension"] == 350 and p["nip_load"] > 1000]
+    data = {
+        "nip_load": [row["nip_load"] for row in rows],
+        "wound_on_tension": [row["measured"] for row in rows],
+    }
+    wrapped = newsprint_nip().wrapped(roll_wrap=pi / 2, drum_wrap=pi)
+    fit = wo.fit(
+        wrapped, data, {"roll_friction": (0.05, 0.8)}, nodes=17, starts=1, profiles=False
+    )  # fmt: skip
+    assert isinstance(fit.problem, wo.WrappedNipProblem)
+
+    def tensions(mu: float) -> np.ndarray:
+        nips = (wrapped.replace(nip_load=P, roll_friction=mu) for P in data["nip_load"])
+        return np.array([wo.solve(nip, nodes=17).wound_on_tension for nip in nips])
+
+    best = fit.estimate("roll_friction")
+    assert fit.fitted == pytest.approx(tensions(best), rel=SAME)
+    for near in (0.98 * best, 1.02 * best):
+        miss = tensions(near) - data["wound_on_tension"]
+        assert np.sqrt(np.mean(miss**2)) > fit.rms
+
+
+def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
+    true = paper_nip().wrapped(wrap_friction=0.13)
+    loads = [1500.0, 3000.0]
+    data = {
+        "nip_load": loads,
+        "wound_on_tension": [
+            wo.solve(true.replace(nip_load=P), nodes=17).wound_on_tension for P in loads
+        ],
+    }
+    base = paper_nip().wrapped()
+    assert base.wrap_friction is None
+    fit = wo.fit(
+        base, data, {"wrap_friction": (0.05, 0.4)}, nodes=17, starts=1, profiles=False
+    )  # fmt: skip
+    # no noise: what is left is the solver's tolerance
+    assert fit.estimate("wrap_friction") == pytest.approx(0.13, rel=1e-5)
+    with pytest.raises(wo.InvalidProblem, match="wrap_friction: is None: give bounds for it"):
+        wo.fit(base, data, ["wrap_friction"])
+
+
+def test_one_grid_for_fits_where_the_solver_would_choose_it():
+    """65 nodes for nips with and without wraps; what is asked for, or has its own, stays."""
+    for nip in (paper_nip(), paper_nip().wrapped()):
+        assert _on_one_grid(nip, {}) == {"nodes": 65}
+        assert _on_one_grid(nip, {"nodes": None}) == {"nodes": 65}
+        assert _on_one_grid(nip, {"nodes": 33}) == {"nodes": 33}
+        assert _on_one_grid(nip, {"rtol": 1e-4}) == {"rtol": 1e-4}
+    assert _on_one_grid(wo.RollerProblem.example(), {}) == {}
+
+
+def test_rollers_are_fitted_to_a_curve_of_creepage():
+    """The tangential load that the problem gives is an input, though results tell it too."""
+    true = wo.RollerProblem.example()
+    loads = [2e3, 6e3, 1e4]
+    solved = [wo.solve(true.replace(tangential_load=Q), nodes=41) for Q in loads]
+    data = {"tangential_load": loads, "creepage": [result.creepage for result in solved]}
+    base = true.replace(friction=0.3)
+    fit = wo.fit(base, data, ["friction"], nodes=41, starts=1, profiles=False)
+    assert fit.estimate("friction") == pytest.approx(0.5, rel=1e-5)
+
+
+def test_what_follows_the_free_tension_is_solved():
+    """The web tension is free, but not where another field is tied to it."""
+    outputs, tie = ("tension_behind_nip",), {"winding_force": "web_tension"}
+    assert model_of(paper_nip(), outputs, None, {}).free_inputs == {"web_tension"}
+    assert model_of(paper_nip(), outputs, tie, {}).free_inputs == frozenset()
+    assert model_of(paper_nip(), ("drum_creep",), None, {}).free_inputs == frozenset()
+    data = wo.sweep(
+        paper_nip(), {"web_tension": [100.0, 300.0]}, outputs, tie=tie, nodes=17, workers=1
+    )
+    single = wo.solve(paper_nip(web_tension=300.0, winding_force=300.0), nodes=17)
+    assert float(data.tension_behind_nip[1]) == pytest.approx(
+        single.tension_behind_nip, rel=1e-8
+    )  # warm and cold carry the load to 3e-9
+
+
+def test_schemes_are_recorded_though_they_are_objects():
+    table = sweep_table(
+        paper_nip(), {"nip_load": [1e3]}, options={"scheme": wo.Thesis(), "nodes": 20}, workers=1
+    )
+    assert json.loads(table.to_dataset().attrs["options"]) == {
+        "scheme": repr(wo.Thesis()), "nodes": 20,
+    }  # fmt: skip
+    single = wo.solve(paper_nip(nip_load=1e3), scheme="thesis", nodes=20).nip_induced_tension
+    assert table.outputs["nip_induced_tension"][0] == pytest.approx(single, rel=SAME)
+
+
+@pytest.mark.parametrize(
+    ("over", "outputs", "options", "says"),
+    [
+        ({"drum.material.shear": [1e6]}, None, {}, "no such field in Rigid, but in HalfPlane and"),
+        ({"web.thickness.x": [1e-5]}, None, {}, "no such field; nothing is below 6.6e-05"),
+        ({"nip_load": [1e3]}, None, {"roll_wrap": 1.0}, r"use problem.replace\(roll_wrap=...\)"),
+        ({"nip_load": [1e3]}, None, {"start": 1}, "start: no such option; known: nodes, rtol"),
+        ({"nip_load": [1e3]}, None, {"scheme": "thesis"}, "scheme: no such option"),
+        ({"nip_load": [1e3]}, "pressure", {}, "pressure: no scalar output; did you mean 'peak_pr"),
+        ({"nip_load": [1e3]}, "errors.with", {}, "errors.with: no scalar output"),
+        ({"P": [1e3]}, None, {}, "P: no such field; did you mean 'nip_load'"),
+        ({"wrap.roll_wrap": [1.0]}, None, {}, "did you mean 'roll_wrap'"),
+    ],
+)  # fmt: skip
+def test_bad_studies_of_a_wrapped_nip_are_refused(over, outputs, options, says):
+    wrapped = paper_nip().wrapped()
+    with pytest.raises(wo.InvalidProblem, match=says):
+        wo.sweep(wrapped, over, outputs, **options)
+
+
+def test_a_field_may_come_with_a_body_that_is_varied():
+    drums = [wo.HalfPlane(radius=0.5, material=name) for name in ("rubber", "steel")]
+    over = {"drum": drums, "drum.radius": [0.4], "drum.material": ["rubber"]}
+    data = wo.sweep(paper_nip(), over, nodes=17, workers=1)
+    single = wo.solve(paper_nip(drum=wo.HalfPlane(radius=0.4, material="rubber")), nodes=17)
+    assert np.ravel(data.nip_induced_tension) == pytest.approx(
+        [single.nip_induced_tension] * 2, rel=1e-8
+    )  # warm and cold carry the load to 3e-9
+
+
+@pytest.mark.parametrize("thing", [None, 3.0, wo.NipProblem])
+def test_what_is_no_problem_is_refused(thing):
+    with pytest.raises(wo.InvalidProblem, match="must be a "):
+        wo.sweep(thing, {"nip_load": [1e3]})
+    with pytest.raises(wo.InvalidProblem, match="must be a "):
+        wo.fit(thing, {"half_width": [1e-3]}, ["nip_load"])
+
+
+# ---- a kind from outside ------------------------------------------------------------------------
+
+
+def test_items_of_a_list_are_varied_by_their_number(row):
+    over = {"springs.1.stiffness": [200.0, 600.0], "force": [3.0, 6.0]}
+    data = wo.sweep(row, over, ("extension", "share", "residual"), workers=1)
+    extension = data.extension.sel({"springs.1.stiffness": 600.0, "force": 6.0})
+    assert float(extension) == pytest.approx(0.07)
+    share = data.share.sel({"springs.1.stiffness": 200.0, "force": 3.0})
+    assert float(share) == pytest.approx(2 / 3)
+    assert data["springs.1.stiffness"].attrs == {
+        "units": "N/m", "long_name": "stiffness of a spring", "symbol": "k",
+    }  # fmt: skip
+    assert json.loads(data.attrs["problem"])["springs"][1]["stiffness"] == 300.0
+
+
+def test_items_of_a_list_follow_one_another(row):
+    tie = {"springs.1.stiffness": "springs.0.stiffness"}
+    data = wo.sweep(row, {"springs.0.stiffness": [60.0]}, tie=tie, workers=1)
+    assert float(data.extension[0]) == 2 * 3.0 / 60.0
+    colours = {"springs.0.colour": ["red", "blue"]}
+    assert wo.sweep(row, colours, workers=1)["springs.0.colour"].values.tolist() == ["red", "blue"]
+
+
+def test_workers_know_the_kind_from_its_module(row):
+    over = {"springs.0.stiffness": np.linspace(50, 150, 12)}
+    one = wo.sweep(row, over, workers=1, chunk=3)
+    two = wo.sweep(row, over, workers=2, chunk=3)
+    assert one.identical(two)
+
+
+def test_a_start_is_handed_and_a_shift_is_not_solved(row):
+    table = sweep_table(row, {"force": [1.0, 2.0, 3.0]}, ("solved",), workers=1)
+    assert table.outputs["solved"].tolist() == [1, 2, 3]
+    over = {"origin": [0.0, 1.0, 2.0]}
+    table = sweep_table(row, over, ("solved", "end"), workers=1, options={"rounds": 5})
+    assert table.outputs["solved"].tolist() == [5, 5, 5]
+    assert table.outputs["end"] == pytest.approx([0.04, 1.04, 2.04])
+
+
+def test_items_of_a_list_are_fitted(row):
+    """y = origin + F (1/k0 + 1/k1); rows that differ in the origin alone share one solve."""
+    data = {"force": [1.0, 2.0, 2.0], "origin": [0.0, 0.0, 1.0], "end": [0.0125, 0.025, 1.025]}
+    vary = {"springs.0.stiffness": (10.0, 1000.0)}
+    fit = wo.fit(row, data, vary, tie={"springs.1.stiffness": "springs.0.stiffness"}, starts=1)
+    assert fit.estimate("springs.0.stiffness") == pytest.approx(160.0, rel=1e-6)
+    assert [part.stiffness for part in fit.problem.springs] == [fit.estimates[0]] * 2
+    assert fit.solves % 2 == 0  # of three rows two are solved
+
+
+@pytest.mark.parametrize("outputs", [("end",), ("end", "extension")])
+def test_derivatives_are_exact_where_the_result_has_them(row, outputs):
+    """Tied fields are summed; an output without a derivative takes differences for all."""
+    measured = Measured(
+        {"origin": np.array([0.0, 2.0])}, {n: np.array([0.1, 0.1]) for n in outputs}, {}
+    )
+    tie = {"springs.1.stiffness": "springs.0.stiffness"}
+    model = model_of(row, outputs, tie, {})
+    predictor = Predictor(model, measured, (Parameter("springs.0.stiffness", 10.0, 1e3, 100.0),))
+    u = np.log([160.0])
+    assert (predictor._exact(u) is not None) == (outputs == ("end",))
+    # d(2 F/k)/d ln k = -2 F/k; the central difference is off by its step squared, 2e-3^2/6
+    expected = np.full((2 * len(outputs), 1), -6.0 / 160.0)
+    assert predictor.jacobian(u) == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_refused_derivative_takes_differences(row):
+    model = model_of(row, ("end",), None, {})
+    state = model.run({}, None).state
+    assert model.gradient(state, ("force",)) == pytest.approx(np.array([[row_slope(row)]]))
+    assert model.gradient(state, ("springs.0.colour",)) is None
+    assert model.gradient(object(), ("force",)) is None
+
+
+def row_slope(row) -> float:
+    return sum(1 / spring.stiffness for spring in row.springs)
+
+
+@pytest.mark.parametrize(
+    ("over", "outputs", "says"),
+    [
+        ({"springs.2.stiffness": [1.0]}, None, "no item '2' in this list; known: 0 to 1"),
+        ({"springs.stiffness": [1.0]}, None, "no item 'stiffness' in this list"),
+        ({"springs.0.stifness": [1.0]}, None, "stifness: no such field; did you mean 'stiffness'"),
+        ({"force": [1.0]}, "strain", "strain: no such output: springs have an extension"),
+        ({"force": [1.0]}, "extent", "extent: no scalar output; did you mean 'extension'"),
+    ],
+)
+def test_bad_studies_of_another_kind_are_refused(row, over, outputs, says):
+    with pytest.raises(wo.InvalidProblem, match=says):
+        wo.sweep(row, over, outputs)
+
+
+def test_a_case_that_a_list_does_not_admit_fails_alone(row):
+    table = sweep_table(row, {"springs.0.stiffness": [100.0, -1.0]}, workers=1)
+    assert table.failed.tolist() == [1]
+    assert table.failure[1].startswith("InvalidProblem: springs.0.stiffness: -1 is out of range")

@@ -1,0 +1,223 @@
+"""Work in processes: answers, faults, workers that die, scripts without a guard, Ctrl-C."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+import toys
+
+from woundon.studies.processes import WORKER_SETTINGS, WorkerDied, in_processes
+
+SQUARES = [(x, x * x) for x in range(8)]
+posix = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+
+
+def test_every_item_comes_with_its_answer():
+    assert sorted(in_processes(toys.square, range(8), 2)) == SQUARES
+    assert list(in_processes(toys.square, [], 2)) == []
+    assert multiprocessing.active_children() == []
+
+
+def test_workers_have_one_blas_thread_and_this_process_what_it_had(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
+    before = dict(os.environ)
+    assert dict(in_processes(toys.setting, list(WORKER_SETTINGS), 1)) == WORKER_SETTINGS
+    assert dict(os.environ) == before
+
+
+def test_what_work_raises_has_the_worker_s_traceback():
+    with pytest.raises(ZeroDivisionError) as fault:
+        list(in_processes(toys.raises, range(8), 2))
+    assert "return 1 // (x - 3)" in fault.value.__notes__[0]
+    assert multiprocessing.active_children() == []
+
+
+@posix
+def test_a_worker_that_dies_loses_nothing(tmp_path: Path):
+    work = partial(toys.dies_at_three, once=str(tmp_path / "died"))
+    assert sorted(in_processes(work, range(8), 2)) == SQUARES
+    assert (tmp_path / "died").exists()
+
+
+@posix
+def test_an_item_that_kills_is_told_apart():
+    found = dict(in_processes(toys.dies_at_three, range(8), 2, died=lambda x: -x))
+    assert found == {**dict(SQUARES), 3: -3}
+    with pytest.raises(WorkerDied, match="two worker processes died over this item"):
+        list(in_processes(toys.dies_at_three, range(8), 2))
+
+
+@posix
+def test_workers_killed_while_they_wait_are_replaced():
+    found = in_processes(toys.square, range(8), 2)
+    first = next(found)
+    for process in multiprocessing.active_children():
+        os.kill(process.pid, signal.SIGKILL)
+        process.join()
+    assert sorted([first, *found]) == SQUARES
+
+
+def test_who_goes_away_leaves_no_process():
+    found = in_processes(toys.square, range(8), 2)
+    next(found)
+    assert len(multiprocessing.active_children()) == 2
+    found.close()
+    assert multiprocessing.active_children() == []
+
+
+def test_a_worker_starts_no_pool_of_its_own():
+    assert list(in_processes(toys.squares_by_a_pool, [4], 1)) == [(4, [0, 1, 4, 9])]
+
+
+def _start(script: str, *args: str) -> subprocess.Popen[str]:
+    """Start a script that hears Ctrl-C, with a group of its own."""
+    return subprocess.Popen(
+        [sys.executable, script, *args], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        start_new_session=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        # a shell lets jobs in its background ignore Ctrl-C, and that is inherited
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+
+
+STUDY = """
+import numpy as np
+import woundon as wo
+from thesis_cases import paper_nip
+
+print("the script runs")
+over = {"nip_load": np.linspace(1000, 4000, 200)}
+data = wo.sweep(paper_nip(), over, nodes=17, chunk=5, workers=3)
+print(int(np.isfinite(data.nip_induced_tension).sum()), "solved")
+"""
+
+
+@posix
+def test_a_study_in_a_script_without_a_guard(tmp_path: Path):
+    """40 chunks, of which the workers hold three at a time."""
+    (tmp_path / "study.py").write_text(STUDY, encoding="utf-8")
+    said, complained = _start(str(tmp_path / "study.py")).communicate(timeout=60)
+    assert said.splitlines() == ["the script runs", "200 solved"]
+    assert complained == ""
+
+
+OWN = """
+from woundon.studies.processes import in_processes
+
+def half(x):
+    return x / 2
+
+def main():
+    print(sorted(in_processes(half, range(4), 2)))
+
+{guard}main()
+"""
+
+
+@posix
+def test_work_defined_in_the_script(tmp_path: Path):
+    path = tmp_path / "own.py"
+    path.write_text(OWN.format(guard='if __name__ == "__main__":\n    '), encoding="utf-8")
+    said, complained = _start(str(path)).communicate(timeout=60)
+    assert said == "[(0, 0.0), (1, 0.5), (2, 1.0), (3, 1.5)]\n"
+    assert complained == ""
+    path.write_text(OWN.format(guard=""), encoding="utf-8")
+    complained = _start(str(path)).communicate(timeout=60)[1]
+    assert complained.count("Traceback") == 1
+    assert "use workers=1, or write if __name__ == '__main__': before" in complained
+
+
+SLEEPERS = """
+import sys
+from functools import partial
+import toys
+from woundon.studies.processes import in_processes
+
+folder, finishing, seconds = sys.argv[1:]
+work = partial(toys.sleeps, folder=folder, seconds=float(seconds))
+for item, _ in in_processes(work, range(50), 2, finishing=finishing):
+    print(item, flush=True)
+"""
+
+
+def _asleep(tmp_path: Path, finishing: str, seconds: float) -> tuple[subprocess.Popen, list[int]]:
+    """Start two workers that sleep over each item; return the script and the workers' ids."""
+    pids = tmp_path / "pids"
+    pids.mkdir()
+    (tmp_path / "sleep.py").write_text(SLEEPERS, encoding="utf-8")
+    script = _start(str(tmp_path / "sleep.py"), str(pids), finishing, str(seconds))
+    limit = time.monotonic() + 60
+    while len(list(pids.iterdir())) < 2 and script.poll() is None and time.monotonic() < limit:
+        time.sleep(0.01)
+    found = [int(path.name) for path in pids.iterdir()]
+    assert len(found) == 2
+    assert all(map(_alive, found))
+    return script, found
+
+
+def _alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+        stat = Path(f"/proc/{pid}/stat")
+        return not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] != "Z"
+    except (ProcessLookupError, FileNotFoundError):
+        return False
+
+
+def _gone(pids: list[int]) -> bool:
+    limit = time.monotonic() + 5
+    while any(map(_alive, pids)) and time.monotonic() < limit:
+        time.sleep(0.01)
+    return not any(map(_alive, pids))
+
+
+@posix
+@pytest.mark.parametrize("send", [os.kill, os.killpg])
+def test_ctrl_c_stops_at_once_and_leaves_no_worker(tmp_path: Path, send):
+    """To the parent alone, and to the whole group as a terminal does; its work takes a minute."""
+    script, pids = _asleep(tmp_path, "", 60)
+    send(script.pid, signal.SIGINT)
+    said, complained = script.communicate(timeout=5)
+    assert script.returncode == -signal.SIGINT
+    assert said == ""
+    assert complained.count("Traceback") == 1  # the script's own
+    assert not any(map(_alive, pids))
+
+
+@posix
+def test_the_first_ctrl_c_finishes_what_is_under_way_where_asked(tmp_path: Path):
+    script, pids = _asleep(tmp_path, "finishing", 2.0)
+    os.killpg(script.pid, signal.SIGINT)
+    said, complained = script.communicate(timeout=10)
+    assert complained.startswith("finishing\n")
+    assert sorted(said.split()) == ["0", "1"]
+    assert script.returncode == -signal.SIGINT
+    assert not any(map(_alive, pids))
+
+
+@posix
+def test_the_second_ctrl_c_stops_at_once(tmp_path: Path):
+    script, pids = _asleep(tmp_path, "finishing", 60)
+    os.killpg(script.pid, signal.SIGINT)
+    assert script.stderr.readline() == "finishing\n"
+    assert all(map(_alive, pids))
+    os.killpg(script.pid, signal.SIGINT)
+    script.communicate(timeout=5)
+    assert script.returncode == -signal.SIGINT
+    assert not any(map(_alive, pids))
+
+
+@posix
+def test_kill_9_leaves_no_worker(tmp_path: Path):
+    script, pids = _asleep(tmp_path, "", 60)
+    script.kill()
+    script.communicate(timeout=5)
+    assert _gone(pids)

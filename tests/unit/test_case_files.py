@@ -1,0 +1,518 @@
+"""Case files: what is read, what is refused and how, what is written and read again."""
+
+from __future__ import annotations
+
+import tomllib
+from math import inf, pi
+from pathlib import Path
+from typing import Annotated
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import Field
+
+import woundon as wo
+from woundon import kinds
+from woundon.io import case_files
+from woundon.io.case_files import make_problem, template, to_toml
+from woundon.io.files import read_whole
+from woundon.problems.bodies import AnyBody
+from woundon.problems.fields import Description, Number
+from woundon.problems.materials import MATERIALS, AnyMaterial
+from woundon.quantities import length, line_load
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
+
+NEWSPRINT = wo.Orthotropic(radial=27e6, tangential=3.38e9, cross=5e6, shear=10e6)
+TABLE_2 = wo.NipProblem(
+    web=wo.Web(thickness=66e-6, material=NEWSPRINT),
+    roll=wo.Cylinder(radius=0.1, core_radius=0.0445, material=NEWSPRINT),
+    drum=wo.Rigid(radius=0.0762),
+    roll_friction=0.19,
+    drum_friction=0.2,
+    nip_load=3502.0,
+    winding_force=0.0,
+    web_tension=350.0,
+).wrapped()
+PLAIN = TABLE_2.confined()
+PAIR = """
+schema = 1
+load = "89 kN/m"
+tangential_load = "8.4 kN/m"
+friction = 0.5
+
+[upper]
+kind = "half_plane"
+radius = "250 mm"
+material = "steel"
+
+[lower]
+kind = "half_plane"
+radius = "250 mm"
+material = "steel"
+"""
+
+
+# ---- reading ------------------------------------------------------------------------------------
+
+
+def test_example_is_table_2():
+    assert wo.load_case(EXAMPLE) == TABLE_2
+
+
+@pytest.fixture
+def pair(tmp_path) -> Path:
+    path = tmp_path / "pair.toml"
+    path.write_text(PAIR, encoding="utf-8")
+    return path
+
+
+def test_the_kind_is_told_by_the_names(pair):
+    assert wo.load_case(pair) == wo.RollerProblem.example()
+    assert wo.load_case(pair, ["motion=static"]).motion == "static"
+    assert wo.load_case(EXAMPLE, ["wrap=none"]) == PLAIN
+
+
+def test_a_table_without_fields_has_the_usual_wraps():
+    tables = tomllib.loads(to_toml(PLAIN))
+    assert make_problem(tables) == PLAIN
+    assert make_problem({**tables, "wrap": {}}) == TABLE_2
+    assert make_problem(tables, "wrapped_nip") == TABLE_2
+
+
+def test_grouped_fields_may_stand_bare():
+    tables = tomllib.loads(to_toml(PLAIN))
+    bare = make_problem({**tables, "roll_wrap": "90 deg", "wrap_friction": "30 %"})
+    assert bare == TABLE_2.replace(roll_wrap=pi / 2, wrap_friction=0.3)
+
+
+@pytest.mark.parametrize(
+    ("setting", "field", "value"),
+    [
+        ("nip_load=3.5 kN/m", "nip_load", 3500.0),
+        ("nip_load = 17 pli", "nip_load", 2977.1561991900985),
+        ("nip_load=5000", "nip_load", 5000.0),
+        ("winding_force=-3e2", "winding_force", -300.0),
+        ("roll_friction=25 %", "roll_friction", 0.25),
+        ("web.thickness=57 um", "web.thickness", 57e-6),
+        ("web.thickness='57 um'", "web.thickness", 57e-6),
+        ("roll.material.shear=12 MPa", "roll.material.shear", 12e6),
+        ("web.material=paper", "web.material", wo.material("paper")),
+        ("roll_wrap=90 deg", "roll_wrap", pi / 2),
+        ("wrap.roll_wrap=90 deg", "roll_wrap", pi / 2),
+        ("drum_wrap=1.5", "drum_wrap", 1.5),
+        ("wrap_friction=0.3", "wrap_friction", 0.3),
+        ("wrap_friction=none", "wrap_friction", None),
+    ],
+)
+def test_settings(setting, field, value):
+    assert wo.load_case(EXAMPLE, [setting]) == TABLE_2.replace(**{field: value})
+
+
+def test_settings_change_the_kind_of_a_body():
+    settings = ["drum.kind=cylinder", "drum.core_radius=70 mm", "drum.material=soft-cover"]
+    drum = wo.load_case(EXAMPLE, settings).drum
+    assert drum == wo.Cylinder(radius=0.0762, core_radius=0.07, material=wo.material("soft-cover"))
+
+
+def test_settings_leave_the_tables_as_they_were():
+    case = case_files.read_case(EXAMPLE)
+    case_files.apply_settings(case, ["web.thickness=57 um", "roll_wrap=1", "wrap=none"])
+    assert case == case_files.read_case(EXAMPLE)
+
+
+def test_a_bare_setting_makes_a_plain_nip_a_wrapped_one(tmp_path):
+    path = tmp_path / "plain.toml"
+    path.write_text(to_toml(PLAIN), encoding="utf-8")
+    assert wo.load_case(path, ["roll_wrap=90 deg"]) == TABLE_2.replace(roll_wrap=pi / 2)
+
+
+def test_one_of_two_fields_is_left_out_for_the_other(pair):
+    told = wo.load_case(pair, ["tangential_load=none", "creepage=0.01 %"])
+    assert (told.tangential_load, told.creepage) == (None, 1e-4)
+
+
+# ---- refusing -----------------------------------------------------------------------------------
+
+# (setting, field named, what the text says); the value is in the text wherever there is one
+BAD_SETTINGS = [
+    ("nip_load=-3502", "nip_load", "-3502*must be >= 1e-12*[N/m]"),
+    ("nip_load=0", "nip_load", "0*must be >= 1e-12*[N/m]"),
+    ("nip_load=nan", "nip_load", "nan*not a finite number"),
+    ("nip_load=inf", "nip_load", "inf*not a finite number"),
+    ("nip_load=1e12", "nip_load", "<= 1e+07 [N/m]"),
+    ("nip_load=heavy", "nip_load", "'heavy' is not a number*N/m"),
+    ("nip_load='3502 N'", "nip_load", "'3502 N' has the wrong dimension*N/m"),
+    ("nip_load=20 plu", "nip_load", "'plu'*did you mean 'pli'?"),
+    ("nip_laod=3502", "nip_laod", "did you mean 'nip_load'?"),
+    ("wbe.thickness=57 um", "wbe", "did you mean 'web'?"),
+    ("web.thicknes=57 um", "web.thicknes", "did you mean 'thickness'?"),
+    ("web.thickness=66", "web.thickness", "66*<= 0.01 [m]"),
+    ("web.thickness=66 MPa", "web.thickness", "wrong dimension*in m"),
+    ("web.thickness=0", "web.thickness", "[m]"),
+    ("web.material=newsprnt", "web.material", "'newsprnt'*did you mean 'newsprint'?"),
+    ("web.material.shear=0", "web.material.shear", "must be >= 0.001*[Pa]"),
+    ("roll.material.cross=400 MPa", "roll.material.cross", "sqrt(radial * tangential)"),
+    ("roll.material.cross=-1", "roll.material.cross", "must be >= 0*[Pa]"),
+    ("roll.core_radius=100 mm", "roll.core_radius", "0.1*radius"),
+    ("roll.core_radius=0", "roll.core_radius", "> 0 [m]"),
+    ("roll.kind=cylindre", "roll.kind", "'cylindre'*did you mean 'cylinder'?"),
+    ("roll.radius=-0.1", "roll.radius", "[m]"),
+    ("drum.core_radius=50 mm", "drum.core_radius", "no such field"),
+    ("roll_friction=0", "roll_friction", ">= 1e-08"),
+    ("roll_friction=-0.1", "roll_friction", ">= 1e-08"),
+    ("roll_friction=0.2 N", "roll_friction", "wrong dimension*plain number"),
+    ("web_tension=-1 N/m", "web_tension", "must be >= 0*[N/m]"),
+    ("winding_force=800", "winding_force", "800*> -700.4 and < 700.4 [N/m]"),
+    ("winding_force=-700.5 N/m", "winding_force", "-700.5*700.4 [N/m]"),
+    ("roll_wrap=200 deg", "roll_wrap", "<= 3.14159 [rad]"),
+    ("roll_wrap=2 m", "roll_wrap", "'2 m' has the wrong dimension*in rad"),
+    ("wrap.rol_wrap=1", "wrap.rol_wrap", "did you mean 'roll_wrap'?"),
+    ("wrap.nip_load=1", "wrap.nip_load", "write nip_load above the first [section]"),
+    ("wrap=180 deg", "wrap", "must be a table of roll_wrap, drum_wrap, wrap_friction"),
+    ("nip_load", "nip_load", "write field=value"),
+    ("=3", "=3", "write field=value"),
+    ("nip_load.x=3", "nip_load.x", "nip_load has no fields of its own"),
+    ("schema=2", "schema", "reads schema = 1"),
+]
+
+
+@pytest.mark.parametrize(("setting", "field", "said"), BAD_SETTINGS)
+def test_bad_value_is_refused(setting, field, said):
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_case(EXAMPLE, [setting])
+    faults = dict(refusal.value.faults)
+    assert list(faults) == [field], "one fault, and no other is told"
+    for part in said.split("*"):
+        assert part in faults[field]
+
+
+def test_a_sliding_drum_has_no_steady_state():
+    with pytest.raises(wo.NoSteadyState):
+        wo.load_case(EXAMPLE, ["winding_force=800"])
+
+
+def test_incompressible_cover_is_refused():
+    settings = ["drum.kind=half_plane", "drum.material.youngs_modulus=1 MPa"]
+    with pytest.raises(wo.InvalidProblem, match=r"drum.material.poissons_ratio: .*< 0.5"):
+        wo.load_case(EXAMPLE, [*settings, "drum.material.poissons_ratio=0.5"])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "is empty; 'woundon new > case.toml' writes a case"),
+        ("# only a comment\n", "is empty"),
+        ("schema = 1\nnip_load = 3502 N/m\n", "is no valid TOML*line 2"),
+        ("schema = 1\n[web\n", "is no valid TOML*line 2"),
+        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is no valid TOML*line 3"),
+        (b"\xff\xfe\x00", "is no UTF-8 text, from byte 0"),
+    ],
+)
+def test_bad_file_is_refused(tmp_path, text, said):
+    path = tmp_path / "case.toml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_case(path)
+    ((field, fault),) = refusal.value.faults
+    assert field == str(path)
+    for part in said.split("*"):
+        assert part in fault
+
+
+def test_a_number_of_thousands_of_digits_and_900_tables_are_refused(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(f"schema = {'1' * 5000}\n")
+    with pytest.raises(wo.InvalidProblem, match="a number of thousands of digits"):
+        wo.load_case(path)
+    path.write_text(f"[{'.'.join('a' * 900)}]\n")
+    with pytest.raises(wo.InvalidProblem, match="nested too deeply"):
+        wo.load_case(path)
+
+
+def test_no_more_is_read_than_a_case_may_have(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_bytes(b"#" * 101)
+    with pytest.raises(wo.InvalidProblem, match=r"is larger than 0.0001 MB"):
+        read_whole(path, 100)
+    with pytest.raises(wo.InvalidProblem, match=r"larger than 10 MB"):
+        wo.load_case("/dev/zero")
+
+
+def test_missing_file_and_folder_are_refused(tmp_path):
+    with pytest.raises(wo.InvalidProblem, match="cannot be read: No such file"):
+        wo.load_case(tmp_path / "none.toml")
+    with pytest.raises(wo.InvalidProblem, match="cannot be read"):
+        wo.load_case(tmp_path)
+
+
+def test_missing_fields_and_schema_are_named(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text('[web]\nthickness = "66 um"\n', encoding="utf-8")
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_case(path)
+    faults = dict(refusal.value.faults)
+    assert "write 'schema = 1'" in faults["schema"]
+    assert {"web.material", "roll", "drum", "nip_load", "roll_friction"} <= faults.keys()
+
+
+def test_all_faults_are_told_at_once():
+    settings = ["nip_load=-1", "web.thickness=66 kg", "roll_fricton=0.2"]
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_case(EXAMPLE, settings)
+    assert {"nip_load", "web.thickness", "roll_fricton"} == dict(refusal.value.faults).keys()
+
+
+def test_loose_field_below_a_section_gets_its_place(tmp_path):
+    text = EXAMPLE.read_text(encoding="utf-8").replace('nip_load      = "3502 N/m"\n', "")
+    path = tmp_path / "case.toml"
+    path.write_text(text + 'nip_load = "3502 N/m"\n', encoding="utf-8")
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_case(path)
+    assert "write nip_load above the first [section]" in dict(refusal.value.faults)["drum.nip_load"]
+
+
+@pytest.mark.parametrize(
+    ("section", "field", "said"),
+    [
+        ("wrap", "wrap.web_tension", "write web_tension above the first [section]"),
+        ("roll.material", "roll.material.web_tension", "no such field in [roll.material]"),
+    ],
+)
+def test_loose_fields_are_told_for_every_section(section, field, said):
+    tables = tomllib.loads(to_toml(TABLE_2))
+    inner = tables
+    for name in section.split("."):
+        inner = inner[name]
+    inner["web_tension"] = tables.pop("web_tension")
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        make_problem(tables)
+    assert said in dict(refusal.value.faults)[field]
+
+
+def test_loose_fields_of_rollers_are_told_too():
+    tables = tomllib.loads(PAIR)
+    tables["lower"]["friction"] = tables.pop("friction")
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        make_problem(tables)
+    assert "write friction above" in dict(refusal.value.faults)["lower.friction"]
+
+
+def test_a_field_in_two_places_is_refused():
+    tables = tomllib.loads(to_toml(TABLE_2)) | {"roll_wrap": 1.0}
+    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: given twice, in \[wrap\] and above"):
+        make_problem(tables)
+
+
+# ---- descriptions from outside the package ------------------------------------------------------
+
+
+def outside() -> wo.Problem:
+    """Return a problem of descriptions that are defined here: they join the open sets now."""
+
+    class Ring(Description):
+        """A layer of the body below."""
+
+        thickness: Annotated[Number, length("h", "thickness of the ring"), Field(gt=0)]
+        material: AnyMaterial
+
+    class Rings(wo.Body):
+        """A body of a list of layers."""
+
+        rings: tuple[Ring, ...]
+
+    class Ramp(Description):
+        """A curve, two lists of numbers."""
+
+        radius: Annotated[tuple[Number, ...], length("r", "radius")]
+        value: Annotated[tuple[Number, ...], line_load("T", "tension")]
+
+    class RampProblem(wo.Problem):
+        """A kind of problem with a number or a curve, words and flags."""
+
+        tables = {"extra": ("share", "limit")}  # noqa: RUF012
+
+        tension: Annotated[Number | Ramp, line_load("T", "tension", (50.0, 1000.0))]
+        body: AnyBody
+        share: Number = 0.25
+        limit: Annotated[Number | None, length("L", "limit")] = None
+        exact: bool = True
+        laps: int = 3
+        law: str = 'linear "or" not'
+
+    kinds.register(RampProblem, lambda problem: None, wo.Result, name="ramp")
+    rings = [Ring(thickness=0.015, material="soft-cover"), Ring(thickness=0.005, material="steel")]
+    body = Rings(radius=0.24, rings=rings)
+    return RampProblem(tension=Ramp(radius=[0.05, 0.1], value=[350, 300]), body=body, limit=0.02)
+
+
+@pytest.fixture
+def ramp(monkeypatch):
+    monkeypatch.setattr(kinds, "_KINDS", dict(kinds._KINDS))
+    monkeypatch.setattr(wo.Body, "_members", dict(wo.Body._members))
+    return outside()
+
+
+@pytest.mark.parametrize("comments", [False, True])
+def test_lists_curves_words_and_flags_come_back(ramp, comments):
+    for problem in (ramp, ramp.replace(tension=350.0, exact=False, limit=None)):
+        assert make_problem(tomllib.loads(to_toml(problem, comments))) == problem
+
+
+def test_items_of_lists_are_set_by_number(ramp):
+    tables = tomllib.loads(to_toml(ramp, comments=True))  # soft-cover and steel by name
+    changes = ["body.rings.0.thickness=4 mm", "body.rings.1.material.youngs_modulus=2 GPa"]
+    told = make_problem(case_files.apply_settings(tables, changes))
+    assert told == ramp.replace(
+        **{"body.rings.0.thickness": 4e-3, "body.rings.1.material.youngs_modulus": 2e9}
+    )
+    tables["tension"] = {"radius": ["5 cm", 0.1], "value": ["2 pli", 300]}
+    assert make_problem(tables).tension.radius == (0.05, 0.1)
+    assert make_problem(tables).tension.value[0] == pytest.approx(2 * 4.4482216152605 / 0.0254)
+
+
+@pytest.mark.parametrize(
+    ("setting", "field", "said"),
+    [
+        ("body.rings.2.thickness=4 mm", "body.rings.2.thickness", "no item '2'; known: 0 to 1"),
+        ("body.rings.one.thickness=4", "body.rings.one.thickness", "no item 'one'"),
+        ("body.rings.0.thickness=4 kg", "body.rings.0.thickness", "wrong dimension*in m"),
+        ("body.rings.0.thicknes=4", "body.rings.0.thicknes", "did you mean 'thickness'?"),
+        ("body.rings.0.laps=4", "body.rings.0.laps", "in [body.rings]; write laps above the first"),
+        ("tension.value=3", "tension.value", "3 is not a list"),
+    ],
+)
+def test_faults_in_lists_have_their_place(ramp, setting, field, said):
+    tables = tomllib.loads(to_toml(ramp))
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        make_problem(case_files.apply_settings(tables, [setting]))
+    text = dict(refusal.value.faults)[field]
+    assert all(part in text for part in said.split("*"))
+
+
+# ---- writing ------------------------------------------------------------------------------------
+
+KINDS = ["nip", "wrapped_nip", "rollers"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_template_is_a_case_ready_to_run(kind):
+    example = kinds.named(kind).problem.example()
+    assert make_problem(tomllib.loads(template(kind))) == example
+    assert template(kind.replace("_", "-")) == template(kind)
+
+
+def test_template_is_the_wrapped_nip_by_default():
+    assert make_problem(tomllib.loads(template())) == TABLE_2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_template_says_how_to_run_it_and_what_fields_mean(kind):
+    text = template(kind)
+    assert kinds.named(kind).about in text
+    assert "woundon solve case.toml --plot" in text
+    for place in wo.quantities.walk(kinds.named(kind).problem.example()):
+        name = place.name
+        assert f"\n{name}" in text or f"\n# {name} = ..." in text
+        if place.quantity:
+            assert f"# {place.quantity.symbol}: {place.quantity.meaning[:20]}" in text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_a_template_tells_what_is_usual_and_what_is_admissible():
+    rows = dict(line.partition("#")[::2] for line in template().splitlines() if " = " in line)
+    said = {left.split()[0]: right.strip() for left, right in rows.items() if left.strip()}
+    assert said["thickness"] == "2h: web thickness, 10 to 500 um (0.1 to 10000)"
+    assert said["nip_load"] == "P: nip load, 500 to 10000 N/m (1e-12 to 1e+07)"
+    assert said["core_radius"] == "R0: radius of the rigid core, 20 to 900 mm (> 0)"
+
+
+def test_a_setting_that_the_template_shows_is_one():
+    shown = [line for line in template().splitlines() if "--set" in line]
+    setting = shown[0].partition("--set ")[2].split("  ")[0].replace('"', "")
+    tables = case_files.apply_settings(tomllib.loads(template()), [setting])
+    assert make_problem(tables) == TABLE_2.replace(nip_load=10e3)
+
+
+def test_an_unknown_kind_and_one_without_an_example_have_no_template(ramp):
+    with pytest.raises(wo.InvalidProblem, match=r"'rolers' is no kind.*did you mean 'rollers'"):
+        template("rolers")
+    with pytest.raises(wo.InvalidProblem, match="'ramp' has no example"):
+        template("ramp")
+
+
+def numbers(low: float, high: float) -> st.SearchStrategy[float]:
+    """Numbers of all magnitudes in a range, with many digits and with few."""
+    any_of = st.floats(low, high, allow_subnormal=False)
+    short = any_of.map(lambda v: float(f"{v:.3g}")).filter(lambda v: low <= v <= high)
+    return st.one_of(any_of, short)
+
+
+MODULI = numbers(1e-3, 1e14)
+MATERIAL = st.one_of(
+    st.sampled_from([entry.material for entry in MATERIALS.values()]),
+    st.builds(wo.Isotropic, youngs_modulus=MODULI, poissons_ratio=numbers(0, 0.499)),
+    st.builds(
+        lambda r, t, share, shear: wo.Orthotropic(
+            radial=r, tangential=t, cross=share * (r * t) ** 0.5, shear=shear
+        ),
+        numbers(1e3, 1e9), numbers(1e3, 1e9), st.floats(0, 0.9), MODULI,
+    ),
+)  # fmt: skip
+RADIUS = numbers(2e-4, 50)
+DEEP = st.builds(wo.HalfPlane, radius=RADIUS, material=MATERIAL)
+LAYER = st.builds(
+    lambda radius, share, material: wo.Cylinder(
+        radius=radius, core_radius=share * radius, material=material
+    ),
+    RADIUS, numbers(1e-3, 0.999), MATERIAL,
+)  # fmt: skip
+SOFT = st.one_of(DEEP, LAYER)
+BODY = st.one_of(SOFT, st.builds(wo.Rigid, radius=RADIUS))
+NIP = st.builds(
+    lambda force, **fields: wo.NipProblem(
+        winding_force=force * min(fields["drum_friction"] * fields["nip_load"], 1e7), **fields
+    ),
+    force=st.floats(-0.99, 0.99),
+    web=st.builds(wo.Web, thickness=numbers(1e-7, 1e-2), material=MATERIAL),
+    roll=SOFT,
+    drum=BODY,
+    roll_friction=numbers(1e-8, 10),
+    drum_friction=numbers(1e-8, 10),
+    nip_load=numbers(1e-12, 1e7),
+    web_tension=numbers(1e-6, 1e6),
+)
+ANGLE = st.one_of(numbers(0, pi), st.sampled_from([0.0, pi, pi / 2, pi / 3, 2 * pi / 3]))
+WRAPPED = st.builds(
+    lambda nip, **wraps: nip.wrapped(**wraps),
+    NIP, roll_wrap=ANGLE, drum_wrap=ANGLE,
+    wrap_friction=st.one_of(st.none(), numbers(1e-6, 10)),
+)  # fmt: skip
+ROLLERS = st.builds(
+    lambda load, friction, share, how, **fields: wo.RollerProblem(
+        load=load, friction=friction, motion="static" if how == "static" else "rolling",
+        tangential_load=None if how == "creepage" else share * friction * load,
+        creepage=share / 2.1 if how == "creepage" else None, **fields,
+    ),
+    upper=SOFT, lower=BODY, load=numbers(1e-12, 1e9), friction=numbers(1e-8, 10),
+    share=st.floats(-0.99, 0.99), how=st.sampled_from(["static", "rolling", "creepage"]),
+)  # fmt: skip
+
+
+@given(st.one_of(NIP, WRAPPED, ROLLERS), st.booleans())
+@settings(max_examples=300)
+def test_every_problem_comes_back_equal(problem, comments):
+    text = to_toml(problem, comments)
+    assert make_problem(tomllib.loads(text)) == problem
+
+
+def test_what_is_written_reads_well():
+    text = to_toml(TABLE_2)
+    for line in (
+        'thickness = "66 um"', 'tangential = "3.38 GPa"', 'nip_load      = "3502 N/m"',
+        'roll_wrap = "180 deg"', 'core_radius = "44.5 mm"', "roll_friction = 0.19",
+    ):  # fmt: skip
+        assert line in text
+    assert "wrap_friction" not in text  # one that is left out is not written
+    assert inf not in [v for v in tomllib.loads(text).values() if isinstance(v, float)]

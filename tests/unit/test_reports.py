@@ -1,0 +1,416 @@
+"""Reports: numbers, units and errors are the result's; what does not apply is not said."""
+
+from __future__ import annotations
+
+import math
+from io import StringIO
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import woundon as wo
+from woundon import kinds, quantities
+from woundon.show.parts import Row, Section, certificate_line, zone_line
+from woundon.show.report import (
+    nip_report,
+    outputs_report,
+    print_report,
+    print_sensitivity,
+    report_parts,
+    report_text,
+    wrapped_report,
+)
+from woundon.show.terminal import print_parts
+
+NODES = 25
+
+
+def lines(text: str) -> list[str]:
+    """Return the lines with single spaces."""
+    return [" ".join(line.split()) for line in text.splitlines()]
+
+
+def sections(parts: list[Any]) -> dict[str, list[str]]:
+    """Return for each section of a report its lines as printed."""
+    out = {}
+    for part in parts:
+        if isinstance(part, Section):
+            paper = StringIO()
+            print_parts([part], Console(file=paper))
+            out[part.title] = lines(paper.getvalue())[1:]
+    return out
+
+
+@pytest.fixture(scope="module")
+def nip() -> wo.NipResult:
+    return wo.solve(wo.NipProblem.example(), nodes=NODES)
+
+
+@pytest.fixture(scope="module")
+def wrapped() -> wo.WrappedNipResult:
+    problem = wo.NipProblem.example().wrapped(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
+    return wo.solve(problem, nodes=NODES)
+
+
+@pytest.fixture(scope="module")
+def examples() -> list[Any]:
+    """One solved case of every kind."""
+    return [wo.solve(kind.problem.example(), nodes=NODES) for kind in kinds.every()]
+
+
+def rollers(**changes: Any) -> wo.RollerResult:
+    return wo.solve(wo.RollerProblem.example().replace(**changes), nodes=NODES)
+
+
+# ---- rows ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "shown"),
+    [
+        (259.012, 0.1469, ("259.01", "0.15")),
+        (5.02871, 1.9e-7, ("5.0287", "<0.0001")),  # below the last digit
+        (-0.157158, 1e-18, ("-0.15716", "<1e-05")),
+        (1.77e-8, 2.6e-6, ("0", "2.6e-06")),  # nothing is known of a value within its error
+        (-0.4, 3.0, ("-0.4", "3")),
+        (-0.04, 3.0, ("0", "3")),
+        (0.0, 0.0, ("0", "")),
+        (0.0, 0.2, ("0", "0.2")),
+        (75, math.nan, ("75", "")),
+        (math.nan, 0.1, ("nan", "")),
+        ("rolling", math.nan, ("rolling", "")),
+    ],
+)
+def test_a_value_shows_five_digits_and_no_more_than_its_error_tells(value, error, shown):
+    row = Row("meaning", "s", value, "mm", error)
+    assert (row.value_text, row.error_text) == shown
+
+
+def test_every_told_error_stands_beside_its_output(examples):
+    """The outputs with a told error are in the report, with quantity, value, unit and error."""
+    for result in examples:
+        said = lines(str(result))
+        told = dict(result.errors)
+        told.pop("half_width")  # the width is there, twice it
+        given = isinstance(result, wo.RollerResult) and "tangential_load"
+        assert len(told) >= 4
+        for name, error in told.items():
+            if name == given:
+                continue
+            quantity = quantities.output(result, name).quantity
+            # of a wrapped nip the first; that of the confined one comes below
+            line = next(x for x in said if x.startswith(f"{quantity.meaning} {quantity.symbol} "))
+            value, unit, error_text = _parsed(line, quantity)
+            size = quantity.shown(getattr(result, name))
+            error = quantity.shown(error)
+            # to the five digits of the value, or where the error begins
+            assert value == pytest.approx(size, rel=1e-4, abs=error), name
+            assert unit == quantity.display
+            if error_text.startswith("<"):
+                assert error < float(error_text[1:]) <= 1.01e-4 * abs(size)
+            elif size or error:
+                assert float(error_text) == pytest.approx(error, rel=0.06)  # two digits
+
+
+def _parsed(line: str, quantity: wo.Quantity) -> tuple[float, str, str]:
+    rest = line.removeprefix(f"{quantity.meaning} {quantity.symbol} ")
+    value, _, rest = rest.partition(" ")
+    unit, _, error = rest.partition("±")
+    return float(value), unit.strip(), error.split(",")[0].strip()
+
+
+def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
+    """A new output needs no line of its own in the reports."""
+    otherwise = {
+        "residual", "half_width", "iterations", "series_terms", "series_error", "extrapolation",
+        "rig_tension", "tension_before_nip", "drum_wrap_traction", "shift", "tangential_load",
+    }  # fmt: skip
+    for result in examples:
+        said = lines(str(result))
+        for name, quantity in quantities.scalar_outputs(result).items():
+            if name not in otherwise and name.removesuffix("_error") not in result.errors:
+                start = f"{quantity.meaning} {quantity.symbol} "
+                assert any(line.startswith(start) for line in said), name
+
+
+# ---- the nip -------------------------------------------------------------------------------------
+
+
+def test_a_nip_says_where_its_web_is_held(nip):
+    parts = sections(nip_report(nip))
+    said = parts["Winding nip, the web held at its trailing edge"]
+    NIT, T_out = nip.nip_induced_tension, nip.tension_behind_nip
+    error = f"{nip.nip_induced_tension_error:.2g}"
+    assert said[0] == f"nip-induced tension NIT {NIT:.5g} N/m ± {error}"
+    error = f"{nip.errors['tension_behind_nip']:.2g}"
+    assert said[1].endswith(f"edge of the nip T_out {T_out:.5g} N/m ± {error}")
+    estimate = nip.wound_on_tension_estimate(pi)
+    assert said[2].endswith(f"half a turn behind WOT est. {estimate:.5g} N/m")
+    told = " ".join(said)
+    assert "(web held at the trailing edge, eq. 97)" in told
+    assert "bracket the wound-on tension" in told
+    assert "problem.wrapped()" in told
+    assert f"nip load P {nip.problem.nip_load:.5g} N/m" in parts["Loads"]
+
+
+def test_an_extrapolated_tension_says_by_how_much(nip):
+    assert "extrapolates" not in str(nip)
+    asked = wo.solve(wo.NipProblem.example(), rtol=1e-3)
+    row = f"extrapolates the integral of the tractions dNIT {asked.extrapolation:.5g} N/m"
+    assert any(line.endswith(row) for line in lines(str(asked)))
+
+
+def test_other_theories_of_a_nip_are_the_closed_forms(nip):
+    said = sections(nip_report(nip))["Other theories"]
+    problem = nip.problem
+    limit = wo.theories.friction_limit(problem)
+    dual = float(wo.theories.dual_slip(problem, nip.dual))
+    jalkanen = wo.theories.jalkanen(problem, nip.approach)
+    contact = wo.theories.hertz(problem)
+    assert said == [
+        f"friction limit mu+ P + F (upper bound) NIT {limit:.5g} N/m",
+        f"dual-slip formula, with the solved dual slip NIT {dual:.5g} N/m",
+        f"Jalkanen, with the solved approach NIT {jalkanen:.5g} N/m",
+        f"Hertz (half-planes, no web) 2a {2e3 * contact.half_width:.5g} mm",
+        f"Hertz (half-planes, no web) p_max {contact.peak_pressure / 1e3:.5g} kPa",
+    ]
+
+
+def test_theories_are_left_out_where_they_do_not_apply():
+    """Of a body of no linear elastic material, of an approach without level, of no dual slip."""
+
+    class Unnamed(wo.HalfPlane, abstract=True):
+        @property
+        def surface_material(self) -> None:
+            return None
+
+    paper = wo.material("paper")
+    problem = wo.NipProblem.example().replace(
+        drum=Unnamed(radius=0.1, material=paper), winding_force=-300.0
+    )
+    result = wo.solve(problem, nodes=NODES)
+    assert result.dual == 0
+    limit = wo.theories.friction_limit(problem)
+    (only,) = sections(nip_report(result))["Other theories"]
+    assert only == f"friction limit mu+ P + F (upper bound) NIT {limit:.5g} N/m"
+    (approach,) = [line for line in lines(str(result)) if line.startswith("approach")]
+    assert approach.endswith(f"{1e3 * result.approach:.5g} mm, up to a constant")
+
+
+# ---- the nip with its wraps ----------------------------------------------------------------------
+
+
+def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
+    parts = sections(wrapped_report(wrapped))
+    said = parts["Winding nip, the web wrapped on the roll"]
+    WOT, error = wrapped.wound_on_tension, wrapped.wound_on_tension_error
+    assert said[0] == f"wound-on tension, far behind the nip WOT {WOT:.5g} N/m ± {error:.2g}"
+    angle = np.degrees(wrapped.slip_angle)
+    assert f"roll behind the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
+    before = wrapped.tension_before_nip
+    assert f"web tension at the leading edge of the nip T_n {before:.5g} N/m" in said
+    loads = parts["Loads and wraps"]
+    assert loads[-3].endswith(f"theta+ {np.degrees(1.0):.5g} deg")
+    assert loads[-2].endswith(f"theta- {np.degrees(0.5):.5g} deg")
+    assert loads[-1].endswith("mu_w+ 0.3")
+
+
+def test_the_same_nip_confined_stands_beside_it(wrapped):
+    """Solved on as many nodes; estimated to where the web is held; both bracket the wrapped one."""
+    said = sections(wrapped_report(wrapped))["The same nip, its web held at the trailing edge"]
+    alone = wo.solve(wrapped.problem.confined(), nodes=NODES)
+    low, high = alone.tension_behind_nip, alone.wound_on_tension_estimate(1.0)
+    assert low < wrapped.wound_on_tension < high
+    error = f"{alone.errors['tension_behind_nip']:.2g}"
+    assert said[0].endswith(f"T_out {low:.5g} N/m ± {error} eq. (97)")
+    assert said[1].endswith(f"WOT est. {high:.5g} N/m eq. (183)")
+    WOT = f"{wrapped.wound_on_tension:.5g}"
+    assert said[2] == f"They bracket the wound-on tension, {WOT} N/m above."
+
+
+def test_an_answer_outside_the_two_is_not_said_to_be_bracketed(wrapped):
+    tension = wrapped.web_tension.copy()
+    tension[-1] = 2000.0
+    false = wrapped.replace(web_tension=tension)
+    said = sections(wrapped_report(false))["The same nip, its web held at the trailing edge"]
+    assert said[2] == "Here the wound-on tension does not lie between the two."
+
+
+def test_a_nip_that_is_none_without_its_wraps_says_why():
+    problem = wo.NipProblem.example().replace(nip_load=1000.0)
+    wrapped = problem.wrapped(winding_force=400.0, drum_wrap=2.5)
+    said = sections(wrapped_report(wo.solve(wrapped, nodes=NODES)))
+    told = " ".join(said["The same nip, its web held at the trailing edge"])
+    assert told.startswith("Has no steady state: winding_force: 400 is out of range")
+    # the closed forms of the tension know no drum wrap
+    assert [line.split()[0] for line in said["Other theories"]] == ["Hertz", "Hertz"]
+
+
+def test_without_a_wrap_on_the_roll_nothing_is_compared():
+    result = wo.solve(wo.NipProblem.example().wrapped(roll_wrap=0.0), nodes=NODES)
+    assert list(sections(wrapped_report(result))) == [
+        "Loads and wraps", "Winding nip, the web held at its trailing edge", "Other theories",
+    ]  # fmt: skip
+
+
+# ---- two rollers ---------------------------------------------------------------------------------
+
+
+def test_similar_rollers_are_compared_with_carter():
+    result = rollers()
+    parts = sections(report_parts(result))
+    exact = wo.theories.carter(result.problem)
+    share = 1 - exact.stick_half_width / exact.half_width
+    assert parts["Loads"][1] == "tangential load Q 8400 N/m"
+    assert f"xi {100 * result.creepage:.5g} %" in parts["Rolling contact"][0]
+    assert parts["Closed forms"] == [
+        f"Carter (similar half-planes) xi {100 * exact.creepage:.5g} %",
+        f"Carter (similar half-planes) s_q {100 * share:.5g} %",
+        f"Hertz (half-planes) 2a {2e3 * exact.half_width:.5g} mm",
+        f"Hertz (half-planes) p_max {exact.peak_pressure / 1e6:.5g} MPa",
+    ]
+    driven = rollers(tangential_load=None, creepage=1e-4)
+    parts = sections(report_parts(driven))
+    load = wo.theories.carter(driven.problem).tangential_load
+    assert parts["Loads"][1] == "creepage xi 0.01 %"
+    assert parts["Rolling contact"][0].startswith("tangential load on the upper roller Q ")
+    assert parts["Closed forms"][0] == f"Carter (similar half-planes) Q {load:.5g} N/m"
+
+
+def test_static_rollers_are_compared_with_cattaneo():
+    result = rollers(motion="static")
+    parts = sections(report_parts(result))
+    shift = f"s {1e6 * result.shift:.5g} um, up to a constant"
+    assert parts["Static contact"][0].endswith(shift)
+    assert "creepage" not in str(result)
+    exact = wo.theories.cattaneo(result.problem)
+    share = 1 - exact.stick_half_width / exact.half_width
+    assert parts["Closed forms"][0] == f"Cattaneo (similar half-planes) s_q {100 * share:.5g} %"
+
+
+def test_dissimilar_rollers_are_compared_with_bentall_and_johnson_when_they_roll_freely():
+    soft = wo.HalfPlane(radius=0.25, material=wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3))
+    free = rollers(lower=soft, tangential_load=None)
+    parts = sections(report_parts(free))
+    assert parts["Loads"][1] == "tangential load Q 0 N/m"
+    slip = 100 * wo.theories.bentall_johnson_frictionless(free.problem)
+    stick = 100 * wo.theories.bentall_johnson_stick(free.problem).creepage
+    assert parts["Closed forms"][:2] == [
+        f"Bentall and Johnson (half-planes), without friction xi {slip:.5g} %",
+        f"Bentall and Johnson (half-planes), without slip xi {stick:.5g} %",
+    ]
+    braked = sections(report_parts(rollers(lower=soft)))
+    assert [line.split()[0] for line in braked["Closed forms"]] == ["Hertz", "Hertz"]
+
+
+# ---- any kind ------------------------------------------------------------------------------------
+
+
+def test_the_default_report_has_every_field_and_output(examples):
+    for result in examples:
+        problem, outputs = sections(outputs_report(result)).values()
+        for place in quantities.walk(result.problem):
+            if place.value is None:
+                continue
+            top = "." not in place.path and place.quantity is not None
+            known = place.quantity.meaning if top else place.path
+            (line,) = [x for x in problem if x.startswith(f"{known} ")]
+            if place.quantity is not None:
+                shown = f"{place.quantity.shown(place.value):.5g} {place.quantity.display}"
+                assert line.endswith(f" {shown}".rstrip())
+        for name, quantity in quantities.scalar_outputs(result).items():
+            if name != "residual" and name.removesuffix("_error") not in result.errors:
+                start = f"{quantity.meaning} {quantity.symbol} "
+                assert any(line.startswith(start) for line in outputs), name
+
+
+# ---- what every report ends with -----------------------------------------------------------------
+
+
+def test_the_certificate_names_its_largest_residual(examples):
+    for result in examples:
+        worst, count = result.residuals.worst, len(dict(result.residuals.items()))
+        assert str(result).splitlines()[-1] == (
+            f"Certificate: all {count} laws hold; the largest residual is "
+            f"{result.residual:.1e} ({worst.replace('_', ' ')})"
+        )
+
+
+@pytest.mark.parametrize(
+    ("laws", "said", "tone"),
+    [
+        ({"stick": 1e-12}, "its one law holds; the largest residual is 1.0e-12 (stick)", "good"),
+        ({"stick": 2e-8, "a_b": 0}, "1 of 2 laws is NOT satisfied: stick 2.0e-08", "bad"),
+        (
+            {"stick": 0.5, "a_b": math.nan, "c": 1e-9},
+            "2 of 3 laws are NOT satisfied: stick 5.0e-01, a b not known (nan)",
+            "bad",
+        ),
+        ({}, "none; no law was measured", "bad"),
+    ],
+)
+def test_a_broken_law_is_never_hidden(laws, said, tone):
+    line = certificate_line(wo.Residuals(**laws))
+    assert (line.text, line.tone) == (f"Certificate: {said}", tone)
+
+
+def test_warnings_stand_before_the_certificate(nip):
+    warned = nip.replace(warnings=("the web is slack", "x" * 150))
+    assert lines(str(warned))[-3:-1] == ["warning: the web is slack", f"warning: {'x' * 150}"]
+
+
+# ---- on a terminal -------------------------------------------------------------------------------
+
+
+def test_lines_are_neither_cut_nor_folded(wrapped, monkeypatch):
+    """A narrow terminal, or one that tells no width, gets what a file gets."""
+    whole = report_text(wrapped)
+    assert str(wrapped) == whole
+    assert all(line == line.rstrip() for line in whole.splitlines())
+    assert max(map(len, whole.splitlines())) <= 100
+    for width in (40, None):
+        monkeypatch.setenv("TERM", "dumb")
+        paper = StringIO()
+        print_report(wrapped, Console(file=paper, width=width, color_system=None))
+        assert paper.getvalue() == f"{whole}\n"
+
+
+def test_columns_stand_below_each_other(nip):
+    rows = [line for line in str(nip).splitlines() if line.endswith(" N/m")]
+    assert len(rows) >= 6
+    assert len({line.index("N/m") for line in rows}) == 1
+
+
+def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
+    x = np.linspace(-1.0, 1.0, 101)
+    zones = np.zeros(101, dtype=np.int8)
+    zones[0] = -1  # half a cell: 1/200 of the nip
+    zones[51:] = 1
+    runs = zone_line(x, zones, 60)
+    assert [zone for zone, _ in runs] == [-1, 0, 1]
+    assert sum(length for _, length in runs) == 60
+    assert runs[0][1] == 1
+    assert abs(runs[2][1] - 30) <= 1
+    (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll ")]
+    assert roll.split()[1].count("▶") == pytest.approx(60 * nip.trailing_roll, abs=2)
+
+
+def test_sensitivities_are_told_by_elasticity(nip):
+    found = nip.sensitivity()
+    paper = StringIO()
+    print_sensitivity(found, Console(file=paper, width=100))
+    said = lines(paper.getvalue())
+    assert said[2] == "value [SI] NIT T_out 2a xi-"
+    rows = {line.split()[0]: line.split()[1:] for line in said[3:-1]}
+    assert set(rows) == set(found.parameters) - {"winding_force"}
+    shown = [k for k, name in enumerate(found.outputs) if name != "half_width"]
+    for name, numbers in rows.items():
+        exact = found.elasticities[shown, found.parameters.index(name)]
+        np.testing.assert_allclose([float(x) for x in numbers[1:]], exact, atol=0.5001e-4)
+    of_nit = [abs(float(row[1])) for row in rows.values()]
+    assert of_nit == sorted(of_nit, reverse=True)
+    slope = found.derivative("nip_induced_tension", "winding_force")
+    assert said[-1] == f"winding_force is 0: NIT changes by {slope:+.4g} N/m per N/m of it"

@@ -1,0 +1,459 @@
+"""Results to files and back: what survives, what is told to readers, what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+import xarray
+
+import woundon as wo
+from woundon import kinds
+from woundon.io import result_files
+from woundon.problems.fields import Number
+from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
+from woundon.results import Residuals, Zone
+
+OLD = Path(__file__).parents[1] / "data" / "results_0.1"
+NIP = wo.NipProblem.example()
+PAIR = wo.RollerProblem.example()
+
+CASES: dict[str, Any] = {
+    "nip": lambda: wo.solve(NIP, nodes=25),
+    "nip_rtol": lambda: wo.solve(NIP, rtol=1e-4),
+    "nip_thesis": lambda: wo.solve(NIP, nodes=25, scheme="thesis"),
+    "wrapped": lambda: wo.solve(NIP.wrapped(drum_wrap=1.0, wrap_friction=0.25), nodes=33),
+    "rolling": lambda: wo.solve(PAIR, nodes=25),
+    "static": lambda: wo.solve(PAIR.replace(motion="static"), nodes=25),
+}
+MAIN = ["nip", "wrapped", "rolling"]
+
+
+@pytest.fixture(scope="module")
+def solved() -> Any:
+    made: dict[str, Any] = {}
+
+    def of(name: str) -> Any:
+        if name not in made:
+            made[name] = CASES[name]()
+        return made[name]
+
+    return of
+
+
+# ---- there and back -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", ["nc", "json"])
+@pytest.mark.parametrize("name", CASES)
+def test_a_result_comes_back_bit_for_bit(solved, tmp_path, name, ending):
+    told = solved(name).replace(warnings=("4 nodes in the dual-slip zone",))
+    path = tmp_path / f"result.{ending}"
+    told.save(path)
+    loaded = wo.load_result(path, verify=True)
+    assert loaded == told
+    for place in outputs(told):
+        one, other = value_of(told, place.path), value_of(loaded, place.path)
+        assert np.asarray(one).dtype == np.asarray(other).dtype, place.path
+        np.testing.assert_array_equal(one, other, err_msg=place.path)
+
+
+@pytest.mark.parametrize("ending", ["nc", "json", "csv"])
+def test_the_same_result_gives_the_same_bytes(solved, tmp_path, ending):
+    one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
+    solved("wrapped").save(one)
+    solved("wrapped").save(other)
+    assert one.read_bytes() == other.read_bytes()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_loaded_result_is_as_good_as_a_solved_one(solved, tmp_path, name):
+    """Its mesh is restored from x and slip_x, so that it certifies itself, bit for bit."""
+    solved(name).save(tmp_path / "result.json")
+    loaded = wo.load_result(tmp_path / "result.json")
+    assert loaded.mesh is None
+    assert loaded.certified().largest <= 1e-8
+    assert not loaded.x.flags.writeable
+    if isinstance(loaded, wo.NipResult) and loaded.scheme == "graded" and not loaded.extrapolation:
+        exact, again = solved(name).sensitivity(), loaded.sensitivity()
+        # forward differences of matrices are known to 1e-6
+        np.testing.assert_allclose(again.elasticities, exact.elasticities, rtol=1e-5, atol=1e-6)
+
+
+def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
+    record = json.loads(result_files.to_json(solved("nip")))
+    for name in ("scheme", "iterations", "extrapolation", "series_error"):
+        del record["fields"][name]
+    (tmp_path / "nip.json").write_text(json.dumps(record))
+    loaded = wo.load_result(tmp_path / "nip.json")
+    assert (loaded.scheme, loaded.iterations, loaded.extrapolation) == ("graded", 0, 0.0)
+    np.testing.assert_array_equal(loaded.pressure, solved("nip").pressure)
+
+
+def test_what_is_not_known_is_told_and_left_out(solved, tmp_path):
+    record = json.loads(result_files.to_json(solved("nip")))
+    record["fields"]["temperature"] = 300.0
+    (tmp_path / "nip.json").write_text(json.dumps(record))
+    with pytest.warns(UserWarning, match="not known to this version of woundon.*: temperature"):
+        loaded = wo.load_result(tmp_path / "nip.json")
+    assert loaded == solved("nip")
+    data = solved("nip").to_xarray()
+    data["temperature"] = ((), 300.0)
+    data.to_netcdf(tmp_path / "nip.nc", engine="scipy")
+    with pytest.warns(UserWarning, match="left out: temperature"):
+        assert wo.load_result(tmp_path / "nip.nc") == solved("nip")
+
+
+# ---- for readers --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["nip", "wrapped", "rolling", "static"])
+def test_netcdf_is_labelled(solved, tmp_path, name):
+    result = solved(name)
+    result.save(tmp_path / "result.nc")
+    with xarray.open_dataset(tmp_path / "result.nc") as data:
+        told = [place for place in outputs(result) if place.path != "residual"]
+        for place in told:
+            labels = data[place.path].attrs
+            assert labels["units"] == place.quantity.unit
+            assert labels["symbol"] == place.quantity.symbol
+            assert labels["long_name"] == place.quantity.meaning
+        for output, quantity in scalar_outputs(result).items():
+            if output == "residual":  # law by law, below
+                continue
+            np.testing.assert_array_equal(float(data[output]), value_of(result, output))
+            if output in result.errors:
+                error = data[f"{output}_error"]
+                assert error.attrs["units"] == quantity.unit
+                np.testing.assert_array_equal(float(error), result.errors[output])
+        assert json.loads(data.attrs["problem"]) == result.problem.model_dump(mode="json")
+        assert data.attrs["version"] == wo.__version__
+        assert data.attrs["kind"] == kinds.of(result).name
+        assert float(data.residual.max()) == result.residuals.largest
+        assert list(data.law.values) == [law for law, _ in result.residuals.items()]
+        # labelled by position: the pressure nearest the middle of the nip
+        assert float(data.pressure.sel(x=0, method="nearest")) > 0.9 * result.pressure.max()
+        unlabelled = {name for name, v in data.variables.items() if "units" not in v.attrs}
+        assert unlabelled == {"law"}
+
+
+@pytest.mark.parametrize(("name", "unit"), [("rolling", "1"), ("static", "m")])
+def test_static_rollers_slip_by_a_length(solved, name, unit):
+    assert solved(name).to_xarray().slip.attrs["units"] == unit
+    assert json.loads(result_files.to_json(solved(name)))["units"]["slip"] == unit
+
+
+@pytest.mark.parametrize("name", MAIN)
+def test_csv_has_units_in_its_header(solved, tmp_path, name):
+    result = solved(name)
+    result.save(tmp_path / "result.csv")
+    with open(tmp_path / "result.csv", encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert {"x [m]", "slip_x [m]", "pressure [Pa]"} <= set(header)
+    table = np.array(rows, dtype=float)
+    for place in outputs(result):
+        value = value_of(result, place.path)
+        if isinstance(value, np.ndarray):
+            column = header.index(f"{place.path} [{place.quantity.unit}]")
+            np.testing.assert_array_equal(table[:, column], value)
+
+
+def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
+    result = solved("wrapped").replace(errors={"wound_on_tension": float("nan")})
+    result.save(tmp_path / "a.json")
+
+    def refuse(word: str) -> None:
+        raise AssertionError(f"{word} is no JSON")
+
+    record = json.loads((tmp_path / "a.json").read_text(), parse_constant=refuse)
+    assert (record["format"], record["schema"], record["kind"]) == (
+        "woundon-result", 2, "wrapped_nip",
+    )  # fmt: skip
+    assert record["errors"] == {"wound_on_tension": None}
+    told = record["fields"] | record["outputs"]
+    for place in outputs(result):
+        assert record["units"][place.path] == place.quantity.unit
+        assert place.path in told
+    assert told["wound_on_tension"] == result.wound_on_tension
+    assert told["drum_slip"][-1] is None  # the web touches the roll alone there
+    assert record["warnings"] == list(result.warnings)
+
+
+# ---- kinds and outputs from outside the package -------------------------------------------------
+
+
+class SpringProblem(wo.Problem):
+    """A line of springs under a load."""
+
+    load: Annotated[Number, line_load("P", "load")]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class SpringResult(wo.Result):
+    """Arrays of two lengths, a table, a word, a pair and something that is not saved."""
+
+    place: Annotated[np.ndarray, length("s", "place of a spring")]
+    push: Annotated[np.ndarray, stress("p", "push of a spring")]
+    mode: Annotated[np.ndarray, length("k", "number of a mode")]
+    table: Annotated[np.ndarray, length("u", "modes, by spring")]
+    bare: np.ndarray
+    word: str = "stiff"
+    pair: tuple[int, ...] = (1, 2)
+    helper: Any = None
+
+    @property
+    def total(self) -> Annotated[float, line_load("P_s", "sum of the pushes")]:
+        """Their sum."""
+        return float(self.push.sum())
+
+    def certified(self) -> Residuals:
+        """Measure the one law."""
+        return Residuals(balance=abs(self.total - self.problem.load))
+
+
+@pytest.fixture
+def springs(monkeypatch) -> SpringResult:
+    monkeypatch.setattr(kinds, "_KINDS", dict(kinds._KINDS))
+    kinds.register(SpringProblem, lambda problem: None, SpringResult)
+    return SpringResult(
+        problem=SpringProblem(load=6.0), place=np.arange(3.0), push=np.array([1.0, 2.0, 3.0]),
+        mode=np.arange(2.0), table=np.arange(6.0).reshape(3, 2), bare=np.array([np.nan, 1, 2]),
+        residuals=Residuals(balance=0.0), errors={"total": 0.5},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("ending", ["nc", "json"])
+def test_a_kind_from_outside_is_saved_and_loaded(springs, tmp_path, ending):
+    path = tmp_path / f"springs.{ending}"
+    springs.save(path)
+    assert wo.load_result(path, verify=True) == springs
+    springs.replace(push=np.ones(3)).save(path)
+    with pytest.raises(wo.InvalidProblem, match=r"does not hold what it says: .*balance 3"):
+        wo.load_result(path, verify=True)
+
+
+def test_a_kind_from_outside_is_labelled(springs, tmp_path):
+    data = springs.to_xarray()
+    assert data.table.dims == ("place", "mode")
+    assert (data.total.attrs["units"], float(data.total)) == ("N/m", 6.0)
+    assert float(data.total_error) == 0.5
+    springs.save(tmp_path / "springs.csv")
+    header = (tmp_path / "springs.csv").read_text().splitlines()[0]
+    assert header == "place [m],push [Pa],bare"
+
+
+def test_what_no_file_holds_is_refused_by_name(springs, tmp_path):
+    with pytest.raises(wo.InvalidProblem, match=r"helper: a object cannot be saved; .*'saved'"):
+        springs.replace(helper=object()).save(tmp_path / "springs.json")
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---- files of 0.1 -------------------------------------------------------------------------------
+
+OLD_FILES = sorted(path.name for path in OLD.iterdir() if path.suffix in (".json", ".nc"))
+
+
+@pytest.mark.parametrize("name", OLD_FILES)
+def test_files_of_0_1_load_and_certify(name, tmp_path):
+    result = wo.load_result(OLD / name, verify=True)
+    assert result.certified().largest <= 1e-8
+    for ending in ("json", "nc"):
+        result.save(tmp_path / f"again.{ending}")
+        assert wo.load_result(tmp_path / f"again.{ending}", verify=True) == result
+
+
+@pytest.mark.parametrize("name", [n for n in OLD_FILES if n.endswith("json")])
+def test_files_of_0_1_say_what_they_said(name):
+    old, result = json.loads((OLD / name).read_text()), wo.load_result(OLD / name)
+    told = old | old.get("slip_ratios", {})
+    if old["kind"] == "nip":
+        told["tension_behind_nip"] = told.pop("wound_on_tension")
+        with pytest.raises(AttributeError, match="tension_behind_nip"):
+            _ = result.wound_on_tension
+    for field in ("problem", "format", "kind", "units", "version", "schema", "slip_ratios"):
+        told.pop(field, None)
+    assert dict(result.residuals.items()) == told.pop("residuals")
+    assert result.warnings == tuple(told.pop("warnings"))
+    wraps = ("roll_wrap", "drum_wrap", "wrap_friction", "winding_force")
+    for field, value in told.items():
+        of = result.problem if field in wraps else result
+        known = np.array(np.nan if value is None else value, dtype=float) if (
+            not isinstance(value, str)
+        ) else value  # fmt: skip
+        if field.endswith("_error") and value == 0:  # only one grid was solved
+            known = np.nan
+        if isinstance(known, np.ndarray) and known.dtype == float:
+            # wrap tractions and slip angle are told from tensions and zones now
+            np.testing.assert_allclose(getattr(of, field), known, rtol=1e-12, atol=1e-12)
+
+
+def test_old_netcdf_is_old_json():
+    for path in OLD.glob("*.nc"):
+        assert wo.load_result(path) == wo.load_result(path.with_suffix(".json"))
+
+
+def test_static_rollers_of_0_1_are_told_their_shift():
+    pair = PAIR.replace(motion="static")
+    again = wo.solve(pair, nodes=33)
+    # 0.1's grids were fitted to slightly other borders: both are off by their own error
+    assert wo.load_result(OLD / "rollers_static.json").shift == pytest.approx(again.shift, rel=1e-2)
+
+
+def test_results_of_0_1_are_drawn_and_told(tmp_path):
+    for name in ("nip", "wrapped_drum", "rollers_static"):
+        result = wo.load_result(OLD / f"{name}.json")
+        result.plot(tmp_path / f"{name}.png")
+        assert (tmp_path / f"{name}.png").stat().st_size > 1000
+        assert "Certificate" in str(result)
+
+
+# ---- refused ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"{}", b"[1]", b"CDF\x01rubbish", b'{"format": 3}', b"[" * 100_000, b"\xff\xfe",
+        b'{"format": "woundon-result"}',
+    ],
+    ids=lambda content: repr(content[:12]),
+)  # fmt: skip
+@pytest.mark.parametrize("ending", ["nc", "json"])
+def test_a_file_that_is_no_result_is_refused(tmp_path, content, ending):
+    path = tmp_path / f"other.{ending}"
+    path.write_bytes(content)
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert str(refusal.value) == f"{path}: is no result saved by woundon, or damaged"
+
+
+def test_a_file_that_cannot_be_read_is_refused_as_a_case_is(tmp_path):
+    for load in (wo.load_result, wo.load_case):
+        with pytest.raises(wo.InvalidProblem, match=r"none: cannot be read: No such file"):
+            load(tmp_path / "none")
+
+
+def test_a_later_schema_and_an_unknown_kind_are_told(solved, tmp_path):
+    record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
+    path.write_text(json.dumps(record | {"schema": 3}))
+    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 1 and 2"):
+        wo.load_result(path)
+    path.write_text(json.dumps(record | {"kind": "nap"}))
+    with pytest.raises(wo.InvalidProblem, match="'nap' is no kind of problem; did you mean 'nip'"):
+        wo.load_result(path)
+
+
+# (path of what is damaged in the record, by what, fragments of the answer)
+DAMAGE: list[tuple[str, Any, str]] = [
+    ("fields.x", [0.0] * 25, "x: must be increasing"),
+    ("fields.x", 1.0, "x: must be a list of finite numbers"),
+    ("fields.pressure", [1.0] * 24, "pressure: has 24 values; must be 25, as x"),
+    ("fields.pressure", [None] * 25, "pressure: must be a list of finite numbers"),
+    ("fields.pressure", ["1"] * 25, "pressure: must be a list of finite numbers"),
+    ("fields.pressure", [True] * 25, "pressure: must be a list of finite numbers"),
+    ("fields.pressure", [[1.0] * 25] * 25, "pressure: has 2 dimensions; must be 1"),
+    ("fields.pressure", [[1.0], 2.0], "damaged"),
+    ("fields.pressure.3", 10**400, "damaged"),
+    ("fields.roll_zone.3", 7, "roll_zone: must be a list of zones, -1, 0 or 1"),
+    ("fields.roll_zone.3", 0.5, "roll_zone: must be a list of zones, -1, 0 or 1"),
+    ("fields.half_width", None, "half_width: None is not a finite number"),
+    ("fields.half_width", "wide", "half_width: 'wide' is not a finite number"),
+    ("fields.half_width", True, "half_width: True is not a finite number"),
+    ("fields.half_width", ..., "half_width: missing"),
+    ("fields.iterations", 3.5, "iterations: 3.5 is out of place; must be a whole number"),
+    ("fields.scheme", 3, "scheme: 3 is out of place; must be a word"),
+    ("fields", [], "half_width: missing"),
+    ("dimensions", ..., "damaged"),
+    ("residuals.stick", None, "residuals.stick: None is not a finite number"),
+    ("residuals.stick", 1.0, "residuals: laws are not satisfied to 1e-8: stick 1"),
+    ("residuals", {}, "residuals: laws are not satisfied to 1e-8: there is no certificate"),
+    ("residuals", 0, "damaged"),
+    ("errors.half_width", "small", "errors.half_width: 'small' is not a finite number"),
+    ("problem.nip_load", -1, "nip_load: -1 is out of range"),
+    ("problem.web", None, "web: None is out of place"),
+    ("problem", [1], "damaged"),
+    ("warnings", 3, "damaged"),
+    ("kind", None, "'None' is no kind of problem"),
+]
+
+
+def damaged(result: Any, place: str, value: Any) -> str:
+    """Return a result's record with one part changed, or missing (...)."""
+    record = json.loads(result_files.to_json(result))
+    *heads, last = place.split(".")
+    inner = record
+    for head in heads:
+        inner = inner[head]
+    key: Any = int(last) if isinstance(inner, list) else last
+    if value is ...:
+        del inner[key]
+    else:
+        inner[key] = value
+    return json.dumps(record)
+
+
+@pytest.mark.parametrize(("place", "value", "said"), DAMAGE)
+def test_damage_is_refused_by_name(solved, tmp_path, place, value, said):
+    path = tmp_path / "nip.json"
+    path.write_text(damaged(solved("nip"), place, value))
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert str(refusal.value).startswith(f"{path}")
+    assert said in str(refusal.value)
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "value"),
+    [
+        ("nip", "fields.nip_induced_tension", 9999.0),
+        ("nip", "problem.nip_load", 3503.0),
+        ("nip", "problem.web.thickness", 67e-6),
+        ("nip", "fields.roll_traction.9", 0.0),
+        ("nip", "fields.drum_creep", 0.0),
+        ("nip", "fields.offset", 0.0),
+        ("nip", "fields.half_width", 2.6e-3),
+        ("nip", "fields.half_width", 1e-300),
+        ("wrapped", "fields.web_tension.20", 9999.0),
+        ("wrapped", "fields.curvature.20", 0.0),
+        ("wrapped", "problem.roll_wrap", 3.0),
+        ("rolling", "fields.traction.9", 0.0),
+        ("rolling", "fields.creepage", 0.0),
+        ("static", "fields.shift", 0.0),
+    ],
+)
+def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, value):
+    path = tmp_path / "result.json"
+    path.write_text(damaged(solved(name), place, value))
+    with pytest.raises(wo.InvalidProblem, match="does not hold what it says"):
+        wo.load_result(path, verify=True)
+
+
+def test_zones_are_zones(solved):
+    assert set(solved("wrapped").roll_zone.tolist()) <= set(map(int, Zone))
+
+
+def test_unknown_ending_is_refused(solved, tmp_path):
+    with pytest.raises(
+        wo.InvalidProblem, match=r"'.xls' names no format; must be .nc, .json, .csv"
+    ):
+        solved("nip").save(tmp_path / "nip.xls")
+
+
+def test_an_interrupted_write_keeps_the_old_file(solved, tmp_path, monkeypatch):
+    path = tmp_path / "nip.json"
+    path.write_text("old")
+
+    def full_disk(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("woundon.io.files.os.fsync", full_disk)
+    with pytest.raises(OSError, match="No space left"):
+        solved("nip").save(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["nip.json"]
+    assert path.read_text() == "old"
