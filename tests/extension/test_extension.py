@@ -191,7 +191,7 @@ result.save("nip.json")
     )
     assert told.split() == ["True"] * 3
     record = json.loads((case / "nip.json").read_text("utf-8"))
-    assert record["mean_pressure"] > 0
+    assert record["outputs"]["mean_pressure"] > 0
     assert record["units"]["mean_pressure"] == "Pa"
     assert "mean pressure" in woundon("nip", "--help", cwd=case)
 

@@ -17,7 +17,7 @@ from woundon.studies.api import sweep_table
 from woundon.studies.studyfile import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-CASE = EXAMPLES / "newsprint_table2.toml"
+CASE = Path(__file__).with_name("nip_alone.toml")
 STUDY = """
 schema = 1
 case = "{case}"
@@ -254,7 +254,7 @@ def test_example_studies_load(name: str):
     [
         ("schema = 1", "schema = 2", "schema: write 'schema = 1'"),
         ("[over]", "[ove]", "ove: no such field; did you mean 'over'"),
-        ("newsprint_table2", "missing", "missing.toml"),
+        ("nip_alone", "missing", "missing.toml"),
         ("count = 3", "cound = 3", "over.nip_load.cound: no such field; did you mean 'count'"),
         ("count = 3", "count = 1", "over.nip_load.count: 1 is not a whole number, 2 to 1000000"),
         (", count = 3", "", "over.nip_load.count: missing"),

@@ -117,7 +117,7 @@ nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 240 }}
 [solver]
 nodes = 65
 """
-CASE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
+CASE = Path(__file__).with_name("nip_alone.toml")
 
 
 def _command(study: Path, out: Path, *more: str) -> list[str]:

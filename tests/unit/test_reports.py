@@ -268,7 +268,7 @@ def test_similar_rollers_are_compared_with_carter():
     assert f"xi {100 * result.creepage:.5g} %" in parts["Rolling contact"][0]
     assert parts["Closed forms"] == [
         f"Carter (similar half-planes) xi {100 * exact.creepage:.5g} %",
-        f"Carter (similar half-planes) s {100 * share:.5g} %",
+        f"Carter (similar half-planes) s_q {100 * share:.5g} %",
         f"Hertz (half-planes) 2a {2e3 * exact.half_width:.5g} mm",
         f"Hertz (half-planes) p_max {exact.peak_pressure / 1e6:.5g} MPa",
     ]
@@ -288,7 +288,7 @@ def test_static_rollers_are_compared_with_cattaneo():
     assert "creepage" not in str(result)
     exact = wo.theories.cattaneo(result.problem)
     share = 1 - exact.stick_half_width / exact.half_width
-    assert parts["Closed forms"][0] == f"Cattaneo (similar half-planes) s {100 * share:.5g} %"
+    assert parts["Closed forms"][0] == f"Cattaneo (similar half-planes) s_q {100 * share:.5g} %"
 
 
 def test_dissimilar_rollers_are_compared_with_bentall_and_johnson_when_they_roll_freely():
