@@ -20,7 +20,6 @@ import sys
 import time
 import warnings
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,9 +27,9 @@ from random_nips import flat_fields, random_nip
 from table_run import Row, run_table
 
 import woundon as wo
-from woundon.assembly import NipEquations
-from woundon.contact.schemes import discretisation
+from woundon.contact.schemes import SCHEMES
 from woundon.contact.stick_slip import Ending, solve_stick_slip
+from woundon.nip.equations import NipEquations
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
 
@@ -64,13 +63,12 @@ def solved(seed: int) -> Row:
     except Exception as fault:  # whatever it is, it is a finding
         return row | {"failure": f"{type(fault).__name__}: {fault}"}
     seconds = time.perf_counter() - start
-    law, worst = max(result.residuals.items(), key=lambda item: item[1])
     return row | {
         "nip_induced_tension": result.nip_induced_tension,
         "error": result.nip_induced_tension_error,
         "half_width": result.half_width,
-        "residual": worst,
-        "law": law,
+        "residual": result.residuals.largest,
+        "law": result.residuals.worst,
         "iterations": result.iterations,
         "milliseconds": round(1e3 * seconds, 2),
         "warnings": len(result.warnings),
@@ -112,18 +110,18 @@ def _start(name: str, seed: int, cold: wo.NipResult) -> wo.NipResult:
     if name == "other case":
         return wo.solve_nip(random_nip(10**6 + seed), nodes=33)
     if name == "twice the width":
-        return replace(cold, half_width=2 * cold.half_width, x=2 * cold.x)
+        return cold.replace(half_width=2 * cold.half_width, x=2 * cold.x)
     size = cold.nodes
     random = np.random.default_rng(seed).integers(-1, 2, (2, size)).astype(np.int8)
     state = {"all forward": 1, "all backward": -1, "all stick": 0}.get(name)
     zones = random if state is None else np.full((2, size), state, dtype=np.int8)
-    return replace(cold, roll_zone=zones[0], drum_zone=zones[1])
+    return cold.replace(roll_zone=zones[0], drum_zone=zones[1])
 
 
 def _last_grid(seed: int, cold: wo.NipResult) -> tuple[int, float]:
     """Solve stick and slip of the last grid from states that have nothing to do with it."""
-    disc = discretisation("graded", cold.nodes)
-    equations = NipEquations.at(cold.problem, disc, cold.half_width).stick_slip()
+    mesh = SCHEMES["graded"].mesh(cold.nodes)
+    equations = NipEquations.at(cold.problem, mesh, cold.half_width).stick_slip()
     expected = np.concatenate([cold.roll_zone[1:-1], cold.drum_zone[1:-1]])
     traction = np.concatenate([cold.roll_traction[1:-1], cold.drum_traction[1:-1]])
     random = np.random.default_rng(seed)

@@ -13,19 +13,15 @@ from functools import lru_cache
 import numpy as np
 
 import woundon as wo
-from woundon.assembly import (
-    NipEquations,
-    NipMatrices,
-    NipState,
-    contact_radius,
-    half_width_guess,
-)
-from woundon.contact.schemes import Discretisation, Response, discretisation
 from woundon.contact.normal import solve_normal
 from woundon.contact.panagiotopoulos import panagiotopoulos
+from woundon.contact.response import Response
+from woundon.contact.schemes import SCHEMES, Mesh
 from woundon.contact.stick_slip import Ending
 from woundon.contact.width import width_for_load
 from woundon.elasticity.cylinder import Sequences, sequences
+from woundon.nip.equations import NipEquations, NipMatrices, NipState
+from woundon.problems.bodies import half_width_guess
 
 __all__ = ["solve_as_published"]
 
@@ -37,11 +33,11 @@ def solve_as_published(
     problem: wo.NipProblem, nodes: int = 200, terms: int = 20_000, scheme: str = "thesis-printed"
 ) -> tuple[float, int]:
     """Return NIT [N/m] and the number of linear systems solved."""
-    disc, solves = discretisation(scheme, nodes), 0
+    mesh, solves = SCHEMES[scheme].mesh(nodes), 0
 
     def evaluate(a: float) -> tuple[tuple[NipEquations, NipState], float]:
         nonlocal solves
-        equations = _equations(problem, disc, a, terms)
+        equations = _equations(problem, mesh, a, terms)
         solution = panagiotopoulos(equations.stick_slip())
         solves += solution.solves
         if solution.ending is not Ending.SOLVED:
@@ -49,19 +45,18 @@ def solve_as_published(
         state = equations.state(replace(solution, solves=solves))
         return (equations, state), float(equations.matrices.weights @ state.pressure)
 
-    bodies = (problem.roll, problem.drum)
-    guess = half_width_guess(problem.nip_load, contact_radius(problem), bodies)
+    guess = half_width_guess(problem.nip_load, problem.roll, problem.drum)
     (equations, state), _ = width_for_load(evaluate, problem.nip_load, guess, LOAD_RTOL)
     total = state.roll_traction + state.drum_traction
     return float(equations.matrices.weights @ total), solves
 
 
-def _equations(problem: wo.NipProblem, disc: Discretisation, a: float, terms: int) -> NipEquations:
-    responses = (_response(body, disc, a, terms) for body in (problem.roll, problem.drum))
-    made = NipMatrices.of(problem, disc, a, *responses)
+def _equations(problem: wo.NipProblem, mesh: Mesh, a: float, terms: int) -> NipEquations:
+    responses = (_response(body, mesh, a, terms) for body in (problem.roll, problem.drum))
+    made = NipMatrices.of(problem, mesh, a, *responses)
     solved = solve_normal(made.slope_p, made.gap, made.slope_q)
     return NipEquations(
-        problem, disc, made,
+        problem, mesh, made,
         solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
     )  # fmt: skip
 
@@ -73,16 +68,14 @@ def _sequences(body: wo.Cylinder, terms: int) -> Sequences:
 
 
 def _response(
-    body: wo.Rigid | wo.HalfPlane | wo.Cylinder, disc: Discretisation, a: float, terms: int
-) -> Response | None:
+    body: wo.Rigid | wo.HalfPlane | wo.Cylinder, mesh: Mesh, a: float, terms: int
+) -> Response:
     """Return the body's matrices, by sums over all terms for each difference of two nodes."""
-    if isinstance(body, wo.Rigid):
-        return None
-    if isinstance(body, wo.HalfPlane):
-        return disc.response(body.surface(2 * a), body.curvature, a)
-    M, R = disc.grid.nodes.size, body.radius
+    if not isinstance(body, wo.Cylinder):
+        return body.respond(mesh, a)
+    M, R = mesh.nodes.size, body.radius
     gamma_1, gamma_2, chi_1, chi_2 = _sequences(body, terms)
-    n, delta = np.arange(1, terms + 1), a * float(disc.grid.cells[0]) / R
+    n, delta = np.arange(1, terms + 1), a * float(mesh.grid.cells[0]) / R
     # a hat of base 2 delta R as a Fourier series
     hat = 4 * np.sin(n * delta / 2) ** 2 / (np.pi * n**2 * delta)
     mean = delta / (2 * np.pi)
@@ -93,14 +86,15 @@ def _response(
     v_q = _odd(sin @ (gamma_2[1:] * hat))
     u_p = _odd(sin @ (chi_1[1:] * hat))
     dx = delta * R
-    strain_p = np.diff(u_p, axis=0) / dx + v_p[1:] / R
-    strain_q = np.diff(u_q, axis=0) / dx + v_q[1:] / R
-    return Response(
+    cells = (
         np.diff(v_p, axis=0) / dx,
         np.diff(v_q, axis=0) / dx,
-        np.vstack([strain_p, strain_p[-1:]]),
-        np.vstack([strain_q, strain_q[-1:]]),
+        np.diff(u_p, axis=0) / dx + v_p[1:] / R,
+        np.diff(u_q, axis=0) / dx + v_q[1:] / R,
     )
+    # at the trailing edge what the last cell has
+    slope_p, slope_q, strain_p, strain_q = (np.vstack([part, part[-1:]]) for part in cells)
+    return Response((slope_p, slope_q, strain_p, strain_q))
 
 
 def _even(values: Array) -> Array:

@@ -3,10 +3,10 @@
     python benchmarks/sensitivities.py --cases 100
 
 Elasticities are compared: percent of output per percent of field, of NIT (of the larger of |NIT|
-and 1 % of mu+ P), half width and drum creep.  Small steps, 1e-5 of the field, tell whether the
-derivatives are those of the solved equations; where a node changes between stick and slip within a
-step they have no derivative, and the field is counted apart.  Steps of 1 %, over which the borders
-of the zones move by whole nodes, tell whether they are those of the nip.
+and 1 % of mu+ P), the tension behind the nip, widths and drum creep.  Small steps, 1e-5 of the
+field, tell whether the derivatives are those of the solved equations; where a node changes between
+stick and slip within a step they have no derivative, and the field is counted apart.  Steps of 1 %,
+over which the borders of the zones move by whole nodes, tell whether they are those of the nip.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from random_nips import random_nip
 from table_run import Row, run_table
 
 import woundon as wo
-from woundon.results import Sensitivity
+from woundon.nip.sensitivity import Sensitivity
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
 

@@ -8,8 +8,9 @@ sum (Y_n - Y_1/n), term by term up to some n.  The covered drum of sec. 4.6 show
 
 from __future__ import annotations
 
-from functools import lru_cache, partial
-from math import ceil, log2, pi
+from dataclasses import replace
+from functools import lru_cache
+from math import ceil, log2, pi, sinh
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,11 @@ from scipy.interpolate import CubicSpline
 
 import woundon as wo
 from jorkama2001.cases import paper_nip
-from woundon.contact import discretisation
 from woundon.elasticity import cylinder, half_plane
 from woundon.elasticity.kernels import Kernel, SurfaceKernels
 
 Array = np.ndarray
+RANK = 240  # interpolation points, fine enough for the ripples
 
 
 class TruncatedCylinder(wo.Cylinder):
@@ -29,9 +30,17 @@ class TruncatedCylinder(wo.Cylinder):
 
     terms: int
 
-    def surface(self, reach: float) -> SurfaceKernels:
-        """Return the response with a finite sum; the kernels' usual meaning."""
+    def kernels(self, reach: float = 1e-3) -> SurfaceKernels:
+        """Return the influence functions with a finite sum, as far as ``reach`` [m]."""
         return _kernels(self, 2.0 ** ceil(log2(reach)))
+
+    def respond(
+        self, grid: wo.ContactGrid, a: float, about: wo.Tractions | None = None
+    ) -> wo.Response:
+        """Return them integrated; a sum that ends after n terms ripples: 2 pi R/n is its wave."""
+        length = a * sinh(20 / RANK)
+        kernels = replace(self.kernels(2 * a), length=length)
+        return grid.integrated(kernels, self.curvature, self.radius, a)
 
 
 @lru_cache
@@ -86,8 +95,6 @@ def covered_nip(roll_terms: int | None, drum_terms: int | None) -> float:
 
 
 if __name__ == "__main__":
-    # a sum that ends after n terms ripples with the wave length 2 pi R/n; interpolate that finely
-    discretisation.cosine_grid = partial(discretisation.cosine_grid, rank=240)
     print("terms    NIT [N/m], series of    roll and drum    roll       drum       ended")
     for terms in (250, 500, 1000, 2000, 4000):
         values = [covered_nip(*ends) for ends in ((terms, terms), (terms, None), (None, terms))]

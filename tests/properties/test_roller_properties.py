@@ -17,8 +17,8 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 import woundon as wo
-from woundon.contact.schemes import interpolation_rank
 from woundon.contact.grid import Grid
+from woundon.contact.schemes import interpolation_rank
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:
@@ -91,7 +91,7 @@ def test_bettis_theorem_on_the_assembled_response(
     cells = np.diff(nodes)
     points = (nodes[:-1, None] + cells[:, None] * (gauss + 1) / 2).ravel()
     measure = a * (cells[:, None] * weight / 2).ravel()
-    grid, kernels = Grid(nodes, points), body.surface(2 * a)
+    grid, kernels = Grid(nodes, points), body.kernels()
     put = [
         grid.integrate(kernel, a, rank=interpolation_rank(kernels.length, a))
         for kernel in (kernels.normal_p, kernels.normal_q, kernels.tangent_p, kernels.tangent_q)

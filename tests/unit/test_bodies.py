@@ -12,10 +12,11 @@ import pytest
 from pydantic import TypeAdapter
 
 import woundon as wo
+from woundon.contact.schemes import SCHEMES
 from woundon.problems.bodies import AnyBody
-from woundon.elasticity.kernels import SurfaceKernels
 
 STEEL = wo.material("steel")
+MESH = SCHEMES["graded"].mesh(17)
 made = TypeAdapter(AnyBody).validate_python
 
 KERNELS = [f"{q}_{load}" for q in ("normal", "tangent", "slope", "strain") for load in "pq"]
@@ -23,21 +24,27 @@ KERNELS = [f"{q}_{load}" for q in ("normal", "tangent", "slope", "strain") for l
 
 def test_a_rigid_body_has_a_radius_and_nothing_else() -> None:
     body = wo.Rigid(radius=0.3)
-    assert (body.radius, body.curvature) == (0.3, 0.0)
-    kernels = body.surface(0.01)
-    assert not kernels.deforms
-    assert kernels.terms == 0
-    assert kernels == SurfaceKernels.zero()
+    assert body.rigid
+    assert (body.radius, body.compliance, body.surface_material) == (0.3, 0.0, None)
+    response = body.respond(MESH, 0.01)
+    assert response.terms == 0
+    for part in response.gradients:
+        assert part.shape == (MESH.points.size, MESH.columns.size)
+        assert not part.any()
+    assert not response.pressure_slope().any()
+    for part in (*response.normal(), *response.tangent(np.array([0.0, 2.0]))):
+        assert part.shape[1] == MESH.columns.size
+        assert not part.any()
 
 
 def test_a_half_planes_strain_has_no_curvature_and_its_answer_no_radius() -> None:
     near, far = (wo.HalfPlane(radius=R, material=STEEL) for R in (0.1, 5.0))
     assert near.curvature == far.curvature == 0.0
-    assert near.surface(1e-3) == far.surface(10.0)
+    assert near.kernels() == far.kernels()
     # Hertz: slope C/pi of ln|t| with C = 2 (1 - nu^2)/E
     C = 2 * (1 - 0.3**2) / 206e9
-    assert near.surface(1e-3).slope_p.inverse == pytest.approx(C / pi, rel=1e-14)
-    assert near.surface(1e-3).normal_p.log == pytest.approx(C / pi, rel=1e-14)
+    assert near.kernels().slope_p.inverse == pytest.approx(C / pi, rel=1e-14)
+    assert near.kernels().normal_p.log == pytest.approx(C / pi, rel=1e-14)
 
 
 def test_a_cylinder_is_a_half_plane_up_close() -> None:
@@ -45,8 +52,7 @@ def test_a_cylinder_is_a_half_plane_up_close() -> None:
     half_plane = wo.HalfPlane(radius=0.3, material="paper")
     assert cylinder.curvature == pytest.approx(1 / 0.3)
     assert cylinder.thickness == pytest.approx(0.25)
-    near, limit = cylinder.surface(0.01), half_plane.surface(0.01)
-    assert near.deforms
+    near, limit = cylinder.kernels(), half_plane.kernels()
     assert near.terms > 0
     assert near.truncation_error < 1e-9
     for name in KERNELS:
@@ -62,7 +68,7 @@ def test_a_cylinder_is_a_half_plane_up_close() -> None:
 def test_slope_and_strain_are_what_the_displacements_say() -> None:
     # dv/dx and v/R + du/dx by central differences: their error is h^2 f'''/6 ~ (h/t)^2/3 relative
     body = wo.Cylinder(radius=0.3, core_radius=0.05, material="paper")
-    kernels = body.surface(0.05)
+    kernels = body.kernels()
 
     def value(name: str, t: np.ndarray) -> np.ndarray:
         k = getattr(kernels, name)
@@ -85,7 +91,7 @@ def test_the_shell_of_a_cover_is_the_core() -> None:
     thick = wo.Cylinder(radius=0.5, core_radius=0.3, material="soft-cover")
     t = np.array([1e-3])
     thin_moves, thick_moves = (
-        float((b.surface(0.01).normal_p.log * np.log(t) + b.surface(0.01).normal_p.smooth(t))[0])
+        float((b.kernels().normal_p.log * np.log(t) + b.kernels().normal_p.smooth(t))[0])
         for b in (cover, thick)
     )
     assert thick_moves < thin_moves < 0  # inwards under pressure
@@ -148,11 +154,11 @@ def test_describing_needs_no_scipy() -> None:
 def test_the_gradients_smooth_parts_come_together() -> None:
     from dataclasses import replace
 
-    kernels = wo.Cylinder(radius=0.3, core_radius=0.1, material=wo.material("paper")).surface(0.01)
+    kernels = wo.Cylinder(radius=0.3, core_radius=0.1, material=wo.material("paper")).kernels()
     t = np.linspace(-0.02, 0.02, 7)
     assert kernels.smooth is not None
     one_by_one = replace(kernels, together=None).smooth
     assert one_by_one is not None
     np.testing.assert_allclose(kernels.smooth(t), one_by_one(t), rtol=1e-13)
-    flat = wo.HalfPlane(radius=0.3, material=wo.material("paper")).surface(0.01)
+    flat = wo.HalfPlane(radius=0.3, material=wo.material("paper")).kernels()
     assert flat.smooth is None

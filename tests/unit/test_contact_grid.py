@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from woundon.contact.schemes import discretisation, interpolation_rank, on_grid
 from woundon.contact.grid import Grid, cosine_grid, segmented_grid, uniform_grid, zone_borders
-from woundon.elasticity import half_plane
+from woundon.contact.schemes import interpolation_rank
 from woundon.elasticity.kernels import Kernel
 
 Array = np.ndarray
@@ -300,65 +299,3 @@ def test_zone_borders_lie_half_way_without_two_sticking_nodes() -> None:
     zones, slack = np.array([0, 1, 1, -1]), np.array([0.1, 0.0, 0.0, 0.0])
     np.testing.assert_allclose(zone_borders(nodes, zones, slack), [-0.3, 0.4], rtol=1e-12)
     assert zone_borders(nodes, np.array([1, 1, 1, 1]), 0 * slack).size == 0
-
-
-# ---- both schemes -------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("scheme", ["graded", "thesis", "thesis-printed"])
-def test_cells_see_value_slope_and_integral_of_the_traction(scheme: str) -> None:
-    disc = discretisation(scheme, 41)
-    x = disc.grid.nodes
-    p = 1 - x[1:-1] ** 2
-    whole = np.concatenate([[0.0], p, [0.0]])
-    middle = disc.middle
-    np.testing.assert_allclose(disc.value @ p, np.interp(middle, x, whole), atol=1e-15)
-    np.testing.assert_allclose(disc.slope @ p, np.diff(whole) / np.diff(x), atol=1e-14)
-    known = middle - middle**3 / 3 + 2 / 3
-    # lumping and (121) are second order, 3 h^2 with the largest cell
-    h = disc.grid.cells.max()
-    np.testing.assert_allclose(disc.upstream @ p, known, atol=(3 * h) ** 2)
-    assert disc.upstream[-1] @ p == pytest.approx(4 / 3, abs=(3 * h) ** 2)
-    assert disc.upstream[0] @ p == 0.0 or scheme == "thesis-printed"
-
-
-def test_the_printed_tension_weights_sum_to_the_lumped_ones() -> None:
-    lumped, printed = (discretisation(s, 11).upstream for s in ("thesis", "thesis-printed"))
-    shifted = printed - lumped
-    # eq. (121) gives 1/6 of a hat to the cell before its node and takes it from the one behind
-    assert np.allclose(shifted.sum(axis=0), 0.0)
-    weight = discretisation("thesis", 11).grid.weights[0]
-    assert np.allclose(np.diag(shifted)[:9], weight / 6)
-    assert np.allclose(np.diag(shifted[1:])[:9], -weight / 6)
-
-
-@pytest.mark.parametrize("scheme", ["graded", "thesis"])
-def test_hertz_on_a_half_plane(scheme: str) -> None:
-    # slope C x/(...) straight, strain -A p under pressure, -B times a straight line under traction
-    A, B, C = half_plane.coefficients(20e6, 3e9, 5e6, 10e6)
-    kernels = half_plane.surface_kernels(20e6, 3e9, 5e6, 10e6)
-    disc, a = discretisation(scheme, 401), 4e-3
-    response = disc.response(kernels, 0.0, a)
-    e = np.sqrt(1 - disc.grid.nodes[1:-1] ** 2)
-    y = disc.middle
-    # uneven: backward differences of the root at the edge; 1/sqrt(400) there
-    inner = np.abs(y) < 0.9
-    tol = 5e-3
-    np.testing.assert_allclose((response.slope_p @ e)[inner], (C * y)[inner], atol=tol * C)
-    np.testing.assert_allclose((response.strain_q[:-1] @ e)[inner], (-B * y)[inner], atol=tol * B)
-    root = np.sqrt(1 - y**2)
-    np.testing.assert_allclose((response.slope_q @ e)[inner], (-A * root)[inner], atol=tol * A)
-    np.testing.assert_allclose((response.strain_p[:-1] @ e)[inner], (-A * root)[inner],
-                               atol=tol * A)  # fmt: skip
-    np.testing.assert_array_equal(disc.pressure_slope(kernels, a), response.slope_p)
-    edge = float(response.strain_q[-1] @ e)
-    # at the trailing edge: exact in the graded scheme, half a cell inside in the thesis's
-    # (first order there: 3.65/401/pi = 2.9e-3)
-    assert edge == pytest.approx(-B, rel=4e-3 if scheme == "graded" else 0.1)
-
-
-def test_the_graded_scheme_works_on_any_grid() -> None:
-    disc = on_grid(UNEVEN)
-    assert disc.scheme == "graded"
-    assert disc.unknowns == 4
-    np.testing.assert_array_equal(disc.middle, UNEVEN.points[:-1])

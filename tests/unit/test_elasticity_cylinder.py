@@ -47,7 +47,7 @@ def whole(kernel: Kernel, t: np.ndarray) -> np.ndarray:
 def kernels(body: tuple[float, float, Stiffness]) -> SurfaceKernels:
     """Return the kernels of a body."""
     R, R0, stiffness = body
-    return surface_kernels(R, R0, *stiffness, reach=0.1 * R)
+    return surface_kernels(R, R0, *stiffness)
 
 
 @lru_cache(maxsize=4)
@@ -125,7 +125,7 @@ def test_cover_of_a_thousandth(name: str) -> None:
     expected = 2 * (1 - nu**2) / (pi * E) * plane
     errors = []
     for h in (2e-3, 1e-3):
-        k = surface_kernels(1.0, 1 - h, *isotropic(E, nu), reach=0.1)
+        k = surface_kernels(1.0, 1 - h, *isotropic(E, nu))
         assert k.truncation_error < 1e-10
         errors.append(float(whole(k.slope_p, np.array(t * h))) * h / expected - 1)
     assert abs(errors[1]) < 2e-3
@@ -157,7 +157,7 @@ def test_gradients_are_derivatives(body: tuple[float, float, Stiffness]) -> None
 def test_singular_parts() -> None:
     """The strongest singularity is the half-plane's; curvature adds a weaker one to each kernel."""
     R, stiffness = 0.3, PAPER
-    k = surface_kernels(R, 0.05, *stiffness, reach=0.1)
+    k = surface_kernels(R, 0.05, *stiffness)
     flat = half_plane.surface_kernels(*stiffness)
     for name in NAMES:
         curved, plane = getattr(k, name), getattr(flat, name)
@@ -210,27 +210,40 @@ def test_truncation_error_is_honest(
 def test_number_of_terms_follows_the_geometry() -> None:
     """Thick bodies need tens of terms, thin covers 20/(thickness in radii)."""
     counts = [
-        surface_kernels(1.0, R0, *isotropic(1e7, 0.3), reach=0.1).terms
-        for R0 in (0.1, 0.9, 0.99, 0.999)
+        surface_kernels(1.0, R0, *isotropic(1e7, 0.3)).terms for R0 in (0.1, 0.9, 0.99, 0.999)
     ]
     assert counts[0] < 100
     assert counts == sorted(counts)
     assert counts[-1] == pytest.approx(20 / 1e-3, rel=0.01)
     assert all(
-        surface_kernels(*body[:2], *body[2], reach=0.1).truncation_error < 1e-11
-        for body in BODIES.values()
+        surface_kernels(*body[:2], *body[2]).truncation_error < 1e-11 for body in BODIES.values()
     )
 
 
-def test_reach() -> None:
-    """Every reach has the same answer, computed once; beyond the half turn there is none."""
-    first = surface_kernels(0.3, 0.05, *PAPER, reach=1e-3)
-    assert surface_kernels(0.3, 0.05, *PAPER, reach=0.3 * pi) is first
-    assert first.reach == pytest.approx(0.3 * pi)
-    with pytest.raises(ValueError, match="beyond half the circumference"):
-        surface_kernels(0.3, 0.05, *PAPER, reach=0.95)
-    with pytest.raises(ValueError, match="beyond half the circumference"):
-        surface_kernels(0.3, 0.05, *PAPER, reach=float("nan"))
+@pytest.mark.parametrize("name", ["thick roll", "roll without a core", "complex roots"])
+def test_the_kernels_close_around_the_circle(name: str) -> None:
+    """Half a turn away both sides meet smoothly: odd kernels are nil there, even ones flat.
+
+    (On a thin cover all of them have died out there.)
+    """
+    R, R0, stiffness = BODIES[name]
+    k = kernels(BODIES[name])
+    scale = max(half_plane.coefficients(*stiffness)) / pi
+    h = 1e-4 * R
+    for kernel_name in NAMES:
+        at, beside = whole(getattr(k, kernel_name), np.array([pi * R, pi * R - h]))
+        size = scale / R if kernel_name.split("_")[0] in ("slope", "strain") else scale
+        if kernel_name in ("normal_q", "tangent_p", "slope_p", "strain_q"):
+            # the series' own error, as in test_plain_summation
+            assert at == pytest.approx(0.0, abs=1e-9 * size * R / (R - R0)), kernel_name
+        else:
+            # it falls by k'' h^2/2 where a kink would leave k' h, 1e4 times as much; k'' of the
+            # torsional constant is nil
+            assert beside == pytest.approx(at, abs=20 * size * (h / R) ** 2), kernel_name
+
+
+def test_the_kernels_of_a_cylinder_are_computed_once() -> None:
+    assert surface_kernels(0.3, 0.05, *PAPER) is surface_kernels(0.3, 0.05, *PAPER)
 
 
 @pytest.mark.parametrize("wide", [2.0, 5.0, 20.0])
@@ -242,7 +255,7 @@ def test_length_tells_the_degree(wide: float) -> None:
     R, h = 1.0, 1e-3
     a = wide * h
     for stiffness in (PAPER, isotropic(1e7, 0.3)):
-        k = surface_kernels(R, R - h, *stiffness, reach=2 * a)
+        k = surface_kernels(R, R - h, *stiffness)
         points = max(24, round(20 / np.arcsinh(k.length / a)))
         t = np.cos(pi * (np.arange(points) + 0.5) / points)
         x = np.linspace(-1, 1, 200)
@@ -263,7 +276,7 @@ def test_smooth_is_tiny_when_the_body_is_large() -> None:
     flat = half_plane.surface_kernels(*PAPER)
     errors = []
     for R in (1.0, 10.0, 100.0):
-        k = surface_kernels(R, 0.3 * R, *PAPER, reach=0.01)
+        k = surface_kernels(R, 0.3 * R, *PAPER)
         errors.append(np.abs(whole(k.slope_p, t) - flat.slope_p.inverse / t).max())
     # the first correction is of relative size t/R
     assert errors[0] / errors[1] == pytest.approx(10, rel=0.05)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-from woundon import cli
-from thesis_cases import newsprint_nip, paper_nip
-from woundon.nip.validity import nip_warnings
+from woundon.contact.schemes import SCHEMES
+from woundon.nip.validity import _drum_strain, nip_warnings
 
 NODES = 33  # warnings do not wait for accuracy
 
@@ -151,6 +151,8 @@ def test_warnings_are_kept_in_files(ending: str, tmp_path: Path) -> None:
 
 
 def test_warnings_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    from woundon import cli
+
     example = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
     assert cli.main(["nip", example, "--nodes", "33", "--set", "web_tension=1 N/m"]) == 0
     assert "warning: the web is slack: its tension falls to -" in capsys.readouterr().out
@@ -159,18 +161,13 @@ def test_warnings_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("thickness", [66e-6, 33e-6])
 def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) -> None:
     """The warning reads the strain off the web's and the slip; the kernels give it directly."""
-    from woundon.assembly import surface_response
-    from woundon.contact.schemes import discretisation
-    from woundon.nip.validity import _drum_strain
-
     drum = cover(0.02, isotropic(2e6, 0.45))
     problem = paper_nip(drum=drum, winding_force=300.0, **{"web.thickness": thickness})
     result = solved(problem, nodes=129)
-    response = surface_response(drum, discretisation("graded", 129), result.half_width)
-    assert response is not None
-    direct = (
-        response.strain_p @ result.pressure[1:-1] + response.strain_q @ (result.drum_traction[1:-1])
-    )
+    _, _, strain_p, strain_q = drum.respond(
+        SCHEMES["graded"].mesh(129), result.half_width
+    ).gradients
+    direct = strain_p @ result.pressure[1:-1] + strain_q @ result.drum_traction[1:-1]
     # tensions are interpolated to the cells' middles: second order in the cells
     np.testing.assert_allclose(
         _drum_strain(result)[1:], direct[:-1], atol=1e-3 * np.abs(direct).max()

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-from thesis_cases import newsprint_nip, paper_nip
 
 PAPER = wo.material("paper")
 

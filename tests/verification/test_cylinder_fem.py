@@ -195,7 +195,7 @@ def test_kernels_convolve_to_the_series(at: float) -> None:
 
     Under the patch, beside it and a quarter turn away.
     """
-    k = surface_kernels(R, R0, *STIFFNESS, reach=pi * R)
+    k = surface_kernels(R, R0, *STIFFNESS)
     for load, suffix in (("pressure", "p"), ("traction", "q")):
         exact = series(load, np.array([at]))
         for name, value in (("normal", exact.v), ("tangent", exact.u), ("strain", exact.strain)):

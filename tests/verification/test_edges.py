@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from thesis_cases import paper_nip
 
 import woundon as wo
-from thesis_cases import paper_nip
 
 
 def cover(thickness: float, poissons_ratio: float, youngs_modulus: float = 1e7) -> wo.Cylinder:

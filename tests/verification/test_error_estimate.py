@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from error_estimate import compared, ratios
+from thesis_cases import newsprint_nip
 
 import woundon as wo
-from thesis_cases import newsprint_nip
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,9 @@ given; NIT is measured on the scale max(|NIT|, 1 % of mu+ P).
 from __future__ import annotations
 
 import pytest
+from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-from thesis_cases import newsprint_nip, paper_nip
 
 COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
 HALF_PLANE = wo.HalfPlane(radius=0.3, material=wo.material("paper"))

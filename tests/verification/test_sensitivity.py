@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from random_nips import random_nip
 from sensitivities import ACCEPTED, compared
+from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-from thesis_cases import newsprint_nip, paper_nip
 
 
 @pytest.mark.parametrize("seed", range(100, 110))
@@ -37,10 +37,11 @@ def test_only_the_named_fields_are_answered_in_their_order() -> None:
 
 @pytest.mark.parametrize("problem", [newsprint_nip(winding_force=-100.0), random_nip(0)])
 def test_one_unit_of_stress_or_length_for_another_changes_nothing(problem: wo.NipProblem) -> None:
-    """Euler's theorem: NIT has the degree of a line load, half width that of a length.
+    """Euler's theorem: tensions have the degree of a line load, widths that of a length.
 
-    All moduli and line loads times c: NIT times c, a as it was.  All lengths and line loads times
-    c: NIT and a times c.  1e-5: forward differences, good to 1e-6 each, some twenty in the sum.
+    All moduli and line loads times c: tensions times c, widths as they were.  All lengths and line
+    loads times c: tensions and widths times c.  Creep has no degree.  1e-5: forward differences,
+    good to 1e-6 each, some twenty in the sum.
     """
     s = wo.solve_nip(problem, nodes=65).sensitivity()
     last = [name.rpartition(".")[2] for name in s.parameters]
@@ -49,14 +50,18 @@ def test_one_unit_of_stress_or_length_for_another_changes_nothing(problem: wo.Ni
     lengths = np.isin(last, ["radius", "core_radius", "thickness"])
     stress = s.elasticities[:, loads | moduli].sum(axis=1)
     size = s.elasticities[:, loads | lengths].sum(axis=1)
-    np.testing.assert_allclose(stress, [1.0, 0.0, 0.0], atol=1e-5)
-    np.testing.assert_allclose(size, [1.0, 1.0, 0.0], atol=1e-5)
+    assert s.outputs == (
+        "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep"
+    )  # fmt: skip
+    np.testing.assert_allclose(stress, [1.0, 1.0, 0.0, 0.0, 0.0], atol=1e-5)
+    np.testing.assert_allclose(size, [1.0, 1.0, 1.0, 1.0, 0.0], atol=1e-5)
 
 
 def test_the_winding_theorem_web_tension_moves_neither_nit_nor_width() -> None:
     s = wo.solve_nip(newsprint_nip(), nodes=65).sensitivity("web_tension")
     assert s.derivative("nip_induced_tension", "web_tension") == 0.0
     assert s.derivative("half_width", "web_tension") == 0.0
+    assert s.derivative("tension_behind_nip", "web_tension") == pytest.approx(1.0, rel=1e-8)
     # the creep refers to the unstrained web: xi- falls by the strain, c11/(2h) a unit of tension
     assert s.derivative("drum_creep", "web_tension") < 0.0
 
@@ -67,6 +72,15 @@ def test_where_the_whole_roll_side_slips_nit_is_mu_p_plus_f() -> None:
     s = result.sensitivity("roll_friction", "nip_load", "winding_force")
     exact = [1910.0, 0.2, 1.0]
     np.testing.assert_allclose(s.derivatives[0], exact, rtol=1e-6)
+
+
+def test_what_is_one_number_twice_has_one_slope() -> None:
+    """2a is a twice, T_out is T_in + NIT: so are their derivatives by every other field."""
+    s = wo.solve_nip(newsprint_nip(winding_force=50.0), nodes=65).sensitivity()
+    NIT, T_out, a, width, _ = s.derivatives
+    np.testing.assert_array_equal(width, 2 * a)
+    others = np.array(s.parameters) != "web_tension"
+    np.testing.assert_allclose(T_out[others], NIT[others], rtol=1e-12)
 
 
 def test_a_zone_change_is_announced_and_its_two_sides_differ() -> None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from thesis_cases import paper_nip
 
 import woundon as wo
-from thesis_cases import paper_nip
 
 PROBLEM = paper_nip(roll=wo.HalfPlane(radius=0.3, material=wo.material("paper")))
 LUMPED = {50: 111.07, 100: 119.39, 200: 125.26, 400: 129.16}  # independent program

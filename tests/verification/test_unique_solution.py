@@ -225,12 +225,12 @@ def test_a_start_that_leads_astray_is_let_go() -> None:
     from random_nips import random_nip
 
     import woundon as wo
-    from woundon.assembly import NipEquations
-    from woundon.contact.schemes import discretisation
+    from woundon.contact.schemes import SCHEMES
+    from woundon.nip.equations import NipEquations
 
     result = wo.solve_nip(random_nip(254), nodes=65)
-    disc = discretisation("graded", 65)
-    problem = NipEquations.at(result.problem, disc, result.half_width).stick_slip()
+    mesh = SCHEMES["graded"].mesh(65)
+    problem = NipEquations.at(result.problem, mesh, result.half_width).stick_slip()
     expected = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
     for state in (-1, 0, 1):
         found = solve_stick_slip(problem, np.full(expected.size, state, dtype=np.int8))

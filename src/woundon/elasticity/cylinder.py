@@ -303,7 +303,6 @@ def _kernels(
         strain_p=strain_p,
         strain_q=strain_q,
         together=gradients,
-        reach=pi * R,
         length=R * min(1.0, 2 * _decay(depth, stiffness)),
         truncation_error=_truncation_error(n * Y - _powers(moved, n), tail, depth, stiffness, J),
         terms=N,

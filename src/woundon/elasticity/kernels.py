@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
 
 import numpy as np
 
@@ -39,22 +38,12 @@ class Kernel:
         """Return the singular parts at t != 0."""
         return self.inverse / t + self.log * np.log(np.abs(t)) + self.sign * np.sign(t)
 
-    def __add__(self, other: Kernel) -> Kernel:
-        """Return the sum of two influence functions (two bodies under the same traction)."""
-        f, g = self.smooth, other.smooth
-        both = f if g is None else g if f is None else (lambda t: f(t) + g(t))
-        return Kernel(
-            self.inverse + other.inverse,
-            self.delta + other.delta,
-            self.log + other.log,
-            self.sign + other.sign,
-            both,
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class SurfaceKernels:
-    """The eight influence functions of a surface, ``<quantity>_<load>``, valid to |t| <= reach.
+    """The eight influence functions of a surface, ``<quantity>_<load>``.
+
+    A curved body's hold for |t| <= pi R; beyond half the circumference the way round is shorter.
 
     Attributes
     ----------
@@ -66,8 +55,6 @@ class SurfaceKernels:
         dv/dx [1 per N/m].
     strain_p, strain_q : Kernel
         Tangential surface strain; v/R + du/dx on a cylinder, du/dx on a half-plane [1 per N/m].
-    reach : float
-        Largest |t| at which the smooth parts hold [m].
     length : float
         Length on which the smooth parts vary [m]: they behave as functions with poles at
         t = +- i length.  Polynomials interpolating them in x and s on [-a, a] need a degree of
@@ -76,8 +63,6 @@ class SurfaceKernels:
         Estimated error of the summed series relative to the half-plane coefficients.
     terms : int
         Number of Fourier terms summed; 0 where there is no series.
-    deforms : bool
-        False for a rigid body, whose kernels are all zero.
     together : callable, optional
         t -> the smooth parts of ``gradients``, (4, *t.shape), where quicker than one by one.
     """
@@ -90,11 +75,9 @@ class SurfaceKernels:
     slope_q: Kernel = field(default_factory=Kernel)
     strain_p: Kernel = field(default_factory=Kernel)
     strain_q: Kernel = field(default_factory=Kernel)
-    reach: float = np.inf
     length: float = np.inf
     truncation_error: float = 0.0
     terms: int = 0
-    deforms: bool = True
     together: Callable[[Array], Array] | None = None
 
     @property
@@ -109,9 +92,3 @@ class SurfaceKernels:
         if self.together is not None or not any(parts):
             return self.together
         return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])
-
-    @classmethod
-    @cache
-    def zero(cls) -> SurfaceKernels:
-        """Return the response of a body that does not deform."""
-        return cls(deforms=False)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..contact.certificate import (
+    beyond_rounding,
     friction_laws,
     from_edge,
     integral,
@@ -74,6 +75,6 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         slip_speed=largest(np.abs(told - slips)) / made.top,
         load_equilibrium=abs(integral(result.pressure, x) / P - 1),
         force_equilibrium=abs(integral(q_drum, x) - problem.winding_force) / P,
-        web_equilibrium=largest(np.abs(tension)) / P,
+        web_equilibrium=beyond_rounding(tension, result.web_tension) / P,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
     )  # fmt: skip

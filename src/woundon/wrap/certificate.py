@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..contact.certificate import (
+    beyond_rounding,
     friction_laws,
     from_edge,
     integral,
@@ -92,7 +93,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
                        _differ(result.roll_strain, roll_strain(equations, result))) / top,
         load_equilibrium=abs(carried / P - 1),
         force_equilibrium=abs(force) / P,
-        web_equilibrium=largest(np.abs(T - problem.web_tension - gained)) / P,
+        web_equilibrium=beyond_rounding(T - problem.web_tension - gained, T) / P,
         hoop_pressure=_hoop(result, equations),
         curvature=_curvature(result, equations, z, q),
         half_width=largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
