@@ -13,7 +13,6 @@ from thesis_cases import paper_nip
 
 import woundon as wo
 
-
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 PAPER = paper_nip(web_tension=300.0)
 QUICK = {"nodes": 25, "wrap_nodes": 16}

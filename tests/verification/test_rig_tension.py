@@ -66,7 +66,9 @@ def test_the_estimate_follows_the_strain_of_the_roll() -> None:
     told = [result.wound_on_tension_estimate(angle) for angle in angles]
     np.testing.assert_allclose(told, expected, rtol=1e-12)
     for angle in (0.01, 3.2, float("nan")):
-        with pytest.raises(wo.InvalidProblem, match=rf"angle: {angle} is out of range; must be >= 0\.0"):
+        with pytest.raises(
+            wo.InvalidProblem, match=rf"angle: {angle} is out of range; must be >= 0\.0"
+        ):
             result.wound_on_tension_estimate(angle)
     with pytest.raises(wo.InvalidProblem, match="s: must lie outside the nip"):
         roll_strain(result, np.array([0.5 * a]))
