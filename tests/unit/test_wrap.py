@@ -12,6 +12,7 @@ import pytest
 from thesis_cases import paper_nip
 
 import woundon as wo
+from woundon import cli
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 PAPER = paper_nip(web_tension=300.0)
