@@ -186,7 +186,9 @@ def differences(
         if name in COST:
             continue
         names = (name, f"{case.kind} {case.number}: {name}")
-        changed = next((why for key, why in INTENDED.items() if any(fnmatch(n, key) for n in names)), "")
+        changed = next(
+            (why for key, why in INTENDED.items() if any(fnmatch(n, key) for n in names)), ""
+        )
         if name == "wound_on_tension" and case.kind == "wrap":
             changed = ""
         new = now.get(name, np.full(np.shape(old), np.nan))

@@ -210,7 +210,9 @@ def test_a_kind_has_all_that_woundons_have(case: Path) -> None:
     assert "all 2 laws hold" in out
     assert (case / "c.png").stat().st_size > 5_000
     again = python("r = wo.load_result('c.json'); print(r.tension_behind_bar, r.residual)", case)
-    assert float(again.split()[0]) == pytest.approx(200 * 2.718281828459045 ** (0.1 * 3.141592653589793), abs=1e-9)
+    assert float(again.split()[0]) == pytest.approx(
+        200 * 2.718281828459045 ** (0.1 * 3.141592653589793), abs=1e-9
+    )
 
 
 def test_a_kind_is_swept_and_fitted(case: Path) -> None:

@@ -12,7 +12,6 @@ import xarray
 from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
-from jorkama2001.cases import paper_nip
 from woundon import cli
 from woundon.studies.api import sweep_table
 from woundon.studies.studyfile import load_study

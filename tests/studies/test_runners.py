@@ -15,7 +15,6 @@ import toys
 from thesis_cases import paper_nip
 
 import woundon as wo
-from jorkama2001.cases import paper_nip
 from woundon.studies import runners
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study

@@ -10,7 +10,6 @@ import toys
 from thesis_cases import paper_nip
 
 import woundon as wo
-from jorkama2001.cases import paper_nip
 from woundon.studies.engine import run_study
 from woundon.studies.runners import Here
 from woundon.studies.sobol import saltelli_design, sobol_indices_of

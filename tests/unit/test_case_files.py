@@ -204,6 +204,7 @@ def test_incompressible_cover_is_refused():
     [
         ("", "is empty; 'woundon new > case.toml' writes a case"),
         ("# only a comment\n", "is empty"),
+        ("schema = 1\n", "is empty"),
         ("schema = 1\nnip_load = 3502 N/m\n", "is no valid TOML*line 2"),
         ("schema = 1\n[web\n", "is no valid TOML*line 2"),
         ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is no valid TOML*line 3"),

@@ -85,7 +85,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
         raise InvalidProblem.at(str(path), "has a number of thousands of digits") from None
     if _too_deep(case):
         raise InvalidProblem.at(str(path), "is no case file: nested too deeply")
-    if not case:
+    if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
         raise InvalidProblem.at(str(path), text)
     return case

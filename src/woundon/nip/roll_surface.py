@@ -94,7 +94,9 @@ def wound_on_tension_estimate(result: NipResult, angle: float) -> float:
     problem = result.problem
     edge_angle = result.half_width / problem.roll.radius
     if not edge_angle * (1 - 1e-12) <= angle <= pi * (1 + 1e-12):
-        text = f"{angle:.6g} is out of range; must be >= {edge_angle:.4g}, the nip's trailing edge, "
+        text = (
+            f"{angle:.6g} is out of range; must be >= {edge_angle:.4g}, the nip's trailing edge, "
+        )
         raise InvalidProblem.at("angle", f"{text}and <= {pi:.6g} [rad]")
     c11 = web_compliance(problem.web).c11
     far, edge = roll_strain(result, np.array([angle * problem.roll.radius, result.half_width]))
