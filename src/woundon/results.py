@@ -188,6 +188,7 @@ class Result:
 
     def __repr__(self) -> str:
         known, told = scalar_outputs(self), []
+        del known["residual"]  # told last
         for name in dict.fromkeys((*filter(known.get, self.MAIN), *known)):
             value = value_of(self, name)
             if isinstance(value, float) and value == value:
