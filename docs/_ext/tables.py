@@ -192,12 +192,12 @@ class Modules(Sections):
     """``{modules}``: every module with the first sentence of its text, room by room."""
 
     def sections(self) -> Iterator[tuple[str, str]]:
-        rooms: dict[str, Rows] = {"": []}
-        for found in walk_packages(woundon.__path__):
+        rooms: dict[str, Rows] = {"woundon": []}
+        for found in walk_packages(woundon.__path__, "woundon."):
             room, _, name = found.name.rpartition(".")
-            about = _about(f"woundon.{found.name}")
+            about = _about(found.name)
             if found.ispkg:
-                rooms[found.name] = [(f"**{found.name}/**", about)]
+                rooms[found.name] = [(f"**{name}/**", about)]
             else:
                 rooms[room].append((f"`{name}`", about))
         rows = [row for room in rooms.values() for row in room if row[0] != "`__main__`"]
