@@ -42,6 +42,11 @@ ALGORITHMS: dict[str, FindZones] = {
     "panagiotopoulos": panagiotopoulos,
 }
 
+# The C library returns freed memory to the system, a page fault for every 4 kB of the next matrix,
+# unless a block as large as this was freed before (glibc's dynamic thresholds): a tenth of the time
+# of a small contact.
+np.empty(1 << 20)
+
 
 class Tolerance(NamedTuple):
     """When a mesh counts as solved: the carried load's relative miss, and the imbalance left."""

@@ -146,5 +146,4 @@ class Response:
     @classmethod
     def none(cls, grid: ContactGrid) -> Response:
         """Return the response of a body that does not deform."""
-        zero = np.zeros((grid.points.size, grid.columns.size))
-        return cls((zero, zero, zero, zero))
+        return cls(lambda: (np.zeros((grid.points.size, grid.columns.size)),) * 4)

@@ -75,8 +75,9 @@ def slip_lengths(
     (float, float)
         With the sign of the slip: > 0 where the web is the faster one; 0 where it sticks.
     """
+    runs = np.nonzero(np.diff(zones))[0] + 1  # the nodes where another zone begins
     first, last = int(zones[0]), int(zones[-1])
-    if first and (zones == first).all():
+    if not runs.size:
         whole = first * float(x[-1] - x[0])
         return whole, whole
 
@@ -89,10 +90,10 @@ def slip_lengths(
 
     leading = trailing = 0.0
     if first:
-        leading = first * (border(int(np.argmax(zones != first)), -1, DYING) - float(x[0]))
+        leading = first * (border(int(runs[0]), -1, DYING) - float(x[0]))
     if last:
-        node = zones.size - int(np.argmax(zones[::-1] != last))
-        trailing = last * (float(x[-1]) - border(node, 1, ON_RIGID if rigid else SETTING_IN))
+        power = ON_RIGID if rigid else SETTING_IN
+        trailing = last * (float(x[-1]) - border(int(runs[-1]), 1, power))
     return leading, trailing
 
 
