@@ -20,8 +20,9 @@ from woundon.contact.schemes import SCHEMES, Mesh
 from woundon.contact.stick_slip import Ending
 from woundon.contact.width import width_for_load
 from woundon.elasticity.cylinder import Sequences, sequences
-from woundon.nip.equations import NipEquations, NipMatrices, NipState
+from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.problems.bodies import half_width_guess
+from woundon.two_bodies import PairState
 
 __all__ = ["solve_as_published"]
 
@@ -35,7 +36,7 @@ def solve_as_published(
     """Return NIT [N/m] and the number of linear systems solved."""
     mesh, solves = SCHEMES[scheme].mesh(nodes), 0
 
-    def evaluate(a: float) -> tuple[tuple[NipEquations, NipState], float]:
+    def evaluate(a: float) -> tuple[tuple[NipEquations, PairState], float]:
         nonlocal solves
         equations = _equations(problem, mesh, a, terms)
         solution = panagiotopoulos(equations.stick_slip())
@@ -43,22 +44,18 @@ def solve_as_published(
         if solution.ending is not Ending.SOLVED:
             raise wo.NotConverged(solution.ending.value)
         state = equations.state(replace(solution, solves=solves))
-        return (equations, state), float(equations.matrices.weights @ state.pressure)
+        return (equations, state), equations.carried(state)
 
-    guess = half_width_guess(problem.nip_load, problem.roll, problem.drum)
+    guess = half_width_guess(problem.nip_load, *problem.bodies)
     (equations, state), _ = width_for_load(evaluate, problem.nip_load, guess, LOAD_RTOL)
-    total = state.roll_traction + state.drum_traction
+    total = state.traction.reshape(2, -1).sum(axis=0)
     return float(equations.matrices.weights @ total), solves
 
 
 def _equations(problem: wo.NipProblem, mesh: Mesh, a: float, terms: int) -> NipEquations:
-    responses = (_response(body, mesh, a, terms) for body in (problem.roll, problem.drum))
+    responses = (_response(body, mesh, a, terms) for body in problem.bodies)
     made = NipMatrices.of(problem, mesh, a, *responses)
-    solved = solve_normal(made.slope_p, made.gap, made.slope_q)
-    return NipEquations(
-        problem, mesh, made,
-        solved[:-1, 0], solved[:-1, 1:], float(solved[-1, 0]), solved[-1, 1:],
-    )  # fmt: skip
+    return NipEquations(problem, mesh, made, solve_normal(made.slope_p, made.gap, made.slope_q))
 
 
 @lru_cache

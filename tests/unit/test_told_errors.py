@@ -21,7 +21,9 @@ NIP = {
     "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "peak_pressure",
     "offset", "drum_creep", "leading_roll", "trailing_roll", "dual",
 }  # fmt: skip
-ROLLERS = {"half_width", "width", "peak_pressure", "offset", "tangential_load", "creepage"}
+ROLLERS = {
+    "half_width", "nip_width", "peak_pressure", "offset", "tangential_load", "creepage"
+}  # fmt: skip
 RATIOS = ("leading_roll", "trailing_roll", "dual")
 SEEDS = range(300, 325)
 
@@ -137,8 +139,8 @@ def test_every_told_error_is_one_of_an_output(nips, wrapped, rollers) -> None:  
             result.errors["half_width"] = 0.0  # type: ignore[index]
 
 
-def test_what_is_one_number_twice_has_one_error(nips, wrapped) -> None:  # type: ignore[no-untyped-def]
-    for result, _ in nips + wrapped:
+def test_what_is_one_number_twice_has_one_error(nips, wrapped, rollers) -> None:  # type: ignore[no-untyped-def]
+    for result, _ in nips + wrapped + rollers:
         errors = result.errors
         assert errors["nip_width"] == pytest.approx(2 * errors["half_width"], rel=1e-6)
     for result, _ in nips:

@@ -76,8 +76,8 @@ def _held_far_away(problem: wo.NipProblem) -> float:
             matrices=replace(made, direct=direct, through_pressure=through),
         )
         state = equations.state(solve_stick_slip(equations.stick_slip()))
-        tension = equations.matrices.weights @ (state.roll_traction + state.drum_traction)
-        return float(tension), float(equations.matrices.weights @ state.pressure)
+        tension = made.weights @ state.traction.reshape(2, n).sum(axis=0)
+        return float(tension), equations.carried(state)
 
     return width_for_load(evaluate, problem.nip_load, 0.004, 1e-10)[0]
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["slip_begins", "slip_lengths", "zone_runs"]
+__all__ = ["slip_lengths", "stick_ends", "zone_runs"]
 
 Array = np.ndarray
 
-# how the slip grows with the distance from the point where it begins: behind the leading slip it
-# dies out and the traction leaves its bound smoothly; at the end of stick it sets in with a
-# vertical tangent, as the body's strain has one, or with a kink on a rigid body, which has none
-DYING, SETTING_IN, ON_RIGID = 1.5, 0.5, 1.0
+# Where stick ends, by how slip and slack grow from nil: the power of the distance, and the share of
+# the way from where a node's slip is taken to the node at which the border lies when it changes.
+# Best of a few on five families of nips against 385 nodes: 65 nodes leave a 30th of a cell.
+LEADING, TRAILING = (1.0, 0.3), (1.5, 0.6)
+FARTHEST = 0.9  # a value so near to the next one tells no more where it is nil
 
 
 def zone_runs(x: Array, zones: Array) -> list[tuple[int, float, float]]:
@@ -28,27 +30,64 @@ def zone_runs(x: Array, zones: Array) -> list[tuple[int, float, float]]:
     return runs
 
 
-def slip_begins(x: Array, slip_x: Array, slip: Array, node: int, ahead: int, power: float) -> float:
-    """Return where slip begins between ``node - 1`` and ``node``, extrapolated to nil [m].
+class _Face(NamedTuple):
+    """Nodes, where the slips are taken [m], slips, and slacks mu p - |q| [Pa], M each."""
+
+    x: list[float]
+    slip_x: list[float]
+    slip: list[float]
+    slack: list[float]
+
+
+def stick_ends(face: _Face, node: int, ahead: int, power: float, share: float) -> float:
+    """Return where stick ends between ``node - 1`` and ``node`` [m].
+
+    When a node changes between stick and slip, its slip and its slack are both nil.  In between the
+    border goes from one such place to the next by how far the slip of the one node and the slack of
+    the other are from nil, as the nodes behind them tell: a continuous function of what is solved.
 
     Parameters
     ----------
-    x, slip_x, slip : (M,) arrays
-        Nodes, and where the slips are taken [m]; slips.
+    face : _Face
     node : int
         The border lies between ``node - 1`` and ``node``.
     ahead : {1, -1}
         Slip lies behind the border (1) or before it (-1).
-    power : float
-        With which the slip grows.
+    power, share : float
+        See ``LEADING``.
     """
-    border = 0.5 * (float(x[node]) + float(x[node - 1]))
+    x, slip_x, slip, slack = face
+    stuck, near = (node - 1, node) if ahead == 1 else (node, node - 1)
+    far, deep = near + ahead, stuck - ahead
+    # at the leading edge the slip of the first cell stands twice
+    if min(far, deep) < 0 or max(far, deep) >= len(x) or slip_x[far] == slip_x[near]:
+        return 0.5 * (x[node] + x[node - 1])
+    past = _steps_from_nil(abs(slip[near]), abs(slip[far]), power)
+    left = _steps_from_nil(max(slack[stuck], 0.0), slack[deep], power)
+    begins, ends = (slip_x[k] + share * (x[k] - slip_x[k]) for k in (near, stuck))
+    return begins - (begins - ends) * (past / (past + left) if past + left else 0.5)
+
+
+def _steps_from_nil(value: float, following: float, power: float) -> float:
+    """Return how many steps a value is from nil that grows with a power of the distance."""
+    most = FARTHEST**power * following
+    part = (value / following) ** (1 / power) if value < most else FARTHEST
+    return part / (1 - part)
+
+
+def _on_rigid(face: _Face, node: int, ahead: int) -> float:
+    """Return where slip begins between ``node - 1`` and ``node`` on a rigid body: with a kink [m].
+
+    The traction may jump there, so that the slack tells nothing.
+    """
+    x, slip_x, slip, _ = face
     near = node if ahead == 1 else node - 1
     far = near + ahead
-    if not 0 < far < x.size - 1:
+    border = 0.5 * (x[node] + x[node - 1])
+    if not 0 < far < len(x) - 1:
         return border
-    v, w = (abs(float(slip[k])) ** (1 / power) for k in (near, far))
-    at, beyond, stick = (float(slip_x[k]) for k in (near, far, near - ahead))
+    v, w = abs(slip[near]), abs(slip[far])
+    at, beyond, stick = slip_x[near], slip_x[far], slip_x[near - ahead]
     if w <= v:
         return border
     root = at - v * (beyond - at) / (w - v)
@@ -56,49 +95,51 @@ def slip_begins(x: Array, slip_x: Array, slip: Array, node: int, ahead: int, pow
 
 
 def slip_lengths(
-    x: Array, slip_x: Array, zones: Array, slip: Array, *, rigid: bool, sub_cell: bool = True
-) -> tuple[float, float]:
+    x: Array, slip_x: Array, zones: Array, slip: Array, slack: Array, *, rigid: bool,
+    sub_cell: bool = True,
+) -> tuple[float, float]:  # fmt: skip
     """Return the lengths over which a face slips one way from its leading and trailing edge [m].
 
     Parameters
     ----------
-    x, slip_x, zones, slip : (M,) arrays
-        Nodes [m], where the slips are taken [m], zones and slips of the face.
+    x, slip_x, zones, slip, slack : (M,) arrays
+        Nodes [m], where the slips are taken [m], zones and slips of the face, and the bound less
+        the traction's size [Pa].
     rigid : bool
         Whether the body behind the face is.
     sub_cell : bool
-        Follow the slip to where it is nil, so that lengths vary smoothly; else take the borders
-        half-way between nodes.
+        Place borders by slip and slack, so that lengths vary smoothly; else half-way between nodes.
 
     Returns
     -------
     (float, float)
         With the sign of the slip: > 0 where the web is the faster one; 0 where it sticks.
     """
+    runs = np.nonzero(zones[1:] != zones[:-1])[0] + 1  # the nodes where another zone begins
     first, last = int(zones[0]), int(zones[-1])
-    if first and (zones == first).all():
+    if not runs.size:
         whole = first * float(x[-1] - x[0])
         return whole, whole
+    face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))  # single numbers
 
-    def border(node: int, ahead: int, power: float) -> float:
+    def border(node: int, ahead: int, law: tuple[float, float]) -> float:
         if not sub_cell:
-            return 0.5 * (float(x[node]) + float(x[node - 1]))
+            return 0.5 * (face.x[node] + face.x[node - 1])
         if zones[node] * zones[node - 1] < 0:  # slip one way meets slip the other way
-            return _crossing(x, slip_x, slip, node)
-        return slip_begins(x, slip_x, slip, node, ahead, power)
+            return _crossing(face, node)
+        return _on_rigid(face, node, ahead) if rigid else stick_ends(face, node, ahead, *law)
 
     leading = trailing = 0.0
     if first:
-        leading = first * (border(int(np.argmax(zones != first)), -1, DYING) - float(x[0]))
+        leading = first * (border(int(runs[0]), -1, LEADING) - float(x[0]))
     if last:
-        node = zones.size - int(np.argmax(zones[::-1] != last))
-        trailing = last * (float(x[-1]) - border(node, 1, ON_RIGID if rigid else SETTING_IN))
+        trailing = last * (float(x[-1]) - border(int(runs[-1]), 1, TRAILING))
     return leading, trailing
 
 
-def _crossing(x: Array, slip_x: Array, slip: Array, node: int) -> float:
-    """Return where the slip changes its sign between ``node - 1`` and ``node``."""
-    v, w = float(slip[node - 1]), float(slip[node])
-    left, right = float(slip_x[node - 1]), float(slip_x[node])
-    at = left - v * (right - left) / (w - v) if w != v else float(x[node])
-    return min(max(at, float(x[node - 1])), float(x[node]))
+def _crossing(face: _Face, node: int) -> float:
+    """Return where the slip changes its sign between ``node - 1`` and ``node`` [m]."""
+    x, slip_x, slip, _ = face
+    (v, w), (left, right) = slip[node - 1 : node + 1], slip_x[node - 1 : node + 1]
+    at = left - v * (right - left) / (w - v) if w != v else x[node]
+    return min(max(at, x[node - 1]), x[node])
