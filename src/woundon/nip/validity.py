@@ -83,12 +83,9 @@ def _pressure(r: _Nip) -> Iterator[str]:
 
 
 def _surface(r: _Nip) -> Iterator[str]:
-    web = _web_strain(r)
-    # by the slips (thesis eq. 133); the roll's less that at the trailing edge
-    roll_strain = web - r.roll_slip - (web[-1] - r.roll_slip[-1])
     for name, body, traction, strain in (
-        ("roll", r.problem.roll, r.roll_traction, roll_strain),
-        ("drum", r.problem.drum, r.drum_traction, web + r.drum_creep - r.drum_slip),
+        ("roll", r.problem.roll, r.roll_traction, _roll_strain(r)),
+        ("drum", r.problem.drum, r.drum_traction, _drum_strain(r)),
     ):
         if body.rigid:
             continue
@@ -114,6 +111,17 @@ def _web_strain(r: _Nip) -> Array:
     c = web_compliance(web)
     strain = c.c11 / web.thickness * r.web_tension - c.c12 * r.pressure
     return np.interp(r.slip_x, r.x, strain)
+
+
+def _drum_strain(r: _Nip) -> Array:
+    """Return the drum's tangential surface strain in the nip, by its slip (thesis eq. 133)."""
+    return _web_strain(r) + r.drum_creep - r.drum_slip
+
+
+def _roll_strain(r: _Nip) -> Array:
+    """Return the roll's tangential surface strain less that at the trailing edge."""
+    strain = _web_strain(r) - r.roll_slip
+    return strain - strain[-1]
 
 
 def _web(r: _Nip) -> Iterator[str]:
