@@ -32,6 +32,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "gallery",
     "mathml",
+    "sizes",
     "tables",
 ]
 exclude_patterns = ["_build", "tables", "requirements.in", "thesis/figures/summary.md"]

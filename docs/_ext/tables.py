@@ -1,142 +1,222 @@
-"""Tables of names, symbols and units, made from the program's own: they cannot go out of date."""
+"""Tables of names, symbols, units and ranges, read off the program: they cannot go out of date."""
 
 from __future__ import annotations
 
+import ast
 import re
-from importlib import import_module
-from typing import Any
+from collections.abc import Iterable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from pkgutil import walk_packages
+from typing import Any, get_args
 
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-# symbol and sign of what the program names; the descriptions give name, unit and meaning
-_SYMBOLS = {
-    "thickness": "$2h$",
-    "roll_friction": r"$\mu^+$",
-    "drum_friction": r"$\mu^-$",
-    "friction": r"$\mu$",
-    "nip_load": "$P$",
-    "load": "$P$",
-    "winding_force": "$F$",
-    "web_tension": r"$T_\mathrm{in}$",
-    "tangential_load": "$Q$",
-    "creepage": r"$\xi$",
-    "radius": "$R$",
-    "core_radius": "$R_0$",
-    "radial": "$A_{rr}$",
-    "tangential": "$A_{tt}$",
-    "cross": "$A_{rt}$",
-    "shear": "$G$",
-    "youngs_modulus": "$E$",
-    "poissons_ratio": r"$\nu$",
-}
-_SIGNS = {
-    "nip_load": "> 0 presses",
-    "load": "> 0 presses",
-    "winding_force": "> 0 the drum brakes",
-    "web_tension": "> 0 pulls",
-    "nip_induced_tension": "> 0 tauter behind the nip",
-    "wound_on_tension": "> 0 pulls",
-    "approach": "> 0 closer",
-    "offset": "> 0 along +x",
-    "drum_creep": "> 0 unstrained web faster than drum",
-    "pressure": "> 0 presses",
-    "roll_traction": "> 0 drags the roll along +x",
-    "drum_traction": "> 0 drags the drum along +x",
-    "roll_slip": "> 0 web faster",
-    "drum_slip": "> 0 web faster",
-    "roll_zone": "+1 web faster",
-    "drum_zone": "+1 web faster",
-    "leading_roll": "> 0 web faster",
-    "trailing_roll": "> 0 web faster",
-    "dual": "> 0 web faster",
-    "creepage": "> 0 lower surface faster",
-    "tangential_load": "> 0 drags the upper roller along +x",
-    "traction": "> 0 drags the upper roller along +x",
-    "slip": "> 0 lower surface faster",
-    "zone": "+1 lower surface faster",
-}
+import woundon
+from woundon import kinds
+from woundon.errors import one_of
+from woundon.problems.fields import Family, bounds
+from woundon.problems.materials import MATERIALS
+from woundon.quantities import Place, Quantity, find, members_of, outputs, scalar_outputs, walk
+from woundon.show.figures import symbol_text, unit_of
 
-_GREEK = "delta|Delta|xi|mu|theta|eta"
+Rows = list[tuple[str, ...]]
 
 
-def _tex(symbol: str) -> str:
-    """Return a plain symbol ("T_out", "xi-") as TeX; words stay words."""
-    if not re.fullmatch(r"(2?[A-Za-z]|{0})(_\w+)?[+-]?|NIT".format(_GREEK), symbol):
-        return symbol
-    if symbol == "NIT":
-        return r"$\mathrm{NIT}$"
-    symbol = re.sub(rf"^({_GREEK})", r"\\\1", symbol)
-    symbol = re.sub(r"_(\w+)", r"_{\\mathrm{\1}}", symbol)
-    return "$" + re.sub(r"([+-])$", r"^{\1}", symbol) + "$"
-
-
-def _table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(header: tuple[str, ...], rows: Rows) -> str:
     lines = [header, tuple("---" for _ in header), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def _unit(unit: str) -> str:
-    return "" if unit in ("", "1") else unit
-
-
-class Quantities(SphinxDirective):
-    """``{quantities}``: the results' quantities, from woundon.quantities."""
+class Sections(SphinxDirective):
+    """Writes a section for each title and text that ``sections`` yields; without title the text."""
 
     def run(self) -> list[nodes.Node]:
-        table = import_module("woundon.quantities").QUANTITIES
-        rows = [
-            (_tex(q.symbol), f"`{name}`", _unit(q.unit), q.description, _SIGNS.get(name, ""))
-            for name, q in table.items()
-        ]
-        header = ("symbol", "name", "SI unit", "meaning", "sign")
-        return self.parse_text_to_nodes(_table(header, rows))
+        found: list[nodes.Node] = []
+        for title, text in self.sections():
+            parsed = self.parse_text_to_nodes(text)
+            if title:
+                section = nodes.section("", nodes.title(title, title), *parsed)
+                section["names"].append(nodes.fully_normalize_name(title))
+                self.state.document.note_implicit_target(section, section)
+                parsed = [section]
+            found += parsed
+        return found
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        raise NotImplementedError
 
 
-class Fields(SphinxDirective):
-    """``{fields} woundon.problems.NipProblem``: a description's fields, units and ranges."""
-
-    required_arguments = 1
-
-    def run(self) -> list[nodes.Node]:
-        module, _, name = self.arguments[0].rpartition(".")
-        fields: dict[str, Any] = getattr(import_module(module), name).model_fields
-        rows = []
-        for field, info in fields.items():
-            if field == "kind":
-                continue
-            extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-            default = "required" if info.is_required() else f"`{info.default}`"
-            unit = _unit(str(extra.get("unit", "")))
-            about = info.description or _type_name(info.annotation)
-            sign = _SIGNS.get(field, "")
-            rows.append((_SYMBOLS.get(field, ""), f"`{field}`", unit, about, sign, default))
-        header = ("symbol", "name", "SI unit", "meaning", "sign", "default")
-        return self.parse_text_to_nodes(_table(header, rows))
+# ---- inputs -------------------------------------------------------------------------------------
 
 
-def _type_name(annotation: Any) -> str:
-    found = re.findall(r"woundon\.\w+\.(\w+)", str(annotation))
-    return ", ".join(dict.fromkeys(f"`{name}`" for name in found)) or "one of its kinds"
+class Inputs(Sections):
+    """``{inputs}``: the fields of every kind of problem, then of what problems are made of."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        parts: dict[Any, None] = {}
+        for kind in kinds.every():
+            own = _heads(kind.problem)
+            parts |= {owner: None for place in own for owner in _nested(place)}
+            rows = [_input(place, "") for place in own]
+            yield kind.problem.__name__, f"{kind.about}\n\n{_table(_INPUT, rows)}"
+        for family, members in _families(parts).items():
+            yield family.__name__, _of_members(members)
 
 
-class Materials(SphinxDirective):
+_INPUT = ("symbol", "name", "SI unit", "usual", "admissible", "default", "meaning")
+
+
+def _heads(description: Any) -> list[Place]:
+    """Return the place of each of a description's own fields, those that hold others too."""
+    names = dict.fromkeys(place.path.partition(".")[0] for place in walk(description))
+    return [find(description, name)[0] for name in names]
+
+
+def _nested(place: Place) -> tuple[type, ...]:
+    return members_of(place.field.annotation)
+
+
+def _families(parts: Iterable[Any]) -> dict[Any, list[Any]]:
+    """Group descriptions, and those in them, by the open set that they belong to."""
+    waiting, found = list(parts), {}
+    for part in waiting:  # grows while it is walked
+        family = next((base for base in part.__mro__ if Family in base.__bases__), part)
+        if part not in found.setdefault(family, []):
+            found[family].append(part)
+            waiting += [model for place in _heads(part) for model in _nested(place)]
+    return found
+
+
+def _of_members(members: list[Any]) -> str:
+    """Return one table for all members of an open set."""
+    owners: dict[str, list[str]] = {}
+    places: dict[str, Any] = {}
+    for member in members:
+        for place in _heads(member):
+            owners.setdefault(place.path, []).append(f"`{member.__name__}`")
+            places.setdefault(place.path, place)
+    rows = [
+        _input(place, "" if len(owners[name]) == len(members) else ", ".join(owners[name]))
+        for name, place in places.items()
+    ]
+    known = ", ".join(f"`{member.__name__}`" for member in members)
+    return f"{known}.\n\n{_table(_INPUT, rows)}" if len(members) > 1 else _table(_INPUT, rows)
+
+
+def _input(place: Place, only: str) -> tuple[str, ...]:
+    """Return the row of a field; ``only`` names those that have it."""
+    field, quantity = place.field, place.quantity
+    about = quantity.meaning if quantity else field.description or ""
+    if inner := _nested(place):
+        about = ", ".join(filter(None, (about, one_of(f"`{m.__name__}`" for m in inner))))
+    elif quantity is None:
+        about = one_of(f"`{word}`" for word in get_args(field.annotation))
+    told = f"{about} ({only})" if only else about
+    default = "" if field.is_required() else _default(field.default, quantity)
+    if quantity is None:
+        return ("", f"`{place.name}`", "", "", "", default, told)
+    usual = _range(quantity, quantity.typical) if quantity.typical else ""
+    limits = _limits(field)
+    return (_tex(quantity), f"`{place.name}`", _unit(quantity), usual, limits, default, told)
+
+
+def _default(value: Any, quantity: Quantity | None) -> str:
+    if value is None:
+        return "`None`"
+    return _range(quantity, (value,)) if quantity else f"`{value}`"
+
+
+def _range(quantity: Quantity, ends: Iterable[float]) -> str:
+    """Return values in the unit for display, which is told where it is not the SI unit."""
+    unit = "" if _unit(quantity) == quantity.display else f" {unit_of(quantity)}"
+    return " to ".join(_number(quantity.shown(end)) for end in ends) + unit
+
+
+def _limits(field: Any) -> str:
+    """Return what is admissible in SI: "0 to 10", "> 0", "≥ 0, < 0.5"."""
+    known = [(sign, _number(end)) for sign, end in bounds(field)]
+    if [sign for sign, _ in known] == [">=", "<="]:
+        return " to ".join(end for _, end in known)
+    told = ", ".join(f"{sign} {end}" for sign, end in known)
+    return told.replace(">=", "≥").replace("<=", "≤")
+
+
+def _number(value: float) -> str:
+    """Return a number as it is said, 1e7 and not 1e+07."""
+    return re.sub(r"e([+-])0*", r"e\1", f"{value:.6g}").replace("e+", "e")
+
+
+def _unit(quantity: Quantity) -> str:
+    return "" if quantity.unit == "1" else quantity.unit
+
+
+def _tex(quantity: Quantity) -> str:
+    """Return the symbol as figures write it, the words in it upright."""
+    return symbol_text(quantity.symbol)
+
+
+# ---- outputs, materials, modules ----------------------------------------------------------------
+
+
+class Outputs(Sections):
+    """``{outputs}``: the outputs of every kind's result."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        header = ("symbol", "name", "SI unit", "as", "meaning")
+        for kind in kinds.every():
+            scalars = scalar_outputs(kind.result)
+            rows = [
+                (_tex(place.quantity), f"`{place.path}`", _unit(place.quantity),
+                 "number" if place.path in scalars else "array", place.quantity.meaning)
+                for place in outputs(kind.result)
+            ]  # fmt: skip
+            rows.sort(key=lambda row: row[3] == "array")
+            yield kind.result.__name__, _table(header, rows)
+
+
+class Materials(Sections):
     """``{materials}``: the library of named materials and their sources."""
 
-    def run(self) -> list[nodes.Node]:
-        library = import_module("woundon.materials").MATERIALS
+    def sections(self) -> Iterator[tuple[str, str]]:
         rows = []
-        for name, entry in library.items():
-            numbers = entry.material.model_dump(exclude={"kind"})
-            values = ", ".join(f"{key} {value:g}" for key, value in numbers.items())
-            rows.append((f"`{name}`", values, entry.source))
-        return self.parse_text_to_nodes(_table(("name", "values [SI]", "source"), rows))
+        for name, entry in MATERIALS.items():
+            told = (f"{_tex(q)} {_range(q, [value])}" for _, q, _, _, value in walk(entry.material))
+            rows.append((f"`{name}`", ", ".join(told), entry.source))
+        yield "", _table(("name", "values", "source"), rows)
+
+
+class Modules(Sections):
+    """``{modules}``: every module with the first sentence of its text, room by room."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        rooms: dict[str, Rows] = {"woundon": []}
+        for found in walk_packages(woundon.__path__, "woundon."):
+            room, _, name = found.name.rpartition(".")
+            about = _about(found.name)
+            if found.ispkg:
+                rooms[found.name] = [(f"**{name}/**", about)]
+            else:
+                rooms[room].append((f"`{name}`", about))
+        rows = [row for room in rooms.values() for row in room if row[0] != "`__main__`"]
+        yield "", _table(("module", "what it holds"), rows)
+
+
+def _about(module: str) -> str:
+    """Return the first paragraph of a module's text, read without importing it."""
+    spec = find_spec(module)
+    assert spec is not None
+    text = ast.get_docstring(ast.parse(Path(spec.origin).read_text("utf-8"))) or ""
+    line = " ".join(text.partition("\n\n")[0].split())
+    return re.sub(r":\w+:`[~.]*([^`]*)`", r"`\1`", line).replace("``", "`")
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the directives."""
-    app.add_directive("quantities", Quantities)
-    app.add_directive("fields", Fields)
+    app.add_directive("inputs", Inputs)
+    app.add_directive("outputs", Outputs)
     app.add_directive("materials", Materials)
+    app.add_directive("modules", Modules)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

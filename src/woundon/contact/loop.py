@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import exp, isnan, log, nan
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -41,6 +42,11 @@ ALGORITHMS: dict[str, FindZones] = {
     "pivoting": solve_stick_slip,
     "panagiotopoulos": panagiotopoulos,
 }
+
+# The C library returns freed memory to the system, a page fault for every 4 kB of the next matrix,
+# unless a block as large as this was freed before (glibc's dynamic thresholds): a tenth of the time
+# of a small contact.
+np.empty(1 << 20)
 
 
 class Tolerance(NamedTuple):
@@ -289,6 +295,7 @@ class Ladder:
         self.values: dict[str, float] = {}
         self.errors: dict[str, float] = {}
         self.solves = 0
+        self._missed = 0.0  # by how much a width carried to the last mesh missed, ln of loads
 
     # ---- ladders -------------------------------------------------------------------------------
 
@@ -370,7 +377,6 @@ class Ladder:
     def _tell(self) -> None:
         """Take the values of the last mesh, and tell their errors from the changes so far."""
         self.values = dict(self.history[-1])
-        nan = float("nan")
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
@@ -395,6 +401,7 @@ class Ladder:
 
     def _fitted(self, nodes: int) -> Mesh:
         assert isinstance(self.scheme, Graded)
+        self._missed = 0.0  # of a mesh that is no finer one of the same kind
         return self.scheme.fitted(self.level.borders(), nodes)
 
     def _step(self, mesh: Mesh, start: Start | None, tolerance: Tolerance | None = None) -> None:
@@ -417,6 +424,7 @@ class Ladder:
             contact.refuse(equations, state)
             a = state.half_width
             if step.imbalance <= tolerance.balance:
+                self._missed = 0.0 if start is None or start.level is None else step.missed
                 return Level(mesh, equations, state, contact.load, power)
         raise NotConverged(
             f"what the equations are linearised about did not settle in {MOST_PASSES} passes"
@@ -425,14 +433,15 @@ class Ladder:
     def _carried_over(self, start: Start, mesh: Mesh) -> float:
         """Return the half width to begin with: on each mesh the same load needs a little another.
 
-        By how much, a contact without friction tells to a tenth, at a tenth of the cost.
+        By how much, a contact without friction tells to a tenth, at a tenth of the cost.  What it
+        missed falls with the square of the cells.
         """
-        if start.frictionless is None:
-            return start.half_width
-        a, before = start.frictionless
-        now = self.contact.frictionless_load(mesh, a)
-        share = before / now if min(before, now) > 0 else 1.0
-        return float(start.half_width * share ** (1 / start.power))
+        ratio = exp(-self._missed / 4)
+        if start.frictionless is not None:
+            a, before = start.frictionless
+            now = self.contact.frictionless_load(mesh, a)
+            ratio *= before / now if min(before, now) > 0 else 1.0
+        return float(start.half_width * ratio ** (1 / start.power))
 
     def _frictionless(self, mesh: Mesh) -> tuple[float, float]:
         """Return the half width that carries the load without friction, and its power."""
@@ -461,6 +470,7 @@ class _Step:
     ) -> None:
         self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
         self.tolerance, self.imbalance = tolerance, float("inf")
+        self.missed = nan  # ln of the load carried at first over that asked
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
         """Return equations, state and carried load for the half width a [m]."""
@@ -471,7 +481,10 @@ class _Step:
             if self.imbalance <= self.tolerance.balance:
                 break
             equations, state = self._linear(a)
-        return (equations, state), float(equations.carried(state))
+        carried = float(equations.carried(state))
+        if isnan(self.missed):
+            self.missed = log(carried / contact.load) if carried > 0 else 0.0
+        return (equations, state), carried
 
     def _linear(self, a: float) -> tuple[Any, Any]:
         """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
@@ -511,5 +524,5 @@ def _told_error(values: Sequence[float], weights: tuple[float, float] = ERROR_WE
     """Estimate the last value's error from the last two changes; nan from a single value."""
     changes = [abs(b - a) for a, b in pairwise(values)][::-1]
     if len(changes) < 2:
-        return changes[0] if changes else float("nan")
+        return changes[0] if changes else nan
     return weights[0] * changes[0] + weights[1] * changes[1]

@@ -12,7 +12,6 @@ where slope and strain, what the linearisation leaves at zero tractions, are nil
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -118,7 +117,7 @@ class Response:
         self.slope, self.strain = slope, strain
         self.terms, self.truncation_error = terms, truncation_error
 
-    @cached_property
+    @property  # not kept: they are asked for once, and fill the processor's memory
     def gradients(self) -> Gradients:
         """slope_p, slope_q, strain_p, strain_q, (K, n) each."""
         return self._gradients() if callable(self._gradients) else self._gradients
@@ -146,5 +145,4 @@ class Response:
     @classmethod
     def none(cls, grid: ContactGrid) -> Response:
         """Return the response of a body that does not deform."""
-        zero = np.zeros((grid.points.size, grid.columns.size))
-        return cls((zero, zero, zero, zero))
+        return cls(lambda: (np.zeros((grid.points.size, grid.columns.size)),) * 4)

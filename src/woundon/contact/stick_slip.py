@@ -138,14 +138,15 @@ class StickSlip:
 
     @cached_property
     def _made(self) -> _System:
-        """The system asked for last, the border that no state changes written."""
-        m, bordered, unknown = self.friction.size, self.creep is not None, 9
-        matrix, right = np.zeros((m + bordered, m + bordered)), np.empty(m + bordered)
+        """The system asked for last; to begin with, that of all nodes in stick."""
+        m, bordered = self.friction.size, self.creep is not None
+        matrix, right = np.empty((m + bordered, m + bordered)), np.empty(m + bordered)
+        matrix[:m, :m], right[:m] = self.stick_matrix, -self.stick_offset
         if self.creep is not None and self.resultant is not None:
             unit = self.scale / float(np.max(np.abs(self.resultant)))
-            matrix[m, :m] = unit * self.resultant
-            right[m] = unit * self.force
-        return _System(np.full(m, unknown, dtype=np.int8), matrix, right)
+            matrix[:m, m], matrix[m, m] = self.scale * self.creep, 0.0
+            matrix[m, :m], right[m] = unit * self.resultant, unit * self.force
+        return _System(np.zeros(m, dtype=np.int8), matrix, right)
 
     def _write_rows(self, made: _System, rows: Array) -> None:
         """Write the laws of some nodes: v = 0 in stick, q = s mu p in slip."""
@@ -154,17 +155,12 @@ class StickSlip:
         made.matrix[stuck, :m] = self.stick_matrix[stuck]
         made.right[stuck] = -self.stick_offset[stuck]
         sign = scale * made.state[slips]
-        bound = self._pressure_rows[slips % self.pressure.size]
+        bound = self.pressure_response[slips % self.pressure.size]
         made.matrix[slips, :m] = (-sign * self.friction[slips])[:, None] * bound
         made.matrix[slips, slips] += scale
         made.right[slips] = sign * self.bound_offset[slips]
         if self.creep is not None:
             made.matrix[stuck, m], made.matrix[slips, m] = scale * self.creep[stuck], 0.0
-
-    @cached_property
-    def _pressure_rows(self) -> Array:
-        """K with its rows in one piece each, for they are gathered."""
-        return np.ascontiguousarray(self.pressure_response)
 
     def solve(self, state: Array) -> StickSlipSolution:
         """Solve the linear system of one state."""

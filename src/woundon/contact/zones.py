@@ -31,12 +31,12 @@ def zone_runs(x: Array, zones: Array) -> list[tuple[int, float, float]]:
 
 
 class _Face(NamedTuple):
-    """Nodes, where the slips are taken [m], slips, and slacks mu p - |q| [Pa], (M,) each."""
+    """Nodes, where the slips are taken [m], slips, and slacks mu p - |q| [Pa], M each."""
 
-    x: Array
-    slip_x: Array
-    slip: Array
-    slack: Array
+    x: list[float]
+    slip_x: list[float]
+    slip: list[float]
+    slack: list[float]
 
 
 def stick_ends(face: _Face, node: int, ahead: int, power: float, share: float) -> float:
@@ -60,18 +60,18 @@ def stick_ends(face: _Face, node: int, ahead: int, power: float, share: float) -
     stuck, near = (node - 1, node) if ahead == 1 else (node, node - 1)
     far, deep = near + ahead, stuck - ahead
     # at the leading edge the slip of the first cell stands twice
-    if min(far, deep) < 0 or max(far, deep) >= x.size or slip_x[far] == slip_x[near]:
-        return 0.5 * float(x[node] + x[node - 1])
+    if min(far, deep) < 0 or max(far, deep) >= len(x) or slip_x[far] == slip_x[near]:
+        return 0.5 * (x[node] + x[node - 1])
     past = _steps_from_nil(abs(slip[near]), abs(slip[far]), power)
     left = _steps_from_nil(max(slack[stuck], 0.0), slack[deep], power)
-    begins, ends = (float(slip_x[k] + share * (x[k] - slip_x[k])) for k in (near, stuck))
+    begins, ends = (slip_x[k] + share * (x[k] - slip_x[k]) for k in (near, stuck))
     return begins - (begins - ends) * (past / (past + left) if past + left else 0.5)
 
 
 def _steps_from_nil(value: float, following: float, power: float) -> float:
     """Return how many steps a value is from nil that grows with a power of the distance."""
     most = FARTHEST**power * following
-    part = float(value / following) ** (1 / power) if value < most else FARTHEST
+    part = (value / following) ** (1 / power) if value < most else FARTHEST
     return part / (1 - part)
 
 
@@ -83,11 +83,11 @@ def _on_rigid(face: _Face, node: int, ahead: int) -> float:
     x, slip_x, slip, _ = face
     near = node if ahead == 1 else node - 1
     far = near + ahead
-    border = 0.5 * float(x[node] + x[node - 1])
-    if not 0 < far < x.size - 1:
+    border = 0.5 * (x[node] + x[node - 1])
+    if not 0 < far < len(x) - 1:
         return border
-    v, w = abs(float(slip[near])), abs(float(slip[far]))
-    at, beyond, stick = (float(slip_x[k]) for k in (near, far, near - ahead))
+    v, w = abs(slip[near]), abs(slip[far])
+    at, beyond, stick = slip_x[near], slip_x[far], slip_x[near - ahead]
     if w <= v:
         return border
     root = at - v * (beyond - at) / (w - v)
@@ -115,31 +115,31 @@ def slip_lengths(
     (float, float)
         With the sign of the slip: > 0 where the web is the faster one; 0 where it sticks.
     """
+    runs = np.nonzero(zones[1:] != zones[:-1])[0] + 1  # the nodes where another zone begins
     first, last = int(zones[0]), int(zones[-1])
-    if first and (zones == first).all():
+    if not runs.size:
         whole = first * float(x[-1] - x[0])
         return whole, whole
-    face = _Face(x, slip_x, slip, slack)
+    face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))  # single numbers
 
     def border(node: int, ahead: int, law: tuple[float, float]) -> float:
         if not sub_cell:
-            return 0.5 * float(x[node] + x[node - 1])
+            return 0.5 * (face.x[node] + face.x[node - 1])
         if zones[node] * zones[node - 1] < 0:  # slip one way meets slip the other way
-            return _crossing(x, slip_x, slip, node)
+            return _crossing(face, node)
         return _on_rigid(face, node, ahead) if rigid else stick_ends(face, node, ahead, *law)
 
     leading = trailing = 0.0
     if first:
-        leading = first * (border(int(np.argmax(zones != first)), -1, LEADING) - float(x[0]))
+        leading = first * (border(int(runs[0]), -1, LEADING) - float(x[0]))
     if last:
-        node = zones.size - int(np.argmax(zones[::-1] != last))
-        trailing = last * (float(x[-1]) - border(node, 1, TRAILING))
+        trailing = last * (float(x[-1]) - border(int(runs[-1]), 1, TRAILING))
     return leading, trailing
 
 
-def _crossing(x: Array, slip_x: Array, slip: Array, node: int) -> float:
-    """Return where the slip changes its sign between ``node - 1`` and ``node``."""
-    v, w = float(slip[node - 1]), float(slip[node])
-    left, right = float(slip_x[node - 1]), float(slip_x[node])
-    at = left - v * (right - left) / (w - v) if w != v else float(x[node])
-    return min(max(at, float(x[node - 1])), float(x[node]))
+def _crossing(face: _Face, node: int) -> float:
+    """Return where the slip changes its sign between ``node - 1`` and ``node`` [m]."""
+    x, slip_x, slip, _ = face
+    (v, w), (left, right) = slip[node - 1 : node + 1], slip_x[node - 1 : node + 1]
+    at = left - v * (right - left) / (w - v) if w != v else x[node]
+    return min(max(at, x[node - 1]), x[node])

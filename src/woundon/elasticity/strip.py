@@ -11,6 +11,7 @@ with the plane-strain compliances of the web's own material.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 __all__ = ["Compliance", "compliance"]
@@ -24,6 +25,7 @@ class Compliance(NamedTuple):
     c22: float
 
 
+@lru_cache  # asked for a dozen times in every solve
 def compliance(A_rr: float, A_tt: float, A_rt: float) -> Compliance:
     """Return the inverse of the plane-strain stiffness [1/Pa]; c12 <= 0 for A_rt >= 0."""
     det = A_rr * A_tt - A_rt**2

@@ -40,6 +40,7 @@ Array = np.ndarray
 
 DEFAULT_RTOL = 1e-3  # where neither nodes nor rtol are given: double 65 nodes until below it, ...
 DEFAULT_MOST_NODES = 257  # ... but not beyond these; the error is told in any case
+SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
 
@@ -175,6 +176,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     gained = from_edge(arrays["roll_traction"] + arrays["drum_traction"], arrays["x"])
     whole, T_in = _whole(level), problem.web_tension
     NIT = ladder.values["nip_induced_tension"]
+    told: dict[str, Any] = {name: ladder.history[-1][name] for name in ("drum_creep", *SLIP_RATIOS)}
     result = NipResult(
         problem=problem,
         nip_induced_tension=NIT,
@@ -184,8 +186,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
             problem, made, state, web_compliance(problem.web).c12 * (T_in + whole)
         ),
         offset=state.shift * problem.contact_radius,
-        drum_creep=_drum_creep(problem, state, whole),
-        **slip_ratios(problem, arrays, sub_cell=scheme.refines),
+        **told,
         **arrays,
         web_tension=T_in + gained,
         residuals=Residuals(),
@@ -253,11 +254,7 @@ def slip_ratios(
     )  # fmt: skip
     width = float(x[-1] - x[0])
     dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
-    return {
-        "leading_roll": leading / width,
-        "trailing_roll": trailing / width,
-        "dual": dual / width,
-    }
+    return dict(zip(SLIP_RATIOS, (leading / width, trailing / width, dual / width), strict=True))
 
 
 def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:

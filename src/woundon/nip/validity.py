@@ -136,9 +136,10 @@ def _web(r: _Nip) -> Iterator[str]:
 
 def _numerics(r: _Nip) -> Iterator[str]:
     for face, zones in (("roll", r.roll_zone), ("drum", r.drum_zone)):
-        ends = np.concatenate([[0], np.nonzero(np.diff(zones[1:-1]))[0] + 1, [zones.size - 2]])
-        for first, last in pairwise(ends):
-            count, width = int(last - first), float(r.x[last + 1] - r.x[first])
+        inner = zones[1:-1]
+        borders = (np.nonzero(inner[1:] != inner[:-1])[0] + 1).tolist()
+        for first, last in pairwise([0, *borders, inner.size]):
+            count, width = last - first, float(r.x[last + 1] - r.x[first])
             # a narrower zone, mostly at the very edge, cannot move NIT beyond its stated error
             if count < FEW_NODES and width > NARROW_ZONE * 2 * r.half_width:
                 zone = Zone(int(zones[first + 1])).name.lower()
