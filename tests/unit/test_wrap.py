@@ -56,7 +56,7 @@ def test_wraps_are_fields_of_the_problem_not_options_beside_it():
     for name, value in options.items():
         with pytest.raises(wo.InvalidProblem, match=f"{name}: {value} is given beside a Wrapped"):
             wo.solve_wrapped_nip(wrapped, **{name: value})
-    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: 3\.14"):  # also where it is the default
+    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: 3\.14"):
         wo.solve_wrapped_nip(wrapped, roll_wrap=pi)
     # a force that the nip alone cannot carry is the wrap's, and cannot be confined
     carried = wrapped.replace(winding_force=790.0)
