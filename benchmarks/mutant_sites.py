@@ -112,10 +112,13 @@ def certificate_sites(source: str, certificates: str) -> list[Site]:
     ----------
     source : str
     certificates : str
-        Pattern of the names of the classes that hold residuals, a keyword for each law.
+        Pattern of the names of the classes that hold residuals, a keyword for each law.  A function
+        ``..._laws`` returns some of these as a dict.
     """
     walk = _Walk(source)
     for call in ast.walk(ast.parse(source)):
+        if isinstance(call, ast.FunctionDef) and call.name.endswith("_laws"):
+            walk.add_laws_returned(call)
         if not isinstance(call, ast.Call) or not re.fullmatch(certificates, _name(call.func)):
             continue
         zero, laws = ast.Constant(0.0), [word for word in call.keywords if word.arg]
@@ -147,6 +150,15 @@ class _Walk(ast.NodeVisitor):
         texts.pop(_text(node), None)
         if texts:
             self.sites.append(Site(operator, start, end, self.reach, tuple(texts)))
+
+    def add_laws_returned(self, function: ast.FunctionDef) -> None:
+        """Note each value of the dict that a function returns."""
+        for node in ast.walk(function):
+            if isinstance(node, ast.Return) and isinstance(node.value, ast.Dict):
+                self.reach = (node.lineno, node.end_lineno or node.lineno)
+                for law, value in zip(node.value.keys, node.value.values, strict=True):
+                    name = getattr(law, "value", "")
+                    self.add(f"law {name} of {function.name}", value, [ast.Constant(0.0)])
 
     # statements: what a test must execute to reach them
 
