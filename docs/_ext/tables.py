@@ -66,7 +66,7 @@ class Inputs(Sections):
             yield family.__name__, _of_members(members)
 
 
-_INPUT = ("symbol", "name", "SI unit", "usual", "admissible", "default", "meaning")
+_INPUT = ("symbol", "name", "SI unit", "meaning", "usual", "admissible", "default")
 
 
 def _heads(description: Any) -> list[Place]:
@@ -117,10 +117,10 @@ def _input(place: Place, only: str) -> tuple[str, ...]:
     told = f"{about} ({only})" if only else about
     default = "" if field.is_required() else _default(field.default, quantity)
     if quantity is None:
-        return ("", f"`{place.name}`", "", "", "", default, told)
+        return ("", f"`{place.name}`", "", told, "", "", default)
     usual = _range(quantity, quantity.typical) if quantity.typical else ""
     limits = _limits(field)
-    return (_tex(quantity), f"`{place.name}`", _unit(quantity), usual, limits, default, told)
+    return (_tex(quantity), f"`{place.name}`", _unit(quantity), told, usual, limits, default)
 
 
 def _default(value: Any, quantity: Quantity | None) -> str:
