@@ -8,7 +8,7 @@ A result's outputs are its fields and properties that carry a
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from enum import IntEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
@@ -17,7 +17,7 @@ import numpy as np
 
 from . import kinds
 from .errors import NotConverged
-from .quantities import Quantity, pure, walk
+from .quantities import Quantity, pure, scalar_outputs, value_of
 
 if TYPE_CHECKING:
     import xarray
@@ -41,6 +41,8 @@ class Residuals:
     Pressures and tractions are measured by the largest pressure (times mu for the tractions),
     slips by the largest slope of the gap, loads by the load.
     """
+
+    __slots__ = ("_laws",)
 
     def __init__(self, **laws: float) -> None:
         self._laws = MappingProxyType({law: float(value) for law, value in laws.items()})
@@ -185,12 +187,14 @@ class Result:
         return kinds.fetch("woundon.show.report:report_text")(self)
 
     def __repr__(self) -> str:
-        scalars = (p for p in walk(self) if isinstance(p.value, float) and p.quantity is not None)
-        told = []
-        for place in list(scalars)[:3]:
-            assert place.quantity is not None
-            shown = place.quantity.shown(place.value)
-            told.append(f"{place.path}={shown:.5g} {place.quantity.display}".strip())
+        known, told = scalar_outputs(self), []
+        del known["residual"]  # told last
+        for name in dict.fromkeys((*filter(known.get, self.MAIN), *known)):
+            value = value_of(self, name)
+            if isinstance(value, float) and value == value:
+                told.append(f"{name}={known[name].shown(value):.5g} {known[name].display}".strip())
+            if len(told) == 3:
+                break
         return f"{type(self).__name__}({', '.join(told)}, residual={self.residual:.1e})"
 
     def __eq__(self, other: object) -> bool:
@@ -204,7 +208,12 @@ class Result:
     __hash__ = object.__hash__
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "errors": dict(self.errors)}
+        # as in a file: a mesh, with its matrices a hundred times the rest, is made anew when needed
+        made_anew = {
+            part.name: part.default for part in fields(self)
+            if not part.metadata.get("saved", True) and part.default is not MISSING
+        }  # fmt: skip
+        return {**self.__dict__, "errors": dict(self.errors), **made_anew}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

@@ -34,6 +34,8 @@ Array = np.ndarray
 # what loads body 1 and body 2; those that are not linear are linearised about it
 About = tuple[Tractions, Tractions] | None
 
+GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
+
 
 @dataclass(frozen=True, eq=False)
 class PairState:
@@ -261,3 +263,13 @@ class PairContact:
         if "tension" in name:
             return max(abs(value), 0.01 * self.problem.roll_friction * self.problem.nip_load)
         return abs(value)
+
+    def grain(self, name: str, mesh: Mesh) -> float:
+        """Return what a mesh leaves of an output that changes between meshes need not show.
+
+        A zone may be shorter than the cells at the edge, and borders may fall alike between the
+        nodes of two meshes: without this a tenth of slip ratios is off by more than 1.5 estimates.
+        """
+        if name not in ("leading_roll", "trailing_roll", "dual"):
+            return 0.0
+        return GRAIN * float(np.max(mesh.grid.cells)) / 2

@@ -24,21 +24,11 @@ NIP = {
 ROLLERS = {
     "half_width", "nip_width", "peak_pressure", "offset", "tangential_load", "creepage"
 }  # fmt: skip
-RATIOS = ("leading_roll", "trailing_roll", "dual")
 SEEDS = range(300, 325)
 
 
-def floor(result: Result, name: str, reference: float) -> float:
-    """Return what the told error of an output need not cover.
-
-    A zone's border lies somewhere in a cell, which a change between meshes may miss by chance, and
-    a zone shorter than the cells at the edge is not seen at all: a quarter of the widest cell,
-    0.6 % of the nip width on 65 nodes.  Other outputs: coarse meshes are solved to 1e-4 of the
-    load, so that changes of 2e-6 tell nothing.
-    """
-    if name in RATIOS:
-        return float(np.diff(result.x[result.in_nip]).max() / (8 * result.half_width))
-    return 2e-6 * abs(reference)
+# coarse meshes are solved to 1e-4 of the load: changes between them of 2e-6 tell nothing
+ROUNDING = 2e-6
 
 
 def misses(pairs: list[tuple[Result, Result]], name: str) -> np.ndarray:
@@ -46,7 +36,7 @@ def misses(pairs: list[tuple[Result, Result]], name: str) -> np.ndarray:
     out = []
     for result, reference in pairs:
         value, known = getattr(result, name), getattr(reference, name)
-        beyond = max(abs(value - known) - floor(result, name, known), 0.0)
+        beyond = max(abs(value - known) - ROUNDING * abs(known), 0.0)
         out.append(beyond / result.errors[name] if beyond else 0.0)
     return np.array(out)
 
@@ -67,9 +57,8 @@ def nips() -> list[tuple[Result, Result]]:
 def test_of_nips(nips: list[tuple[Result, Result]], name: str) -> None:
     # of 25 cases with a chance of 5 % each more than 3 lie outside in one of thirty draws
     assert np.count_nonzero(misses(nips, name) > 1.5) <= 3
-    # an error many times too large would be true as well, and of no use; slip ratios change in
-    # steps, so that most are either much or nothing
-    assert name in RATIOS or 1 < told_over_true(nips, name) < 12
+    # an error many times too large would be true as well, and of no use
+    assert 1 < told_over_true(nips, name) < 15
 
 
 @pytest.fixture(scope="module")
@@ -153,6 +142,14 @@ def test_what_is_one_number_twice_has_one_error(nips, wrapped, rollers) -> None:
         assert result.wound_on_tension_error == result.errors["wound_on_tension"]
 
 
+def test_slip_ratios_are_never_known_for_certain(nips, wrapped) -> None:  # type: ignore[no-untyped-def]
+    """A zone shorter than the cells at the edge shows on no mesh before: 2 % of the widest cell."""
+    for result, _ in nips + wrapped:
+        grain = 0.02 * np.diff(result.x[result.in_nip]).max() / result.nip_width
+        for name in ("leading_roll", "trailing_roll", "dual"):
+            assert result.errors[name] >= grain * (1 - 1e-12)
+
+
 def test_one_mesh_alone_tells_none() -> None:
     for result in (
         wo.solve_nip(newsprint_nip(), nodes=17),
@@ -171,9 +168,9 @@ def test_what_is_not_extrapolated_tells_what_the_extrapolation_adds() -> None:
     assert result.web_tension[-1] == pytest.approx(
         result.tension_behind_nip - result.extrapolation, rel=1e-12
     )
-    for name in NIP - {"dual"}:
+    for name in NIP:
         miss = abs(getattr(result, name) - getattr(best, name))
-        assert miss <= 1.5 * result.errors[name] + floor(result, name, getattr(best, name)), name
+        assert miss <= 1.5 * result.errors[name] + ROUNDING * abs(getattr(best, name)), name
     assert best.nip_induced_tension_error < result.nip_induced_tension_error
 
 

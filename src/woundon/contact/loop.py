@@ -174,6 +174,10 @@ class Contact(Protocol):
         """Return what relative errors of a scalar are measured by."""
         ...
 
+    def grain(self, name: str, mesh: Mesh) -> float:
+        """Return what a mesh leaves of a scalar that changes between meshes need not show."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class Start:
@@ -354,7 +358,9 @@ class Ladder:
         One that is not itself extrapolated is farther off by what the extrapolation would add.
         """
         return {
-            name: error + abs(getattr(result, name) - self.values[name])
+            name: error
+            + abs(getattr(result, name) - self.values[name])
+            + self.contact.grain(name, self.level.mesh)
             for name, error in self.errors.items()
         }
 

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
+from ..contact.response import Response
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..quantities import walk
@@ -156,7 +157,9 @@ class _Differential:
         self.result, self.problem, self.mesh = result, problem, mesh_of(result)
         self.n = self.mesh.unknowns
         self.here = NipMatrices.at(problem, self.mesh, a)
-        self.bodies = dict(zip(problem.pair, self.here.responses, strict=True))
+        # integrated once for all fields
+        made = (Response(response.gradients) for response in self.here.responses)
+        self.bodies = dict(zip(problem.pair, made, strict=True))
         traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
         c11 = web_compliance(problem.web).c11

@@ -83,12 +83,9 @@ def _pressure(r: _Nip) -> Iterator[str]:
 
 
 def _surface(r: _Nip) -> Iterator[str]:
-    web = _web_strain(r)
-    # by the slips (thesis eq. 133); the roll's less that at the trailing edge
-    roll_strain = web - r.roll_slip - (web[-1] - r.roll_slip[-1])
     for name, body, traction, strain in (
-        ("roll", r.problem.roll, r.roll_traction, roll_strain),
-        ("drum", r.problem.drum, r.drum_traction, web + r.drum_creep - r.drum_slip),
+        ("roll", r.problem.roll, r.roll_traction, _roll_strain(r)),
+        ("drum", r.problem.drum, r.drum_traction, _drum_strain(r)),
     ):
         if body.rigid:
             continue
@@ -116,6 +113,17 @@ def _web_strain(r: _Nip) -> Array:
     return np.interp(r.slip_x, r.x, strain)
 
 
+def _drum_strain(r: _Nip) -> Array:
+    """Return the drum's tangential surface strain in the nip, by its slip (thesis eq. 133)."""
+    return _web_strain(r) + r.drum_creep - r.drum_slip
+
+
+def _roll_strain(r: _Nip) -> Array:
+    """Return the roll's tangential surface strain less that at the trailing edge."""
+    strain = _web_strain(r) - r.roll_slip
+    return strain - strain[-1]
+
+
 def _web(r: _Nip) -> Iterator[str]:
     slackest = float(np.min(r.web_tension))
     if slackest < 0:
@@ -128,9 +136,10 @@ def _web(r: _Nip) -> Iterator[str]:
 
 def _numerics(r: _Nip) -> Iterator[str]:
     for face, zones in (("roll", r.roll_zone), ("drum", r.drum_zone)):
-        ends = np.concatenate([[0], np.nonzero(np.diff(zones[1:-1]))[0] + 1, [zones.size - 2]])
-        for first, last in pairwise(ends):
-            count, width = int(last - first), float(r.x[last + 1] - r.x[first])
+        inner = zones[1:-1]
+        borders = (np.nonzero(inner[1:] != inner[:-1])[0] + 1).tolist()
+        for first, last in pairwise([0, *borders, inner.size]):
+            count, width = last - first, float(r.x[last + 1] - r.x[first])
             # a narrower zone, mostly at the very edge, cannot move NIT beyond its stated error
             if count < FEW_NODES and width > NARROW_ZONE * 2 * r.half_width:
                 zone = Zone(int(zones[first + 1])).name.lower()

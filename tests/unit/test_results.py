@@ -1,0 +1,224 @@
+"""Results: immutable, equal to their copies, small when sent elsewhere, told in one line."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from dataclasses import FrozenInstanceError, dataclass, fields
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+import pytest
+from thesis_cases import newsprint_nip
+
+import woundon as wo
+from woundon.quantities import length, pure, strain
+
+KINDS = ("nip", "wrapped", "rollers")
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, wo.Result]:
+    return {
+        "nip": wo.solve_nip(newsprint_nip(), nodes=33),
+        "wrapped": wo.solve(newsprint_nip().wrapped(), nodes=33),
+        "rollers": wo.solve(wo.RollerProblem.example(), nodes=33),
+    }
+
+
+def arrays(result: wo.Result) -> dict[str, np.ndarray]:
+    values = {part.name: getattr(result, part.name) for part in fields(result)}
+    return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+
+
+def as_sent(result: Any) -> Any:
+    return pickle.loads(pickle.dumps(result))
+
+
+# ---- immutable ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("made", [lambda r: r, copy.copy, copy.deepcopy, as_sent,
+                                  lambda r: r.replace(warnings=())])  # fmt: skip
+def test_nothing_of_a_result_can_be_written_to(results, kind: str, made) -> None:  # type: ignore[no-untyped-def]
+    result = made(results[kind])
+    assert len(arrays(result)) >= 6
+    for name, values in arrays(result).items():
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = values[1]
+        with pytest.raises(FrozenInstanceError):
+            setattr(result, name, values)
+    with pytest.raises(FrozenInstanceError):
+        result.half_width = 1.0
+    with pytest.raises(TypeError):
+        result.errors["half_width"] = 0.0
+    with pytest.raises(AttributeError):
+        result.residuals.stick = 0.0  # type: ignore[misc]
+    with pytest.raises(AttributeError):
+        result.residuals.new_law = 0.0  # type: ignore[misc]
+
+
+# ---- equal --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("made", [copy.copy, copy.deepcopy, as_sent, lambda r: r.replace()])
+def test_copies_are_equal(results, kind: str, made) -> None:  # type: ignore[no-untyped-def]
+    result, again = results[kind], made(results[kind])
+    assert again is not result
+    assert again == result
+    assert result == again
+    assert dict(again.errors) == pytest.approx(dict(result.errors), nan_ok=True, abs=0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_field_counts(results, kind: str) -> None:
+    result = results[kind]
+    assert result != 3
+    assert result != results[KINDS[KINDS.index(kind) - 1]]
+    assert result == wo.solve(result.problem, nodes=33)  # the same bits in every run
+    changed: dict[str, Any] = {
+        "problem": type(result.problem).example().replace(**_other_load(result.problem)),
+        "residuals": result.residuals.replace(stick=1e-3),
+        "errors": {**result.errors, "half_width": 1.0},
+        "warnings": ("other",),
+    }
+    for part in fields(result):
+        if not part.compare:
+            continue
+        value = getattr(result, part.name)
+        if part.name in changed:
+            other = changed[part.name]
+        elif isinstance(value, np.ndarray):
+            other = value.copy()
+            other[3] = 7
+        elif isinstance(value, float):
+            other = 1.0 if math.isnan(value) else math.nextafter(value, math.inf)
+        else:
+            other = f"{value}x" if isinstance(value, str) else value + 1
+        assert result.replace(**{part.name: other}) != result, part.name
+
+
+def _other_load(problem: Any) -> dict[str, float]:
+    return {"load": 88e3} if isinstance(problem, wo.RollerProblem) else {"nip_load": 3000.0}
+
+
+def test_nan_is_equal_to_nan(results) -> None:  # type: ignore[no-untyped-def]
+    rollers = results["rollers"]
+    assert math.isnan(rollers.shift)  # rolling
+    assert rollers == rollers.replace(shift=float("nan"))
+    assert rollers != rollers.replace(shift=0.0)
+    wrapped = results["wrapped"]
+    assert np.isnan(wrapped.drum_slip).any()
+    assert wrapped == wrapped.replace(drum_slip=wrapped.drum_slip.copy())
+    assert wrapped != wrapped.replace(drum_slip=np.nan_to_num(wrapped.drum_slip))
+
+
+# ---- sent elsewhere -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_pickle_holds_what_a_file_does_and_no_matrices(results, kind: str) -> None:
+    result = results[kind]
+    numbers = sum(values.nbytes for values in arrays(result).values())
+    # the arrays, and a few thousand bytes of problem and names; the mesh alone would be 140 kB
+    assert len(pickle.dumps(result)) < numbers + 8000
+    again = as_sent(result)
+    assert again.mesh is None
+    # made anew from the nodes where it is asked for; these are known to rounding
+    laws = dict(again.certified().items())
+    assert laws == pytest.approx(dict(result.certified().items()), abs=1e-10)
+    assert again.checked() is again
+
+
+def test_what_needs_the_mesh_works_on_what_was_sent(results) -> None:  # type: ignore[no-untyped-def]
+    result, again = results["nip"], as_sent(results["nip"])
+    slopes, theirs = result.sensitivity(), again.sensitivity()
+    # forward differences of matrices, good to 1e-6
+    np.testing.assert_allclose(theirs.derivatives, slopes.derivatives, rtol=1e-5, atol=1e-12)
+    assert again.wound_on_tension_estimate() == result.wound_on_tension_estimate()
+    assert str(again) == str(result)
+
+
+# ---- told ---------------------------------------------------------------------------------------
+
+
+def test_one_line_tells_the_main_outputs_first(results) -> None:  # type: ignore[no-untyped-def]
+    assert repr(results["nip"]).startswith("NipResult(nip_induced_tension=258.")
+    assert repr(results["wrapped"]).startswith("WrappedNipResult(wound_on_tension=69")
+    assert repr(results["rollers"]).startswith("RollerResult(creepage=0.014")
+    for result in results.values():
+        line = repr(result)
+        assert "\n" not in line
+        assert len(line) < 120
+        assert f"residual={result.residual:.1e})" in line
+        assert "nan" not in line
+        assert line.count("=") == 4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class _Bar(wo.Result):
+    """A result from outside: a main output that is a property, one that cannot be told."""
+
+    MAIN: ClassVar[tuple[str, ...]] = ("depth",)
+
+    x: Annotated[np.ndarray, length("x", "places")]
+    count: Annotated[int, pure("n", "how many")] = 3
+    width: Annotated[float, length("w", "width")] = 2e-3
+    height: Annotated[float, length("h", "height")] = math.nan
+    share: Annotated[float, strain("s", "share")] = 0.25
+
+    @property
+    def depth(self) -> Annotated[float, length("d", "depth", "um")]:
+        return 2.5e-5
+
+    @property
+    def late(self) -> Annotated[float, length("l", "behind the first three")]:
+        raise AssertionError("one line asks for no more than it tells")
+
+
+def test_one_line_of_any_result() -> None:
+    result = _Bar(problem=None, residuals=wo.Residuals(law=0.5), x=np.zeros(2))
+    assert repr(result) == "_Bar(depth=25 um, width=2 mm, share=25 %, residual=5.0e-01)"
+
+
+# ---- certificates -------------------------------------------------------------------------------
+
+
+def test_residuals() -> None:
+    laws = wo.Residuals(stick=1e-12, load=3e-9)
+    assert (laws.stick, laws.load) == (1e-12, 3e-9)
+    assert list(laws.items()) == [("stick", 1e-12), ("load", 3e-9)]
+    assert (laws.largest, laws.worst) == (3e-9, "load")
+    assert laws.replace(stick=1.0) == wo.Residuals(stick=1.0, load=3e-9)
+    assert laws.replace(stick=1.0) != laws
+    assert as_sent(laws) == copy.deepcopy(laws) == copy.copy(laws) == laws
+    assert repr(laws) == "Residuals(stick=1e-12, load=3e-09)"
+    with pytest.raises(AttributeError, match="no law 'slip' in this certificate; known: stick"):
+        _ = laws.slip
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(laws)
+
+
+def test_nothing_is_passed_off_as_solved(results) -> None:  # type: ignore[no-untyped-def]
+    result = results["nip"]
+    assert result.checked() is result
+    broken = result.replace(residuals=result.residuals.replace(stick=2e-8, slip_speed=math.nan))
+    with pytest.raises(wo.NotConverged, match=r"1e-8: stick 2e-08, slip_speed nan$") as stop:
+        broken.checked()
+    assert stop.value.best is broken
+    with pytest.raises(wo.NotConverged, match="there is no certificate"):
+        result.replace(residuals=wo.Residuals()).checked()
+    with pytest.raises(NotImplementedError, match="a _Bar cannot be certified anew"):
+        _Bar(problem=None, residuals=wo.Residuals(), x=np.zeros(2)).certified()
+
+
+def test_a_plain_nip_has_no_wound_on_tension(results) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(AttributeError) as told:
+        _ = results["nip"].wound_on_tension
+    for name in ("tension_behind_nip", "wound_on_tension_estimate", "problem.wrapped()"):
+        assert name in str(told.value)
+    assert not hasattr(results["nip"], "wound_on_tension")
+    assert "wound_on_tension" not in wo.quantities.scalar_outputs(wo.NipResult)
