@@ -1,6 +1,6 @@
 """What holds for every winding nip, on random admissible ones, to 1e-8.
 
-The program solves to 1e-11 of the load and 1e-11 of each law, so 1e-8 leaves room for conditioning.
+The program solves to 3e-9 of the load and 1e-11 of each law: 1e-8 is what its certificate asks.
 
 Of mirrors: the rolling direction is not reversible (friction remembers what comes from upstream),
 and the wound-on condition tells the roll from the drum, so a nip has no mirror of its own.  What

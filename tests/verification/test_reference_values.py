@@ -63,5 +63,5 @@ def test_full_slip_on_the_roll_is_exact(nip_load: float, winding_force: float) -
     result = wo.solve_nip(paper_nip(nip_load=nip_load, winding_force=winding_force))
     assert set(result.roll_zone) == {wo.Zone.FORWARD}
     exact = 0.2 * nip_load + winding_force
-    # the half width is iterated to 1e-11 of the load
-    assert result.nip_induced_tension == pytest.approx(exact, abs=1e-10 * nip_load)
+    # the half width is iterated to 3e-9 of the load
+    assert result.nip_induced_tension == pytest.approx(exact, abs=4e-9 * nip_load)

@@ -31,8 +31,8 @@ def test_values_by_the_published_process(nodes: int) -> None:
     """Steps 1 to 9 of sec. 3.6 from a cold start end in the very state that pivoting finds."""
     published = wo.solve_nip(PROBLEM, scheme="thesis", nodes=nodes, algorithm="panagiotopoulos")
     pivoting = wo.solve_nip(PROBLEM, scheme="thesis", nodes=nodes)
-    # both solve the same linear system in the end, and the width to 1e-11
-    assert published.nip_induced_tension == pytest.approx(pivoting.nip_induced_tension, rel=1e-9)
+    # both solve the same linear system in the end, and the width to 3e-9 of the load
+    assert published.nip_induced_tension == pytest.approx(pivoting.nip_induced_tension, rel=1e-8)
     np.testing.assert_array_equal(published.roll_zone, pivoting.roll_zone)
     np.testing.assert_array_equal(published.drum_zone, pivoting.drum_zone)
     assert published.residuals.largest <= 1e-8

@@ -37,7 +37,7 @@ def test_without_wraps_it_is_the_plain_nip(name: str) -> None:
     problem = NIPS[name]
     plain = wo.solve_nip(problem, nodes=65)
     bare = wo.solve_wrapped_nip(problem, roll_wrap=0.0, nodes=65)
-    # asked: 1e-8; both carry the load to 1e-9 or better
+    # asked: 1e-8; measured 3e-9, to which the plain nip carries its load
     assert bare.wound_on_tension == pytest.approx(plain.tension_behind_nip, rel=1e-8)
     for field in ("half_width", "approach", "offset", "drum_creep", "nip_induced_tension",
                   "peak_pressure", "leading_roll", "trailing_roll", "dual"):  # fmt: skip

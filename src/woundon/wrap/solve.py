@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -49,8 +48,8 @@ def solve_wrapped_nip(
     nodes: int | None = None,
     wrap_nodes: int | None = None,
     rtol: float | None = None,
-    roll_wrap: float = pi,
-    drum_wrap: float = 0.0,
+    roll_wrap: float | None = None,
+    drum_wrap: float | None = None,
     wrap_friction: float | None = None,
     winding_force: float | None = None,
 ) -> WrappedNipResult:
@@ -68,8 +67,9 @@ def solve_wrapped_nip(
         Double the nodes until the estimated error of the wound-on tension is below rtol of it,
         1e-6 to 0.1.
     roll_wrap, drum_wrap, wrap_friction, winding_force
-        Of a NipProblem only: the wraps that it is given, and the force on nip and drum wrap
-        together; see :class:`~woundon.problems.nip.WrappedNipProblem`.
+        Of a NipProblem only: the wraps that it is given, by default half a turn on the roll, and
+        the force on nip and drum wrap together; see
+        :class:`~woundon.problems.nip.WrappedNipProblem`.
 
     Returns
     -------
@@ -85,8 +85,10 @@ def solve_wrapped_nip(
         If a law is not satisfied to 1e-8, or ``rtol`` not reached; carries the best result.
     """
     check_type("problem", problem, WrappedNipProblem, NipProblem)
-    wraps = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap, "wrap_friction": wrap_friction}
-    problem = _wrapped(problem, wraps, winding_force)
+    problem = _wrapped(
+        problem, roll_wrap=roll_wrap, drum_wrap=drum_wrap, wrap_friction=wrap_friction,
+        winding_force=winding_force,
+    )  # fmt: skip
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
     contact = WrapContact(problem, cells, count)
     ladder = Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
@@ -101,19 +103,15 @@ def solve_wrapped_nip(
     return result
 
 
-def _wrapped(
-    problem: WrappedNipProblem | NipProblem, wraps: dict[str, Any], winding_force: float | None
-) -> WrappedNipProblem:
+def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> WrappedNipProblem:
     """Return the wrapped problem that a plain one and the wraps' arguments describe."""
-    if isinstance(problem, WrappedNipProblem):
-        usual = {"roll_wrap": pi, "drum_wrap": 0.0, "wrap_friction": None}
-        for name, value in (wraps | {"winding_force": winding_force}).items():
-            if value != usual.get(name):
-                text = f"{value!r} is given beside a WrappedNipProblem, whose field it is; use "
-                raise InvalidProblem.at(name, f"{text}problem.replace({name}=...)")
-        return problem
-    force = {} if winding_force is None else {"winding_force": winding_force}
-    return problem.wrapped(**wraps, **force)
+    given: dict[str, Any] = {name: value for name, value in wraps.items() if value is not None}
+    if isinstance(problem, NipProblem):
+        return problem.wrapped(**given)
+    for name, value in given.items():
+        text = f"{value!r} is given beside a WrappedNipProblem, whose field it is; use "
+        raise InvalidProblem.at(name, f"{text}problem.replace({name}=...)")
+    return problem
 
 
 def check_options(

@@ -1,0 +1,234 @@
+"""Kinds of problem: registered in one place, found by name, by class, by the fields of a file."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any
+
+import pytest
+from thesis_cases import newsprint_nip
+
+import woundon as wo
+from woundon import kinds
+from woundon.problems.fields import Number
+from woundon.quantities import length, line_load
+
+OWN = {
+    "nip": (wo.NipProblem, wo.NipResult, wo.solve_nip),
+    "wrapped_nip": (wo.WrappedNipProblem, wo.WrappedNipResult, wo.solve_wrapped_nip),
+    "rollers": (wo.RollerProblem, wo.RollerResult, wo.solve_rollers),
+}
+
+
+class HammockProblem(wo.Problem):
+    """A web that hangs between two rollers.
+
+    It sags.
+    """
+
+    span: Annotated[Number, length("L", "span between the rollers")]
+    web_tension: Annotated[Number, line_load("T", "web tension")]
+    weight: Annotated[Number, line_load("w", "weight")] = 1.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class HammockResult(wo.Result):
+    sag: Annotated[float, length("s", "sag")]
+
+
+def solve_hammock(problem: HammockProblem, *, terms: int = 1) -> HammockResult:
+    sag = problem.weight * problem.span**2 / (8 * problem.web_tension) * terms
+    return HammockResult(problem=problem, residuals=wo.Residuals(balance=0.0), sag=sag)
+
+
+@pytest.fixture
+def registry(monkeypatch: pytest.MonkeyPatch) -> dict[str, kinds.Kind]:
+    """The registry with woundon's own kinds alone, as it was again afterwards."""
+    known = {name: kind for name, kind in kinds._KINDS.items() if name in OWN}
+    monkeypatch.setattr(kinds, "_KINDS", known)
+    monkeypatch.setattr(kinds, "load_plugins", lambda: None)
+    return known
+
+
+HAMMOCK = HammockProblem(span=2.0, web_tension=100.0)
+
+
+# ---- woundon's own ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
+    kind, (problem, result, solver) = kinds.named(name), OWN[name]
+    assert (kind.name, kind.problem, kind.result, kind.solver) == (name, problem, result, solver)
+    assert kind.command == name.replace("_", "-")
+    assert kind.about.endswith(".")
+    assert callable(kind.report)
+    assert callable(kind.plot)
+    assert callable(kind.check)
+    solved = wo.solve(problem.example(), nodes=33)
+    assert type(solved) is result
+    for thing in (problem, result, problem.example(), solved):
+        assert kinds.of(thing) is kind
+    # options are refused before anything is solved
+    with pytest.raises(wo.InvalidProblem, match="nodes: 3 is out of range"):
+        kind.check(nodes=3)
+
+
+def test_the_order_is_that_of_definition(registry: Any) -> None:
+    assert [kind.name for kind in kinds.every()] == list(OWN)
+
+
+def test_solve_hands_its_options_on() -> None:
+    coarse, fine = (wo.solve(newsprint_nip(), nodes=nodes) for nodes in (25, 33))
+    assert (coarse.nodes, fine.nodes) == (25, 33)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        wo.solve(newsprint_nip(), colour="red")
+
+
+@pytest.mark.parametrize(
+    ("thing", "shown"),
+    [("case.toml", "'case.toml'"), (3.0, "3"), (None, "None"), ({"nip_load": 1.0}, "{'nip_load'"),
+     (wo.Web(thickness=66e-6, material="paper"), "Web(")],
+)  # fmt: skip
+def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) -> None:
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.solve(thing)
+    text = str(fault.value)
+    assert text.startswith(f"problem: {shown}")
+    assert "must be a NipProblem, WrappedNipProblem or RollerProblem" in text
+
+
+def test_a_misspelt_name_is_told_the_nearest(registry: Any) -> None:
+    with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is no kind .* mean 'rollers'\?"):
+        kinds.named("roler")
+    with pytest.raises(wo.InvalidProblem, match="known: nip, rollers, wrapped_nip"):
+        kinds.named("xyz")
+
+
+@pytest.mark.parametrize(
+    ("names", "kind"),
+    [
+        (["web", "roll", "drum", "nip_load", "roll_friction", "drum_friction"], "nip"),
+        (["web", "roll", "drum", "nip_load", "roll_friction", "drum_friction", "wrap"],
+         "wrapped_nip"),
+        (["web", "roll", "drum", "nip_load", "drum_wrap"], "wrapped_nip"),
+        (["upper", "lower", "load", "friction"], "rollers"),
+        (["upper", "lower"], "rollers"),
+        (["uper", "lower", "load", "friction", "motion"], "rollers"),  # a slip of the pen
+        (["nip_load", "web_tension"], "nip"),
+    ],
+)  # fmt: skip
+def test_the_fields_of_a_file_give_its_kind_away(
+    names: list[str], kind: str, registry: Any
+) -> None:
+    assert kinds.for_fields(names).name == kind
+
+
+# ---- one from outside ---------------------------------------------------------------------------
+
+
+def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
+    with pytest.raises(wo.InvalidProblem):
+        kinds.of(HAMMOCK)
+    kinds.register(HammockProblem, solve_hammock, HammockResult)
+    kind = kinds.named("hammock")
+    assert [k.name for k in kinds.every()] == [*OWN, "hammock"]
+    assert (kind.command, kind.about) == ("hammock", "A web that hangs between two rollers.")
+    result = wo.solve(HAMMOCK)
+    assert result.sag == pytest.approx(5e-3)
+    assert wo.solve(HAMMOCK, terms=2).sag == pytest.approx(1e-2)
+    assert kinds.of(result) is kinds.of(HAMMOCK) is kind
+    assert kinds.for_fields(["span", "web_tension"]) is kind
+    # what it did not bring is a default: it can be told and drawn
+    assert "sag" in str(result)
+    assert (kind.check, kind.neighbour, kind.shifted) == (None, None, {})
+    with pytest.raises(wo.InvalidProblem, match="RollerProblem or HammockProblem"):
+        wo.solve("hammock.toml")
+
+
+def test_what_is_given_is_taken(registry: dict[str, kinds.Kind]) -> None:
+    said: list[Any] = []
+    kinds.register(
+        HammockProblem, solve_hammock, HammockResult,
+        name="hanging_web", about="Sagging.", report=lambda result: ["sag"],
+        plot=lambda result, path=None, **options: said.append((path, options)),
+        check=lambda **options: said.append(options),
+        neighbour=lambda problem, start: None, shifted={"weight": frozenset({"sag"})},
+    )  # fmt: skip
+    kind = kinds.of(HAMMOCK)
+    assert (kind.name, kind.command, kind.about) == ("hanging_web", "hanging-web", "Sagging.")
+    assert kind.report(None) == ["sag"]
+    assert kind.check is not None
+    kind.check(terms=3)
+    wo.solve(HAMMOCK).plot("sag.png", dpi=100)
+    assert said == [{"terms": 3}, ("sag.png", {"dpi": 100})]
+    assert kind.shifted["weight"] == {"sag"}
+
+
+def test_registered_again_it_is_the_later_one(registry: dict[str, kinds.Kind]) -> None:
+    def other(problem: HammockProblem) -> HammockResult:
+        return solve_hammock(problem).replace(sag=1.0)
+
+    kinds.register(HammockProblem, solve_hammock, HammockResult)
+    kinds.register(HammockProblem, other, HammockResult)
+    assert wo.solve(HAMMOCK).sag == 1.0
+    assert len(kinds.every()) == 4
+
+
+def test_a_class_below_a_kinds_is_no_kind_of_its_own(registry: dict[str, kinds.Kind]) -> None:
+    """A problem that is more than its parent is not solved as its parent behind one's back."""
+
+    class LoadedNip(wo.NipProblem):
+        pass
+
+    with pytest.raises(wo.InvalidProblem, match=r"LoadedNip.* is out of place"):
+        wo.solve(LoadedNip.example())
+
+
+def test_names_are_fetched_when_first_used(registry: dict[str, kinds.Kind]) -> None:
+    kinds.register(
+        f"{__name__}:HammockProblem", "nowhere_at_all:solve", f"{__name__}:HammockResult",
+        about="Late.",
+    )  # fmt: skip
+    kind = kinds.named("hammock")  # the name is the class's
+    with pytest.raises(ModuleNotFoundError, match="nowhere_at_all"):
+        _ = kind.solver
+    assert kinds.fetch("math:pi") == pytest.approx(3.14159, abs=1e-5)
+    with pytest.raises(AttributeError, match="no_such_name"):
+        kinds.fetch("math:no_such_name")
+
+
+def test_kinds_are_known_without_loading_their_solvers() -> None:
+    code = (
+        "import sys, woundon as wo; from woundon import kinds;"
+        "assert [k.name for k in kinds.every()] == ['nip', 'wrapped_nip', 'rollers'];"
+        "assert kinds.of(wo.NipProblem.example()).name == 'nip';"
+        "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.wrap.solve')))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+# ---- plug-ins -----------------------------------------------------------------------------------
+
+
+def test_plug_ins_are_imported_once_before_the_first_look_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loaded: list[str] = []
+
+    class EntryPoint:
+        def load(self) -> None:
+            loaded.append("hammock")
+            kinds.register(HammockProblem, solve_hammock, HammockResult)
+
+    monkeypatch.setattr(kinds, "_KINDS", dict(kinds._KINDS))
+    monkeypatch.setattr(kinds, "load_plugins", cache(kinds.load_plugins.__wrapped__))
+    monkeypatch.setattr(
+        kinds, "entry_points", lambda group: [EntryPoint()] if group == kinds.PLUGINS else []
+    )
+    assert wo.solve(HAMMOCK).sag == pytest.approx(5e-3)
+    assert kinds.named("hammock") is kinds.of(HAMMOCK)
+    assert loaded == ["hammock"]

@@ -1,0 +1,306 @@
+"""Quantities: what the one walk yields of descriptions and results, and how a name is found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+from pydantic import Field
+from thesis_cases import newsprint_nip, paper_nip
+
+import woundon as wo
+from woundon import kinds, quantities
+from woundon.problems.fields import Description, Number
+from woundon.quantities import Quantity, angle, find, length, line_load, pure, strain, stress, walk
+
+# woundon's own, whatever other tests have registered
+OWN = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
+each_kind = pytest.mark.parametrize("kind", OWN, ids=lambda kind: kind.name)
+
+
+# ---- a quantity ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "shown", "display"),
+    [
+        (length("a", "half width"), 4.2e-3, 4.2, "mm"),
+        (length("2h", "thickness", "um"), 66e-6, 66.0, "um"),
+        (stress("p", "pressure"), 3.5e5, 350.0, "kPa"),
+        (stress("E", "modulus", "MPa"), 3.38e9, 3380.0, "MPa"),
+        (strain("xi", "creep"), -0.0025, -0.25, "%"),
+        (angle("theta", "wrap"), pi, 180.0, "deg"),
+        (line_load("P", "load"), 3502.0, 3502.0, "N/m"),
+        (pure("mu", "friction"), 0.19, 0.19, ""),
+        (Quantity("kappa", "1/m", "curvature"), 10.0, 10.0, "1/m"),
+    ],
+)
+def test_a_quantity_shows_its_values(
+    quantity: Quantity, value: float, shown: float, display: str
+) -> None:
+    assert quantity.shown(value) == pytest.approx(shown, rel=1e-14)
+    np.testing.assert_allclose(quantity.shown(np.array([value, 0.0])), [shown, 0.0], rtol=1e-14)
+    assert quantity.display == display
+
+
+def test_every_shown_unit_is_its_unit_and_every_range_an_admissible_one() -> None:
+    """Units are parsed by what reads case files: no factor here is another than there."""
+    from woundon.io.units import parse
+
+    seen = 0
+    for kind in OWN:
+        for place in (*walk(kind.problem), *quantities.outputs(kind.result)):
+            quantity = place.quantity
+            if quantity is None:
+                continue
+            seen += 1
+            assert quantity.symbol
+            assert quantity.meaning
+            assert not quantity.meaning.endswith(".")
+            if quantity.shown_unit:
+                one = parse(f"1 {quantity.shown_unit}", quantity.unit)
+                assert quantity.shown(one) == pytest.approx(1.0, rel=1e-14)
+            else:
+                assert quantity.shown(1.0) == 1.0
+            if quantity.typical is not None:
+                low, high = quantity.typical
+                assert low < high
+                limits = {"ge": float.__ge__, "gt": float.__gt__, "le": float.__le__,
+                          "lt": float.__lt__}  # fmt: skip
+                for part in place.field.metadata:
+                    for name, keeps in limits.items():
+                        end = low if name[0] == "g" else high
+                        limit = getattr(part, name, None)
+                        assert limit is None or keeps(float(end), float(limit)), place.path
+    assert seen > 100
+
+
+# ---- descriptions -------------------------------------------------------------------------------
+
+
+def test_the_walk_over_a_problem_has_every_leaf_once_with_its_value() -> None:
+    problem = newsprint_nip()
+    values = {place.path: place.value for place in walk(problem)}
+    material = {"radial": 27e6, "tangential": 3.38e9, "cross": 5e6, "shear": 10e6}
+    assert values == {
+        "web.thickness": 66e-6,
+        **{f"web.material.{name}": value for name, value in material.items()},
+        "roll.radius": 0.1,
+        "roll.core_radius": 0.0445,
+        **{f"roll.material.{name}": value for name, value in material.items()},
+        "drum.radius": 0.0762,
+        "roll_friction": 0.19, "drum_friction": 0.2,
+        "nip_load": 3502.0, "winding_force": 0.0, "web_tension": 350.0,
+    }  # fmt: skip
+    # in the order of definition, as template and report show them
+    assert list(values)[:2] == ["web.thickness", "web.material.radial"]
+    assert list(values)[-3:] == ["nip_load", "winding_force", "web_tension"]
+
+
+@each_kind
+def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
+    example = kind.problem.example()
+    places = list(walk(example))
+    assert len({place.path for place in places}) == len(places)
+    for place in places:
+        value: Any = example
+        for part in place.path.split("."):
+            value = value[int(part)] if part.isdigit() else getattr(value, part)
+        assert value == place.value or (value is None and place.value is None)
+        assert place.name == place.path.split(".")[-1]
+        assert (place.quantity is None) == isinstance(place.value, str), place.path
+        assert place.name in place.owner.model_fields
+
+
+def test_the_walk_over_a_class_goes_through_every_member_of_a_family() -> None:
+    paths = [place.path for place in walk(wo.NipProblem)]
+    for path in ("roll.material.radial", "roll.material.youngs_modulus", "drum.core_radius"):
+        assert path in paths
+    owners = {place.owner.__name__ for place in walk(wo.NipProblem) if place.path == "drum.radius"}
+    assert {"Rigid", "HalfPlane", "Cylinder"} <= owners
+    assert all(place.value is None for place in walk(wo.NipProblem))
+    assert next(walk(wo.Web, "web.")).path == "web.thickness"
+
+
+class _Layer(Description):
+    thickness: Annotated[Number, length("h", "thickness"), Field(gt=0)]
+    name: str = "felt"
+
+
+class _Pile(Description):
+    radius: Annotated[Number, length("R", "radius")]
+    layers: tuple[_Layer, ...]
+    weights: Annotated[tuple[float, ...], line_load("w", "weights")] = (1.0, 2.0)
+    top: _Layer | None = None
+
+
+def test_lists_are_entered_by_number_and_by_a_star() -> None:
+    pile = _Pile(radius=0.1, layers=(_Layer(thickness=1e-3), _Layer(thickness=2e-3, name="wool")))
+    assert [(place.path, place.value) for place in walk(pile)] == [
+        ("radius", 0.1),
+        ("layers.0.thickness", 1e-3), ("layers.0.name", "felt"),
+        ("layers.1.thickness", 2e-3), ("layers.1.name", "wool"),
+        ("weights", (1.0, 2.0)), ("top", None),
+    ]  # fmt: skip
+    assert [place.path for place in walk(_Pile)] == [
+        "radius", "layers.*.thickness", "layers.*.name", "weights", "top.thickness", "top.name",
+    ]  # fmt: skip
+    whole = pile.replace(top=_Layer(thickness=3e-3))
+    assert [p.path for p in walk(whole)][-2:] == ["top.thickness", "top.name"]
+    for path in ("layers.0.thickness", "layers.17.thickness", "top.thickness"):
+        (place,) = find(pile, path)
+        assert (place.path, place.owner) == (path, _Layer)
+        assert place.quantity is not None
+        assert place.quantity.symbol == "h"
+    assert find(_Pile, "layers.thickness") != ()  # of any item
+    assert find(_Pile, "radius.0") == find(_Pile, "layers.0.colour") == ()
+
+
+def test_a_name_is_found_in_every_member_that_has_it() -> None:
+    problem = paper_nip()  # its drum is rigid
+    assert isinstance(problem.drum, wo.Rigid)
+    (place,) = find(problem, "nip_load")
+    assert (place.path, place.owner) == ("nip_load", wo.NipProblem)
+    (core,) = find(problem, "drum.core_radius")
+    assert (core.path, core.owner) == ("drum.core_radius", wo.Cylinder)
+    assert core.quantity is not None
+    assert core.quantity.unit == "m"
+    owners = {place.owner for place in find(problem, "drum.radius")}
+    assert {wo.Rigid, wo.HalfPlane, wo.Cylinder} <= owners
+    moduli = find(wo.RollerProblem, "upper.material.youngs_modulus")
+    assert {place.owner for place in moduli} == {wo.Isotropic}
+    # a path that ends at a description gives the places of its field
+    assert [place.path for place in find(problem, "roll.material")] == ["roll.material"] * len(
+        {m for m in wo.Body.members().values() if "material" in m.model_fields}
+    )
+    for path in ("", "nip", "nip_load.x", "roll.", "roll.material.sheer", ".roll", "roll..radius"):
+        assert find(problem, path) == (), path
+
+
+def test_a_member_that_joins_is_walked_and_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wo.Body, "_members", dict(wo.Body._members))
+    assert find(wo.NipProblem, "drum.pile_height") == ()
+
+    class Brush(wo.Body):
+        pile_height: Annotated[Number, length("b", "height of the pile"), Field(gt=0)]
+
+    (place,) = find(wo.NipProblem, "drum.pile_height")
+    assert place.owner is Brush
+    assert "drum.pile_height" in {p.path for p in walk(wo.NipProblem)}
+    assert "pile_height" in {p.name for p in walk(Brush(radius=0.1, pile_height=1e-3))}
+
+
+# ---- results ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class _Base(wo.Result):
+    depth: Annotated[float, length("d", "depth")]
+    profile: Annotated[np.ndarray, stress("p", "profile")]
+    word: str = "none"
+
+    @property
+    def twice(self) -> Annotated[float, length("2d", "twice the depth")]:
+        return 2 * self.depth
+
+    def times(self, factor: float = 3.0) -> Annotated[float, length("nd", "times the depth")]:
+        return factor * self.depth
+
+    def scaled(self, factor: float) -> Annotated[float, length("fd", "asks for an argument")]:
+        return factor * self.depth
+
+    def _hidden(self) -> Annotated[float, length("x", "not an output")]:
+        return 0.0
+
+    @property
+    def plain(self) -> float:
+        return 1.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class _Finer(_Base):
+    count: Annotated[int, pure("n", "how many")] = 4
+
+    @property
+    def twice(self) -> Annotated[float, length("2d", "the same, said again", "um")]:
+        return 2 * self.depth
+
+    @property
+    def relabelled(self) -> dict[str, Quantity]:
+        return {"depth": strain("d", "of this very one a share")} if self.count > 9 else {}
+
+
+def finer(**changes: Any) -> _Finer:
+    profile = np.array([1.0, 2.0])
+    return _Finer(problem=None, residuals=wo.Residuals(law=0.0), depth=2e-3, profile=profile,
+                  **changes)  # fmt: skip
+
+
+def test_outputs_are_fields_properties_and_methods_that_need_nothing() -> None:
+    values = {place.path: place.value for place in walk(finer())}
+    assert list(values) == ["depth", "profile", "count", "residual", "twice", "times"]
+    assert values["depth"] == 2e-3
+    assert values["twice"] == 4e-3
+    assert values["times"] == pytest.approx(6e-3)
+    np.testing.assert_array_equal(values["profile"], [1.0, 2.0])
+    assert {place.path: place.value for place in walk(_Finer)} == dict.fromkeys(values)
+    assert [place.path for place in walk(_Base)] == [name for name in values if name != "count"]
+    assert [place.path for place in quantities.outputs(_Finer)] == list(values)
+    assert quantities.value_of(finer(), "times") == pytest.approx(6e-3)
+
+
+def test_scalar_outputs_are_single_numbers() -> None:
+    scalars = quantities.scalar_outputs(_Finer)
+    assert list(scalars) == ["depth", "count", "residual", "twice", "times"]
+    assert scalars["count"].symbol == "n"
+    # what a subclass says of an output counts
+    assert scalars["twice"].shown_unit == "um"
+    twice = quantities.output(_Finer, "twice")
+    assert twice is not None
+    assert twice.quantity is not None
+    assert (twice.quantity.meaning, twice.value) == ("the same, said again", None)
+    assert quantities.output(_Finer, "plain") is None
+
+
+def test_an_output_may_be_another_quantity_in_one_result() -> None:
+    usual, special = finer(), finer(count=10)
+    shown = [
+        {p.path: p.quantity.display for p in walk(result) if p.quantity}["depth"]
+        for result in (usual, special)
+    ]
+    assert shown == ["mm", "%"]
+    assert quantities.scalar_outputs(special)["depth"].display == "%"
+    assert quantities.scalar_outputs(_Finer)["depth"].display == "mm"
+
+
+def test_an_output_set_on_a_class_is_one_from_then_on() -> None:
+    assert "late" not in quantities.scalar_outputs(_Finer)
+
+    def late(result: _Finer) -> Annotated[float, length("l", "set afterwards")]:
+        return result.depth / 2
+
+    _Finer.late = property(late)  # type: ignore[attr-defined]
+    try:
+        assert {p.path: p.value for p in walk(finer())}["late"] == 1e-3
+    finally:
+        del _Finer.late  # type: ignore[attr-defined]
+    assert "late" not in quantities.scalar_outputs(_Finer)
+
+
+@each_kind
+def test_every_output_of_every_kind_can_be_told(kind: kinds.Kind) -> None:
+    result = wo.solve(kind.problem.example(), nodes=33)
+    names = set()
+    for place in walk(result):
+        names.add(place.path)
+        assert place.quantity is not None
+        number = isinstance(place.value, (float, int))
+        assert number or isinstance(place.value, np.ndarray), place.path
+        assert (place.path in quantities.scalar_outputs(result)) == number
+    assert set(result.errors) <= names
+    assert set(result.MAIN) <= set(quantities.scalar_outputs(result))
+    # what is looked for in vain is no output
+    assert not set(result.REPLACED) & names
