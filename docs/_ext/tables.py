@@ -34,6 +34,7 @@ class Sections(SphinxDirective):
     """Writes a section for each title and text that ``sections`` yields; without title the text."""
 
     def run(self) -> list[nodes.Node]:
+        self.env.note_reread()  # the program may have changed where the page has not
         found: list[nodes.Node] = []
         for title, text in self.sections():
             parsed = self.parse_text_to_nodes(text)
