@@ -58,6 +58,7 @@ html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["woundon.css"]
 html_show_sourcelink = False
+html_sidebars = {"*": []}  # pages of no section have no section to navigate in
 html_theme_options = {
     "show_prev_next": True,
     "navigation_with_keys": False,

@@ -77,6 +77,7 @@ class Sizes(SphinxDirective):
     """``{sizes}``: files, lines and lines of code of 0.1 and of this version."""
 
     def run(self) -> list[nodes.Node]:
+        self.env.note_reread()
         lines = ["| | files | lines | of code | files | lines | of code |",
                  "| --- | --: | --: | --: | --: | --: | --: |",
                  "| | *0.1* | | | *now* | | |"]  # fmt: skip

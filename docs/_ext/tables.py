@@ -34,6 +34,7 @@ class Sections(SphinxDirective):
     """Writes a section for each title and text that ``sections`` yields; without title the text."""
 
     def run(self) -> list[nodes.Node]:
+        self.env.note_reread()  # the program may have changed where the page has not
         found: list[nodes.Node] = []
         for title, text in self.sections():
             parsed = self.parse_text_to_nodes(text)
@@ -66,7 +67,7 @@ class Inputs(Sections):
             yield family.__name__, _of_members(members)
 
 
-_INPUT = ("symbol", "name", "SI unit", "usual", "admissible", "default", "meaning")
+_INPUT = ("symbol", "name", "SI unit", "meaning", "usual", "admissible", "default")
 
 
 def _heads(description: Any) -> list[Place]:
@@ -117,10 +118,10 @@ def _input(place: Place, only: str) -> tuple[str, ...]:
     told = f"{about} ({only})" if only else about
     default = "" if field.is_required() else _default(field.default, quantity)
     if quantity is None:
-        return ("", f"`{place.name}`", "", "", "", default, told)
+        return ("", f"`{place.name}`", "", told, "", "", default)
     usual = _range(quantity, quantity.typical) if quantity.typical else ""
     limits = _limits(field)
-    return (_tex(quantity), f"`{place.name}`", _unit(quantity), usual, limits, default, told)
+    return (_tex(quantity), f"`{place.name}`", _unit(quantity), told, usual, limits, default)
 
 
 def _default(value: Any, quantity: Quantity | None) -> str:
