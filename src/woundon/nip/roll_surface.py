@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact.grid import Grid
-from ..contact.response import Response
+from ..contact.response import Response, Tractions
 from ..errors import InvalidProblem
 from .equations import web_compliance
 
@@ -43,8 +43,10 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
         raise InvalidProblem.at("s", text)
     outside = _Outside(Grid(result.x / a, s / a))
-    _, _, strain_p, strain_q = roll.respond(outside, a).gradients
-    strain = strain_p @ result.pressure[1:-1] + strain_q @ result.roll_traction[1:-1]
+    loads = Tractions(result.pressure[1:-1], result.roll_traction[1:-1])
+    response = roll.respond(outside, a, loads)
+    _, _, strain_p, strain_q = response.gradients
+    strain = response.strain + strain_p @ loads.pressure + strain_q @ loads.traction
     return np.asarray(strain)
 
 
