@@ -79,14 +79,14 @@ def beyond_the_bound(face: str) -> Corrupt:
     return corrupt
 
 
-def not_on_the_bound(face: str) -> Corrupt:
-    """Let a slipping node carry less than friction gives."""
+def not_on_the_bound(face: str, by: float = 0.5) -> Corrupt:
+    """Let a slipping node carry less than friction gives, or more."""
 
     def corrupt(r: Any) -> dict[str, Any]:
         names = (f"{face}traction", f"{face}zone")
         traction, zone = (getattr(r, name).copy() for name in names)
         inner = np.nonzero(zone[2:-2])[0] + 2
-        traction[inner[inner.size // 2]] *= 0.5
+        traction[inner[inner.size // 2]] *= by
         return {names[0]: traction}
 
     return corrupt
@@ -110,6 +110,19 @@ def pulling(r: Any) -> dict[str, Any]:
     return {"pressure": pressure}
 
 
+# misses of the other sign than those below
+NIP_OPPOSITES: list[tuple[str, Corrupt]] = [
+    ("indentation", lambda r: {"offset": r.offset - 1e-3 * r.half_width}),
+    ("stick", lambda r: {"drum_creep": r.drum_creep - 1e-4}),
+    ("slip_traction", not_on_the_bound("roll_", 1.5)),
+    ("slip_traction", not_on_the_bound("drum_", 0.5)),
+    ("slip_traction", not_on_the_bound("drum_", 1.5)),
+    ("slip_speed", lambda r: changed("roll_slip", r.in_nip.stop - 5, -0.1)(r)),
+    ("slip_speed", lambda r: changed("drum_slip", r.in_nip.stop - 5, -0.1)(r)),
+    ("load_equilibrium", scaled("pressure", 0.999)),
+    ("force_equilibrium", lambda r: {"problem": r.problem.replace(winding_force=-50.0)}),
+    ("half_width", scaled("x", 0.99)),
+]
 NIP_CORRUPTIONS: list[tuple[str, Corrupt]] = [
     ("indentation", scaled("offset", 1.0)),
     ("indentation", lambda r: {"offset": r.offset + 1e-3 * r.half_width}),
@@ -134,6 +147,9 @@ NIP_CORRUPTIONS: list[tuple[str, Corrupt]] = [
     ("web_equilibrium", lambda r: {"extrapolation": 1.0}),
     ("half_width", scaled("half_width", 1.01)),
     ("half_width", scaled("x", 1.01)),
+    ("web_equilibrium", changed("web_tension", 7, -1e-3)),
+    ("web_equilibrium", lambda r: {"extrapolation": -1.0}),
+    *NIP_OPPOSITES,
 ]
 WRAP_CORRUPTIONS: list[tuple[str, Corrupt]] = [
     (law, corrupt) for law, corrupt in NIP_CORRUPTIONS
@@ -144,6 +160,12 @@ WRAP_CORRUPTIONS: list[tuple[str, Corrupt]] = [
     ("positive_pressure", scaled("roll_pressure", -1.0)),
     ("web_equilibrium", changed("web_tension", 3, 1e-3)),
     ("web_equilibrium", changed("web_tension", -1, 1e-3)),
+    ("web_equilibrium", changed("web_tension", 3, -1e-3)),
+    ("indentation", lambda r: {"offset": r.offset - 1e-3 * r.half_width}),
+    ("hoop_pressure", changed("hoop_pressure", -5, -1e-2)),
+    ("hoop_pressure", changed("roll_pressure", -3, -1e-2)),
+    ("curvature", changed("curvature", -5, -1e-2)),
+    ("slip_speed", changed("roll_strain", -5, -0.1)),
     ("hoop_pressure", changed("hoop_pressure", -5, 1e-2)),
     ("hoop_pressure", changed("roll_pressure", -3, 1e-2)),
     ("curvature", changed("curvature", -5, 1e-2)),
@@ -163,6 +185,14 @@ ROLLER_CORRUPTIONS: list[tuple[str, Corrupt]] = [
     ("load_equilibrium", scaled("pressure", 1.001)),
     ("force_equilibrium", scaled("traction", 1.1)),
     ("force_equilibrium", scaled("tangential_load", 1.1)),
+    ("indentation", lambda r: {"offset": r.offset - 1e-3 * r.half_width}),
+    ("stick", lambda r: {"creepage": r.creepage - 1e-5, "shift": r.shift - 1e-9}),
+    ("slip_traction", not_on_the_bound("", 1.5)),
+    ("slip_speed", changed("slip", -5, -0.1)),
+    ("load_equilibrium", scaled("pressure", 0.999)),
+    ("force_equilibrium", scaled("traction", 0.9)),
+    ("force_equilibrium", scaled("tangential_load", 0.9)),
+    ("half_width", scaled("x", 0.99)),
     ("half_width", scaled("half_width", 1.01)),
     ("half_width", scaled("x", 1.01)),
 ]
@@ -171,6 +201,7 @@ ALL = [
     *((case, law, corrupt) for case in WRAPS for law, corrupt in WRAP_CORRUPTIONS),
     *((case, law, corrupt) for case in ROLLERS for law, corrupt in ROLLER_CORRUPTIONS),
     ("rollers, creepage", "creepage", scaled("creepage", 1.1)),
+    ("rollers, creepage", "creepage", scaled("creepage", 0.9)),
 ]
 ids = [f"{case}: {law} {k}" for k, (case, law, _) in enumerate(ALL)]
 
