@@ -14,7 +14,7 @@ from woundon.contact.schemes import SCHEMES, GradedMesh, Mesh, scheme_of
 from woundon.elasticity import half_plane
 from woundon.problems.bodies import KernelBody
 from woundon.wrap.face import FaceGrid
-from woundon.wrap.grid import wrap_grid
+from woundon.wrap.grid import EVENNESS, FINE, wrap_grid
 
 Array = np.ndarray
 PAPER = wo.material("paper")
@@ -245,3 +245,20 @@ def test_loads_are_carried_over_linearly_and_vanish_at_the_ends() -> None:
     np.testing.assert_allclose(carried.pressure, 1 - np.abs(new), atol=1e-14)
     np.testing.assert_allclose(carried.traction, 0.5 * (1 - np.abs(new)), atol=1e-14)
     np.testing.assert_array_equal(padded(np.ones(2)), [0.0, 1.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize(("length", "cells"), [(5.0, 12), (40.0, 24), (130.0, 96)])
+def test_cells_of_an_arc_grow_from_the_nip_to_its_far_side(length: float, cells: int) -> None:
+    grid = wrap_grid(SCHEMES["graded"].mesh(33).grid, 0.0, 24, length, cells)
+    nodes, points = grid.nodes[grid.last :] - 1, grid.points[grid.last :] - 1
+    assert (nodes.size, nodes[-1]) == (cells + 1, length)
+
+    def counted(distance: Array) -> Array:
+        u = np.sqrt(distance / FINE)
+        return np.asarray(2 * np.log1p(u) + EVENNESS * FINE / length * u**2)
+
+    # Newton's method stops at 1e-14 of the largest u, which is 1e-10 of a count or less
+    total = counted(np.array([length]))[0]
+    np.testing.assert_allclose(counted(nodes), total * np.arange(cells + 1) / cells, atol=1e-10)
+    half_way = (np.arange(cells) + 0.5) / cells
+    np.testing.assert_allclose(counted(points), total * half_way, atol=1e-10)
