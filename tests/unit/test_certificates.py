@@ -325,3 +325,16 @@ def test_the_tension_told_is_the_integral_of_the_tractions() -> None:
     wrapped = solved("wrapped on both")
     assert wrapped.nip_induced_tension == wrapped.tension_behind_nip - wrapped.tension_before_nip
     assert wrapped.problem.drum_wrap == 1.0 < pi
+
+
+def test_a_miss_of_curvature_counts_by_the_largest_either_way():
+    # the drum is the smaller one, and the web bends the other way on it; a roll that deforms would
+    # bend the web more behind the nip
+    roll, drum = wo.Rigid(radius=0.5), wo.HalfPlane(radius=0.1, material="soft-cover")
+    result = wo.solve(paper_nip(roll=roll, drum=drum).wrapped(drum_wrap=1.0), nodes=33)
+    curvature = result.curvature.copy()
+    assert -curvature.min() > curvature.max()
+    curvature[-5] += 1e-3
+    found = result.replace(curvature=curvature).certified().curvature
+    # the other nodes are off by 1e-9 of the largest, as solved
+    assert found == pytest.approx(1e-3 / -result.curvature.min(), rel=1e-4)
