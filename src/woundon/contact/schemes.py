@@ -311,7 +311,7 @@ def scheme_of(given: Any) -> Scheme:
     """
     if isinstance(given, str) and given in SCHEMES:
         return SCHEMES[given]
-    if hasattr(given, "mesh") and hasattr(given, "starts_cold"):
+    if hasattr(given, "starts_cold"):  # a scheme from outside too
         return given
     text = f"{given!r} is unknown{did_you_mean(str(given), SCHEMES)}"
     raise InvalidProblem.at("scheme", text)
