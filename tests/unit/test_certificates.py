@@ -15,6 +15,7 @@ import pytest
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
+from woundon.problems.bodies import KernelBody
 from woundon.results import ACCEPTED_RESIDUAL, Residuals
 
 Array = np.ndarray
@@ -338,3 +339,25 @@ def test_a_miss_of_curvature_counts_by_the_largest_either_way():
     found = result.replace(curvature=curvature).certified().curvature
     # the other nodes are off by 1e-9 of the largest, as solved
     assert found == pytest.approx(1e-3 / -result.curvature.min(), rel=1e-4)
+
+
+@pytest.mark.parametrize("case", ["nip on a cover", "rollers"])
+def test_bodies_are_asked_about_the_loads_that_a_result_reports(
+    case: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result, respond = solved(case), KernelBody.respond
+    asked: list[Any] = []
+
+    def noted(body: Any, grid: Any, a: float, about: Any = None) -> Any:
+        asked.append(about)
+        return respond(body, grid, a, about)
+
+    monkeypatch.setattr(KernelBody, "respond", noted)
+    result.certified()
+    if case == "rollers":
+        tractions = [result.traction, -result.traction]
+    else:
+        tractions = [result.roll_traction, result.drum_traction]
+    for about, traction in zip(asked, tractions, strict=True):
+        np.testing.assert_array_equal(about.pressure, result.pressure[1:-1])
+        np.testing.assert_array_equal(about.traction, traction[1:-1])
