@@ -175,3 +175,17 @@ def test_wrapped_nips_have_the_same_ratios_where_the_wrap_does_little() -> None:
     for ratio in RATIOS:
         assert getattr(wrapped, ratio) == pytest.approx(getattr(plain, ratio), abs=1e-6)
     assert wrapped.slip_ratios == wo.solve(wrapped.problem, nodes=65).slip_ratios
+
+
+@pytest.mark.parametrize("drum_wrap", [0.0, 1.0])
+def test_slip_ratios_of_a_wrapped_nip_are_those_of_its_zones_between_the_edges(
+    drum_wrap: float,
+) -> None:
+    r = wo.solve(newsprint_nip().wrapped(drum_wrap=drum_wrap), nodes=65)
+    x, width = r.x[r.in_nip], 2 * r.half_width
+    assert (x[0], x[-1]) == pytest.approx((-r.half_width, r.half_width), rel=1e-12)
+    zones = zone_runs(x, r.roll_zone[r.in_nip])
+    cell = float(np.max(np.diff(x)))  # zones change half-way between nodes, slips somewhere there
+    for ratio, (zone, first, last) in ((r.leading_roll, zones[0]), (r.trailing_roll, zones[-1])):
+        assert zone != 0
+        assert ratio * width == pytest.approx(zone * (last - first), abs=cell)

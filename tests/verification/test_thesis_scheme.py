@@ -11,6 +11,8 @@ import pytest
 from thesis_cases import paper_nip
 
 import woundon as wo
+from woundon.contact.panagiotopoulos import panagiotopoulos
+from woundon.contact.stick_slip import StickSlip
 
 PROBLEM = paper_nip(roll=wo.HalfPlane(radius=0.3, material=wo.material("paper")))
 LUMPED = {50: 111.07, 100: 119.39, 200: 125.26, 400: 129.16}  # independent program
@@ -92,3 +94,18 @@ def test_it_nears_the_limit_slowly() -> None:
     orders = np.log2(np.array(misses[:-1]) / misses[1:])
     assert np.all((orders > 0.5) & (orders < 0.8))
     assert misses[2] == pytest.approx(0.07 * LIMIT, rel=0.02)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_published_process_settles_tractions_of_one_sign(sign: float) -> None:
+    """All stuck, (1 + S K) q = -(c0 + S p0): the pressure, and q with it, settles step by step."""
+    own = np.eye(3)
+    problem = StickSlip(
+        own, -0.2 * own, sign * np.array([0.7, 0.5, 0.6]), np.ones(3), sign * 0.4 * own,
+        friction=np.full(3, 10.0), faces=1,
+    )  # fmt: skip
+    found = panagiotopoulos(problem)
+    exact = -(problem.offset - 0.2) / (1 - sign * 0.08)
+    assert (np.sign(exact) == -sign).all()
+    # the process stops at changes of 1e-12; each step is 0.08 of the one before
+    np.testing.assert_allclose(found.traction, exact, rtol=1e-11)
