@@ -13,6 +13,7 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
+from woundon.contact.stick_slip import StickSlip
 from woundon.quantities import length, pure, strain
 
 KINDS = ("nip", "wrapped", "rollers")
@@ -222,3 +223,17 @@ def test_a_plain_nip_has_no_wound_on_tension(results) -> None:  # type: ignore[n
         assert name in str(told.value)
     assert not hasattr(results["nip"], "wound_on_tension")
     assert "wound_on_tension" not in wo.quantities.scalar_outputs(wo.NipResult)
+
+
+def test_iterations_are_the_linear_systems_that_were_solved(monkeypatch: pytest.MonkeyPatch):
+    solved, solve = [], StickSlip.solve
+
+    def counted(problem: StickSlip, state: Any) -> Any:
+        solved.append(state)
+        return solve(problem, state)
+
+    monkeypatch.setattr(StickSlip, "solve", counted)
+    for algorithm in ("pivoting", "panagiotopoulos"):
+        solved.clear()
+        result = wo.solve_nip(newsprint_nip(), nodes=33, algorithm=algorithm)
+        assert result.iterations == len(solved) > 3
