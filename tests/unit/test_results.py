@@ -13,7 +13,9 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon.contact.stick_slip import StickSlip
+from woundon.contact.schemes import SCHEMES
+from woundon.contact.stick_slip import StickSlip, _bracket_creep, solve_stick_slip
+from woundon.nip.equations import NipEquations
 from woundon.quantities import length, pure, strain
 
 KINDS = ("nip", "wrapped", "rollers")
@@ -237,3 +239,19 @@ def test_iterations_are_the_linear_systems_that_were_solved(monkeypatch: pytest.
         solved.clear()
         result = wo.solve_nip(newsprint_nip(), nodes=33, algorithm=algorithm)
         assert result.iterations == len(solved) > 3
+
+
+def test_a_search_for_the_creep_counts_its_linear_systems(monkeypatch: pytest.MonkeyPatch):
+    mesh = SCHEMES["graded"].mesh(33)
+    problem = NipEquations.at(newsprint_nip(), mesh, 2.4e-3).stick_slip()
+    pivoting = solve_stick_slip(problem)
+    solved, solve = [], StickSlip.solve
+
+    def counted(problem: StickSlip, state: Any) -> Any:
+        solved.append(state)
+        return solve(problem, state)
+
+    monkeypatch.setattr(StickSlip, "solve", counted)
+    found = _bracket_creep(problem, np.zeros(mesh.unknowns * 2, dtype=np.int8), 0.0)
+    assert found.solves == len(solved) > 1
+    np.testing.assert_array_equal(found.state, pivoting.state)
