@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
 from thesis_cases import measured_tensions, newsprint_nip
 
 import woundon as wo
+from woundon.contact.response import Response
 from woundon.elasticity.strip import compliance
 from woundon.nip.roll_surface import roll_strain
 
@@ -72,3 +74,21 @@ def test_the_estimate_follows_the_strain_of_the_roll() -> None:
             result.wound_on_tension_estimate(angle)
     with pytest.raises(wo.InvalidProblem, match="s: must lie outside the nip"):
         roll_strain(result, np.array([0.5 * a]))
+
+
+def test_a_roll_that_is_not_linear_is_asked_about_its_loads(monkeypatch: pytest.MonkeyPatch):
+    result = wo.solve(newsprint_nip(), nodes=17)
+    linear = roll_strain(result, np.array([result.half_width, 0.1]))
+    asked, respond = [], wo.Cylinder.respond
+
+    def about_its_loads(body: wo.Cylinder, grid: Any, a: float, about: Any = None) -> Response:
+        asked.append(about)
+        return Response(respond(body, grid, a).gradients, strain=np.array([1e-4, 3e-4]))
+
+    monkeypatch.setattr(wo.Cylinder, "respond", about_its_loads)
+    found = roll_strain(result, np.array([result.half_width, 0.1]))
+    # one sum more, of numbers below 1e-2
+    np.testing.assert_allclose(found - linear, [1e-4, 3e-4], rtol=0, atol=1e-16)
+    (loads,) = asked
+    np.testing.assert_array_equal(loads.pressure, result.pressure[1:-1])
+    np.testing.assert_array_equal(loads.traction, result.roll_traction[1:-1])
