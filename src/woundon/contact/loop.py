@@ -31,7 +31,7 @@ from .width import WidthNotFound, width_for_load
 
 __all__ = [
     "ALGORITHMS", "COARSE", "FINE", "Contact", "Equations", "Known", "Ladder", "Level", "Start",
-    "State", "Tolerance", "halved",
+    "State", "Tolerance", "Widths", "halved",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -58,6 +58,7 @@ class Tolerance(NamedTuple):
 
 FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
+COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
 MOST_PASSES = 20  # linearisations about what was found before
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -179,6 +180,21 @@ class Contact(Protocol):
         ...
 
 
+class Widths(NamedTuple):
+    """The half width that carries the load on each mesh, by its number of nodes [m].
+
+    ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.
+    """
+
+    power: float
+    by_nodes: Mapping[int, float]
+
+    def at(self, share: float) -> Widths:
+        """Return what they would be at another load, ``share`` times as large."""
+        factor = share ** (1 / self.power)
+        return Widths(self.power, {nodes: a * factor for nodes, a in self.by_nodes.items()})
+
+
 @dataclass(frozen=True, eq=False)
 class Start:
     """What one mesh, or a neighbouring case, hands to the next.
@@ -197,6 +213,8 @@ class Start:
         A half width and the load that it would carry on that mesh without friction.
     level : Level, optional
         The solved mesh itself.
+    widths : Widths, optional
+        Those of a neighbouring case, at the load asked.
     """
 
     half_width: float
@@ -205,6 +223,7 @@ class Start:
     power: float = 2.0
     frictionless: tuple[float, float] | None = None
     level: Level | None = None
+    widths: Widths | None = None
 
     def zones_on(self, faces: Sequence[Array]) -> Array:
         """Carry the zones over: each new node takes that of the nearest old one of its face."""
@@ -265,7 +284,8 @@ class Ladder:
     """Solves a contact on one mesh after another, and tells the errors from their changes.
 
     ``level`` is the last mesh, ``before`` the one before it, ``history`` the scalars of all,
-    ``values`` and ``errors`` the best values and their told errors, ``solves`` the linear systems.
+    ``values`` and ``errors`` the best values and their told errors, ``solves`` the linear systems,
+    ``widths`` the half widths of all meshes.
 
     Parameters
     ----------
@@ -295,14 +315,18 @@ class Ladder:
         self.values: dict[str, float] = {}
         self.errors: dict[str, float] = {}
         self.solves = 0
+        self._by_nodes: dict[int, float] = {}
+        self._expected: Mapping[int, float] = {}  # half widths, from a neighbouring case
         self._missed = 0.0  # by how much a width carried to the last mesh missed, ln of loads
 
     # ---- ladders -------------------------------------------------------------------------------
 
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
         """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
-        for count in counts:
-            tolerance = self.tolerance if count == counts[-1] else COARSE
+        if start is not None and start.widths is not None:
+            self._expected = start.widths.by_nodes
+        tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
+        for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
             start = self.level.start
         self._tell()
@@ -346,6 +370,11 @@ class Ladder:
             nodes = 2 * nodes - 1
             if len(fitted) > 1:  # one alone tells nothing of its own error
                 self._extrapolate(before, fitted)
+
+    @property
+    def widths(self) -> Widths:
+        """What a neighbouring case may begin with."""
+        return Widths(self.level.power, self._by_nodes)
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
@@ -408,6 +437,7 @@ class Ladder:
         solved = self._solved(mesh, start, tolerance or self.tolerance)
         self.before = getattr(self, "level", None)
         self.level = solved
+        self._by_nodes.setdefault(mesh.nodes.size, solved.half_width)
         self.history.append(self.contact.scalars(self.level))
 
     def _solved(self, mesh: Mesh, start: Start | None, tolerance: Tolerance) -> Level:
@@ -424,7 +454,9 @@ class Ladder:
             contact.refuse(equations, state)
             a = state.half_width
             if step.imbalance <= tolerance.balance:
-                self._missed = 0.0 if start is None or start.level is None else step.missed
+                carried_over = start is not None and start.level is not None
+                # what the frictionless contact left, the share of it included that was foreseen
+                self._missed = step.missed + self._missed / 4 if carried_over else 0.0
                 return Level(mesh, equations, state, contact.load, power)
         raise NotConverged(
             f"what the equations are linearised about did not settle in {MOST_PASSES} passes"
@@ -433,9 +465,15 @@ class Ladder:
     def _carried_over(self, start: Start, mesh: Mesh) -> float:
         """Return the half width to begin with: on each mesh the same load needs a little another.
 
-        By how much, a contact without friction tells to a tenth, at a tenth of the cost.  What it
-        missed falls with the square of the cells.
+        By how much, a neighbouring case tells if there is one, or a contact without friction to a
+        tenth, at a tenth of the cost.  What that missed falls with the square of the cells.
         """
+        expected = self._expected.get(mesh.nodes.size)
+        if expected is not None:
+            if start.level is None:
+                return expected
+            before = self._expected.get(start.level.mesh.nodes.size, start.half_width)
+            return start.half_width * expected / before
         ratio = exp(-self._missed / 4)
         if start.frictionless is not None:
             a, before = start.frictionless

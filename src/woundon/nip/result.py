@@ -69,6 +69,8 @@ class WindingNipResult(Result):
         Fourier terms summed for the bodies, their estimated relative truncation error.
     mesh : Mesh
         On which it was solved.
+    widths : Widths
+        The half widths of all meshes of a plain nip: what a neighbouring case starts from.
     """
 
     half_width: Annotated[float, length("a", "half-width of the nip")]
@@ -104,6 +106,7 @@ class WindingNipResult(Result):
     series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
     series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+    widths: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]:

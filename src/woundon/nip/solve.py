@@ -21,7 +21,7 @@ import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
 from ..contact.certificate import from_edge
-from ..contact.loop import ALGORITHMS, Ladder, Level, Start, halved
+from ..contact.loop import ALGORITHMS, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import Scheme, scheme_of
 from ..contact.zones import slip_lengths
@@ -133,11 +133,13 @@ def check_options(
 
 
 def _started(start: NipResult, problem: NipProblem) -> Start:
-    """Start from another case's result; the width of a Hertzian nip goes by the load's root."""
+    """Start from another case's result; without its widths, a Hertzian nip's go by the root."""
     zones = np.concatenate([start.roll_zone[1:-1], start.drum_zone[1:-1]])
     nodes = start.x[1:-1] / start.half_width
+    known: Widths = start.widths or Widths(2.0, {})
     share = problem.nip_load / start.problem.nip_load
-    return Start(start.half_width * share**0.5, (nodes, nodes), zones)
+    guess = start.half_width * share ** (1 / known.power)
+    return Start(guess, (nodes, nodes), zones, known.power, widths=known.at(share))
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,6 +198,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         series_terms=max(r.terms for r in made.responses),
         series_error=max(r.truncation_error for r in made.responses),
         mesh=level.mesh,
+        widths=ladder.widths,
     )  # fmt: skip
     return result.replace(
         errors=ladder.errors_of(result),
