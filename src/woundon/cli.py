@@ -19,6 +19,7 @@ import click
 from . import __version__, kinds
 from .errors import InvalidProblem, NotConverged
 from .solve_command import SolveCommand
+from .threads import environment
 
 __all__ = ["main"]
 
@@ -39,9 +40,8 @@ _LATE = {
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
-    # a second BLAS thread makes matrices of this size slower, and must be set before NumPy loads
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
+    for name, value in environment().items():  # before NumPy loads
+        os.environ.setdefault(name, value)
     try:
         code = int(commands.main(args, "woundon", standalone_mode=False) or 0)
         sys.stdout.flush()

@@ -30,6 +30,7 @@ from ..contact.response import Response
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..quantities import walk
+from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
 from .equations import NipMatrices, web_compliance
 from .result import NipResult
@@ -100,6 +101,7 @@ def continuous_fields(problem: Any) -> dict[str, float]:
     return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
+@one_thread
 def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
     """Return derivatives of a nip's main outputs; see :class:`Sensitivity`.
 

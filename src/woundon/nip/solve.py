@@ -28,6 +28,7 @@ from ..contact.zones import slip_lengths
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
+from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate
 from .equations import NipEquations, web_compliance
@@ -44,6 +45,7 @@ SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
 
+@one_thread
 def solve_nip(
     problem: NipProblem,
     *,

@@ -19,6 +19,7 @@ from ..contact.schemes import Graded
 from ..errors import NotConverged
 from ..problems.rollers import RollerProblem
 from ..results import Residuals
+from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate
 from .equations import RollerEquations
@@ -32,6 +33,7 @@ FINE = Tolerance(load=1e-11, balance=1e-9)
 COARSE = Tolerance(load=1e-6, balance=1e-4)
 
 
+@one_thread
 def solve_rollers(
     problem: RollerProblem, *, nodes: int = 101, rtol: float | None = None
 ) -> RollerResult:

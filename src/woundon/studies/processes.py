@@ -25,13 +25,14 @@ from multiprocessing.reduction import ForkingPickler
 from traceback import format_exc
 from typing import Any, TypeVar
 
+from ..threads import environment
+
 __all__ = ["WorkerDied", "in_processes", "stoppable"]
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 WORKER_SETTINGS = {
-    # a second BLAS thread makes matrices of this size slower, and every core has its own worker
-    "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1",
+    **environment(),
     # glibc keeps freed memory: to get each matrix of 129 nodes anew costs a tenth of a solve
     "MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "268435456",
     "MALLOC_TOP_PAD_": "67108864",

@@ -25,6 +25,7 @@ from ..nip.solve import slip_ratios
 from ..nip.validity import nip_warnings
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
+from ..threads import one_thread
 from ..two_bodies import PairContact
 from .certificate import certificate, roll_strain
 from .equations import Known, WrapEquations, WrapState
@@ -42,6 +43,7 @@ DEFAULT_MOST_NODES = 257
 MOST_NODES = 1025
 
 
+@one_thread
 def solve_wrapped_nip(
     problem: WrappedNipProblem | NipProblem,
     *,
