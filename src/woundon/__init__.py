@@ -21,6 +21,9 @@ _HOME = {
     "NoSteadyState": "errors",
     "NotConverged": "errors",
     "Orthotropic": "problems.materials",
+    "Pfeiffer": "problems.radial_laws",
+    "Polynomial": "problems.radial_laws",
+    "PowerLaw": "problems.radial_laws",
     "Problem": "problems.fields",
     "Quantity": "quantities",
     "Residuals": "results",
@@ -29,6 +32,8 @@ _HOME = {
     "Rigid": "problems.bodies",
     "RollerProblem": "problems.rollers",
     "RollerResult": "rollers.result",
+    "Stack": "problems.stack",
+    "StackTest": "problems.radial_laws",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
@@ -81,7 +86,12 @@ if TYPE_CHECKING:
     from .problems.nip import NipProblem as NipProblem
     from .problems.nip import Web as Web
     from .problems.nip import WrappedNipProblem as WrappedNipProblem
+    from .problems.radial_laws import Pfeiffer as Pfeiffer
+    from .problems.radial_laws import Polynomial as Polynomial
+    from .problems.radial_laws import PowerLaw as PowerLaw
+    from .problems.radial_laws import StackTest as StackTest
     from .problems.rollers import RollerProblem as RollerProblem
+    from .problems.stack import Stack as Stack
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
     from .results import Result as Result

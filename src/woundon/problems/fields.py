@@ -25,7 +25,7 @@ from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_o
 from ..quantities import members_of, quantity_of
 
 __all__ = [
-    "Description", "Family", "Number", "Problem", "admissible", "best_match", "bounds",
+    "Description", "Family", "Number", "Numbers", "Problem", "admissible", "best_match", "bounds",
     "no_such_field", "not_one_of", "shown",
 ]  # fmt: skip
 
@@ -47,7 +47,13 @@ def _number(value: Any) -> float:
         return inf if value > 0 else -inf
 
 
+def _listed(value: Any) -> Any:
+    """Return an array of one dimension as a list, which is what a list of numbers is read from."""
+    return value.tolist() if hasattr(value, "dtype") and hasattr(value, "tolist") else value
+
+
 Number = Annotated[float, BeforeValidator(_number)]
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
 
 
 class Description(BaseModel):
@@ -151,10 +157,8 @@ class Family(Description):
 
     @classmethod
     def members(cls) -> dict[str, type[Family]]:
-        """Return the family's members by name; of a member itself alone."""
-        if Family in cls.__bases__:
-            return dict(cls._members)
-        return {cls.member_name(): cls}
+        """Return the family's members by name; of one of its classes, those that it and its are."""
+        return {name: member for name, member in cls._members.items() if issubclass(member, cls)}
 
     @classmethod
     def member_name(cls) -> str:
@@ -172,13 +176,13 @@ class Family(Description):
         """
         if not isinstance(value, Mapping):
             return value
-        table = dict(value)
+        table, known = dict(value), cls.members()
         if "kind" not in table:
-            return best_match(table, cls._members.values())(**table)
+            return best_match(table, known.values())(**table)
         kind = table.pop("kind")
-        if not isinstance(kind, str) or kind not in cls._members:
-            raise InvalidProblem.at("kind", not_one_of(kind, cls._members))
-        return cls._members[kind](**table)
+        if not isinstance(kind, str) or kind not in known:
+            raise InvalidProblem.at("kind", not_one_of(kind, known))
+        return known[kind](**table)
 
     @model_serializer(mode="wrap")
     def _with_kind(self, handler: Any) -> dict[str, Any]:
@@ -251,6 +255,10 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"
+    if kind in ("too_short", "too_long"):
+        (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
+        least = "at least" if kind == "too_short" else "at most"
+        return f"{len(value)} values; must be {least} {limit}"
     if kind in ("tuple_type", "list_type"):
         return f"{shown(value)} is not a list"
     if kind == "literal_error":

@@ -22,7 +22,8 @@ from ..quantities import pure, stress
 from .fields import Family, Number, shown
 
 __all__ = [
-    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Stiffness", "material",
+    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Solid", "Stiffness",
+    "material",
 ]  # fmt: skip
 
 
@@ -35,7 +36,11 @@ class Stiffness(NamedTuple):
     shear: float
 
 
-class Material(Family):
+class Solid(Family):
+    """What webs and rolls are made of: linear elastic materials, and stacks that harden."""
+
+
+class Material(Solid, abstract=True):
     """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
 
     @property
