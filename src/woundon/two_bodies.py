@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -149,7 +150,9 @@ class PairEquations:
         return float(self.matrices.weights @ state.pressure)
 
     def frictionless(self) -> float | None:
-        """Return the integral of the pressure without tractions [N/m]."""
+        """Return the integral of the pressure without tractions [N/m]; linear bodies tell it."""
+        if not self.problem.linear:
+            return None
         return float(self.matrices.weights @ self.pressure)
 
     def imbalance(self, state: PairState) -> float:
@@ -235,8 +238,12 @@ class PairContact:
 
     def about(self, mesh: Mesh, a: float, before: Level | None) -> Any:
         """Return the loads about which bodies that are not linear are linearised."""
-        if before is None or self.problem.linear:
+        if self.problem.linear:
             return None
+        if before is None:
+            ellipse = 2 * self.load / (pi * a) * np.sqrt(1 - mesh.columns**2)
+            nothing = np.zeros(mesh.columns.size)
+            return (Tractions(ellipse, nothing),) * 2
         old, new = before.mesh.columns, mesh.columns
         return tuple(on_columns(old, new, loads) for loads in before.state.known)
 

@@ -453,7 +453,7 @@ class Ladder:
             (equations, state), power = self._width(step.at, a, tolerance.load, power)
             contact.refuse(equations, state)
             a = state.half_width
-            if step.imbalance <= tolerance.balance:
+            if step.settled:
                 carried_over = start is not None and start.level is not None
                 # what the frictionless contact left, the share of it included that was foreseen
                 self._missed = step.missed + self._missed / 4 if carried_over else 0.0
@@ -507,16 +507,24 @@ class _Step:
         self, ladder: Ladder, mesh: Mesh, known: Known, start: Start | None, tolerance: Tolerance
     ) -> None:
         self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
-        self.tolerance, self.imbalance = tolerance, float("inf")
+        self.tolerance, self.latest = tolerance, None
         self.missed = nan  # ln of the load carried at first over that asked
+        # from a neighbouring state, linearisation and width settle together
+        self.apart = ladder.contact.settles_apart and (start is None or start.level is None)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the last state is what its equations were linearised about."""
+        equations, state = self.latest
+        return bool(equations.imbalance(state) <= self.tolerance.balance)
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
         """Return equations, state and carried load for the half width a [m]."""
         contact = self.ladder.contact
         equations, state = self._linear(a)
         # where bodies are not linear, a load means something only once they have settled
-        for _ in range(MOST_PASSES if contact.settles_apart else 0):
-            if self.imbalance <= self.tolerance.balance:
+        for _ in range(MOST_PASSES if self.apart else 0):
+            if self.settled:
                 break
             equations, state = self._linear(a)
         carried = float(equations.carried(state))
@@ -537,7 +545,7 @@ class _Step:
                 f"stick and slip not found ({solution.ending.name}): {solution.ending.value}"
             )
         self.known = Known(state.known, solution.state)
-        self.imbalance = equations.imbalance(state)
+        self.latest = equations, state
         return equations, state
 
     def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:
