@@ -12,7 +12,7 @@ no web, is the business of the rooms above.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Any, ClassVar, Self
@@ -24,11 +24,12 @@ from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns
 from .contact.schemes import Mesh, scheme_of
 from .contact.stick_slip import StickSlip, StickSlipSolution
+from .errors import InvalidProblem
 from .problems.bodies import ContactProblem, half_width_guess
 
 __all__ = [
     "About", "Matrices", "PairContact", "PairEquations", "PairState", "approach",
-    "frictionless_load", "mesh_of",
+    "frictionless_load", "mesh_of", "within",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -192,8 +193,25 @@ def approach(problem: ContactProblem, made: Matrices, state: PairState, v: float
         made.responses, made.loads(state.pressure, state.traction), strict=True
     ):
         by_p, by_q = response.normal()
-        v += float((by_p @ p)[0]) + float((by_q @ q)[0])
+        v += float((by_p @ p)[0]) + float((by_q @ q)[0]) + float(response.rest()[0][0])
     return float(a**2 / (2 * problem.contact_radius) - v - state.shift * a)
+
+
+def within(problem: ContactProblem, responses: Iterable[Response | None]) -> dict[str, float]:
+    """Return the law of equilibrium inside bodies that had to find one, for the certificate.
+
+    Raises
+    ------
+    InvalidProblem
+        If a body's state is outside the range of its law.
+    """
+    found = {}
+    for name, response in zip(problem.pair, responses, strict=True):
+        if response is not None and response.outside:
+            raise InvalidProblem.at(name, response.outside)
+        if response is not None and response.imbalance is not None:
+            found[f"{name}_equilibrium"] = response.imbalance
+    return found
 
 
 def mesh_of(result: Any) -> Mesh:

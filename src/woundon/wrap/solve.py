@@ -290,5 +290,5 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
         (equations.roll, roll, state.roll_pressure, state.roll_traction),
         (equations.drum, drum, state.drum_pressure, state.drum_traction),
     ):
-        v += face.normal_p @ p[own] + face.normal_q @ q[own]
+        v += face.normal_p @ p[own] + face.normal_q @ q[own] + face.sunk
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
