@@ -38,6 +38,7 @@ _HOME = {
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
+    "WoundRoll": "problems.wound_roll",
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
@@ -92,6 +93,7 @@ if TYPE_CHECKING:
     from .problems.radial_laws import StackTest as StackTest
     from .problems.rollers import RollerProblem as RollerProblem
     from .problems.stack import Stack as Stack
+    from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
     from .results import Result as Result

@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .contact.loop import Level
+from .contact.loop import Before, Level
 from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns
 from .contact.schemes import Mesh, scheme_of
@@ -132,6 +132,11 @@ class PairEquations:
     def faces(self) -> tuple[Array, ...]:
         """Where the tractions of each face are, in units of a."""
         return (self.mesh.columns,) * (self.pressure_response.shape[1] // self.mesh.unknowns)
+
+    @property
+    def places(self) -> Array:
+        """Where the loads of the bodies are given, in units of a."""
+        return self.mesh.columns
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem, the normal problem put in."""
@@ -254,16 +259,17 @@ class PairContact:
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         return frictionless_load(self.problem, mesh, a)
 
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> Any:
-        """Return the loads about which bodies that are not linear are linearised."""
+    def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
+        """Return the loads about which bodies that are not linear are linearised.
+
+        To begin with they are Hertz's: unloaded, a body that hardens is much too soft.
+        """
         if self.problem.linear:
             return None
-        if before is None:
-            ellipse = 2 * self.load / (pi * a) * np.sqrt(1 - mesh.columns**2)
-            nothing = np.zeros(mesh.columns.size)
-            return (Tractions(ellipse, nothing),) * 2
-        old, new = before.mesh.columns, mesh.columns
-        return tuple(on_columns(old, new, loads) for loads in before.state.known)
+        if before is not None:
+            return tuple(on_columns(before.places, mesh.columns, load) for load in before.about)
+        ellipse = 2 * self.load / (pi * a) * np.sqrt(1 - mesh.columns**2)
+        return (Tractions(ellipse, np.zeros(ellipse.size)),) * 2
 
     def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
         """Return the equations for the half width a [m]."""

@@ -118,12 +118,24 @@ class Equations(Protocol):
         """Where each face's unknown tractions are, in units of a."""
         ...
 
+    @property
+    def places(self) -> Array:
+        """Where what is linearised about is given, in units of a."""
+        ...
+
 
 class Known(NamedTuple):
     """What is known before a half width is tried: a state to linearise about, and zones."""
 
     about: Any
     zones: Array | None
+
+
+class Before(NamedTuple):
+    """What another mesh, or a neighbouring case, was linearised about."""
+
+    places: Array  # in units of a
+    about: Any
 
 
 class Contact(Protocol):
@@ -155,7 +167,7 @@ class Contact(Protocol):
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         ...
 
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> Any:
+    def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
         """Return what to linearise about on a mesh, after another or to begin with."""
         ...
 
@@ -215,6 +227,8 @@ class Start:
         The solved mesh itself.
     widths : Widths, optional
         Those of a neighbouring case, at the load asked.
+    before : Before, optional
+        What it was linearised about.
     """
 
     half_width: float
@@ -224,6 +238,7 @@ class Start:
     frictionless: tuple[float, float] | None = None
     level: Level | None = None
     widths: Widths | None = None
+    before: Before | None = None
 
     def zones_on(self, faces: Sequence[Array]) -> Array:
         """Carry the zones over: each new node takes that of the nearest old one of its face."""
@@ -265,7 +280,8 @@ class Level:
         frictionless = None if load is None else (self.state.half_width, load)
         zones = self.state.solution.state
         return Start(
-            self.half_width, self.equations.faces, zones, self.power, frictionless, self
+            self.half_width, self.equations.faces, zones, self.power, frictionless, self,
+            before=Before(self.equations.places, self.state.known),
         )  # fmt: skip
 
     def borders(self) -> Array:
@@ -329,6 +345,8 @@ class Ladder:
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
             start = self.level.start
+        if self.contact.settles_apart:  # there the coarsest mesh is but a start
+            del self.history[:-2]
         self._tell()
 
     def climb_fitted(self, counts: Sequence[int], coarse: Tolerance) -> None:
@@ -444,10 +462,10 @@ class Ladder:
         """Find stick and slip for a half width, inside the iteration on the half width."""
         contact = self.contact
         if start is None:
-            a, power = self._frictionless(mesh)
+            a, power = self._cold(mesh)
         else:
             a, power = self._carried_over(start, mesh), start.power
-        about = contact.about(mesh, a, None if start is None else start.level)
+        about = contact.about(mesh, a, None if start is None else start.before)
         step = _Step(self, mesh, Known(about, None), start, tolerance)
         for _ in range(MOST_PASSES):
             (equations, state), power = self._width(step.at, a, tolerance.load, power)
@@ -481,13 +499,16 @@ class Ladder:
             ratio *= before / now if min(before, now) > 0 else 1.0
         return float(start.half_width * ratio ** (1 / start.power))
 
-    def _frictionless(self, mesh: Mesh) -> tuple[float, float]:
-        """Return the half width that carries the load without friction, and its power."""
+    def _cold(self, mesh: Mesh) -> tuple[float, float]:
+        """Return a half width to begin with, and d ln P/d ln a: linear bodies' without friction."""
+        contact = self.contact
+        if contact.settles_apart:
+            return contact.guess(), 2.0
 
         def evaluate(a: float) -> tuple[float, float]:
-            return a, self.contact.frictionless_load(mesh, a)
+            return a, contact.frictionless_load(mesh, a)
 
-        return self._width(evaluate, self.contact.guess(), 1e-2, 2.0)
+        return self._width(evaluate, contact.guess(), 1e-2, 2.0)
 
     def _width(
         self, evaluate: Callable[[float], tuple[Any, float]], guess: float, rtol: float,
@@ -510,7 +531,7 @@ class _Step:
         self.tolerance, self.latest = tolerance, None
         self.missed = nan  # ln of the load carried at first over that asked
         # from a neighbouring state, linearisation and width settle together
-        self.apart = ladder.contact.settles_apart and (start is None or start.level is None)
+        self.apart = ladder.contact.settles_apart and (start is None or start.before is None)
 
     @property
     def settled(self) -> bool:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["ContactGrid", "Response", "Tractions", "on_columns", "padded"]
+__all__ = ["ContactGrid", "Displace", "Gradients", "Response", "Tractions", "on_columns", "padded"]
 
 Array = np.ndarray
 Gradients = tuple[Array, Array, Array, Array]

@@ -25,15 +25,16 @@ one, and where the iteration started shows in its last digits alone.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .hardening import HardeningLaw, Stressed
 from .ring_elements import Factors, Fineness, RingMesh
 
-__all__ = ["Change", "Equilibrium", "HardeningRing", "NoEquilibrium"]
+__all__ = ["Equilibrium", "HardeningRing", "Linearised", "NoEquilibrium"]
 
 Array = np.ndarray
 
@@ -72,26 +73,39 @@ class Equilibrium(NamedTuple):
     highest: float
 
 
-class Change(NamedTuple):
-    """What a roll's surface does beside a linear cylinder's, at K points, by n tractions.
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """What a roll's surface does beside a linear cylinder's, linearised about n tractions.
 
     Attributes
     ----------
-    gradients : tuple of (K, n) arrays
-        Slope by p and by q, strain by p and by q.
-    slope, strain : (K,) arrays
-        What the linearisation has without tractions.
-    normal : tuple of (1, n) arrays
-        v at the last point by p and by q; ``sunk`` what it has without tractions [m].
+    mesh : RingMesh
+    by_p, by_q : (2, k, n) arrays
+        v and u of the surface's nodes by pressures and tractions [m/Pa].
+    rest : (2, k) array
+        What they are without [m].
     state : Equilibrium
     """
 
-    gradients: tuple[Array, Array, Array, Array]
-    slope: Array
-    strain: Array
-    normal: tuple[Array, Array]
-    sunk: float
+    mesh: RingMesh
+    by_p: Array
+    by_q: Array
+    rest: Array
     state: Equilibrium
+
+    def displacements(self, at: Array) -> tuple[Array, Array, Array]:
+        """Return v and u at m places x, by p, by q (2, m, n), and without tractions (2, m)."""
+        value, _ = self.mesh.drawn(at)
+        return value @ self.by_p, value @ self.by_q, self.rest @ value.T
+
+    def gradients(self, at: Array) -> tuple[Array, Array, Array]:
+        """Return dv/dx and the surface's strain, as ``displacements`` does."""
+        value, slope = self.mesh.drawn(at)
+
+        def of(w: Array) -> Array:
+            return np.stack([slope @ w[0], slope @ w[1] + value @ w[0] / self.mesh.radius])
+
+        return of(self.by_p), of(self.by_q), of(self.rest)
 
 
 class HardeningRing:
@@ -112,53 +126,45 @@ class HardeningRing:
     ) -> None:  # fmt: skip
         self.radius, self.core_radius, self.law, self.wound = radius, core_radius, law, wound
         self._mesh: _Loaded | None = None
+        self._answer: tuple[Any, Linearised] | None = None
 
     @property
     def stiffness(self) -> tuple[float, float, float, float]:
         """A_rr, A_tt, A_rt, G of the wound surface, those of the linear cylinder [Pa]."""
         return self.law.stiffness(float(self.wound(np.array(self.radius))))
 
-    def change(
-        self, fineness: Fineness, a: float, points: Array, nodes: Array, columns: slice,
-        p: Array, q: Array,
-    ) -> Change:  # fmt: skip
-        """Return what is to be added to the linear cylinder's response, about given tractions.
+    def about(
+        self, fineness: Fineness, a: float, nodes: Array, columns: slice, p: Array, q: Array
+    ) -> Linearised:
+        """Return the roll linearised about tractions, less the linear cylinder.
 
         Parameters
         ----------
         fineness : Fineness
         a : float
             Half width of the contact [m].
-        points : (K,) array
-            Where slope and strain are wanted [m].
-        nodes : (M,) array
+        nodes : (m,) array
             Of the piecewise linear tractions [m]; ``columns`` are those of the unknowns.
         p, q : (n,) arrays
-            Pressure and traction about which to linearise [Pa].
+            Pressure and traction [Pa].
 
         Raises
         ------
         NoEquilibrium
             If the roll's equilibrium is not found.
         """
+        asked = (fineness, a, *(part.tobytes() for part in (nodes, p, q)))
+        if self._answer is not None and self._answer[0] == asked:
+            return self._answer[1]
         mesh = self._loaded(fineness, a)
         hats = mesh.hats(nodes)[:, columns]
         forces = np.stack([-hats @ p, hats @ q])
         state = mesh.equilibrium(forces)
         rest = state.moved - np.einsum("ikjl,jl->ik", state.compliance, forces)
         more = state.compliance - mesh.reference
-        by_p, by_q = -more[:, :, 0] @ hats, more[:, :, 1] @ hats
-        value, slope = mesh.drawn(points)
-
-        def strain(w: Array) -> Array:
-            return np.asarray(slope @ w[1] + value @ w[0] / self.radius)
-
-        end = value[-1:]
-        return Change(
-            (slope @ by_p[0], slope @ by_q[0], strain(by_p), strain(by_q)),
-            slope @ rest[0], strain(rest),
-            (end @ by_p[0], end @ by_q[0]), float((end @ rest[0])[0]), state,
-        )  # fmt: skip
+        found = Linearised(mesh, -more[:, :, 0] @ hats, more[:, :, 1] @ hats, rest, state)
+        self._answer = asked, found
+        return found
 
     def _loaded(self, fineness: Fineness, a: float) -> _Loaded:
         """Return the mesh for a half width, its state that of the last one."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
@@ -28,15 +28,23 @@ if TYPE_CHECKING:
     from ..contact.response import ContactGrid, Tractions
 
 __all__ = [
-    "AnyBody", "Body", "ContactProblem", "Cylinder", "HalfPlane", "KernelBody", "Radius", "Rigid",
-    "contact_radius", "half_width_guess",
+    "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
+    "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
 ]  # fmt: skip
 
 
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
 
+# a body that hardens is about as wide as a linear one with the modulus under so much of the largest
+# pressure; so many rounds settle it to a per cent
+SHARE, GUESSES = 0.3, 12
+
 Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
+
+CoreRadius = Annotated[
+    Number, length("R0", "radius of the rigid core", "mm", (0.02, 0.9)), Field(gt=0)
+]
 
 
 class Body(Family):
@@ -95,6 +103,10 @@ class Body(Family):
         """
         material = self.surface_material
         return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
+
+    def compliance_under(self, pressure: float) -> float:
+        """C under a pressure, for the first guess of bodies that harden [1/Pa]."""
+        return self.compliance
 
 
 AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
@@ -170,20 +182,12 @@ class Cylinder(KernelBody):
         For a core that is not smaller than the cylinder, or a layer thinner than R/2000.
     """
 
-    core_radius: Annotated[
-        Number, length("R0", "radius of the rigid core", "mm", (0.02, 0.9)), Field(gt=0)
-    ]
+    core_radius: CoreRadius
     material: AnyMaterial
 
     @model_validator(mode="after")
-    def _core_inside(self) -> Cylinder:
-        least, limit = self.radius * SMALLEST_CORE, self.radius * (1 - 1 / 2000)
-        if not least <= self.core_radius <= limit:
-            raise InvalidProblem.at(
-                "core_radius",
-                f"{self.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
-                f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
-            )
+    def _core_inside(self) -> Self:
+        core_inside(self)
         return self
 
     @property
@@ -194,6 +198,22 @@ class Cylinder(KernelBody):
     def kernels(self) -> SurfaceKernels:
         """Return the cylinder's influence functions (thesis eq. 59)."""
         return cylinder.surface_kernels(self.radius, self.core_radius, *self.material.stiffness)
+
+
+def core_inside(body: Any) -> None:
+    """Refuse a core that is not smaller than its body, or leaves a layer thinner than R/2000.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    least, limit = body.radius * SMALLEST_CORE, body.radius * (1 - 1 / 2000)
+    if not least <= body.core_radius <= limit:
+        raise InvalidProblem.at(
+            "core_radius",
+            f"{body.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
+            f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
+        )
 
 
 def contact_radius(one: Body, two: Body) -> float:
@@ -207,9 +227,12 @@ def half_width_guess(load: float, one: Body, two: Body) -> float:
     Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
     to 103), is an upper bound; on a layer much thinner than a it is far off.
     """
-    C, radius = one.compliance + two.compliance, contact_radius(one, two)
-    # a body that tells no compliance: any width is a start, for the load grows with it
-    hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
+    radius, pressure = contact_radius(one, two), 0.0
+    for _ in range(1 if one.linear and two.linear else GUESSES):
+        C = one.compliance_under(pressure) + two.compliance_under(pressure)
+        # bodies that tell no compliance: any width is a start, for the load grows with it
+        hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
+        pressure = SHARE * 2 * load / (pi * hertz)
     return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)
 
 

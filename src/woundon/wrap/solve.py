@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import Any
 
 import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
-from ..contact.loop import Ladder, Level, Tolerance, halved
+from ..contact.loop import Before, Ladder, Level, Tolerance, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
@@ -38,8 +39,9 @@ Array = np.ndarray
 
 FINE = Tolerance(load=8e-9, balance=1e-9)  # the certificate allows 1e-8
 NODES = 65
-DEFAULT_RTOL = 1e-3  # of WOT, where neither nodes nor rtol are given
-DEFAULT_MOST_NODES = 257
+# where neither nodes nor rtol are given: the error of WOT below which, and the nodes up to which
+# meshes are doubled; bodies that are not linear cost more
+DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 MOST_NODES = 1025
 
 
@@ -98,7 +100,7 @@ def solve_wrapped_nip(
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
     elif nodes is None:
-        ladder.double(DEFAULT_RTOL, DEFAULT_MOST_NODES)
+        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
     result = _result(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
@@ -151,23 +153,27 @@ class WrapContact(PairContact):
         cells = max(8, self.cells * (mesh.nodes.size - 1) // (self.nodes - 1))
         return grid_for(self.problem, mesh.grid, a, cells, cells)
 
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> Known:
+    def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
         problem, grid = self.problem, self.grid(mesh, a)
         if before is not None:
-            old, known = before.equations.grid.nodes, before.state.known
+            known = before.about
 
             def carried(part: Any) -> Any:
                 if isinstance(part, Tractions):
                     return Tractions(*map(carried, part))
-                return np.interp(grid.nodes, old, part)
+                return np.interp(grid.nodes, before.places, part)
 
             return Known(*map(carried, (known.tension, known.bend, known.roll, known.drum)))
         upstream = np.arange(grid.size) <= grid.last
         gained = max(problem.winding_force, 0.0) + 0.2 * problem.roll_friction * problem.nip_load
         tension = problem.web_tension + np.where(upstream, 0.0, gained)
         bend = np.where(upstream, -1 / problem.drum.radius, 1 / problem.roll.radius)
-        return Known(tension, bend)
+        if problem.linear:
+            return Known(tension, bend)
+        in_nip = np.maximum(1 - grid.nodes**2, 0.0)  # Hertz's, as for the plain nip
+        loads = Tractions(2 * self.load / (pi * a) * np.sqrt(in_nip), np.zeros(grid.size))
+        return Known(tension, bend, loads, loads)
 
     def equations(self, mesh: Mesh, a: float, about: Known) -> WrapEquations:
         """Return the equations for the half width a [m]."""
