@@ -251,6 +251,13 @@ class PairContact:
         """Whether a body is not linear."""
         return not self.problem.linear
 
+    @property
+    def begins_loaded(self) -> bool:
+        """Whether all bodies that are not linear tell how soft they are under a pressure."""
+        return not self.problem.linear and all(
+            body.linear or body.compliance > 0 for body in self.problem.bodies
+        )
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, *self.problem.bodies)
@@ -268,6 +275,8 @@ class PairContact:
             return None
         if before is not None:
             return tuple(on_columns(before.places, mesh.columns, load) for load in before.about)
+        if not self.begins_loaded:
+            return None
         ellipse = 2 * self.load / (pi * a) * np.sqrt(1 - mesh.columns**2)
         return (Tractions(ellipse, np.zeros(ellipse.size)),) * 2
 

@@ -159,6 +159,11 @@ class Contact(Protocol):
         """
         ...
 
+    @property
+    def begins_loaded(self) -> bool:
+        """Whether ``about`` begins with loads that belong to the half width guessed."""
+        ...
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         ...
@@ -502,7 +507,7 @@ class Ladder:
     def _cold(self, mesh: Mesh) -> tuple[float, float]:
         """Return a half width to begin with, and d ln P/d ln a: linear bodies' without friction."""
         contact = self.contact
-        if contact.settles_apart:
+        if contact.begins_loaded:
             return contact.guess(), 2.0
 
         def evaluate(a: float) -> tuple[float, float]:
@@ -528,7 +533,8 @@ class _Step:
         self, ladder: Ladder, mesh: Mesh, known: Known, start: Start | None, tolerance: Tolerance
     ) -> None:
         self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
-        self.tolerance, self.latest = tolerance, None
+        self.tolerance = tolerance
+        self.latest: tuple[Any, Any]
         self.missed = nan  # ln of the load carried at first over that asked
         # from a neighbouring state, linearisation and width settle together
         self.apart = ladder.contact.settles_apart and (start is None or start.before is None)

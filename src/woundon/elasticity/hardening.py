@@ -1,7 +1,7 @@
 r"""A stack that stiffens under pressure: stresses and tangent by strains, of one potential.
 
-About the wound state, of pressure P0, a nip adds stresses s_r, s_t, tau and strains e_r, e_t, gamma.
-The pressure is P = P0 - s_r.  The complementary energy
+About the wound state, of pressure P0, a nip adds stresses s_r, s_t, tau and strains e_r, e_t,
+gamma.  The pressure is P = P0 - s_r.  The complementary energy
 
     W* = Phi(P) - (nu/E_t) s_r s_t + s_t^2/(2 E_t) + tau^2/(2 G(P)),   Phi' = F(P) - F(P0),
 
@@ -66,7 +66,7 @@ class RadialLaw(Protocol):
 
 
 class Stressed(NamedTuple):
-    """Stresses that were added, r, t and rt (..., 3), their tangent (..., 3, 3), and P (...) [Pa]."""
+    """Stresses added, r, t and rt (..., 3), their tangent (..., 3, 3), and P (...) [Pa]."""
 
     stress: Array
     tangent: Array
@@ -104,7 +104,11 @@ class HardeningLaw:
 
     def stiffness(self, P0: float) -> tuple[float, float, float, float]:
         """Return A_rr, A_tt, A_rt, G of the wound stack [Pa]."""
-        E_t, nu, E_r = self.tangential, self.poissons_ratio, float(self.radial.modulus(P0))
+        E_t, nu, E_r = (
+            self.tangential,
+            self.poissons_ratio,
+            float(self.radial.modulus(np.asarray(P0))),
+        )
         D = 1 - nu * nu * E_r / E_t
         return E_r / D, E_t / D, nu * E_r / D, self.shear
 
@@ -157,7 +161,7 @@ class HardeningLaw:
         rise = 1 / E - self.poissons_ratio**2 / self.tangential
         if beta == 0:
             return rise, np.full(P.shape, self.shear), np.zeros(P.shape)
-        slope = np.where(P > low, 0.0, radial.modulus_slope(low))
+        slope = np.where(low < P, 0.0, radial.modulus_slope(low))
         G = self.shear * (E / radial.modulus(P0)) ** beta
         steep = slope / E
         step = 1e-4 * E / np.maximum(slope, 1.0)
@@ -172,7 +176,7 @@ class HardeningLaw:
     def _inverse(self, strain: Array) -> Array:
         if np.isinf(self.limit):
             return self.radial.pressure_at(strain)
-        top = float(self.radial.strain_at(self.limit))
-        low = np.minimum(strain, top)
-        beyond = (strain - low) * float(self.radial.modulus(self.limit))
+        limit = np.asarray(self.limit)
+        low = np.minimum(strain, self.radial.strain_at(limit))
+        beyond = (strain - low) * self.radial.modulus(limit)
         return self.radial.pressure_at(low) + beyond

@@ -11,10 +11,10 @@ for all virtual displacements v*, u* and their strains (:mod:`.ring_elements`). 
     w(f) = w_0(f) + [w_h(f) - w_0h(f)],        w = (v, u),  f = (p, q),
 
 w_0 that of the linear cylinder with the moduli of the wound surface, known exactly
-(:mod:`.cylinder`), w_h and w_0h those of roll and linear cylinder on one mesh of finite elements.
-Where the tractions fall to zero like a root, at the contact's edges, the stack is as stiff as it was
-wound, and both have the same singularities: what is left to the elements has strains that vary like
-distance times its logarithm.  About tractions f0 then
+(:mod:`.cylinder`), w_h and w_0h those of roll and linear cylinder on one mesh of elements.  Where
+the tractions fall to zero like a root, at the contact's edges, the stack is as stiff as wound, and
+both have the same singularities: what is left to the elements has strains that vary like distance
+times its logarithm.  About tractions f0 then
 
     w(f) ~ w_0(f) + w_h(f0) - Y f0 + (Y - Y_0) f,        Y = dw_h/df at f0.
 
@@ -185,7 +185,8 @@ class _Loaded(RingMesh):
         self.law, self.fineness = ring.law, fineness
         self.stiffness_0 = ring.stiffness
         self.wound = ring.wound(self.heights)
-        self.u, self.factors = np.zeros(self.topology.size), None
+        self.u = np.zeros(self.topology.size)
+        self.factors: Factors | None = None
         if before is not None and before.fineness == fineness:
             self.u, self.factors = before.u, before.factors
         elif before is not None:
@@ -225,9 +226,7 @@ class _Loaded(RingMesh):
             u[self.topology.surface], factors.compliance, left, float(P.min()), float(P.max())
         )
 
-    def _stepped(
-        self, u: Array, step: Array, found: Stressed, f: Array
-    ) -> tuple[Array, Stressed]:
+    def _stepped(self, u: Array, step: Array, found: Stressed, f: Array) -> tuple[Array, Stressed]:
         """Take a step, shorter where the moduli would change much or the energy rise."""
         steep = self.law.radial.modulus_slope(found.pressure)
         change = float(np.max(np.abs(steep * self.strain(step)[..., 0])))

@@ -21,11 +21,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import pi
+from typing import Literal
 
 import numpy as np
 from scipy import sparse
 from scipy.interpolate import CubicSpline
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 __all__ = ["Factors", "Fineness", "RingMesh", "Topology", "topology"]
 
@@ -142,12 +143,13 @@ def topology(columns: int, rows: int) -> Topology:
     local = basis.mapping.F(at)[:, 0] - corner[:, :1]
     turn = np.linalg.inv(basis.mapping.DF(at)[:, :, 0, 0])
     by_x, by_r = np.einsum("ji,kjq->ikq", turn, np.array([slopes for _, slopes in shapes]))
+    column, row = corner.astype(int)
     x, r = np.rint(2 * basis.doflocs).astype(int)
     # the ring is closed: the last column of nodes is the first
     nodes = (x % (2 * columns) + 2 * columns * r)[basis.element_dofs.T]
     return Topology(
         np.array([values for values, _ in shapes]), by_x, by_r, local, weights, nodes,
-        *corner.astype(int), _numbers(nodes, 2 * columns, 2 * rows),
+        column, row, _numbers(nodes, 2 * columns, 2 * rows),
     )  # fmt: skip
 
 
@@ -166,10 +168,11 @@ def _numbers(nodes: Array, around: int, high: int) -> Array:
     return np.asarray(numbers.reshape(high + 1, around, 2))
 
 
-def _symmetric(matrix: sparse.csc_matrix, order: str):  # noqa: ANN202
+def _symmetric(matrix: sparse.csc_matrix, order: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> SuperLU:
     """Factor a symmetric positive definite matrix."""
     return splu(
-        matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        matrix.astype(np.float64), permc_spec=order, diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
     )  # fmt: skip
 
 
