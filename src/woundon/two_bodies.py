@@ -13,8 +13,7 @@ no web, is the business of the rooms above.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -36,6 +35,9 @@ Array = np.ndarray
 # what loads body 1 and body 2; those that are not linear are linearised about it
 About = tuple[Tractions, Tractions] | None
 
+SHARE = (
+    0.3  # of the largest pressure, under which a linear body is about as stiff as a hardening one
+)
 GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
 
 
@@ -251,12 +253,16 @@ class PairContact:
         """Whether a body is not linear."""
         return not self.problem.linear
 
-    @property
-    def begins_loaded(self) -> bool:
-        """Whether all bodies that are not linear tell how soft they are under a pressure."""
-        return not self.problem.linear and all(
-            body.linear or body.compliance > 0 for body in self.problem.bodies
-        )
+    def stand_in(self, peak: float | None) -> Self | None:
+        """Return the contact of linear bodies as stiff as these are under a largest pressure."""
+        pressure = SHARE * (peak or self.load / half_width_guess(self.load, *self.problem.bodies))
+        linear = {
+            name: body.stand_in(pressure)
+            for name, body in zip(self.problem.pair, self.problem.bodies, strict=True)
+        }
+        if None in linear.values():
+            return None
+        return replace(self, problem=self.problem.replace(**linear))
 
     def guess(self) -> float:
         """Return a half width to start from [m]."""
@@ -267,18 +273,10 @@ class PairContact:
         return frictionless_load(self.problem, mesh, a)
 
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
-        """Return the loads about which bodies that are not linear are linearised.
-
-        To begin with they are Hertz's: unloaded, a body that hardens is much too soft.
-        """
-        if self.problem.linear:
+        """Return the loads about which bodies that are not linear are linearised."""
+        if before is None or self.problem.linear:
             return None
-        if before is not None:
-            return tuple(on_columns(before.places, mesh.columns, load) for load in before.about)
-        if not self.begins_loaded:
-            return None
-        ellipse = 2 * self.load / (pi * a) * np.sqrt(1 - mesh.columns**2)
-        return (Tractions(ellipse, np.zeros(ellipse.size)),) * 2
+        return tuple(on_columns(before.places, mesh.columns, load) for load in before.about)
 
     def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
         """Return the equations for the half width a [m]."""

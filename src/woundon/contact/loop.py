@@ -15,7 +15,7 @@ that is not linear, behind the equations.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import exp, isnan, log, nan
 from typing import Any, NamedTuple, Protocol
@@ -59,6 +59,7 @@ class Tolerance(NamedTuple):
 FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
+STAND_INS = 3  # linear contacts before one that is not
 MOST_PASSES = 20  # linearisations about what was found before
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -159,9 +160,8 @@ class Contact(Protocol):
         """
         ...
 
-    @property
-    def begins_loaded(self) -> bool:
-        """Whether ``about`` begins with loads that belong to the half width guessed."""
+    def stand_in(self, peak: float | None) -> Contact | None:
+        """Return a linear contact to start from, for this largest pressure; None if unknown."""
         ...
 
     def guess(self) -> float:
@@ -234,6 +234,8 @@ class Start:
         Those of a neighbouring case, at the load asked.
     before : Before, optional
         What it was linearised about.
+    rough : bool
+        Whether it is no more than a guess.
     """
 
     half_width: float
@@ -244,6 +246,7 @@ class Start:
     level: Level | None = None
     widths: Widths | None = None
     before: Before | None = None
+    rough: bool = False
 
     def zones_on(self, faces: Sequence[Array]) -> Array:
         """Carry the zones over: each new node takes that of the nearest old one of its face."""
@@ -467,7 +470,9 @@ class Ladder:
         """Find stick and slip for a half width, inside the iteration on the half width."""
         contact = self.contact
         if start is None:
-            a, power = self._cold(mesh)
+            start = self._stand_in(mesh)
+        if start is None:
+            a, power = self._frictionless(mesh)
         else:
             a, power = self._carried_over(start, mesh), start.power
         about = contact.about(mesh, a, None if start is None else start.before)
@@ -504,16 +509,27 @@ class Ladder:
             ratio *= before / now if min(before, now) > 0 else 1.0
         return float(start.half_width * ratio ** (1 / start.power))
 
-    def _cold(self, mesh: Mesh) -> tuple[float, float]:
-        """Return a half width to begin with, and d ln P/d ln a: linear bodies' without friction."""
-        contact = self.contact
-        if contact.begins_loaded:
-            return contact.guess(), 2.0
+    def _frictionless(self, mesh: Mesh) -> tuple[float, float]:
+        """Return the half width that carries the load without friction, and its power."""
 
         def evaluate(a: float) -> tuple[float, float]:
-            return a, contact.frictionless_load(mesh, a)
+            return a, self.contact.frictionless_load(mesh, a)
 
-        return self._width(evaluate, contact.guess(), 1e-2, 2.0)
+        return self._width(evaluate, self.contact.guess(), 1e-2, 2.0)
+
+    def _stand_in(self, mesh: Mesh) -> Start | None:
+        """Return what linear bodies, about as stiff as the present ones, start from; or None."""
+        peak: float | None = None
+        start: Start | None = None
+        for _ in range(STAND_INS if self.contact.settles_apart else 0):
+            linear = self.contact.stand_in(peak)
+            if linear is None:
+                return None
+            ladder = Ladder(linear, self.scheme, self.target, self.find_zones)
+            level = ladder._solved(mesh, start, COARSE)
+            peak, start = float(np.max(level.state.pressure)), replace(level.start, level=None)
+            start = replace(start, frictionless=None, rough=True)
+        return start
 
     def _width(
         self, evaluate: Callable[[float], tuple[Any, float]], guess: float, rtol: float,
@@ -537,7 +553,7 @@ class _Step:
         self.latest: tuple[Any, Any]
         self.missed = nan  # ln of the load carried at first over that asked
         # from a neighbouring state, linearisation and width settle together
-        self.apart = ladder.contact.settles_apart and (start is None or start.before is None)
+        self.apart = ladder.contact.settles_apart and (start is None or start.rough)
 
     @property
     def settled(self) -> bool:

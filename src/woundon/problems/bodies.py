@@ -36,10 +36,6 @@ __all__ = [
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
 
-# a body that hardens is about as wide as a linear one with the modulus under so much of the largest
-# pressure; so many rounds settle it to a per cent
-SHARE, GUESSES = 0.3, 12
-
 Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
 
 CoreRadius = Annotated[
@@ -104,9 +100,12 @@ class Body(Family):
         material = self.surface_material
         return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
 
-    def compliance_under(self, pressure: float) -> float:
-        """C under a pressure, for the first guess of bodies that harden [1/Pa]."""
-        return self.compliance
+    def stand_in(self, pressure: float) -> Body | None:
+        """Return a linear body as stiff as this one is under a pressure; None where unknown.
+
+        An iteration starts from it, nothing else.
+        """
+        return self if self.linear else None
 
 
 AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
@@ -227,12 +226,9 @@ def half_width_guess(load: float, one: Body, two: Body) -> float:
     Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
     to 103), is an upper bound; on a layer much thinner than a it is far off.
     """
-    radius, pressure = contact_radius(one, two), 0.0
-    for _ in range(1 if one.linear and two.linear else GUESSES):
-        C = one.compliance_under(pressure) + two.compliance_under(pressure)
-        # bodies that tell no compliance: any width is a start, for the load grows with it
-        hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
-        pressure = SHARE * 2 * load / (pi * hertz)
+    C, radius = one.compliance + two.compliance, contact_radius(one, two)
+    # a body that tells no compliance: any width is a start, for the load grows with it
+    hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
     return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)
 
 

@@ -14,9 +14,10 @@ from ..elasticity.hardening import HardeningLaw
 from ..elasticity.hardening_ring import HardeningRing
 from ..errors import InvalidProblem
 from ..quantities import stress
-from .bodies import Body, CoreRadius, core_inside
+from .bodies import Body, CoreRadius, Cylinder, core_inside
 from .direct import respond
 from .fields import Number, shown
+from .materials import Orthotropic
 from .stack import AnyStack
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["WoundRoll"]
 
 Array = np.ndarray
+
+ALMOST = 0.9  # of the pressure at which a law ends
 
 
 class WoundRoll(Body):
@@ -74,11 +77,14 @@ class WoundRoll(Body):
     @property
     def compliance(self) -> float:
         """C of the half-plane that the wound surface is near a line load [1/Pa]."""
-        return self.compliance_under(0.0)
+        return coefficients(*self.stack.tangent(self.pressure, self.pressure)).C
 
-    def compliance_under(self, pressure: float) -> float:
-        """C under a pressure of the nip too, for the first guess of its width [1/Pa]."""
-        return coefficients(*self.stack.tangent(self.pressure + pressure, self.pressure)).C
+    def stand_in(self, pressure: float) -> Cylinder:
+        """Return the cylinder that is as stiff as the roll is under a pressure of the nip too."""
+        P = min(self.pressure + pressure, ALMOST * self.stack.limit)
+        rr, tt, rt, shear = self.stack.tangent(P, self.pressure)
+        material = Orthotropic(radial=rr, tangential=tt, cross=rt, shear=shear)
+        return Cylinder(radius=self.radius, core_radius=self.core_radius, material=material)
 
     def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the response linearised about the loads."""

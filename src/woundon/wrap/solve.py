@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -169,11 +168,7 @@ class WrapContact(PairContact):
         gained = max(problem.winding_force, 0.0) + 0.2 * problem.roll_friction * problem.nip_load
         tension = problem.web_tension + np.where(upstream, 0.0, gained)
         bend = np.where(upstream, -1 / problem.drum.radius, 1 / problem.roll.radius)
-        if not self.begins_loaded:
-            return Known(tension, bend)
-        in_nip = np.maximum(1 - grid.nodes**2, 0.0)  # Hertz's, as for the plain nip
-        loads = Tractions(2 * self.load / (pi * a) * np.sqrt(in_nip), np.zeros(grid.size))
-        return Known(tension, bend, loads, loads)
+        return Known(tension, bend)
 
     def equations(self, mesh: Mesh, a: float, about: Known) -> WrapEquations:
         """Return the equations for the half width a [m]."""
