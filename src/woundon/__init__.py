@@ -15,6 +15,8 @@ _HOME = {
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
     "Isotropic": "problems.materials",
+    "Layer": "problems.bodies",
+    "Layered": "problems.bodies",
     "Material": "problems.materials",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
@@ -78,6 +80,8 @@ if TYPE_CHECKING:
     from .problems.bodies import Body as Body
     from .problems.bodies import Cylinder as Cylinder
     from .problems.bodies import HalfPlane as HalfPlane
+    from .problems.bodies import Layer as Layer
+    from .problems.bodies import Layered as Layered
     from .problems.bodies import Rigid as Rigid
     from .problems.fields import Problem as Problem
     from .problems.materials import Isotropic as Isotropic

@@ -29,7 +29,7 @@ Array = np.ndarray
 
 def interpolation_rank(length: float, a: float, least: int = 24) -> int:
     """Return the interpolation points that resolve kernels varying on ``length`` over [-a, a]."""
-    return int(min(max(least, round(20 / asinh(length / a))), 600))
+    return max(least, round(20 / asinh(length / a)))
 
 
 @dataclass(frozen=True, eq=False)

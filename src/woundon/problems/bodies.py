@@ -11,17 +11,18 @@ The set of bodies is open: a subclass of :class:`Body` is a body like these.
 from __future__ import annotations
 
 from functools import cached_property
-from math import pi, sqrt
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from math import log1p, pi, sqrt
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..contact.response import Response
 from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
+from ..elasticity.layers import Layers
 from ..errors import InvalidProblem
 from ..quantities import length
-from .fields import Family, Number, Problem
+from .fields import Description, Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
-    "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
+    "Layer", "Layered", "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
 ]  # fmt: skip
 
 
@@ -213,6 +214,82 @@ def core_inside(body: Any) -> None:
             f"{body.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
             f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
         )
+
+
+class Layer(Description):
+    """A layer of a :class:`Layered` body.
+
+    Parameters
+    ----------
+    thickness : float
+        h [m].
+    material : Orthotropic or Isotropic
+    """
+
+    thickness: Annotated[
+        Number, length("h", "thickness of the layer", "mm", (0.01e-3, 0.05)), Field(ge=1e-9, le=50)
+    ]
+    material: AnyMaterial
+
+
+class Layered(KernelBody):
+    """An elastic cylinder of layers, as a covered shell or a core under a wound roll.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    layers : sequence of Layer
+        Outermost first.
+    core : "rigid" or "free"
+        What is below the innermost layer: a rigid core, or an open bore.  A bore is free of
+        traction but for a uniform one, across or around, that holds what force and torque act on
+        the surface; on average it does not move.
+
+    Raises
+    ------
+    InvalidProblem
+        For layers that are thicker than the radius, or thinner than R/2000 together.
+    """
+
+    layers: Annotated[
+        tuple[Layer, ...], Field(min_length=1, max_length=5000, description="outermost first")
+    ]
+    core: Literal["rigid", "free"] = "rigid"
+
+    @model_validator(mode="after")
+    def _layers_fit(self) -> Self:
+        least, most = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
+        if not least <= self.thickness <= most:
+            raise InvalidProblem.at(
+                "layers",
+                f"a thickness of {self.thickness:.10g} in all is out of range; must be >= radius "
+                f"/ 2000 = {least:.10g} and < radius = {self.radius:.10g} [m]",
+            )
+        return self
+
+    @cached_property
+    def thickness(self) -> float:
+        """Thickness of all layers [m]."""
+        return sum(layer.thickness for layer in self.layers)
+
+    @property
+    def surface_material(self) -> Material:
+        """The material of the outermost layer."""
+        return self.layers[0].material
+
+    @cached_property
+    def _stack(self) -> Layers:
+        """The layers by the logarithms of their radii's ratios, and their stiffness."""
+        outside, made = self.radius, []
+        for layer in self.layers:
+            made.append((-log1p(-layer.thickness / outside), *layer.material.stiffness))
+            outside -= layer.thickness
+        return tuple(made)
+
+    def kernels(self) -> SurfaceKernels:
+        """Return the influence functions of all layers together."""
+        return cylinder.layered_kernels(self.radius, self._stack, self.core == "free")
 
 
 def contact_radius(one: Body, two: Body) -> float:
