@@ -27,6 +27,7 @@ _HOME = {
     "Polynomial": "problems.radial_laws",
     "PowerLaw": "problems.radial_laws",
     "Problem": "problems.fields",
+    "Profile": "problems.schedules",
     "Quantity": "quantities",
     "Residuals": "results",
     "Response": "contact.response",
@@ -96,6 +97,7 @@ if TYPE_CHECKING:
     from .problems.radial_laws import PowerLaw as PowerLaw
     from .problems.radial_laws import StackTest as StackTest
     from .problems.rollers import RollerProblem as RollerProblem
+    from .problems.schedules import Profile as Profile
     from .problems.stack import Stack as Stack
     from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity

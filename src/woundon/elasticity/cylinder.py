@@ -17,7 +17,6 @@ from math import log, log1p, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import dct
 
 from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
@@ -241,6 +240,8 @@ def _interpolated(N: int, layers: Layers, free: bool) -> Array:
 
     Points are doubled until the polynomial of a smooth function has no more to tell.
     """
+    from scipy.fft import dct  # problems are read and written without SciPy
+
     n = np.arange(N + 1.0)
     Y = np.empty((2, 2, N + 1))
     Y[..., :LOWEST] = stacked_compliance(n[:LOWEST], layers, free)

@@ -18,7 +18,7 @@ from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.fields import Problem, shown
 from ..problems.materials import Material, material
-from ..quantities import Place, find, is_list, members_of
+from ..quantities import Place, Quantity, find, is_list, members_of
 from .case_texts import SCHEMA, template, to_toml
 from .files import read_whole
 from .units import parse
@@ -251,12 +251,16 @@ def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict
 
 
 def _in_si(
-    table: Mapping[str, Any], models: Iterable[type[Any]], prefix: str, faults: Faults
+    table: Mapping[str, Any],
+    models: Iterable[type[Any]],
+    prefix: str,
+    faults: Faults,
+    of_field: Quantity | None = None,
 ) -> dict[str, Any]:
     """Return a table in SI; faulty values are kept as they are and told in ``faults``."""
     told = [m for m in models if getattr(m, "member_name", str)() == table.get("kind")]
     return {
-        name: _value(value, [p for m in told or models for p in find(m, str(name))],
+        name: _value(value, [p for m in told or models for p in find(m, str(name), of_field)],
                      f"{prefix}{name}", faults)
         for name, value in table.items()
     }  # fmt: skip
@@ -265,7 +269,7 @@ def _in_si(
 def _value(value: Any, places: list[Place], path: str, faults: Faults) -> Any:
     if isinstance(value, Mapping):
         inner = tuple(model for p in places for model in members_of(p.field.annotation))
-        return _in_si(value, inner, f"{path}.", faults)
+        return _in_si(value, inner, f"{path}.", faults, next((p.quantity for p in places), None))
     if isinstance(value, list) and any(is_list(p.field.annotation) for p in places):
         return [_value(item, places, f"{path}.{k}", faults) for k, item in enumerate(value)]
     quantity = next((p.quantity for p in places if p.quantity), None)

@@ -29,7 +29,7 @@ SERIES_ERROR = 1e-4
 
 def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
     """Return where a solved nip leaves the model's validity, with numbers."""
-    parts: tuple[Any, ...] = (_geometry, _pressure, _surface, _web, _numerics)
+    parts: tuple[Any, ...] = (_bodies, _geometry, _pressure, _surface, _web, _numerics)
     nip: Any = _Nip(result)
     return tuple(warning for part in parts for warning in part(nip))
 
@@ -46,6 +46,12 @@ class _Nip:
             value = value[self._own]
         setattr(self, name, value)
         return value
+
+
+def _bodies(r: _Nip) -> Iterator[str]:
+    for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
+        if body.caution:
+            yield f"of the {name}: {body.caution}"
 
 
 def _geometry(r: _Nip) -> Iterator[str]:

@@ -55,11 +55,17 @@ class Body(Family):
         Whether the surface does not deform at all.
     linear : bool
         Whether the response is the same about every state.
+    confined_only : bool
+        Whether it is good only for nips whose web is held at the trailing edge.
+    caution : str
+        What is to be said with every result, empty for nothing.
     """
 
     radius: Radius
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
+    confined_only: ClassVar[bool] = False
+    caution: ClassVar[str] = ""
 
     def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the linear response of the surface on a grid scaled by the half width.
@@ -316,9 +322,12 @@ class ContactProblem(Problem):
     ----------
     pair : (str, str)
         Names of the fields that hold body 1 and body 2.
+    admits_estimates : bool
+        Whether a body may be in it that is good for a web held at the trailing edge only.
     """
 
     pair: ClassVar[tuple[str, str]]
+    admits_estimates: ClassVar[bool] = False
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -350,4 +359,12 @@ class ContactProblem(Problem):
             raise InvalidProblem.at(
                 first, f"{first} and {second} are both Rigid; one must be HalfPlane or Cylinder"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _admits(self) -> Self:
+        for name, body in zip(self.pair, self.bodies, strict=True):
+            if body.confined_only and not self.admits_estimates:
+                text = "'estimate' is for a nip without wraps only; must be 'direct' or 'frozen'"
+                raise InvalidProblem.at(f"{name}.hardening", text)
         return self

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..contact.response import Displace, Gradients, Response
 from ..elasticity import cylinder
+from ..elasticity.hardening import HardeningLaw
 from ..elasticity.hardening_ring import HardeningRing
 from ..elasticity.ring_elements import Fineness
 
 if TYPE_CHECKING:
     from ..contact.response import ContactGrid, Tractions
+    from .wound_roll import WoundRoll
 
-__all__ = ["respond"]
+__all__ = ["respond", "ring"]
 
 Array = np.ndarray
 
@@ -86,3 +89,13 @@ def fineness(nodes: Array) -> Fineness:
     # the elements' error falls with the cube of their size, that of the contact with the square
     inside = max(FEWEST, cells // 2 if cells <= MANY else round(MANY / 2 * (cells / MANY) ** 0.6))
     return Fineness(inside, 8 + inside // 4, 4 + 3 * inside // 8)
+
+
+@lru_cache(maxsize=4)
+def ring(roll: WoundRoll) -> HardeningRing:
+    """Return the ring that a roll is; it keeps what it has found to start from."""
+    stack = roll.stack
+    law = HardeningLaw(
+        stack.radial, stack.tangential, stack.poissons_ratio, stack.shear, stack.shear_exponent
+    )
+    return HardeningRing(roll.radius, roll.core_radius, law, roll.wound_pressure)

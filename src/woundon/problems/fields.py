@@ -236,11 +236,13 @@ def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem
         path = ".".join([str(name) or "''", *items]) if item["loc"] else ""
         inner = item.get("ctx", {}).get("error")
         if isinstance(inner, InvalidProblem):
+            # what a number is not, a description may nearly be
+            faults = [fault for fault in faults if fault[0] != path or not path]
             faults += inner.under(path).faults
             kind = NoSteadyState if isinstance(inner, NoSteadyState) else kind
         elif item["type"] == "extra_forbidden":
             faults.append((path, no_such_field(str(name), model)))
-        else:
+        elif path not in dict(faults):
             faults.append((path, _fault(item, model.model_fields[str(name)])))
     return kind(faults)
 
@@ -325,6 +327,9 @@ def admissible(field: FieldInfo) -> str:
     models = members_of(field.annotation)
     if models:
         names = one_of(model.__name__ for model in models)
+        if float in get_args(field.annotation):
+            unit = _unit(field)
+            names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
         return f"{names} (or a table of its fields{by_name})"
     words = [part for part in get_args(field.annotation) if isinstance(part, str)]

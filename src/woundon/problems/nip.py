@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from . import wound_roll as wound_roll  # it joins the bodies
 from ..elasticity.strip import compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure
@@ -110,6 +111,8 @@ class NipProblem(WindingNip):
     NoSteadyState
         If |F| >= mu- P: the web would slide on the whole drum.
     """
+
+    admits_estimates: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -6,19 +6,21 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from itertools import pairwise
 from math import exp, inf, isfinite, log
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from numpy.polynomial import polynomial
 from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, model_validator
-from scipy.interpolate import BSpline
-from scipy.optimize import brentq, lsq_linear, minimize_scalar
-from scipy.special import hyp2f1
 
 from ..errors import InvalidProblem
 from ..quantities import pure, strain, stress
 from .fields import Family, Number, Numbers, shown
 from .materials import SOFTEST, STIFFEST
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+# SciPy is imported where it is used: problems are read and written without it
 
 __all__ = ["AnyLaw", "Constant", "Pfeiffer", "Polynomial", "PowerLaw", "RadialLaw", "StackTest"]
 
@@ -122,6 +124,8 @@ class RadialLaw(Family):
 
     def reaches(self, modulus: float) -> float:
         """Return the least P >= 0 at which E_r reaches ``modulus`` [Pa]; inf if it never does."""
+        from scipy.optimize import brentq
+
         top = self.highest if isfinite(self.highest) else 1e12
         grid = np.concatenate([[0.0], np.geomspace(min(1e-3, top / 2), top, 2000)])
         reached = np.nonzero(self.modulus(grid) >= modulus)[0]
@@ -310,6 +314,8 @@ class PowerLaw(RadialLaw):
         return np.where(self._start > P, 0.0, slope)
 
     def _strain(self, P: Array) -> Array:
+        from scipy.special import hyp2f1
+
         m = self.m
         if self.E0 == 0:
             start, above = self._start, np.maximum(P, self._start)
@@ -378,6 +384,9 @@ class StackTest(RadialLaw):
     @cached_property
     def _fit(self) -> tuple[float, BSpline]:
         """K1 [Pa] and the strain over ln(1 + P/K1), less that at P = 0."""
+        from scipy.interpolate import BSpline
+        from scipy.optimize import lsq_linear, minimize_scalar
+
         P, e = np.array(self.pressure), np.array(self.strain)
 
         def missed(log_K1: float) -> float:
