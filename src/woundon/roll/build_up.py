@@ -1,0 +1,281 @@
+"""The build-up of a roll: from the core to its surface, stage after stage.
+
+What a lap gets as its source depends on kappa alone (see :mod:`.equations`), a smooth function of
+where the surface is, but for kinks where the tension has one.  It is found like the solution of a
+differential equation by an implicit multistep method: from the stages behind, kappa is extrapolated
+to the next one; the roll is solved with that source, which tells kappa there; and so on until both
+agree (twice is mostly enough).  By how far the extrapolation was off, the step is chosen.  The cost
+does not know how many laps there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, log
+from typing import Protocol
+
+import numpy as np
+
+from .equations import CellSource, Solved, StageEquations, pressure_between
+
+__all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "nodes_between", "wind"]
+
+Array = np.ndarray
+
+ORDER = 3  # of the polynomial through the last stages
+MOST_ROUNDS = 25  # of source and kappa on one stage
+AGREED = 0.02  # of the tolerance
+LEAST_STEP = 1e-12  # of ln r
+# Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
+# implicit step errs several times less than an extrapolation
+COUNTED = 0.2
+
+
+class NotWoundError(ArithmeticError):
+    """A stage has no solution, or the steps became too small."""
+
+
+class Tension(Protocol):
+    """The stress that laps are wound on with."""
+
+    kinks: Array  # radii at which its slope jumps [m]
+
+    def at(self, r: Array) -> Array:
+        """T [Pa]."""
+        ...
+
+    def slope(self, r: Array, side: int) -> Array:
+        """dT/dr [Pa/m], at a kink that of the side behind (-1) or before (1) it."""
+        ...
+
+
+class Growth:
+    """Kappa over x = ln r: polynomials through up to four stages, no two across a kink.
+
+    Parameters
+    ----------
+    x, kappa : float
+        Of the core, where a roll begins.
+    """
+
+    def __init__(self, x: float, kappa: float) -> None:
+        self.x, self.kappa = np.array([x]), np.array([kappa])
+        self.first = 0  # the stage behind which no polynomial reaches
+        self._pieces = np.zeros((ORDER + 1, 0))
+
+    @classmethod
+    def through(cls, x: Array, kappa: Array, kinks: Array) -> Growth:
+        """Return that of given stages, the core first; some stand on kinks."""
+        growth = cls(float(x[0]), float(kappa[0]))
+        for place, value in zip(x[1:].tolist(), kappa[1:].tolist(), strict=True):
+            growth = growth.then(place, value)
+            if kinks.size and np.min(np.abs(kinks - place)) < 1e-12:
+                growth.begin_anew()
+        return growth
+
+    def begin_anew(self) -> None:
+        """Draw no polynomial across the last stage: there the tension has a kink."""
+        self.first = self.x.size - 1
+
+    def _behind(self) -> slice:
+        return slice(max(self.first, self.x.size - ORDER), None)
+
+    def extrapolated(self, x: float) -> float:
+        """Return what the polynomial through the last stages says of the next one."""
+        own = self._behind()
+        if self.x[own].size == 1:
+            return float(self.kappa[-1])
+        c = _through(self.x[own] - x, self.kappa[own])
+        return float(c[0])
+
+    def then(self, x: float, kappa: float) -> Growth:
+        """Return this with one more stage."""
+        more, own = Growth.__new__(Growth), self._behind()
+        more.x, more.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
+        more.first = self.first
+        c = np.zeros((ORDER + 1, 1))
+        piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
+        c[: piece.size, 0] = piece
+        more._pieces = np.hstack([self._pieces, c])
+        return more
+
+    def __call__(self, x: Array) -> Array:
+        """Return kappa at any x."""
+        if not self._pieces.shape[1]:
+            return np.full(np.shape(x), self.kappa[0])
+        k = np.clip(np.searchsorted(self.x, x, side="left") - 1, 0, self._pieces.shape[1] - 1)
+        t, c = x - self.x[k], self._pieces[:, k]
+        return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
+
+
+def _through(x: Array, y: Array) -> Array:
+    """Return the ascending coefficients of the polynomial through a few points."""
+    scale = np.max(np.abs(x))
+    powers = np.vander(x / scale, increasing=True)
+    return np.asarray(np.linalg.solve(powers, y) / scale ** np.arange(x.size))
+
+
+@dataclass
+class BuildUp:
+    """A roll's history: kappa at every stage, and the pressure at the last one.
+
+    Attributes
+    ----------
+    growth : Growth
+    x : (n + 1,) array
+        ln r of the nodes of the last stage.
+    source : CellSource
+    solved : Solved
+    stages : int
+        How many there are, ``rejected`` how many steps were too long.
+    """
+
+    growth: Growth
+    x: Array
+    source: CellSource
+    solved: Solved
+    rejected: int = 0
+
+    @property
+    def stages(self) -> int:
+        """How many there are."""
+        return self.growth.x.size - 1
+
+
+def nodes_between(core: float, surface: float, cells: int, layer: float, kinks: Array) -> Array:
+    """Return ln r of nodes, dense at the core, at kinks and at the surface.
+
+    Parameters
+    ----------
+    core, surface : float
+        Both ends.
+    cells : int
+        About how many.
+    layer : float
+        How deep the layer below the surface is.
+    kinks : array
+        Places that are to be nodes.
+    """
+    length = surface - core
+    inside = kinks[(kinks > core + 1e-12) & (kinks < surface - 1e-12)]
+    layer = min(layer, length)
+    steps = layer * np.expm1(np.log1p(length / layer) * np.linspace(0, 1, 2 * cells))
+    even = length * np.linspace(0, 1, 2 * cells)
+    places = [core + steps, surface - steps, core + even]
+    # density 1/(distance + layer) at each place, and an even part as large as both ends'
+    density = [(core, 1.0), (surface, 1.0), *((kink, 0.5) for kink in inside)]
+    for kink in inside:
+        places += [kink + steps, kink - steps]
+    x = np.unique(np.clip(np.concatenate(places), core, surface))
+    total = np.log1p(length / layer) * (x - core) / length
+    for place, share in density:
+        total += share * np.sign(x - place) * np.log1p(np.abs(x - place) / layer)
+    found = np.interp(np.linspace(total[0], total[-1], cells + 1), total, x)
+    found[0], found[-1] = core, surface
+    if inside.size:  # the nearest node of each kink moves there
+        found[np.clip(np.searchsorted(found, inside), 1, cells - 1)] = inside
+        found = np.unique(np.concatenate([found, inside]))
+    return found
+
+
+def wind(
+    equations: StageEquations, tension: Tension, core: float, radius: float, *, tolerance: float,
+    cells: int, layer: float, told: Callable[[float], None] | None = None,
+) -> BuildUp:  # fmt: skip
+    """Wind a roll.
+
+    Parameters
+    ----------
+    equations : StageEquations
+    tension : Tension
+    core, radius : float
+        From where to where [m].
+    tolerance : float
+        Of kappa + 2, relative.
+    cells : int
+        Of each stage.
+    layer : float
+        Depth of the layer below the surface, of ln r.
+    told : callable, optional
+        Is called with each stage's radius [m].
+
+    Raises
+    ------
+    NotWoundError
+        Where a stage cannot be solved.
+    """
+    kinks = np.log(tension.kinks[(tension.kinks > core) & (tension.kinks < radius)])
+    start, end, T_c = log(core), log(radius), float(tension.at(np.array([core]))[0])
+    stops = [*kinks.tolist(), end]
+    growth, x, step, rejected = Growth(start, equations.core), start, 0.1 * layer, 0
+    last: BuildUp | None = None
+    while x < end:
+        stop = next(s for s in stops if s > x)
+        reach = min(step, stop - x)
+        surface = stop if stop - x - reach < 0.3 * reach else x + reach
+        nodes = nodes_between(start, surface, cells, layer, kinks)
+        guess = growth.extrapolated(surface)
+        found = _stage(
+            equations, tension, nodes, growth, guess, _moved(last, nodes, T_c), AGREED * tolerance
+        )  # fmt: skip
+        off = COUNTED * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess)) if found else np.inf
+        if found is None or off > tolerance:
+            rejected += 1
+            step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
+            if step < LEAST_STEP:
+                raise NotWoundError(f"no stage beyond the radius {exp(x):.6g} m can be solved")
+            continue
+        last, growth = found, found.growth
+        step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
+        if surface == stop:
+            growth.begin_anew()
+            step = min(step, layer)
+        x = surface
+        if told is not None:
+            told(exp(x))
+    assert last is not None
+    last.rejected = rejected
+    return last
+
+
+def _factor(slack: float) -> float:
+    return float(0.8 * slack ** (1 / (ORDER + 0.5)))
+
+
+def _moved(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
+    """Return a first guess: the stage before, its surface moved to the new one."""
+    if last is None:
+        return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
+    share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
+    moved = nodes - (nodes[-1] - last.x[-1]) * share
+    return pressure_between(last.x, last.solved.P, last.solved.Q, moved)
+
+
+def _stage(
+    equations: StageEquations, tension: Tension, nodes: Array, behind: Growth, kappa: float,
+    guess: tuple[Array, Array], agreed: float,
+) -> BuildUp | None:  # fmt: skip
+    """Solve one stage together with its kappa; None where that fails."""
+    T_c = float(tension.at(np.exp(nodes[:1]))[0])
+    for _ in range(MOST_ROUNDS):
+        growth = behind.then(float(nodes[-1]), kappa)
+        source = cell_source(tension, growth, nodes)
+        solved = equations.solve(nodes, source, T_c, *guess)
+        if solved is None:
+            return None
+        change, kappa, guess = abs(solved.growth - kappa), solved.growth, solved[:2]
+        if change <= agreed * (2 + abs(kappa)):
+            return BuildUp(growth, nodes, source, solved)
+    return None
+
+
+def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
+    """Return C = -r T' - T (2 + kappa) in every cell."""
+
+    def source(x: Array, side: int) -> Array:
+        r = np.exp(x)
+        return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
+
+    middle = (nodes[1:] + nodes[:-1]) / 2
+    return CellSource(source(nodes[:-1], 1), source(middle, 1), source(nodes[1:], -1))
