@@ -177,6 +177,15 @@ register(
 )
 
 
+register(
+    "woundon.problems.roll:WoundRollProblem",
+    "woundon.roll.solve:solve_wound_roll",
+    "woundon.roll.result:WoundRollResult",
+    about="The stresses that winding leaves in a roll.",
+    check="woundon.roll.solve:check_options",
+)
+
+
 @cache
 def load_plugins() -> None:
     """Import what the entry-point group ``woundon.plugins`` names; once."""

@@ -127,8 +127,8 @@ class BuildUp:
         ln r of the nodes of the last stage.
     source : CellSource
     solved : Solved
-    stages : int
-        How many there are, ``rejected`` how many steps were too long.
+    rejected : int
+        How many steps were too long.
     """
 
     growth: Growth
@@ -141,7 +141,6 @@ class BuildUp:
     def stages(self) -> int:
         """How many there are."""
         return self.growth.x.size - 1
-
 
 def nodes_between(core: float, surface: float, cells: int, layer: float, kinks: Array) -> Array:
     """Return ln r of nodes, dense at the core, at kinks and at the surface.
