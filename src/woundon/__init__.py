@@ -9,6 +9,7 @@ __version__ = "0.2.0.dev0"
 
 _HOME = {
     "Body": "problems.bodies",
+    "Core": "problems.roll",
     "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
     "Graded": "contact.schemes",
@@ -37,11 +38,14 @@ _HOME = {
     "RollerResult": "rollers.result",
     "Stack": "problems.stack",
     "StackTest": "problems.radial_laws",
+    "Taper": "problems.schedules",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
     "WoundRoll": "problems.wound_roll",
+    "WoundRollProblem": "problems.roll",
+    "WoundRollResult": "roll.result",
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
@@ -99,7 +103,11 @@ if TYPE_CHECKING:
     from .problems.rollers import RollerProblem as RollerProblem
     from .problems.schedules import Profile as Profile
     from .problems.stack import Stack as Stack
+    from .problems.roll import Core as Core
+    from .problems.roll import WoundRollProblem as WoundRollProblem
+    from .problems.schedules import Taper as Taper
     from .problems.wound_roll import WoundRoll as WoundRoll
+    from .roll.result import WoundRollResult as WoundRollResult
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
     from .results import Result as Result

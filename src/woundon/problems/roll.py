@@ -54,9 +54,9 @@ class Core(Description):
         stress("E_c", "stiffness of the core", "MPa", (1e8, 1e11)),
         Field(gt=0, le=1e18),
     ] = None
-    inner_radius: Annotated[
-        Number | None, length("r_i", "inner radius of a tube"), Field(ge=0)
-    ] = None
+    inner_radius: Annotated[Number | None, length("r_i", "inner radius of a tube"), Field(ge=0)] = (
+        None
+    )
     material: AnyMaterial | None = None
 
     @model_validator(mode="after")
@@ -184,7 +184,10 @@ class WoundRollProblem(Problem):
     def _tension_is_positive(self) -> None:
         schedule = self.wound_on_tension
         if isinstance(schedule, Profile):
-            for k, edge, name in ((0, self.core.radius, "core.radius"), (-1, self.radius, "radius")):
+            for k, edge, name in (
+                (0, self.core.radius, "core.radius"),
+                (-1, self.radius, "radius"),
+            ):
                 r = schedule.radius[k]
                 if (r > edge * (1 + 1e-9)) if k == 0 else (r < edge * (1 - 1e-9)):
                     sign, k = ("<=", 0) if k == 0 else (">=", len(schedule.radius) - 1)
@@ -208,9 +211,7 @@ class WoundRollProblem(Problem):
     @property
     def tension_curve(self) -> Curve:
         """The wound-on stress T = WOT/2h over the radius [Pa]."""
-        return Curve(
-            self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness
-        )
+        return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
 
     @classmethod
     def example(cls) -> Self:

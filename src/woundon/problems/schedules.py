@@ -102,7 +102,7 @@ WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_made_wind
 
 
 class Curve:
-    """A schedule between two radii: values, slopes, and where these have kinks.
+    """A schedule between two radii: values, slopes, and where these jump (``kinks``, ``bends``).
 
     Parameters
     ----------
@@ -119,6 +119,8 @@ class Curve:
         self.schedule, self.core, self.radius, self.scale = schedule, core, radius, scale
         inner = schedule.radius if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
+        behind, before = (self.slope(self.kinks, side) for side in (-1, 1))
+        self.bends = self.kinks * np.abs(before - behind) / np.abs(self.at(self.kinks))
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""

@@ -26,6 +26,8 @@ Array = np.ndarray
 ORDER = 3  # of the polynomial through the last stages
 MOST_ROUNDS = 25  # of source and kappa on one stage
 AGREED = 0.02  # of the tolerance
+WEAK = 0.3  # of the tolerance
+SLIGHT = 0.02  # a bend that nodes need not be dense at
 LEAST_STEP = 1e-12  # of ln r
 # Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
 # implicit step errs several times less than an extrapolation
@@ -39,7 +41,8 @@ class NotWoundError(ArithmeticError):
 class Tension(Protocol):
     """The stress that laps are wound on with."""
 
-    kinks: Array  # radii at which its slope jumps [m]
+    kinks: Array  # radii between core and surface at which its slope jumps [m]
+    bends: Array  # by how much, r |dT'|/T
 
     def at(self, r: Array) -> Array:
         """T [Pa]."""
@@ -51,27 +54,34 @@ class Tension(Protocol):
 
 
 class Growth:
-    """Kappa over x = ln r: polynomials through up to four stages, no two across a kink.
+    """Kappa over x = ln r: polynomials through up to four stages, none across a kink.
 
     Parameters
     ----------
     x, kappa : float
         Of the core, where a roll begins.
+
+    Attributes
+    ----------
+    x, kappa : (J,) arrays
+        The stages.
+    through : (J,) int array
+        How many stages the polynomial that ends at each goes through.
     """
 
     def __init__(self, x: float, kappa: float) -> None:
         self.x, self.kappa = np.array([x]), np.array([kappa])
+        self.through = np.array([1])
         self.first = 0  # the stage behind which no polynomial reaches
         self._pieces = np.zeros((ORDER + 1, 0))
 
     @classmethod
-    def through(cls, x: Array, kappa: Array, kinks: Array) -> Growth:
-        """Return that of given stages, the core first; some stand on kinks."""
+    def of(cls, x: Array, kappa: Array, through: Array) -> Growth:
+        """Return that of given stages; see the attributes."""
         growth = cls(float(x[0]), float(kappa[0]))
-        for place, value in zip(x[1:].tolist(), kappa[1:].tolist(), strict=True):
-            growth = growth.then(place, value)
-            if kinks.size and np.min(np.abs(kinks - place)) < 1e-12:
-                growth.begin_anew()
+        for k in range(1, x.size):
+            growth.first = k + 1 - int(through[k])
+            growth = growth.then(float(x[k]), float(kappa[k]))
         return growth
 
     def begin_anew(self) -> None:
@@ -94,6 +104,7 @@ class Growth:
         more, own = Growth.__new__(Growth), self._behind()
         more.x, more.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
         more.first = self.first
+        more.through = np.append(self.through, more.x.size - own.start)
         c = np.zeros((ORDER + 1, 1))
         piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
         c[: piece.size, 0] = piece
@@ -142,7 +153,10 @@ class BuildUp:
         """How many there are."""
         return self.growth.x.size - 1
 
-def nodes_between(core: float, surface: float, cells: int, layer: float, kinks: Array) -> Array:
+
+def nodes_between(
+    core: float, surface: float, cells: int, layer: float, tension: Tension | None = None
+) -> Array:
     """Return ln r of nodes, dense at the core, at kinks and at the surface.
 
     Parameters
@@ -150,32 +164,36 @@ def nodes_between(core: float, surface: float, cells: int, layer: float, kinks: 
     core, surface : float
         Both ends.
     cells : int
-        About how many.
+        How many, about; more where there are kinks.
     layer : float
         How deep the layer below the surface is.
-    kinks : array
-        Places that are to be nodes.
+    tension : Tension, optional
+        Its kinks are to be nodes.
     """
     length = surface - core
-    inside = kinks[(kinks > core + 1e-12) & (kinks < surface - 1e-12)]
+    inside, shares = np.zeros(0), np.zeros(0)
+    if tension is not None and tension.kinks.size:
+        kinks = np.log(tension.kinks)
+        own = (kinks > core + 1e-12) & (kinks < surface - 1e-12)
+        inside, shares = kinks[own], np.minimum(0.5, tension.bends[own])
+        cells = round(cells * (1 + float(shares.sum()) / 4))
     layer = min(layer, length)
     steps = layer * np.expm1(np.log1p(length / layer) * np.linspace(0, 1, 2 * cells))
     even = length * np.linspace(0, 1, 2 * cells)
     places = [core + steps, surface - steps, core + even]
     # density 1/(distance + layer) at each place, and an even part as large as both ends'
-    density = [(core, 1.0), (surface, 1.0), *((kink, 0.5) for kink in inside)]
-    for kink in inside:
-        places += [kink + steps, kink - steps]
+    density = [(core, 1.0), (surface, 1.0)]
+    for kink, share in zip(inside.tolist(), shares.tolist(), strict=True):
+        if share > SLIGHT:
+            density.append((kink, share))
+            places += [kink + steps, kink - steps]
     x = np.unique(np.clip(np.concatenate(places), core, surface))
     total = np.log1p(length / layer) * (x - core) / length
     for place, share in density:
         total += share * np.sign(x - place) * np.log1p(np.abs(x - place) / layer)
     found = np.interp(np.linspace(total[0], total[-1], cells + 1), total, x)
     found[0], found[-1] = core, surface
-    if inside.size:  # the nearest node of each kink moves there
-        found[np.clip(np.searchsorted(found, inside), 1, cells - 1)] = inside
-        found = np.unique(np.concatenate([found, inside]))
-    return found
+    return np.unique(np.concatenate([found, inside]))
 
 
 def wind(
@@ -204,7 +222,8 @@ def wind(
     NotWoundError
         Where a stage cannot be solved.
     """
-    kinks = np.log(tension.kinks[(tension.kinks > core) & (tension.kinks < radius)])
+    # a kink that changes the source by less than its tolerance is none
+    kinks = np.log(tension.kinks[tension.bends > WEAK * tolerance])
     start, end, T_c = log(core), log(radius), float(tension.at(np.array([core]))[0])
     stops = [*kinks.tolist(), end]
     growth, x, step, rejected = Growth(start, equations.core), start, 0.1 * layer, 0
@@ -213,7 +232,7 @@ def wind(
         stop = next(s for s in stops if s > x)
         reach = min(step, stop - x)
         surface = stop if stop - x - reach < 0.3 * reach else x + reach
-        nodes = nodes_between(start, surface, cells, layer, kinks)
+        nodes = nodes_between(start, surface, cells, layer, tension)
         guess = growth.extrapolated(surface)
         found = _stage(
             equations, tension, nodes, growth, guess, _moved(last, nodes, T_c), AGREED * tolerance

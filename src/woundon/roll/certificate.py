@@ -27,9 +27,9 @@ def equations_of(problem: WoundRollProblem) -> StageEquations:
     return StageEquations(stack.radial.strain_at, stack.radial.modulus, E_t, E_t / E_c - 1 + nu)
 
 
-def growth_of(problem: WoundRollProblem, stages: Array, kappa: Array) -> Growth:
+def growth_of(result: WoundRollResult) -> Growth:
     """Return kappa over the radius through the stages of a result."""
-    return Growth.through(np.log(stages), kappa, np.log(problem.tension_curve.kinks))
+    return Growth.of(np.log(result.stage_radius), result.growth, result.stage_order)
 
 
 def changes(problem: WoundRollProblem) -> tuple[float, float]:
@@ -62,7 +62,7 @@ def certificate(result: WoundRollResult) -> Residuals:
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
     unit, more = float(T[0]), changes(problem)
-    growth = growth_of(problem, result.stage_radius, result.growth)
+    growth = growth_of(result)
     source = shifted(cell_source(curve, growth, x), more[0])
     miss, _ = equations_of(problem).defects(x, source, unit + more[1], P, Q)
     hoop = -(P + Q)

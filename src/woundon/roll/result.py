@@ -45,6 +45,8 @@ class WoundRollResult(Result):
     stage_radius, growth : (J,) arrays
         Stages of the build-up [m], and kappa there: how a further lap's pressure grows below the
         surface [1].
+    stage_order : (J,) int array
+        How many stages the polynomial of kappa goes through that ends at each.
     surface_slope : float
         -r P'/T - 1 at the surface, which is 0 but for the discretisation [1].
     steps : int
@@ -68,8 +70,9 @@ class WoundRollResult(Result):
     source: Annotated[Array, stress("C", "source, frozen since the lap was laid", "MPa")]
     pressure_gradient: Annotated[Array, stress("rP'", "radius times the slope of the pressure")]
     stage_radius: Annotated[Array, length("s", "surface at the stages of the build-up")]
-    growth: Annotated[
-        Array, pure("kappa", "growth below the surface of a further lap's pressure")
+    growth: Annotated[Array, pure("kappa", "growth below the surface of a further lap's pressure")]
+    stage_order: Annotated[
+        Array, pure("n_k", "stages that the growth's polynomial goes through"), int
     ]
     surface_slope: Annotated[
         float, strain("e_s", "by how much the slope at the surface misses the tension")
@@ -110,7 +113,9 @@ class WoundRollResult(Result):
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 
     @property
-    def mass(self) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
+    def mass(
+        self,
+    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
         """Of the web alone [kg/m]; nan where its density is not given."""
         density = self.problem.density
         if density is None:

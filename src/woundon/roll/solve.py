@@ -169,6 +169,7 @@ def finished(
         pressure_gradient=Q,
         stage_radius=np.exp(growth.x),
         growth=growth.kappa,
+        stage_order=growth.through,
         surface_slope=float(-solved.Q[-1] / T[-1] - 1),
         steps=equations.steps,
         residuals=Residuals(),

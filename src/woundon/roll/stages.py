@@ -10,7 +10,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import shown
 from ..problems.roll import WoundRollProblem
 from ..problems.schedules import Profile, Taper
-from .build_up import cell_source, nodes_between
+from .build_up import Growth, cell_source, nodes_between
 from .certificate import certificate, equations_of, growth_of
 from .equations import pressure_between
 from .result import WoundRollResult
@@ -48,20 +48,19 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     if not surface > core * (1 + 1e-6):
         text = f"{shown(surface)} is out of range; must be > {core:.6g} [m], the core's"
         raise InvalidProblem.at("radius", text)
-    whole = growth_of(problem, result.stage_radius, result.growth)
-    x = float(np.log(surface))
+    whole, x = growth_of(result), float(np.log(surface))
     kept = whole.x < x - 1e-12
-    stages = np.append(result.stage_radius[kept], surface)
-    kappa = np.append(result.growth[kept], float(whole(np.array([x]))[0]))
+    behind = Growth.of(whole.x[kept], whole.kappa[kept], whole.through[kept])
+    behind.first = int(kept.sum()) + 1 - int(whole.through[int(kept.sum())])
+    growth = behind.then(x, float(whole(np.array([x]))[0]))
     # as it was wound: what changes the finished roll comes later
     stage = problem.replace(
         radius=surface, wound_on_tension=_until(problem, surface),
         temperature_change=0.0, core_shrinkage=0.0,
     )  # fmt: skip
     curve, equations = stage.tension_curve, equations_of(stage)
-    growth = growth_of(stage, stages, kappa)
     cells = result.radius.size - 1
-    nodes = nodes_between(float(np.log(core)), x, cells, layer_of(problem), np.log(curve.kinks))
+    nodes = nodes_between(float(np.log(core)), x, cells, layer_of(problem), curve)
     T_c = float(curve.at(np.array([core]))[0])
     guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
