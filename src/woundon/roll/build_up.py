@@ -19,7 +19,7 @@ import numpy as np
 
 from .equations import CellSource, Solved, StageEquations, pressure_between
 
-__all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "nodes_between", "wind"]
+__all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "kinks_of", "nodes_between", "wind"]
 
 Array = np.ndarray
 
@@ -27,7 +27,10 @@ ORDER = 3  # of the polynomial through the last stages
 MOST_ROUNDS = 25  # of source and kappa on one stage
 AGREED = 0.02  # of the tolerance
 WEAK = 0.3  # of the tolerance
-SLIGHT = 0.02  # a bend that nodes need not be dense at
+STRETCHED = 0.3  # of a step, lest the next one be tiny
+AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
+# Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
+DENSE, FELT = 0.1, 0.1
 LEAST_STEP = 1e-12  # of ln r
 # Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
 # implicit step errs several times less than an extrapolation
@@ -155,9 +158,10 @@ class BuildUp:
 
 
 def nodes_between(
-    core: float, surface: float, cells: int, layer: float, tension: Tension | None = None
-) -> Array:
-    """Return ln r of nodes, dense at the core, at kinks and at the surface.
+    core: float, surface: float, cells: int, layer: float,
+    kinks: Array | None = None, felt: Array | None = None,
+) -> Array:  # fmt: skip
+    """Return ln r of nodes, dense at the core and at the surface, and at kinks that are felt.
 
     Parameters
     ----------
@@ -167,33 +171,49 @@ def nodes_between(
         How many, about; more where there are kinks.
     layer : float
         How deep the layer below the surface is.
-    tension : Tension, optional
-        Its kinks are to be nodes.
+    kinks, felt : (K,) arrays, optional
+        ln r of what are to be nodes, and how much the source changes there, relative.
     """
     length = surface - core
-    inside, shares = np.zeros(0), np.zeros(0)
-    if tension is not None and tension.kinks.size:
-        kinks = np.log(tension.kinks)
-        own = (kinks > core + 1e-12) & (kinks < surface - 1e-12)
-        inside, shares = kinks[own], np.minimum(0.5, tension.bends[own])
-        cells = round(cells * (1 + float(shares.sum()) / 4))
     layer = min(layer, length)
     steps = layer * np.expm1(np.log1p(length / layer) * np.linspace(0, 1, 2 * cells))
     even = length * np.linspace(0, 1, 2 * cells)
-    places = [core + steps, surface - steps, core + even]
-    # density 1/(distance + layer) at each place, and an even part as large as both ends'
-    density = [(core, 1.0), (surface, 1.0)]
-    for kink, share in zip(inside.tolist(), shares.tolist(), strict=True):
-        if share > SLIGHT:
-            density.append((kink, share))
-            places += [kink + steps, kink - steps]
-    x = np.unique(np.clip(np.concatenate(places), core, surface))
+    x = np.unique(np.clip([core + steps, surface - steps, core + even], core, surface))
+    # density 1/(distance + layer) at both ends, and an even part as large as theirs
     total = np.log1p(length / layer) * (x - core) / length
-    for place, share in density:
-        total += share * np.sign(x - place) * np.log1p(np.abs(x - place) / layer)
+    for end in (core, surface):
+        total += np.sign(x - end) * np.log1p(np.abs(x - end) / layer)
     found = np.interp(np.linspace(total[0], total[-1], cells + 1), total, x)
     found[0], found[-1] = core, surface
-    return np.unique(np.concatenate([found, inside]))
+    if kinks is None:
+        return found
+    own = (kinks > core + LEAST_STEP) & (kinks < surface - LEAST_STEP)
+    more = [kinks[own]]
+    if felt is not None:
+        ends = np.concatenate([[core], kinks[own], [surface]])
+        more += _beside(ends, np.round(cells * DENSE * np.minimum(1.0, felt[own] / FELT)), layer)
+    return np.unique(np.concatenate([found, *more]))
+
+
+def _beside(ends: Array, many: Array, layer: float) -> list[Array]:
+    """Return nodes on either side of kinks, half-way to the next; ``ends`` are kinks and ends."""
+    share = np.arange(1, int(many.max(initial=0)) + 1) / (many[:, None] + 1)
+    inside, kinks = share < 1, ends[1:-1, None]
+    nodes = []
+    for side, room in ((-1, np.diff(ends)[:-1]), (1, np.diff(ends)[1:])):
+        reach = room[:, None] / 2
+        depth = np.minimum(layer, reach)
+        nodes.append((kinks + side * depth * np.expm1(np.log1p(reach / depth) * share))[inside])
+    return nodes
+
+
+def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
+    """Return ln r of a tension's kinks, and how much the source changes there, relative.
+
+    Beyond the last stage as if laid there.
+    """
+    x = np.log(tension.kinks)
+    return x, tension.bends / (2 + growth(np.minimum(x, growth.x[-1])))
 
 
 def wind(
@@ -222,17 +242,17 @@ def wind(
     NotWoundError
         Where a stage cannot be solved.
     """
-    # a kink that changes the source by less than its tolerance is none
-    kinks = np.log(tension.kinks[tension.bends > WEAK * tolerance])
     start, end, T_c = log(core), log(radius), float(tension.at(np.array([core]))[0])
-    stops = [*kinks.tolist(), end]
     growth, x, step, rejected = Growth(start, equations.core), start, 0.1 * layer, 0
+    kink = -np.inf
     last: BuildUp | None = None
     while x < end:
-        stop = next(s for s in stops if s > x)
+        # a kink that changes the source by less than its tolerance is none
+        kinks, felt = kinks_of(tension, growth)
+        stop = float(np.append(kinks[(kinks > x) & (felt > WEAK * tolerance)], end)[0])
         reach = min(step, stop - x)
-        surface = stop if stop - x - reach < 0.3 * reach else x + reach
-        nodes = nodes_between(start, surface, cells, layer, tension)
+        surface = stop if stop - x - reach < STRETCHED * reach else x + reach
+        nodes = nodes_between(start, surface, cells, layer, kinks, felt)
         guess = growth.extrapolated(surface)
         found = _stage(
             equations, tension, nodes, growth, guess, _moved(last, nodes, T_c), AGREED * tolerance
@@ -241,15 +261,17 @@ def wind(
         if found is None or off > tolerance:
             rejected += 1
             step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
+            if surface == stop:  # not stretched to there again
+                step = min(step, AGAIN * (stop - x))
+            if x == kink:  # felt
+                growth.begin_anew()
+                step, kink = min(step, layer), -np.inf
             if step < LEAST_STEP:
                 raise NotWoundError(f"no stage beyond the radius {exp(x):.6g} m can be solved")
             continue
         last, growth = found, found.growth
         step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
-        if surface == stop:
-            growth.begin_anew()
-            step = min(step, layer)
-        x = surface
+        x, kink = surface, stop
         if told is not None:
             told(exp(x))
     assert last is not None

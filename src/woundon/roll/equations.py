@@ -19,7 +19,7 @@ multiple will do) and no T_c; its growth kappa = D p at s says what C the next l
 
 Then -D P = T at s comes out, and tells how good the source is.
 
-Discretised by the two-stage Lobatto rule (order four; scipy.integrate.solve_bvp has it too) on given
+Discretised by the two-stage Lobatto rule (order four, as in scipy.integrate.solve_bvp) on given
 nodes.  Source values belong to a cell, left, middle and right, because C jumps where T has a kink.
 The unknowns P0, Q0, P1, Q1, ... have a matrix of five diagonals:
 

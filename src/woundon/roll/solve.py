@@ -33,12 +33,14 @@ Told = Callable[[float], None]
 
 DEFAULT_RTOL = 1e-3
 # tolerance and cells of the first build-up, and of each further one: half the cells more, a quarter
-# of the tolerance.  Both errors fall by four to five, a third of the change is left where they fall so
+# of the tolerance.  Both errors fall by four to five, a third of the change is left where they fall
+# so; few stages make it irregular, so that a change counts for the next one too
 FIRST, CELLS = 0.12, 23
 FINER, MORE = 0.25, 1.42
 LEFT = 0.7  # of the last change, told as error
 MOST_LEVELS = 12
 ROUNDING = 1e-9
+TOLD = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
 COMPARED = 400  # radii at which two build-ups are compared
 
 
@@ -81,7 +83,7 @@ def solve_wound_roll(
         result = _wound(problem, FIRST * FINER**level, round(CELLS * MORE**level), told)
         steps += result.steps
         if before is not None:
-            errors = _told_errors(before, result)
+            errors = _told_errors(result, _changes(before, result))
             error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
             result = result.replace(errors=errors, steps=steps)
             if error <= rtol:
@@ -176,28 +178,31 @@ def finished(
     )  # fmt: skip
 
 
-def _told_errors(before: WoundRollResult, now: WoundRollResult) -> Mapping[str, float]:
-    """Estimate errors from the change by more stages and nodes, and from the surface's slope.
-
-    The slope at the surface is free of the source there, so its miss tells what the stages leave.
-    """
+def _changes(before: WoundRollResult, now: WoundRollResult) -> dict[str, float]:
+    """Return by what more stages and nodes change what errors are told of [Pa]."""
     x = np.linspace(np.log(now.radius[0]), np.log(now.radius[-1]), COMPARED)
-    values = [
+    (P0, Q0), (P1, Q1) = (
         pressure_between(np.log(r.radius), r.pressure, r.pressure_gradient, x)
         for r in (before, now)
-    ]
-    (P0, Q0), (P1, Q1) = values
-    slope = abs(now.surface_slope) * layer_of(now.problem) * float(
-        now.problem.tension_curve.at(now.radius[-1:])[0]
-    )  # fmt: skip
-    pressure = LEFT * float(np.max(np.abs(P1 - P0))) + slope
-    hoop = LEFT * float(np.max(np.abs(P1 + Q1 - P0 - Q0)))
-    return {
-        "peak_pressure": pressure,
-        "core_pressure": LEFT * abs(now.core_pressure - before.core_pressure),
-        "mid_pressure": LEFT * abs(now.mid_pressure - before.mid_pressure),
-        "least_hoop_stress": hoop,
-    }
+    )
+    changes = (
+        float(np.max(np.abs(P1 - P0))),
+        abs(now.core_pressure - before.core_pressure),
+        abs(now.mid_pressure - before.mid_pressure),
+        float(np.max(np.abs(P1 + Q1 - P0 - Q0))),
+    )
+    return dict(zip(TOLD, changes, strict=True))
+
+
+def _told_errors(now: WoundRollResult, changed: Mapping[str, float]) -> dict[str, float]:
+    """Estimate errors from the changes, and that of the pressure from the surface's slope too.
+
+    The slope there is free of the source, so its miss tells what the stages leave.
+    """
+    T = float(now.problem.tension_curve.at(now.radius[-1:])[0])
+    errors = {name: LEFT * by for name, by in changed.items()}
+    errors["peak_pressure"] += abs(now.surface_slope) * layer_of(now.problem) * T
+    return errors
 
 
 def _admissible(result: WoundRollResult) -> WoundRollResult:

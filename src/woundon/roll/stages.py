@@ -10,7 +10,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import shown
 from ..problems.roll import WoundRollProblem
 from ..problems.schedules import Profile, Taper
-from .build_up import Growth, cell_source, nodes_between
+from .build_up import Growth, cell_source, kinks_of, nodes_between
 from .certificate import certificate, equations_of, growth_of
 from .equations import pressure_between
 from .result import WoundRollResult
@@ -60,7 +60,9 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     )  # fmt: skip
     curve, equations = stage.tension_curve, equations_of(stage)
     cells = result.radius.size - 1
-    nodes = nodes_between(float(np.log(core)), x, cells, layer_of(problem), curve)
+    nodes = nodes_between(
+        float(np.log(core)), x, cells, layer_of(problem), *kinks_of(curve, growth)
+    )
     T_c = float(curve.at(np.array([core]))[0])
     guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
