@@ -20,6 +20,7 @@ from ..problems.fields import Problem, shown
 from ..problems.materials import Material, material
 from ..quantities import Place, Quantity, find, is_list, members_of
 from .case_texts import SCHEMA, template, to_toml
+from .columns import with_columns
 from .files import read_whole
 from .units import parse
 
@@ -63,6 +64,8 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
 def read_case(path: str | Path) -> dict[str, Any]:
     """Return the case file's tables as written, values neither converted nor checked.
 
+    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case.
+
     Raises
     ------
     InvalidProblem
@@ -88,7 +91,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
     if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
         raise InvalidProblem.at(str(path), text)
-    return case
+    return dict(with_columns(case, Path(path).parent))
 
 
 def _too_deep(part: Any, levels: int = DEEPEST) -> bool:

@@ -101,6 +101,15 @@ def continuous_fields(problem: Any) -> dict[str, float]:
     return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
+def _items(problem: Any) -> dict[str, float]:
+    """Return the numbers of all lists, as a profile's values, by dotted name."""
+    return {
+        f"{place.path}.{k}": item
+        for place in walk(problem) if isinstance(place.value, tuple)
+        for k, item in enumerate(place.value) if isinstance(item, float)
+    }  # fmt: skip
+
+
 @one_thread
 def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
     """Return derivatives of a nip's main outputs; see :class:`Sensitivity`.
@@ -110,7 +119,7 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     result : NipResult
         Of :func:`solve_nip`; on its own mesh, in its own state.
     parameters : tuple of str
-        Dotted names; all continuous fields if empty.
+        Dotted names; all continuous fields if empty, without the items of lists.
 
     Raises
     ------
@@ -121,10 +130,11 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
         if not getattr(result.problem, name).linear:
             raise InvalidProblem.at(name, "is not linear: its sensitivities are not available")
     known = continuous_fields(result.problem)
-    for name in parameters:
+    names = parameters or tuple(known)
+    known |= _items(result.problem)
+    for name in names:
         if name not in known:
             raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
-    names = parameters or tuple(known)
     equations = _Differential(result)
     factor = lu_factor(equations.jacobian().T)
     adjoint = lu_solve(factor, equations.output_gradients().T)  # (unknowns, outputs)

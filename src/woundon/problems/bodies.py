@@ -357,7 +357,7 @@ class ContactProblem(Problem):
         if one.rigid and two.rigid:
             first, second = self.pair
             raise InvalidProblem.at(
-                first, f"{first} and {second} are both Rigid; one must be HalfPlane or Cylinder"
+                first, f"{first} and {second} are both Rigid; one must be elastic"
             )
         return self
 

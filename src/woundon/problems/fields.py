@@ -327,7 +327,7 @@ def admissible(field: FieldInfo) -> str:
     models = members_of(field.annotation)
     if models:
         names = one_of(model.__name__ for model in models)
-        if float in get_args(field.annotation):
+        if _takes_a_number(field.annotation):
             unit = _unit(field)
             names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
@@ -338,6 +338,10 @@ def admissible(field: FieldInfo) -> str:
     unit = _unit(field)
     limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
     return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
+
+
+def _takes_a_number(annotation: Any) -> bool:
+    return annotation is float or any(map(_takes_a_number, get_args(annotation)[:2]))
 
 
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}

@@ -92,8 +92,7 @@ def _peak(grid: Any, p: Array) -> float:
     """Return p_max of the half ellipse with the same integrals of p and p^2."""
     if not np.any(p):
         return 0.0
-    inside = grid.nodes.size > p.size  # nodes at both ends have no traction
-    values = np.pad(p, 1) if inside else p
-    h, one, two = np.diff(grid.nodes), values[:-1], values[1:]
+    h = np.diff(np.concatenate([[-1.0], grid.columns, [1.0]]))
+    one, two = np.append(0.0, p), np.append(p, 0.0)
     mean, square = h @ (one + two) / 2, h @ (one * one + one * two + two * two) / 3
     return float(3 * pi / 8 * square / mean)
