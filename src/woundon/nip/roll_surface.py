@@ -54,7 +54,8 @@ class _Outside:
     """A nip's nodes with points outside it, where smooth parts are integrated node by node."""
 
     def __init__(self, grid: Grid) -> None:
-        self.grid, self.columns, self.points = grid, grid.nodes[1:-1], grid.points
+        self.grid, self.nodes, self.points = grid, grid.nodes, grid.points
+        self.columns = grid.nodes[1:-1]
         self.value = self.slope = np.zeros((grid.points.size, grid.unknowns))
 
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:

@@ -10,8 +10,9 @@ import numpy as np
 from ..contact.response import Displace, Gradients, Response
 from ..elasticity import cylinder
 from ..elasticity.hardening import HardeningLaw
-from ..elasticity.hardening_ring import HardeningRing
+from ..elasticity.hardening_ring import HardeningRing, NoEquilibrium
 from ..elasticity.ring_elements import Fineness
+from ..errors import NotConverged
 
 if TYPE_CHECKING:
     from ..contact.response import ContactGrid, Tractions
@@ -42,8 +43,12 @@ def respond(
     linear = grid.integrated(kernels, 1 / ring.radius, ring.radius, a)
     nodes, n = grid.nodes, grid.columns.size
     p, q = (np.zeros(n), np.zeros(n)) if about is None else about
+    p = np.maximum(p, 0.0)  # a trial state may pull, and tear the stack
     own = slice(None) if nodes.size == n else slice(1, -1)
-    found = ring.about(fineness(nodes), a, a * nodes, own, p, q)
+    try:
+        found = ring.about(fineness(nodes), a, a * nodes, own, p, q)
+    except NoEquilibrium as stop:
+        raise NotConverged(str(stop)) from None
     by_p, by_q, rest = found.gradients(a * grid.points)
 
     def places(points: Array | None) -> Array:
