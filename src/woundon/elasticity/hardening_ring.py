@@ -44,7 +44,7 @@ STEPS = 80
 LONGEST = 1.0  # change of ln E_r in a step
 # shares of the forces that a step leaves: one with a tangent of before that leaves more was the
 # last one with it; one that leaves less shows that it is still right
-SLOW, RIGHT = 0.05, 1e-2
+SLOW, RIGHT = 0.05, 1e-4
 
 
 class NoEquilibrium(ArithmeticError):

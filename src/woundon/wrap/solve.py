@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
-from ..contact.loop import Before, Ladder, Level, Tolerance, halved
+from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
@@ -55,6 +55,7 @@ def solve_wrapped_nip(
     drum_wrap: float | None = None,
     wrap_friction: float | None = None,
     winding_force: float | None = None,
+    start: WrappedNipResult | None = None,
 ) -> WrappedNipResult:
     """Solve the winding nip with the web wrapped on the roll behind it and on the drum before it.
 
@@ -73,6 +74,9 @@ def solve_wrapped_nip(
         Of a NipProblem only: the wraps that it is given, by default half a turn on the roll, and
         the force on nip and drum wrap together; see
         :class:`~woundon.problems.nip.WrappedNipProblem`.
+    start : WrappedNipResult, optional
+        A solved neighbouring case: a roll that hardens starts from its loads and width, which saves
+        the coarsest meshes.  The answer does not depend on it.
 
     Returns
     -------
@@ -95,7 +99,13 @@ def solve_wrapped_nip(
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
     contact = WrapContact(problem, cells, count)
     ladder = Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
-    ladder.climb(halved(count, Graded.coarsest))
+    counts = halved(count, Graded.coarsest)
+    if start is not None:
+        check_type("start", start, WrappedNipResult)
+    if start is None or problem.linear:
+        ladder.climb(counts)
+    else:
+        ladder.climb(counts[-2:], _started(start, problem))
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
     elif nodes is None:
@@ -115,6 +125,24 @@ def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> 
         text = f"{value!r} is given beside a WrappedNipProblem, whose field it is; use "
         raise InvalidProblem.at(name, f"{text}problem.replace({name}=...)")
     return problem
+
+
+def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
+    """Start from another case's result, at the load asked."""
+    places = start.x / start.half_width
+    on_roll, on_drum = places > -1, places < 1
+    known: Widths = (start.widths or Widths(2.0, {})).at(problem.nip_load / start.problem.nip_load)
+    zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
+    loads = Known(
+        start.web_tension, start.curvature,
+        Tractions(start.roll_pressure, start.roll_traction),
+        Tractions(start.pressure, start.drum_traction),
+    )  # fmt: skip
+    share = (problem.nip_load / start.problem.nip_load) ** (1 / known.power)
+    return Start(
+        start.half_width * share, (places[on_roll], places[on_drum]), zones, known.power,
+        widths=known, before=Before(places, loads),
+    )  # fmt: skip
 
 
 def check_options(
@@ -228,6 +256,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         series_terms=max((r.terms for r in responses), default=0),
         series_error=max((r.truncation_error for r in responses), default=0.0),
         mesh=level.mesh,
+        widths=ladder.widths,
     )
     result = result.replace(roll_strain=roll_strain(equations, result))
     return result.replace(
