@@ -242,9 +242,14 @@ def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem
             kind = NoSteadyState if isinstance(inner, NoSteadyState) else kind
         elif item["type"] == "extra_forbidden":
             faults.append((path, no_such_field(str(name), model)))
-        elif path not in dict(faults):
+        elif path not in dict(faults) and not _counts_faults(item):
             faults.append((path, _fault(item, model.model_fields[str(name)])))
     return kind(faults)
+
+
+def _counts_faults(item: Any) -> bool:
+    """Tell whether a list is called too short for the items of it that are at fault."""
+    return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
 
 
 def _fault(item: Any, field: FieldInfo) -> str:
