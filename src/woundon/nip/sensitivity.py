@@ -126,12 +126,8 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     Raises
     ------
     InvalidProblem
-        For a name that is no continuous field, or a body whose modulus is estimated.
+        For a name that is no continuous field.
     """
-    for name in ("roll", "drum"):
-        if not getattr(result.problem, name).consistent:
-            text = "has a modulus that is estimated: its sensitivities are not available"
-            raise InvalidProblem.at(name, text)
     known = continuous_fields(result.problem)
     names = parameters or tuple(known)
     known |= _items(result.problem)

@@ -55,8 +55,6 @@ class Body(Family):
         Whether the surface does not deform at all.
     linear : bool
         Whether the response is the same about every state.
-    consistent : bool
-        Whether its matrices are the derivative of its response; sensitivities need that.
     confined_only : bool
         Whether it is good only for nips whose web is held at the trailing edge.
     caution : str
@@ -66,7 +64,6 @@ class Body(Family):
     radius: Radius
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
-    consistent: ClassVar[bool] = True
     confined_only: ClassVar[bool] = False
     caution: ClassVar[str] = ""
 
