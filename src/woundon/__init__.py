@@ -42,6 +42,7 @@ _HOME = {
     "load_case": "io.case_files",
     "load_result": "io.result_files",
     "material": "problems.materials",
+    "plot": "show.plots",
     "solve": "kinds",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
     from .results import Zone as Zone
     from .rollers.result import RollerResult as RollerResult
     from .rollers.solve import solve_rollers as solve_rollers
+    from .show.plots import plot as plot
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep

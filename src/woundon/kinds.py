@@ -72,7 +72,7 @@ class Kind:
 
     @cached_property
     def plot(self) -> Callable[..., Any]:
-        """What draws a result: (result, path=None) -> figure."""
+        """What draws a result: (result) -> panels of a figure, by name."""
         return _got(self._plot)
 
     @cached_property
@@ -111,7 +111,7 @@ def register(
     name: str | None = None,
     about: str | None = None,
     report: Callable[..., Any] | str = "woundon.show.report:outputs_report",
-    plot: Callable[..., Any] | str = "woundon.show.plots:plot_outputs",
+    plot: Callable[..., Any] | str = "woundon.show.plots:output_panels",
     check: Callable[..., Any] | str | None = None,
     neighbour: Callable[..., Any] | str | None = None,
     shifted: Mapping[str, frozenset[str]] | str | None = None,
@@ -130,7 +130,8 @@ def register(
     about : str
         One line for the command line's help; by default the first of the class's text.
     report, plot : callable or name
-        What tells and draws a result; by default all its outputs, all its arrays.
+        What tells and draws a result: its parts of a report, its panels by name; by default all
+        outputs, all arrays.
     check : callable or name
         What refuses options of the solver before anything is solved.
     neighbour, shifted : callable, mapping, or their names
@@ -151,7 +152,7 @@ register(
     "woundon.nip.result:NipResult",
     about="The winding nip alone, the web held at its trailing edge.",
     report="woundon.show.report:nip_report",
-    plot="woundon.show.plots:plot_nip",
+    plot="woundon.show.nip_plots:nip_panels",
     check="woundon.nip.solve:check_options",
     neighbour="woundon.nip.winding_theorem:neighbour",
     shifted="woundon.nip.winding_theorem:SHIFTED",
@@ -162,7 +163,7 @@ register(
     "woundon.wrap.result:WrappedNipResult",
     about="The winding nip with the web wrapped on roll and drum: the wound-on tension.",
     report="woundon.show.report:wrapped_report",
-    plot="woundon.show.plots:plot_wrapped",
+    plot="woundon.show.nip_plots:wrapped_panels",
     check="woundon.wrap.solve:check_options",
 )
 register(
@@ -172,7 +173,7 @@ register(
     name="rollers",
     about="Two rollers in contact without a web, rolling or static.",
     report="woundon.show.report:roller_report",
-    plot="woundon.show.plots:plot_rollers",
+    plot="woundon.show.roller_plots:roller_panels",
     check="woundon.rollers.solve:check_options",
 )
 

@@ -7,11 +7,11 @@ A result's outputs are its fields and properties that carry a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from enum import IntEnum
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, overload
 
 import numpy as np
 
@@ -20,7 +20,11 @@ from .errors import NotConverged
 from .quantities import Quantity, pure, scalar_outputs, value_of
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["ACCEPTED_RESIDUAL", "Residuals", "Result", "Zone"]
 
@@ -161,19 +165,32 @@ class Result:
         """Return the same result with other fields."""
         return replace(self, **changes)
 
-    def plot(self, path: Any = None, **options: Any) -> Any:
-        """Draw the result; see ``woundon.show.plots``.
+    @overload
+    def plot(self, path: str | PathLike[str] | None = None, ax: None = None,
+             panels: str | Sequence[str] | None = None) -> Figure: ...  # fmt: skip
+
+    @overload
+    def plot(self, path: str | PathLike[str] | None = None, *, ax: Axes,
+             panels: str | Sequence[str] | None = None) -> Axes: ...  # fmt: skip
+
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw the result; see :func:`woundon.plot`, which draws several in one picture.
 
         Parameters
         ----------
         path : path, optional
-            Where to save, ``.png``, ``.svg`` or ``.pdf``.
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook shows the figure, and in a script ``plt.show()`` does.
+        ax : matplotlib.axes.Axes, optional
+            Into which one panel is drawn.
+        panels : str or sequence of str, optional
+            Which to draw, by name; a wrong name is told the choice.
 
         Returns
         -------
-        matplotlib.figure.Figure
+        matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.of(self).plot(self, path, **options)
+        return kinds.fetch("woundon.show.plots:plot")(self, path, ax, panels)
 
     def save(self, path: Any) -> None:
         """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""

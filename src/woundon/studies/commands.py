@@ -181,7 +181,7 @@ def fit(
 
     problem = load_case(case, settings)
     if plot:
-        kinds.fetch("woundon.show.plots:check_format")(plot)
+        kinds.fetch("woundon.show.figures:check_format")(plot)
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     for path in filter(None, (save, plot)):

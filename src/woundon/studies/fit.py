@@ -110,9 +110,24 @@ class FitResult:
         """Return the fit as JSON."""
         return fitreport.to_json(self)
 
-    def plot(self, path: Any = None) -> Any:
-        """Draw fitted against measured values, and the profiles."""
-        return kinds.fetch("woundon.show.study_plots:plot_fit")(self, path)
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw fitted against measured values ("agreement"), and the profile of each parameter.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook shows the figure, and in a script ``plt.show()`` does.
+        ax : matplotlib.axes.Axes, optional
+            Into which one panel is drawn.
+        panels : str or sequence of str, optional
+            Which to draw: "agreement", names of parameters.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return kinds.fetch("woundon.show.study_plots:plot_fit")(self, path, ax, panels)
 
 
 def fit_parameters(

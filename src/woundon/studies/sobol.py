@@ -80,9 +80,24 @@ class SobolIndices:
                 )
         return out
 
-    def plot(self, path: Any = None) -> Any:
-        """Draw the indices as bars."""
-        return kinds.fetch("woundon.show.study_plots:plot_indices")(self, path)
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw the indices as bars, the input that explains most on top.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook shows the figure, and in a script ``plt.show()`` does.
+        ax : matplotlib.axes.Axes, optional
+            Into which one output's panel is drawn.
+        panels : str or sequence of str, optional
+            Outputs to draw.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return kinds.fetch("woundon.show.study_plots:plot_indices")(self, path, ax, panels)
 
 
 def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:
