@@ -11,6 +11,7 @@ _HOME = {
     "Body": "problems.bodies",
     "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
+    "FitResult": "studies.fit",
     "Graded": "contact.schemes",
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
@@ -29,6 +30,8 @@ _HOME = {
     "Rigid": "problems.bodies",
     "RollerProblem": "problems.rollers",
     "RollerResult": "rollers.result",
+    "Sensitivity": "nip.sensitivity",
+    "SobolIndices": "studies.sobol",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
@@ -69,6 +72,7 @@ if TYPE_CHECKING:
     from .io.result_files import load_result as load_result
     from .kinds import solve as solve
     from .nip.result import NipResult as NipResult
+    from .nip.sensitivity import Sensitivity as Sensitivity
     from .nip.solve import solve_nip as solve_nip
     from .problems.bodies import Body as Body
     from .problems.bodies import Cylinder as Cylinder
@@ -93,6 +97,8 @@ if TYPE_CHECKING:
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
+    from .studies.fit import FitResult as FitResult
+    from .studies.sobol import SobolIndices as SobolIndices
     from .wrap.result import WrappedNipResult as WrappedNipResult
     from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 

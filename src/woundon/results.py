@@ -22,11 +22,12 @@ from .quantities import Quantity, pure, scalar_outputs, value_of
 if TYPE_CHECKING:
     from os import PathLike
 
+    import pandas as pd
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["ACCEPTED_RESIDUAL", "Residuals", "Result", "Zone"]
+__all__ = ["ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone"]
 
 ACCEPTED_RESIDUAL = 1e-8
 
@@ -96,8 +97,22 @@ def _residuals(laws: dict[str, float]) -> Residuals:
     return Residuals(**laws)
 
 
+class ReadOnly:
+    """A dataclass whose arrays cannot be written to, nor can those of a copy or of a pickle."""
+
+    def __post_init__(self) -> None:
+        for part in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, part.name)
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Result:
+class Result(ReadOnly):
     """What a solve returns; immutable.
 
     Attributes
@@ -127,10 +142,7 @@ class Result:
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for part in fields(self):
-            value = getattr(self, part.name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+        super().__post_init__()
         object.__setattr__(self, "errors", MappingProxyType(dict(self.errors)))
 
     @property
@@ -200,8 +212,20 @@ class Result:
         """Return the result as an xarray Dataset, every variable with unit and symbol."""
         return kinds.fetch("woundon.io.result_files:to_dataset")(self)
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the arrays as columns of a pandas DataFrame, SI units.
+
+        Of a result without arrays its numbers, in a single row.  ``attrs["units"]`` and
+        ``attrs["long_names"]`` tell what each column is.
+        """
+        return kinds.fetch("woundon.io.frames:to_frame")(self)
+
     def __str__(self) -> str:
         return kinds.fetch("woundon.show.report:report_text")(self)
+
+    def _repr_html_(self) -> str:
+        html: str = kinds.fetch("woundon.show.html:result_html")(self)
+        return html
 
     def __repr__(self) -> str:
         known, told = scalar_outputs(self), []
@@ -231,10 +255,6 @@ class Result:
             if not part.metadata.get("saved", True) and part.default is not MISSING
         }  # fmt: skip
         return {**self.__dict__, "errors": dict(self.errors), **made_anew}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        Result.__post_init__(self)
 
 
 def _same(one: Any, two: Any) -> bool:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import FrozenInstanceError
+from importlib import import_module
 from math import inf, pi
 from numbers import Real
 from reprlib import Repr
@@ -102,6 +103,11 @@ class Description(BaseModel):
         if faults:
             raise InvalidProblem(faults)
         return type(self)(**fields)
+
+    def _repr_html_(self) -> str:
+        # what comes later on the way of the data is found by name
+        html: str = import_module("woundon.show.html").description_html(self)
+        return html
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""

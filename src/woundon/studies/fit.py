@@ -16,16 +16,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged
 from ..quantities import Quantity
+from ..results import ReadOnly
 from . import fitreport
 from .predict import Parameter, Predictor
 from .profiles import Profile, profile_of, threshold
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
 
 __all__ = ["FitResult", "fit_parameters"]
 
@@ -33,8 +38,8 @@ Array = np.ndarray
 SAME_MINIMUM = 1e-3  # relative difference of S
 
 
-@dataclass(frozen=True, eq=False)
-class FitResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FitResult(ReadOnly):
     """A fit and its evidence; m measured values, p parameters.
 
     Attributes
@@ -105,6 +110,27 @@ class FitResult:
     def lines(self) -> list[str]:
         """Return the fit as lines of text."""
         return fitreport.lines(self)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        return fitreport.line(self)
+
+    def _repr_html_(self) -> str:
+        head, *_ = self.lines()
+        html: str = kinds.fetch("woundon.show.html:table_html")(
+            head, self.to_dataframe(), fitreport.remarks(self)
+        )
+        return html
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each parameter: estimate, standard error, 95 % interval, unit [SI]."""
+        return fitreport.to_frame(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return parameters along ``parameter`` and measured values along ``measurement`` [SI]."""
+        return fitreport.to_dataset(self)
 
     def to_json(self) -> str:
         """Return the fit as JSON."""

@@ -26,7 +26,7 @@ TEXTS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Table:
     """Every case of a study.
 
@@ -82,6 +82,10 @@ class Table:
             "failure": self.failure,
             "warnings": self.warnings,
         }
+
+    def __repr__(self) -> str:
+        return (f"Table({self.design.size} cases of {', '.join(self.design.names)}; "
+                f"{', '.join(self.outputs)}; {self.failed.size} failed)")  # fmt: skip
 
     def to_dataset(self) -> xarray.Dataset:
         """Return an xarray Dataset: a dimension for each axis of a grid, or ``case``.
