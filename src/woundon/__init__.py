@@ -54,7 +54,54 @@ _HOME = {
     "theories": "",
 }
 
-__all__ = ["__version__", *sorted(_HOME)]
+# in full, for type checkers read no expression
+__all__ = [
+    "Body",
+    "ContactGrid",
+    "Cylinder",
+    "FitResult",
+    "Graded",
+    "HalfPlane",
+    "InvalidProblem",
+    "Isotropic",
+    "Material",
+    "NipProblem",
+    "NipResult",
+    "NoSteadyState",
+    "NotConverged",
+    "Orthotropic",
+    "Problem",
+    "Quantity",
+    "Residuals",
+    "Response",
+    "Result",
+    "Rigid",
+    "RollerProblem",
+    "RollerResult",
+    "Sensitivity",
+    "SobolIndices",
+    "Thesis",
+    "Tractions",
+    "ValidityWarning",
+    "Web",
+    "WrappedNipProblem",
+    "WrappedNipResult",
+    "Zone",
+    "__version__",
+    "fit",
+    "global_sensitivity",
+    "kinds",
+    "load_case",
+    "load_result",
+    "material",
+    "plot",
+    "solve",
+    "solve_nip",
+    "solve_rollers",
+    "solve_wrapped_nip",
+    "sweep",
+    "theories",
+]  # fmt: skip
 
 if TYPE_CHECKING:
     from . import kinds as kinds
@@ -103,15 +150,17 @@ if TYPE_CHECKING:
     from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 
 
-def __getattr__(name: str) -> Any:
-    # names are fetched when first used: `import woundon` costs next to nothing
-    if name not in _HOME:
-        raise AttributeError(f"module 'woundon' has no attribute {name!r}")
-    home = _HOME[name]
-    module = import_module(f".{home or name}", __name__)
-    value = getattr(module, name) if home else module
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # who would take any name for known
+
+    def __getattr__(name: str) -> Any:
+        # names are fetched when first used: `import woundon` costs next to nothing
+        if name not in _HOME:
+            raise AttributeError(f"module 'woundon' has no attribute {name!r}")
+        home = _HOME[name]
+        module = import_module(f".{home or name}", __name__)
+        value = getattr(module, name) if home else module
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -18,9 +18,17 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 from .errors import InvalidProblem, did_you_mean, one_of
+
+if TYPE_CHECKING:
+    from .nip.result import NipResult
+    from .problems.fields import Problem
+    from .problems.nip import NipProblem, WrappedNipProblem
+    from .problems.rollers import RollerProblem
+    from .rollers.result import RollerResult
+    from .wrap.result import WrappedNipResult
 
 __all__ = [
     "Kind", "every", "fetch", "for_fields", "load_plugins", "named", "of", "register", "solve",
@@ -237,21 +245,38 @@ def for_fields(names: Iterable[str]) -> Kind:
     return next(kind for kind in kinds if kind.problem is chosen)
 
 
+@overload
+def solve(problem: NipProblem, **options: Any) -> NipResult: ...
+@overload
+def solve(problem: WrappedNipProblem, **options: Any) -> WrappedNipResult: ...
+@overload
+def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
+@overload
+def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
+
+    ===================================  =====================================================
+    :class:`~woundon.NipProblem`         the winding nip alone, the web held at its trailing edge
+    :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
+    :class:`~woundon.RollerProblem`      two rollers in contact without a web
+    ===================================  =====================================================
+
+    and whatever :func:`woundon.kinds.register` made known.
 
     Parameters
     ----------
     problem : Problem
-        :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
-        :class:`~woundon.RollerProblem`, or one of a kind registered elsewhere.
+        Of any kind.
     options
-        Of the kind's solver: ``nodes``, ``rtol``, ...
+        Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
+        :func:`~woundon.solve_rollers`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
 
     Returns
     -------
     Result
-        Of the kind: :class:`~woundon.NipResult`, ...
+        Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
+        :class:`~woundon.RollerResult`, ...
 
     Raises
     ------

@@ -223,6 +223,13 @@ class Result(ReadOnly):
     def __str__(self) -> str:
         return kinds.fetch("woundon.show.report:report_text")(self)
 
+    def __dir__(self) -> list[str]:
+        # what is of use: not what its kind is made of, nor what it has something else in place of
+        unsaved = {part.name for part in fields(self) if not part.metadata.get("saved", True)}
+        hidden = {*unsaved, *self.REPLACED, "relabelled"}
+        names = set(super().__dir__()) - hidden
+        return sorted(name for name in names if not name.startswith("_") and not name.isupper())
+
     def _repr_html_(self) -> str:
         html: str = kinds.fetch("woundon.show.html:result_html")(self)
         return html

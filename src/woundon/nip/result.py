@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 import numpy as np
 
 from .. import kinds
+from ..problems.nip import NipProblem
 from ..quantities import length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 
@@ -165,6 +166,7 @@ class NipResult(WindingNipResult):
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
 
+    problem: NipProblem
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
     extrapolation: Annotated[
         float, line_load("dNIT", "part of it that extrapolates the integral of the tractions")

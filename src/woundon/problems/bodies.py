@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import pi, sqrt
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
@@ -25,7 +25,10 @@ from .fields import Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ..contact.response import ContactGrid, Tractions
+    from .fields import Given
 
 __all__ = [
     "AnyBody", "Body", "ContactProblem", "Cylinder", "HalfPlane", "KernelBody", "Radius", "Rigid",
@@ -97,7 +100,10 @@ class Body(Family):
         return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
 
 
-AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
+if TYPE_CHECKING:
+    AnyBody = Given[Body, Body | Mapping[str, Any]]
+else:
+    AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
 
 
 class Rigid(Body):

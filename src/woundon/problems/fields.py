@@ -13,10 +13,23 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import FrozenInstanceError
 from importlib import import_module
+from inspect import Signature
 from math import inf, pi
 from numbers import Real
 from reprlib import Repr
-from typing import Annotated, Any, ClassVar, NoReturn, Self, get_args
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Generic,
+    NoReturn,
+    Self,
+    TypeVar,
+    dataclass_transform,
+    get_args,
+    overload,
+)
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_serializer
 from pydantic.fields import FieldInfo
@@ -50,11 +63,64 @@ def _number(value: Any) -> float:
 
 Number = Annotated[float, BeforeValidator(_number)]
 
+if TYPE_CHECKING:
+    Read = TypeVar("Read")
+    Write = TypeVar("Write")
 
-class Description(BaseModel):
+    class Given(Generic[Read, Write]):
+        """For type checkers: a field that is given as more than what it is read as."""
+
+        @overload
+        def __get__(self, instance: None, owner: Any) -> Self: ...
+        @overload
+        def __get__(self, instance: object, owner: Any) -> Read: ...
+        def __get__(self, instance: Any, owner: Any) -> Any: ...
+        def __set__(self, instance: Any, value: Write) -> None: ...
+
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+# not frozen_default: a frozen field could not be given as more than what it is read as (Given)
+@dataclass_transform(kw_only_default=True)
+class Described(ModelMetaclass):
+    """How classes of descriptions show themselves to help(), dir() and editors.
+
+    By their fields and their own methods; pydantic's are of no use to who describes a nip.
+    """
+
+    @property
+    def __doc__(cls) -> str:  # type: ignore[override]  # noqa: N805
+        return str(_help_texts().documentation(cls))
+
+    @property
+    def __signature__(cls) -> Signature:  # noqa: N805
+        made: Signature = _help_texts().signature(cls)
+        return made
+
+    @__signature__.setter
+    def __signature__(cls, value: Any) -> None:  # noqa: N805
+        pass  # pydantic's, with all its marks
+
+    def __dir__(cls) -> list[str]:  # noqa: N805
+        names = set(super().__dir__()) - set(dir(BaseModel))
+        return sorted(name for name in names if not name.startswith(("_", "model_")))
+
+
+def _help_texts() -> Any:
+    return import_module("woundon.problems.help_texts")  # which knows the descriptions
+
+
+class Description(BaseModel, metaclass=Described):
     """An immutable, validated description; unknown names and values out of range are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*dir(type(self)), *type(self).model_fields})
 
     def __init__(self, /, **fields: Any) -> None:
         try:

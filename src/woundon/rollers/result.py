@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 
@@ -47,6 +48,7 @@ class RollerResult(Result):
 
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"creepage", "shift", "traction_error"})
 
+    problem: RollerProblem
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import kinds
 from ..nip.result import NipResult, WindingNipResult
+from ..problems.nip import WrappedNipProblem
 from ..quantities import Quantity, angle, line_load, strain, stress
 from ..results import Residuals, Zone
 
@@ -48,6 +49,7 @@ class WrappedNipResult(WindingNipResult):
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"roll_slip", "drum_slip", "roll_strain"})
 
+    problem: WrappedNipProblem
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
     curvature: Annotated[
