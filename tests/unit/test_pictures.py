@@ -161,6 +161,14 @@ def test_one_panel_goes_into_the_users_axes(nips) -> None:
     np.testing.assert_allclose(again.get_lines()[0].get_ydata(), 1e-3 * nips[0].pressure)
 
 
+def test_a_legend_within_axes_is_covered_by_no_curve(nips) -> None:
+    figure, axes = plt.subplots()
+    nips[0].plot(ax=axes, panels="slips")
+    (twin,) = [other for other in figure.axes if other is not axes]
+    assert axes.get_legend() is not None
+    assert axes.get_zorder() > twin.get_zorder()
+
+
 def test_axes_are_saved_with_their_figure(nips, tmp_path: Path) -> None:
     axes = mpl.figure.Figure(figsize=(2, 1)).add_subplot()
     nips[0].plot(tmp_path / "mine.png", ax=axes)

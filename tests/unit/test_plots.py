@@ -16,7 +16,7 @@ from woundon.quantities import line_load, stress
 from woundon.show.figures import symbol_text
 from woundon.show.panels import Case, drawn
 from woundon.show.plots import output_panels
-from woundon.show.study_plots import plot_fit, plot_sweep
+from woundon.show.study_plots import plot_fit, plot_indices, plot_sweep
 
 NODES = 25
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
@@ -372,6 +372,38 @@ def test_the_legend_of_a_fit_is_short():
     labels = [text.get_text() for text in agreement.get_legend().get_texts()]
     assert labels == ["rig tension", "wound-on tension"]
     assert agreement.get_xlabel() == "measured [N/m]"
-    assert along.get_xlabel() == "web.thickness [µm]"
+    assert agreement.get_legend().get_window_extent().width < agreement.bbox.width
+    one = plt.figure().add_subplot()
+    assert plot_fit(fit, ax=one, panels="web.thickness") is one
+    assert one.get_xlabel() == along.get_xlabel() == "web.thickness [µm]"
+    with pytest.raises(
+        wo.InvalidProblem, match=r"must be agreement or web\.thickness; did you mean"
+    ):
+        plot_fit(fit, panels="thickness")
     assert along.get_ylabel() == "RMS of the fit [N/m]"
     np.testing.assert_allclose(along.get_lines()[0].get_xdata(), [10, 50, 90])
+
+
+def test_shares_of_variance_are_sorted_for_each_output():
+    names = ("nip_load", "roll_friction", "web_tension")
+    total = np.array([[0.2, 0.7, 0.1], [0.5, 0.1, 0.4]])
+    first = total - 0.05
+    indices = SimpleNamespace(
+        inputs=names, outputs=("nip_width", "peak_pressure"), first_order=first, total_order=total,
+        first_interval=np.array([first - 0.02, first + 0.03]),
+        total_interval=np.array([total - 0.02, total + 0.03]),
+    )  # fmt: skip
+    figure = plot_indices(indices)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
+        "alone (first order)", "with interactions (total)",
+    ]  # fmt: skip
+    for axes, shares, alone in zip(figure.axes, total, first, strict=True):
+        order = np.argsort(-shares)
+        said = [text.get_text() for text in axes.get_yticklabels()]
+        assert said == [names[j].replace("_", " ") for j in order]
+        assert axes.yaxis_inverted()  # the first stands on top
+        widths = [[bar.get_width() for bar in bars] for bars in axes.containers if len(bars) == 3
+                  and hasattr(bars[0], "get_width")]  # fmt: skip
+        np.testing.assert_allclose(widths, [alone[order], shares[order]])
+    (one,) = plot_indices(indices, panels="peak_pressure").axes
+    assert one.get_title(loc="left") == "peak pressure"

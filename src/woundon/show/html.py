@@ -104,4 +104,4 @@ def _strips(part: ZoneStrips) -> str:
     )  # fmt: skip
     caption = f'<caption style="{LEFT};font-weight:bold">Zones, leading edge on the left</caption>'
     table = f"<table>{caption}<tbody>\n{''.join(rows)}\n</tbody></table>"
-    return f'{table}<p style="margin:0.3em 0;{QUIET}">{key}</p>'
+    return f'{table}<p style="margin:0.3em 0">{key}</p>'

@@ -78,8 +78,6 @@ def draw_slips(axes: Axes, cases: Cases) -> Handles:
     """Draw the slips v+ and v- of nips along x and, on the right, the web tension."""
     handles: Handles = []
     tension_axes = axes.twinx()
-    axes.set_zorder(tension_axes.get_zorder() + 1)  # a legend within covers the tension
-    axes.patch.set_visible(False)
     for case in cases:
         result, own = case.result, case.result.in_nip
         x, slip_x = shown(result, "x")[own], shown(result, "slip_x")[own]

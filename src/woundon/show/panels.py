@@ -158,6 +158,10 @@ def _draw_into(ax: Axes, chosen: list[Panel], choice: Any, cases: Sequence[Case]
     handles = [*_curves(chosen[0].draw(ax, cases), cases), *_names(cases)]
     if handles:
         ax.legend(handles=handles)
+        for twin in ax.get_shared_x_axes().get_siblings(ax):
+            if twin is not ax and twin.bbox.bounds == ax.bbox.bounds:
+                ax.set_zorder(twin.get_zorder() + 1)  # the legend covers its curves
+                ax.patch.set_visible(False)
 
 
 def _figure(
