@@ -73,7 +73,7 @@ wrapped = wo.solve(problem.wrapped(roll_wrap=1.0))
 wound_on: float = wrapped.wound_on_tension
 pair = wo.RollerProblem(upper=steel, lower=steel, load=89e3, friction=0.5)
 share: float = wo.solve(pair).slip_share
-wo.plot([nip, wo.solve(other)], labels=["one", "other"])
+wo.plot([nip, wo.solve(other)], labels=["one", "other"]).set_size_inches(5, 5)
 slopes: wo.Sensitivity = nip.sensitivity("nip_load")
 over = {"nip_load": [1e3, 2e3], "web.material": ["paper", "newsprint"]}
 table = wo.sweep(problem, over, nodes=33)

@@ -270,3 +270,8 @@ def test_kinds_share_the_panels_they_have_in_common(nips) -> None:
 def test_nothing_to_draw_is_told() -> None:
     with pytest.raises(wo.InvalidProblem, match="results: there is none to draw"):
         wo.plot([])
+    for wrong in ("nip.nc", ["nip.nc"]):
+        with pytest.raises(
+            wo.InvalidProblem, match=r"results: 'nip\.nc' is out of place; must be a R"
+        ):
+            wo.plot(wrong)  # type: ignore[call-overload]

@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .. import kinds, quantities
+from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..problems.fields import shown as said
 from ..results import Result
@@ -25,6 +27,20 @@ from .panels import Case, Panel, cases_of, drawn
 __all__ = ["output_panels", "plot"]
 
 LINES = ("-", "--", "-.", ":")
+
+
+@overload
+def plot(
+    results: Sequence[Result] | Result, path: str | Path | None = None, ax: None = None,
+    panels: str | Sequence[str] | None = None, *, labels: Sequence[str] | None = None,
+) -> Figure: ...  # fmt: skip
+
+
+@overload
+def plot(
+    results: Sequence[Result] | Result, path: str | Path | None = None, *, ax: Axes,
+    panels: str | Sequence[str] | None = None, labels: Sequence[str] | None = None,
+) -> Axes: ...  # fmt: skip
 
 
 def plot(
@@ -63,7 +79,9 @@ def plot(
         For a panel that there is not, for results that have none in common, for another ending of
         the path.
     """
-    given = [results] if isinstance(results, Result) else list(results)
+    given = list(results) if isinstance(results, list | tuple) else [results]
+    for result in given:
+        check_type("results", result, Result)
     if not given:
         raise InvalidProblem.at("results", "there is none to draw")
     if labels is None:
