@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import nbclient
+import nbformat
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
@@ -63,10 +65,8 @@ def images(outputs: list[Any]) -> int:
     return sum("image/png" in output.get("data", {}) for output in outputs)
 
 
+@pytest.mark.slow
 def test_a_notebook_shows_each_picture_once(tmp_path: Path) -> None:
-    nbclient = pytest.importorskip("nbclient")
-    nbformat = pytest.importorskip("nbformat")
-    pytest.importorskip("ipykernel")
     cells = {
         START: 0,
         "nip.plot()": 1,  # the last line of the first cell that draws anything

@@ -79,7 +79,7 @@ def plot(
         For a panel that there is not, for results that have none in common, for another ending of
         the path.
     """
-    given = list(results) if isinstance(results, list | tuple) else [results]
+    given: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
     for result in given:
         check_type("results", result, Result)
     if not given:
