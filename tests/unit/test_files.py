@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import resource
 import socket
@@ -77,23 +78,13 @@ def test_what_is_no_file_is_refused_alike(tmp_path, load, name):
 
 
 def test_a_large_file_is_refused_before_it_is_read(tmp_path, monkeypatch):
-    def opened(*args: Any, **options: Any) -> Any:
-        class Unread:
-            def __init__(self) -> None:
-                self.file = open(*args, **options)
+    class Unread(io.FileIO):
+        def read(self, size: int | None = -1, /) -> bytes:
+            raise AssertionError("read")
 
-            def __enter__(self) -> Any:
-                return self
-
-            def __exit__(self, *_: object) -> None:
-                self.file.close()
-
-            def fileno(self) -> int:
-                return self.file.fileno()
-
-        return Unread()
-
-    monkeypatch.setattr(files, "open", opened, raising=False)
+    monkeypatch.setattr(
+        files, "open", lambda path, mode, opener: Unread(path, opener=opener), raising=False
+    )  # fmt: skip
     with pytest.raises(wo.InvalidProblem, match="is larger than 10 MB"):
         wo.load_case(large(tmp_path))
 

@@ -14,7 +14,7 @@ import xarray
 
 import woundon as wo
 from woundon import kinds
-from woundon.io import result_files
+from woundon.io import result_files, seals
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
 from woundon.results import Residuals, Zone
@@ -89,7 +89,7 @@ def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
     for name in ("scheme", "iterations", "extrapolation", "series_error"):
         del record["fields"][name]
-    (tmp_path / "nip.json").write_text(json.dumps(record))
+    (tmp_path / "nip.json").write_text(sealed(record))
     loaded = wo.load_result(tmp_path / "nip.json")
     assert (loaded.scheme, loaded.iterations, loaded.extrapolation) == ("graded", 0, 0.0)
     np.testing.assert_array_equal(loaded.pressure, solved("nip").pressure)
@@ -98,13 +98,13 @@ def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
 def test_what_is_not_known_is_told_and_left_out(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
     record["fields"]["temperature"] = 300.0
-    (tmp_path / "nip.json").write_text(json.dumps(record))
+    (tmp_path / "nip.json").write_text(sealed(record))
     with pytest.warns(UserWarning, match="not known to this version of woundon.*: temperature"):
         loaded = wo.load_result(tmp_path / "nip.json")
     assert loaded == solved("nip")
     data = solved("nip").to_xarray()
     data["temperature"] = ((), 300.0)
-    data.to_netcdf(tmp_path / "nip.nc", engine="scipy")
+    (tmp_path / "nip.nc").write_bytes(sealed_netcdf(data))
     with pytest.warns(UserWarning, match="left out: temperature"):
         assert wo.load_result(tmp_path / "nip.nc") == solved("nip")
 
@@ -172,7 +172,7 @@ def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
 
     record = json.loads((tmp_path / "a.json").read_text(), parse_constant=refuse)
     assert (record["format"], record["schema"], record["kind"]) == (
-        "woundon-result", 2, "wrapped_nip",
+        "woundon-result", 3, "wrapped_nip",
     )  # fmt: skip
     assert record["errors"] == {"wound_on_tension": None}
     told = record["fields"] | record["outputs"]
@@ -340,10 +340,10 @@ def test_a_file_that_cannot_be_read_is_refused_as_a_case_is(tmp_path):
 
 def test_a_later_schema_and_an_unknown_kind_are_told(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
-    path.write_text(json.dumps(record | {"schema": 3}))
-    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 1 and 2"):
+    path.write_text(sealed(record | {"schema": 4}))
+    with pytest.raises(wo.InvalidProblem, match=r"schema: 4 is unknown; .* reads 1 to 3"):
         wo.load_result(path)
-    path.write_text(json.dumps(record | {"kind": "nap"}))
+    path.write_text(sealed(record | {"kind": "nap"}))
     with pytest.raises(wo.InvalidProblem, match="'nap' is no kind of problem; did you mean 'nip'"):
         wo.load_result(path)
 
@@ -382,8 +382,18 @@ DAMAGE: list[tuple[str, Any, str]] = [
 ]
 
 
+def sealed(record: dict[str, Any]) -> str:
+    """Return a record as JSON, sealed as if woundon had written it."""
+    return json.dumps(record | {"sha256": seals.of_record(record)})
+
+
+def sealed_netcdf(data: xarray.Dataset) -> bytes:
+    data = data.assign_attrs(sha256=seals.BLANK)
+    return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
+
+
 def damaged(result: Any, place: str, value: Any) -> str:
-    """Return a result's record with one part changed, or missing (...)."""
+    """Return a result's record with one part changed, or missing (...), sealed anew."""
     record = json.loads(result_files.to_json(result))
     *heads, last = place.split(".")
     inner = record
@@ -394,7 +404,7 @@ def damaged(result: Any, place: str, value: Any) -> str:
         del inner[key]
     else:
         inner[key] = value
-    return json.dumps(record)
+    return sealed(record)
 
 
 @pytest.mark.parametrize(("place", "value", "said"), DAMAGE)

@@ -25,7 +25,7 @@ from ..results import Residuals, Result, Zone
 __all__ = ["FORMAT", "SCHEMA", "Record", "from_record", "plain", "saved_fields", "to_record"]
 
 FORMAT = "woundon-result"
-SCHEMA = 2
+SCHEMA = 3  # 2: as 3, without a seal
 
 Array = np.ndarray
 Record = dict[str, Any]

@@ -18,9 +18,9 @@ import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged
-from ..quantities import Quantity, outputs
+from ..quantities import Quantity, outputs, scalar_outputs, value_of
 from ..results import Result
-from . import results_0_1
+from . import results_0_1, seals
 from .files import read_whole, write_whole
 from .records import FORMAT, SCHEMA, Record, from_record, plain, saved_fields, to_record
 
@@ -48,27 +48,33 @@ def save_result(result: Result, path: str | Path) -> None:
 
 
 def load_result(path: str | Path, verify: bool = False) -> Any:
-    """Return the result saved in a netCDF or JSON file, of this version or of 0.1.
+    """Return the result saved in a netCDF or JSON file, of this version or of an earlier one.
+
+    A file tells by its ``sha256`` whether it is as it was saved.  One of 0.1, which has none, is
+    always verified.
 
     Parameters
     ----------
     path : path
     verify : bool
-        Measure the certificate anew, from the problem and the arrays.
+        Measure the certificate anew, from the problem and the arrays, and compare with them what
+        else the file tells.
 
     Raises
     ------
     InvalidProblem
-        If the file cannot be read, is no saved result or damaged, or its certificate does not hold.
+        If the file cannot be read, is no saved result, damaged or changed, or its certificate does
+        not hold; as of a case file.
     """
     content = read_whole(path, LARGEST)
     try:
-        record = _read(content)
+        record, sealed = _read(content)
         result = from_record(record)
         if record["schema"] == 1:
             result = results_0_1.completed(result)
-        if verify:
-            _verify(result)
+        _check_units(record, result)
+        if verify or not sealed:
+            _verify(record, result)
     except InvalidProblem as fault:
         raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
     return result
@@ -92,12 +98,15 @@ def writer_for(path: str | Path) -> Callable[[Result], bytes]:
 # ---- reading ------------------------------------------------------------------------------------
 
 
-def _read(content: bytes) -> Record:
-    """Return the record in a file's content, that of 0.1 as this version would have written it."""
+def _read(content: bytes) -> tuple[Record, bool]:
+    """Return the record in a file's content, as this version has it, and whether it is sealed."""
     try:
-        record = _record_of_netcdf(content) if content[:3] == b"CDF" else _record_of_json(content)
-        if record["format"] != FORMAT:
-            raise KeyError("format")
+        if content[:3] == b"CDF":
+            sealed = seals.check_bytes(content)
+            record = _record_of_netcdf(content)
+        else:
+            record = _record_of_json(content)
+            sealed = seals.check_record(record)
         schema = record["schema"]
         if schema == 1:
             record = results_0_1.upgraded(record)
@@ -105,10 +114,13 @@ def _read(content: bytes) -> Record:
         raise
     except Exception:  # whatever damage makes the readers of JSON and netCDF raise
         raise InvalidProblem("is no result saved by woundon, or damaged") from None
-    if schema not in (1, SCHEMA):
-        text = f"{schema!r} is unknown; this version of woundon reads 1 and {SCHEMA}"
+    if schema not in (1, 2, SCHEMA):
+        text = f"{schema!r} is unknown; this version of woundon reads 1 to {SCHEMA}"
         raise InvalidProblem.at("schema", text)
-    return record
+    if schema == SCHEMA and not sealed:
+        text = "missing; the file was not written by result.save, or has changed since"
+        raise InvalidProblem.at(seals.NAME, text)
+    return record, sealed
 
 
 def _record_of_json(content: bytes) -> Record:
@@ -116,13 +128,20 @@ def _record_of_json(content: bytes) -> Record:
         raise ValueError(f"{word} is no JSON")
 
     record = json.loads(content, parse_constant=refuse)
-    if not isinstance(record, dict):
-        raise TypeError("no record")
-    return record
+    if record["format"] != FORMAT:
+        raise ValueError("another format")
+    return dict(record)
 
 
-def _verify(result: Result) -> None:
-    """Measure the certificate anew.
+def _check_units(record: Record, result: Result) -> None:
+    for name, quantity in _quantities(result).items():
+        unit = record.get("units", {}).get(name, quantity.unit)
+        if unit != quantity.unit:
+            raise InvalidProblem.at(name, f"is in {unit!r:.40}; must be in {quantity.unit!r}")
+
+
+def _verify(record: Record, result: Result) -> None:
+    """Measure the certificate anew, and compare outputs with what the fields give.
 
     Raises
     ------
@@ -132,12 +151,21 @@ def _verify(result: Result) -> None:
     try:
         with np.errstate(all="ignore"):
             result.replace(residuals=result.certified()).checked()
-    except NotConverged as fault:
-        raise InvalidProblem(f"does not hold what it says: {fault}") from None
+            _check_outputs(record, result)
     except NotImplementedError as fault:
         raise InvalidProblem(str(fault)) from None
-    except (ArithmeticError, LookupError, TypeError, ValueError) as fault:
+    except (NotConverged, ArithmeticError, LookupError, TypeError, ValueError) as fault:
         raise InvalidProblem(f"does not hold what it says: {fault}") from None
+
+
+def _check_outputs(record: Record, result: Result) -> None:
+    for name in scalar_outputs(result):
+        due = value_of(result, name)
+        told = record.get("outputs", {}).get(name, due)
+        told = nan if told is None else told
+        # another version of NumPy may add up in another order
+        if not np.isclose(told, due, rtol=1e-9, atol=0, equal_nan=True):
+            raise InvalidProblem.at(name, f"{told!r:.40}, but the arrays give {due!r}")
 
 
 # ---- JSON ---------------------------------------------------------------------------------------
@@ -152,6 +180,7 @@ def to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
     if sensitivity is not None:
         record["sensitivity"] = _sensitivity_record(sensitivity)
     record["units"] = {name: quantity.unit for name, quantity in _quantities(result).items()}
+    record[seals.NAME] = seals.of_record(record)
     return json.dumps(record, indent=1, allow_nan=False) + "\n"
 
 
@@ -243,20 +272,28 @@ def _error(quantity: Quantity | None) -> dict[str, str]:
 
 def _netcdf(result: Result) -> bytes:
     # the classic format: read everywhere, written by SciPy alone, the same bytes every time
-    return bytes(to_dataset(result).to_netcdf(engine="scipy"))
+    data = to_dataset(result).assign_attrs({seals.NAME: seals.BLANK})
+    return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
 
 
 def _record_of_netcdf(content: bytes) -> Record:
     import xarray
 
-    with xarray.open_dataset(io.BytesIO(content), engine="scipy") as data:
+    # units of time are units like others
+    with xarray.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False) as data:
         values = {str(name): _null(v.values.tolist()) for name, v in data.variables.items()}
         dimensions = {str(name): list(v.dims) for name, v in data.variables.items()}
+        units = {str(name): v.attrs["units"] for name, v in data.variables.items()
+                 if "units" in v.attrs}  # fmt: skip
         attributes = {str(name): _item(value) for name, value in data.attrs.items()}
+    if attributes["format"] != FORMAT:
+        raise ValueError("another format")
+    attributes.pop(seals.NAME, None)
     heads = ("format", "schema", "version", "kind")
     record: Record = {name: attributes.pop(name) for name in heads}
     record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
     record["residuals"] = dict(zip(values.pop("law"), values.pop("residual"), strict=True))
+    record["units"] = units
     if record["schema"] == 1:
         return record | values | attributes
     cls = kinds.named(str(record["kind"])).result
@@ -270,6 +307,7 @@ def _record_of_netcdf(content: bytes) -> Record:
     return record | {
         "fields": told,
         "dimensions": dimensions,
+        "outputs": {name: values[name] for name in known - set(told) if name in values},
         "errors": {name: values[of] for name, of in errors.items()},
     }
 
