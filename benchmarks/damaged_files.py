@@ -39,7 +39,8 @@ from woundon.io.case_files import template
 from woundon.quantities import outputs, value_of
 
 SECONDS = 10.0
-LONGEST = 500  # characters of a line of an error, the path aside
+LONGEST = 1005  # characters of a line of an error
+MOST = 51  # lines
 
 Random = np.random.Generator
 
@@ -350,12 +351,10 @@ def judged(
     except wo.InvalidProblem as fault:
         text = str(fault).replace(path, "FILE")
         lines = text.splitlines()
-        if len(lines) != len(fault.faults):
+        if len(lines) != min(len(fault.faults), MOST):
             finding = "a fault in several lines"
         elif max(map(len, lines)) > LONGEST:
             finding = f"a line of {max(map(len, lines))} characters"
-        elif len(lines) > 50:
-            finding = f"{len(lines)} lines"
         elif not all(line.isprintable() for line in lines):
             finding = "a line that cannot be printed"
     except BaseException as fault:
