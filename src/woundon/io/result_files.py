@@ -22,7 +22,7 @@ from ..quantities import Quantity, outputs, scalar_outputs, value_of
 from ..results import Result
 from . import results_0_1, seals
 from .files import read_whole, write_whole
-from .records import FORMAT, SCHEMA, Record, from_record, plain, saved_fields, to_record
+from .records import FORMAT, SCHEMA, Record, from_record, number, plain, saved_fields, to_record
 
 if TYPE_CHECKING:
     import xarray
@@ -67,6 +67,9 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
         not hold; as of a case file.
     """
     content = read_whole(path, LARGEST)
+    if Path(path).suffix == ".csv":
+        text = "is a table of the arrays alone; load the .nc or .json file of the result"
+        raise InvalidProblem.at(str(path), text)
     try:
         record, sealed = _read(content)
         result = from_record(record)
@@ -110,6 +113,8 @@ def _read(content: bytes) -> tuple[Record, bool]:
         schema = record["schema"]
         if schema == 1:
             record = results_0_1.upgraded(record)
+        if not all(isinstance(record.get(part, {}), dict) for part in ("units", "outputs")):
+            raise TypeError("no table")
     except InvalidProblem:
         raise
     except Exception:  # whatever damage makes the readers of JSON and netCDF raise
@@ -151,21 +156,23 @@ def _verify(record: Record, result: Result) -> None:
     try:
         with np.errstate(all="ignore"):
             result.replace(residuals=result.certified()).checked()
-            _check_outputs(record, result)
+            _check_scalars(record, result)
     except NotImplementedError as fault:
         raise InvalidProblem(str(fault)) from None
     except (NotConverged, ArithmeticError, LookupError, TypeError, ValueError) as fault:
         raise InvalidProblem(f"does not hold what it says: {fault}") from None
 
 
-def _check_outputs(record: Record, result: Result) -> None:
-    for name in scalar_outputs(result):
-        due = value_of(result, name)
-        told = record.get("outputs", {}).get(name, due)
-        told = nan if told is None else told
-        # another version of NumPy may add up in another order
-        if not np.isclose(told, due, rtol=1e-9, atol=0, equal_nan=True):
-            raise InvalidProblem.at(name, f"{told!r:.40}, but the arrays give {due!r}")
+def _check_scalars(record: Record, result: Result) -> None:
+    """Compare scalars and told outputs with what the arrays give."""
+    told = record.get("outputs", {})
+    due = {name: (number(told[name], name, True), value_of(result, name), 0.0)
+           for name in scalar_outputs(result) if name in told}  # fmt: skip
+    due |= {name: (getattr(result, name), *given) for name, given in result.recomputed().items()}
+    for name, (one, other, within) in due.items():
+        # other versions of NumPy may add up in another order
+        if not np.isclose(one, other, rtol=1e-9, atol=within, equal_nan=True):
+            raise InvalidProblem.at(name, f"{one!r:.40}, but the arrays give {other!r}")
 
 
 # ---- JSON ---------------------------------------------------------------------------------------

@@ -21,11 +21,11 @@ from ..problems.rollers import RollerProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
-from .certificate import certificate
+from .certificate import certificate, matrices_of
 from .equations import RollerEquations
 from .result import RollerResult
 
-__all__ = ["check_options", "solve_rollers"]
+__all__ = ["check_options", "recomputed", "solve_rollers"]
 
 Array = np.ndarray
 MOST_NODES = 1700  # of the meshes that rtol asks for
@@ -129,7 +129,7 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         shift=nan if rolling else float(state.solution.creep),
         tangential_load=float(made.weights @ q),
         half_width=a,
-        approach=approach(problem, made, state),
+        approach=approach(problem, made, state.pressure, q, state.shift),
         offset=state.shift * problem.contact_radius,
         x=a * mesh.nodes,
         pressure=padded(state.pressure),
@@ -144,6 +144,14 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
     )
     residuals = certificate(result, level.equations.anew(state))
     return result.replace(errors=ladder.errors_of(result), residuals=residuals)
+
+
+def recomputed(result: RollerResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    problem, inside = result.problem, slice(1, -1)
+    p, q, shift = result.pressure[inside], result.traction[inside], result.offset
+    delta = approach(problem, matrices_of(result), p, q, shift / problem.contact_radius)
+    return {"approach": (delta, 1e-5 * abs(delta))}  # 0.1 summed its series less far
 
 
 def _traction_change(coarse: Level, fine: Level) -> float:

@@ -21,6 +21,7 @@ from matplotlib.patches import Patch
 from .. import quantities
 from ..contact.zones import zone_runs
 from ..errors import InvalidProblem
+from ..io.files import put_in_place
 from ..quantities import Quantity
 from ..results import Result
 from .parts import ZoneStrips
@@ -93,11 +94,11 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> 
     InvalidProblem
         For an ending other than .png, .svg, .pdf.
     OSError
-        If the file cannot be written.
+        If the file cannot be written; the one that was there stays as it was.
     """
     ending = check_format(path)
-    with style():
-        figure.savefig(path, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+    with style(), put_in_place(path) as aside:
+        figure.savefig(aside, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
 
 
 # ---- labels from quantities ---------------------------------------------------------------------
