@@ -15,7 +15,9 @@ from typing import Any
 import pytest
 
 import woundon as wo
+from woundon.cli import main
 from woundon.io import files
+from woundon.io.case_files import template
 from woundon.io.files import put_in_place, read_whole, write_whole
 
 # ---- reading ------------------------------------------------------------------------------------
@@ -150,6 +152,23 @@ def test_content_is_on_disk_before_it_takes_its_name(tmp_path, monkeypatch):
     write_whole(tmp_path / "a", b"new")
     file, folder = (tmp_path / "a").stat().st_ino, tmp_path.stat().st_ino
     assert done == [("to disk", file), ("renamed", tmp_path / "a"), ("to disk", folder)]
+
+
+@pytest.mark.parametrize("ending", ["nc", "json", "csv", "png", "svg", "pdf"])
+def test_a_full_disk_is_one_line_and_keeps_the_old_file(tmp_path, capsys, ending):
+    path = tmp_path / f"nip.{ending}"
+    path.write_text("old")
+    option = "--save" if ending in ("nc", "json", "csv") else "--plot"
+    case = tmp_path / "case.toml"
+    case.write_text(template("nip"))
+    command = ["nip", str(case), "--nodes", "25", option, str(path)]
+    with largest_file(1000):
+        assert main(command) == 2
+    assert capsys.readouterr().err == f"error: {path}: File too large\n"
+    assert path.read_text() == "old"
+    assert set(tmp_path.iterdir()) == {case, path}
+    assert main(command) == 0
+    assert path.stat().st_size > 1000
 
 
 def test_a_device_is_written_to_and_never_replaced():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from contextlib import AbstractContextManager
+from io import BytesIO
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -21,7 +22,7 @@ from matplotlib.patches import Patch
 from .. import quantities
 from ..contact.zones import zone_runs
 from ..errors import InvalidProblem
-from ..io.files import put_in_place
+from ..io.files import write_whole
 from ..quantities import Quantity
 from ..results import Result
 from .parts import ZoneStrips
@@ -97,8 +98,10 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> 
         If the file cannot be written; the one that was there stays as it was.
     """
     ending = check_format(path)
-    with style(), put_in_place(path) as aside:
-        figure.savefig(aside, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+    drawn = BytesIO()
+    with style():
+        figure.savefig(drawn, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+    write_whole(path, drawn.getvalue())
 
 
 # ---- labels from quantities ---------------------------------------------------------------------
