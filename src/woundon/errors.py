@@ -29,7 +29,7 @@ class InvalidProblem(ValueError):
         )
         lines = [_line(field, text) for field, text in self.faults[:MOST_LINES]]
         beyond = len(self.faults) - len(lines)
-        super().__init__("\n".join([*lines, *[f"and {beyond} more faults"] * (beyond > 0)]))
+        super().__init__("\n".join([*lines, *[f"and {beyond} more"] * (beyond > 0)]))
 
     @classmethod
     def at(cls, field: str, text: str) -> Self:
