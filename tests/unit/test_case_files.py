@@ -252,11 +252,11 @@ def test_a_number_of_thousands_of_digits_and_900_tables_are_refused(tmp_path):
 def test_what_is_like_no_case_is_refused_soon(tmp_path, text, said):
     path = tmp_path / "case.toml"
     path.write_text(text)
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_case(path)
     assert str(refusal.value) == f"{path}: is no case file: {said}"
-    assert time.perf_counter() - start < 5  # tomllib alone takes minutes for the long keys
+    assert time.process_time() - start < 5  # tomllib alone takes minutes for the long keys
 
 
 def test_texts_and_numbers_may_hold_many_dots(tmp_path):

@@ -37,6 +37,9 @@ LARGEST = 1_000_000_000  # bytes
 def save_result(result: Result, path: str | Path) -> None:
     """Write a result to ``.nc``, ``.json`` or ``.csv``, by the path's ending.
 
+    netCDF and JSON hold all of it and a ``sha256``, by which a change is found when it is loaded;
+    CSV holds the arrays alone, for spreadsheets, and is not loaded again.
+
     Raises
     ------
     InvalidProblem
