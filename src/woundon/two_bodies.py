@@ -179,18 +179,18 @@ def frictionless_load(problem: Any, mesh: Mesh, a: float) -> float:
     return float(a * mesh.grid.weights @ pressure)
 
 
-def approach(
-    problem: ContactProblem, made: Matrices, p: Array, q: Array, shift: float, v: float = 0.0
-) -> float:
+def approach(problem: ContactProblem, made: Matrices, state: PairState, v: float = 0.0) -> float:
     """Return the mutual approach -delta > 0, from the indentation (82) at the trailing edge [m].
 
     ``v`` is what the web between the bodies adds there.
     """
-    a = made.half_width
-    for response, (normal, tangential) in zip(made.responses, made.loads(p, q), strict=True):
+    a = state.half_width
+    for response, (p, q) in zip(
+        made.responses, made.loads(state.pressure, state.traction), strict=True
+    ):
         by_p, by_q = response.normal()
-        v += float((by_p @ normal)[0]) + float((by_q @ tangential)[0])
-    return float(a**2 / (2 * problem.contact_radius) - v - shift * a)
+        v += float((by_p @ p)[0]) + float((by_q @ q)[0])
+    return float(a**2 / (2 * problem.contact_radius) - v - state.shift * a)
 
 
 def mesh_of(result: Any) -> Mesh:

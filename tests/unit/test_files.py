@@ -97,6 +97,13 @@ def test_files_of_the_kernel_that_say_they_are_empty_are_read():
         read_whole("/proc/self/status", 10)
 
 
+@pytest.mark.parametrize("load", [wo.load_case, wo.load_result])
+@pytest.mark.parametrize("path", [0, None])
+def test_what_is_no_path_is_no_open_file(load, path):
+    with pytest.raises(TypeError, match=r"os\.PathLike"):
+        load(path)
+
+
 def test_a_link_to_a_file_is_read(tmp_path):
     (tmp_path / "case").write_bytes(b"x")
     (tmp_path / "link").symlink_to("case")

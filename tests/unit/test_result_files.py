@@ -600,7 +600,7 @@ def test_a_table_and_another_programs_json_are_no_results(solved, tmp_path):
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_result(path)
     assert str(refusal.value) == (
-        f"{path}: is a table of the arrays alone; load the .nc or .json file of the result"
+        f"{path}: is a table for spreadsheets; load the .nc or .json file of the result"
     )
     path = tmp_path / "manifest.json"
     path.write_text('{"format": "woundon-study", "sha256": "0"}')

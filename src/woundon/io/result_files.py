@@ -38,7 +38,7 @@ def save_result(result: Result, path: str | Path) -> None:
     """Write a result to ``.nc``, ``.json`` or ``.csv``, by the path's ending.
 
     netCDF and JSON hold all of it and a ``sha256``, by which a change is found when it is loaded;
-    CSV holds the arrays alone, for spreadsheets, and is not loaded again.
+    CSV is for spreadsheets, and is not loaded again.
 
     Raises
     ------
@@ -53,8 +53,8 @@ def save_result(result: Result, path: str | Path) -> None:
 def load_result(path: str | Path, verify: bool = False) -> Any:
     """Return the result saved in a netCDF or JSON file, of this version or of an earlier one.
 
-    A file tells by its ``sha256`` whether it is as it was saved.  One of 0.1, which has none, is
-    always verified.
+    A file tells by its ``sha256`` whether it is as it was saved.  One of an earlier version, which
+    has none, is always verified.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
     """
     content = read_whole(path, LARGEST)
     if Path(path).suffix == ".csv":
-        text = "is a table of the arrays alone; load the .nc or .json file of the result"
+        text = "is a table for spreadsheets; load the .nc or .json file of the result"
         raise InvalidProblem.at(str(path), text)
     try:
         record, sealed = _read(content)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import nan
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -129,7 +130,7 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         shift=nan if rolling else float(state.solution.creep),
         tangential_load=float(made.weights @ q),
         half_width=a,
-        approach=approach(problem, made, state.pressure, q, state.shift),
+        approach=approach(problem, made, state),
         offset=state.shift * problem.contact_radius,
         x=a * mesh.nodes,
         pressure=padded(state.pressure),
@@ -146,14 +147,6 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
     return result.replace(errors=ladder.errors_of(result), residuals=residuals)
 
 
-def recomputed(result: RollerResult) -> dict[str, tuple[float, float]]:
-    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
-    problem, inside = result.problem, slice(1, -1)
-    p, q, shift = result.pressure[inside], result.traction[inside], result.offset
-    delta = approach(problem, matrices_of(result), p, q, shift / problem.contact_radius)
-    return {"approach": (delta, 1e-5 * abs(delta))}  # 0.1 summed its series less far
-
-
 def _traction_change(coarse: Level, fine: Level) -> float:
     """Return the L2 norm of the traction's change from mesh to mesh, relative to its own."""
     (x, q), (old_x, old_q) = (
@@ -162,3 +155,13 @@ def _traction_change(coarse: Level, fine: Level) -> float:
     other = np.interp(x, old_x, old_q)
     whole = float(np.trapezoid(q**2, x))
     return float(np.sqrt(np.trapezoid((q - other) ** 2, x) / whole)) if whole else 0.0
+
+
+def recomputed(result: RollerResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, pressure=result.pressure[1:-1],
+        traction=result.traction[1:-1], shift=result.offset / result.problem.contact_radius,
+    )  # fmt: skip
+    delta = approach(result.problem, matrices_of(result), state)
+    return {"approach": (delta, 1e-5 * abs(delta))}  # 0.1 summed its series less far

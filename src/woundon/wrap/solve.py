@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -216,7 +217,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
     result = WrappedNipResult(
         problem=problem,
         half_width=state.half_width,
-        approach=_approach(equations, arrays, state.shift),
+        approach=_approach(equations, state),
         offset=state.shift * problem.contact_radius,
         drum_creep=_creep(equations, state),
         **slip_ratios(problem, _in_nip(arrays, grid)),
@@ -280,24 +281,29 @@ def _creep(equations: WrapEquations, state: WrapState) -> float:
     return float(state.solution.creep - web.c11 / thickness * float(state.tension[-1]))
 
 
-def _approach(equations: WrapEquations, arrays: Mapping[str, Array], shift: float) -> float:
+def _approach(equations: WrapEquations, state: WrapState) -> float:
     """Return the mutual approach, from the indentation at the trailing edge [m]."""
-    problem, a, web, grid = equations.problem, equations.half_width, equations.web, equations.grid
-    v = web.c12 * arrays["web_tension"][grid.last]
-    v -= problem.web.thickness * web.c22 * arrays["roll_pressure"][grid.last]
+    problem, a, web, grid = equations.problem, state.half_width, equations.web, equations.grid
+    v = web.c12 * state.tension[grid.last]
+    v -= problem.web.thickness * web.c22 * state.roll_pressure[grid.last]
     roll, drum = slice(grid.first, None), slice(0, grid.last + 1)
     for face, own, p, q in (
-        (equations.roll, roll, arrays["roll_pressure"], arrays["roll_traction"]),
-        (equations.drum, drum, arrays["pressure"], arrays["drum_traction"]),
+        (equations.roll, roll, state.roll_pressure, state.roll_traction),
+        (equations.drum, drum, state.drum_pressure, state.drum_traction),
     ):
         v += face.normal_p @ p[own] + face.normal_q @ q[own]
-    return -float(v + shift * a - a**2 / (2 * problem.contact_radius))
+    return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
 
 
 def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    equations, problem = equations_of(result), result.problem
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, shift=result.offset / problem.contact_radius,
+        tension=result.web_tension,
+        roll_pressure=result.roll_pressure, roll_traction=result.roll_traction,
+        drum_pressure=result.pressure, drum_traction=result.drum_traction,
+    )  # fmt: skip
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
-    equations, shift = equations_of(result), result.offset / result.problem.contact_radius
     own = _in_nip(arrays, equations.grid)
-    slips = slip_ratios(result.problem, own)
-    return told_by(_approach(equations, arrays, shift), slips, own["x"])
+    return told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
