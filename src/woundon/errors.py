@@ -31,6 +31,9 @@ class InvalidProblem(ValueError):
         beyond = len(self.faults) - len(lines)
         super().__init__("\n".join([*lines, *[f"and {beyond} more"] * (beyond > 0)]))
 
+    def __reduce__(self) -> Any:
+        return type(self), (self.faults,)
+
     @classmethod
     def at(cls, field: str, text: str) -> Self:
         """Return the error of a single field."""
