@@ -173,6 +173,10 @@ class Result(ReadOnly):
         """Return the certificate measured anew, from the problem and the arrays held here."""
         raise NotImplementedError(f"a {type(self).__name__} cannot be certified anew")
 
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        return {}
+
     def replace(self, **changes: Any) -> Self:
         """Return the same result with other fields."""
         return replace(self, **changes)
@@ -253,7 +257,9 @@ class Result(ReadOnly):
             for part in fields(self) if part.compare
         )  # fmt: skip
 
-    __hash__ = object.__hash__
+    def __hash__(self) -> int:
+        # of what equal results share and no nan or signed zero can part
+        return hash((type(self), self.problem))
 
     def __getstate__(self) -> dict[str, Any]:
         # as in a file: a mesh, with its matrices a hundred times the rest, is made anew when needed
@@ -270,4 +276,6 @@ def _same(one: Any, two: Any) -> bool:
         return bool(np.array_equal(one, two, equal_nan=one.dtype.kind == "f"))
     if isinstance(one, Mapping) and isinstance(two, Mapping):
         return one.keys() == two.keys() and all(_same(one[k], two[k]) for k in one)
+    if isinstance(one, tuple) and isinstance(two, tuple):
+        return len(one) == len(two) and all(map(_same, one, two))
     return bool(one == two or (one != one and two != two))

@@ -237,6 +237,11 @@ class NipResult(WindingNipResult):
 
         return certificate(self, matrices_of(self))
 
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.nip.solve:recomputed")(self)
+        return told
+
     def sensitivity(self, *parameters: str) -> Sensitivity:
         """Return exact derivatives of the main outputs with respect to fields of the problem.
 

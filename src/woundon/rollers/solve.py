@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import nan
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,11 +22,11 @@ from ..problems.rollers import RollerProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
-from .certificate import certificate
+from .certificate import certificate, matrices_of
 from .equations import RollerEquations
 from .result import RollerResult
 
-__all__ = ["check_options", "solve_rollers"]
+__all__ = ["check_options", "recomputed", "solve_rollers"]
 
 Array = np.ndarray
 MOST_NODES = 1700  # of the meshes that rtol asks for
@@ -154,3 +155,13 @@ def _traction_change(coarse: Level, fine: Level) -> float:
     other = np.interp(x, old_x, old_q)
     whole = float(np.trapezoid(q**2, x))
     return float(np.sqrt(np.trapezoid((q - other) ** 2, x) / whole)) if whole else 0.0
+
+
+def recomputed(result: RollerResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, pressure=result.pressure[1:-1],
+        traction=result.traction[1:-1], shift=result.offset / result.problem.contact_radius,
+    )  # fmt: skip
+    delta = approach(result.problem, matrices_of(result), state)
+    return {"approach": (delta, 1e-5 * abs(delta))}  # 0.1 summed its series less far

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from textwrap import fill
 from typing import Any, NoReturn, Self
@@ -24,6 +25,7 @@ from matplotlib.patches import Patch
 from .. import quantities
 from ..contact.zones import zone_runs
 from ..errors import InvalidProblem
+from ..io.files import write_whole
 from ..quantities import Quantity
 from ..results import Result
 from .parts import ZoneStrips
@@ -128,11 +130,13 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> 
     InvalidProblem
         For an ending other than .png, .svg, .pdf.
     OSError
-        If the file cannot be written.
+        If the file cannot be written; the one that was there stays as it was.
     """
     ending = check_format(path)
+    drawn = BytesIO()
     with style():
-        figure.savefig(path, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+        figure.savefig(drawn, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+    write_whole(path, drawn.getvalue())
 
 
 # ---- labels from quantities ---------------------------------------------------------------------

@@ -149,3 +149,8 @@ class WrappedNipResult(WindingNipResult):
         from .certificate import certificate, equations_of
 
         return certificate(self, equations_of(self))
+
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.wrap.solve:recomputed")(self)
+        return told

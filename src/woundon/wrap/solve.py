@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,18 +22,18 @@ from ..contact.loop import Ladder, Level, Tolerance, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
-from ..nip.solve import slip_ratios
+from ..nip.solve import slip_ratios, told_by
 from ..nip.validity import nip_warnings
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, roll_strain
+from .certificate import certificate, equations_of, roll_strain
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
 from .result import WrappedNipResult
 
-__all__ = ["check_options", "solve_wrapped_nip"]
+__all__ = ["check_options", "recomputed", "solve_wrapped_nip"]
 
 Array = np.ndarray
 
@@ -292,3 +293,17 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     ):
         v += face.normal_p @ p[own] + face.normal_q @ q[own]
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
+
+
+def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    equations, problem = equations_of(result), result.problem
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, shift=result.offset / problem.contact_radius,
+        tension=result.web_tension,
+        roll_pressure=result.roll_pressure, roll_traction=result.roll_traction,
+        drum_pressure=result.pressure, drum_traction=result.drum_traction,
+    )  # fmt: skip
+    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
+    own = _in_nip(arrays, equations.grid)
+    return told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
