@@ -76,9 +76,20 @@ def sweep(
 
 
 def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
-    """Run; after Ctrl-C say how to go on."""
+    """Run, warnings in a line each; after Ctrl-C say how to go on."""
+    import warnings
+
+    from ..errors import ValidityWarning
+
+    def show(message: Warning | str, *where: Any) -> None:
+        click.secho(f"warning: {message}", fg="yellow", err=True)
+
     try:
-        return run(*args, **kwargs)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
+            warnings.showwarning = show  # type: ignore[assignment]
+            return run(*args, **kwargs)
     except KeyboardInterrupt:
         text = f"stopped; what was solved is in {kwargs['out']}, --resume goes on from there"
         click.echo(text, err=True)
