@@ -14,7 +14,6 @@ import xarray
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.studies.api import sweep_table
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.export import export
@@ -44,7 +43,7 @@ def table():
     """Six cases, three of which have no steady state: |F| >= 0.4 P."""
     over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
     outputs = ("nip_induced_tension", "half_width")
-    return sweep_table(paper_nip(), over, outputs, options={"nodes": 17}, workers=1)
+    return toys.table_of(paper_nip(), over, outputs, options={"nodes": 17})
 
 
 def test_resume_solves_only_what_is_missing(tmp_path: Path):

@@ -68,9 +68,10 @@ def solve_nip(
         Number M of nodes, 7 to 4000.  By default 65, doubled up to 257 until the estimated error
         of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
-        In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the larger of |NIT| and 1 %
-        of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then fitted to the zones, and
-        NIT is extrapolated from them (``extrapolation``); the arrays are those of the finest.
+        In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
+        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then
+        fitted to the zones, and NIT is extrapolated from them (``extrapolation``); the arrays are
+        those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
