@@ -1,6 +1,6 @@
 """What becomes of studies whose folder is damaged, whose process is killed, whose disk is full.
 
-    python benchmarks/hostile_studies.py                    all of it, some ten minutes
+    python benchmarks/hostile_studies.py                    all of it, half an hour
     python benchmarks/hostile_studies.py damage --trials 500
     python benchmarks/hostile_studies.py killed together full --trials 50 --seed 7
 
@@ -10,6 +10,7 @@ damage     one to three faults are put into a finished study: parts and manifest
 killed     `woundon sweep` with two workers is killed (kill -9) at a random moment, and so is every
            second resume; resumed once more, its table is compared.
 together   the same with two processes on one folder.
+stopped    Ctrl-C at a random moment, soon a second one: no process is left.
 full       the same on a file system of random size, which is then made larger (a tmpfs where it may
            be mounted, else a limit on the size of files).
 
@@ -24,6 +25,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
+import contextlib
 import json
 import random
 import shutil
@@ -287,6 +289,7 @@ def _start(folder: Path, out: Path, *more: str, largest: int = 0) -> subprocess.
     """Start the study; with ``largest``, no file may have more bytes (POSIX)."""
 
     def limit() -> None:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # jobs in a shell's background ignore it
         if largest:
             import resource
 
@@ -300,7 +303,7 @@ def _start(folder: Path, out: Path, *more: str, largest: int = 0) -> subprocess.
     ]  # fmt: skip
     return subprocess.Popen(
         command, text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=limit,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        start_new_session=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )  # fmt: skip
 
 
@@ -368,6 +371,47 @@ def together(seed: int, folder: Path, whole: Undisturbed) -> str:
     return f"{refused} of two refused, the table is the same"
 
 
+def _empty(group: int, patience: float = 5.0) -> bool:
+    """Tell whether all processes of a group have ended, within some time; end those that have not.
+
+    The standard library's tracker of resources ends a moment after the process that it belongs to.
+    """
+    limit = time.monotonic() + patience
+    try:
+        while time.monotonic() < limit:
+            os.killpg(group, 0)
+            time.sleep(0.02)
+        os.killpg(group, signal.SIGKILL)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def stopped(seed: int, folder: Path, whole: Undisturbed) -> str:
+    dice, out = random.Random(seed), folder / "out"
+    process = _start(folder, out, "--resume")
+    whole.moment(dice)
+    pressed = 0
+    for patience in (dice.uniform(0, 1), 10):
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)  # to all, as a terminal does
+            pressed += 1
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(patience)
+    if process.poll() is None:
+        process.kill()
+        raise Wrong("two Ctrl-C do not stop it")
+    if not _empty(process.pid):
+        raise Wrong("processes were left")
+    said = process.communicate()[1]
+    # while Python itself starts nobody listens yet
+    if "Traceback" in said and "studies" in said:
+        raise Wrong(said)
+    whole.compare(folder, out)
+    times = {0: "finished before", 1: "stopped by one Ctrl-C", 2: "stopped by two"}[pressed]
+    return f"{times}, resumed, the table is the same"
+
+
 def full(seed: int, folder: Path, whole: Undisturbed) -> str:
     dice, disk = random.Random(seed), folder / "disk"
     disk.mkdir()
@@ -396,7 +440,9 @@ def full(seed: int, folder: Path, whole: Undisturbed) -> str:
             subprocess.run(["umount", "-l", str(disk)], check=True)
 
 
-CAMPAIGNS = {"damage": damage, "killed": killed, "together": together, "full": full}
+CAMPAIGNS: dict[str, Callable[..., str]] = {
+    "damage": damage, "killed": killed, "together": together, "stopped": stopped, "full": full,
+}  # fmt: skip
 TRIALS = {"damage": 500}
 
 
