@@ -105,7 +105,7 @@ def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys):
-    """Four chunks a worker are under way, of one or two: finished and kept, the others not begun."""
+    """Four chunks a worker are under way: these are finished and kept, the others not begun."""
     pressed = []
 
     def press(done: int, size: int) -> None:
