@@ -7,8 +7,8 @@
 damage     one to three faults are put into a finished study: parts and manifest cut, overwritten,
            edited, exchanged, taken from another study or replaced by something that is no file.
            Resumed, it is refused in one line, or its table is bit for bit what it was.
-killed     `woundon sweep` with two workers is killed (kill -9) at a random moment, and so is every
-           second resume; resumed once more, its table is compared.
+killed     `woundon sweep`, with one worker or two, is killed (kill -9) at a random moment, and so is
+           every second resume; resumed once more, its table is compared.
 together   the same with two processes on one folder.
 stopped    Ctrl-C at a random moment, soon a second one: no process is left.
 full       the same on a file system of random size, which is then made larger (a tmpfs where it may
@@ -27,6 +27,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import argparse
 import contextlib
 import json
+import multiprocessing
 import random
 import shutil
 import signal
@@ -36,7 +37,7 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,7 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
+from woundon import cli
 from woundon.quantities import Quantity, pure
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
@@ -285,41 +287,72 @@ radius = "0.5 m"
 """
 
 
-def _start(folder: Path, out: Path, *more: str, largest: int = 0) -> subprocess.Popen[str]:
-    """Start the study; with ``largest``, no file may have more bytes (POSIX)."""
-
-    def limit() -> None:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # jobs in a shell's background ignore it
-        if largest:
-            import resource
-
-            resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
-
-    study = folder / "study.toml"
-    study.write_text(CASE, encoding="utf-8")
-    command = [
-        sys.executable, "-m", "woundon", "sweep", str(study), "--out", str(out), "--chunk", "3",
-        "--export", "csv", "--workers", "2", *more,
-    ]  # fmt: skip
-    return subprocess.Popen(
-        command, text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=limit,
-        start_new_session=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )  # fmt: skip
+HEAVY = [
+    "woundon.studies.commands", "woundon.studies.api", "woundon.nip.solve", "woundon.nip.result",
+    "woundon.show.study_plots", "woundon.studies.export", "duckdb", "filelock", "pandas", "xarray",
+    "matplotlib.backends.backend_agg", "rich.progress", "scipy.optimize",
+]  # fmt: skip
+FORKS = multiprocessing.get_context("forkserver")
+FORKS.set_forkserver_preload(HEAVY)  # imported once, not in every trial
 
 
-def _said(process: subprocess.Popen[str]) -> str:
-    """Wait; return what the process complained of, which must be no traceback."""
-    said = process.communicate(timeout=300)[1]
-    if "Traceback" in said:
-        raise Wrong(said)
-    return said
+class Command:
+    """``woundon sweep`` in a process and a group of its own; with ``largest`` no file is larger."""
+
+    def __init__(self, folder: Path, out: Path, workers: int, largest: int = 0) -> None:
+        study = folder / "study.toml"
+        study.write_text(CASE, encoding="utf-8")
+        self.complaints = folder / f"complaints-{time.time_ns()}.txt"
+        self.arguments = (
+            "sweep", str(study), "--out", str(out), "--chunk", "3", "--export", "csv",
+            "--workers", str(workers), "--resume",
+        )  # fmt: skip
+        self.process: Any = FORKS.Process(
+            target=_woundon, args=(self.arguments, self.complaints, largest)
+        )
+        self.process.start()
+
+    def kill(self) -> None:
+        self.process.kill()
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C: a terminal tells the whole group."""
+        with contextlib.suppress(ProcessLookupError):  # it has not made its group, or is gone
+            os.killpg(self.process.pid, signal.SIGINT)
+
+    def ended(self, patience: float) -> bool:
+        self.process.join(patience)
+        return self.process.exitcode is not None
+
+    def end(self) -> tuple[int, str]:
+        """Wait; return the exit code, and what was complained of, which must be no traceback."""
+        if not self.ended(300):
+            self.kill()
+            raise Wrong("does not end")
+        said = self.complaints.read_text("utf-8") if self.complaints.exists() else ""
+        if "Traceback" in said:
+            raise Wrong(said)
+        return self.process.exitcode, said
+
+
+def _woundon(arguments: Sequence[str], complaints: Path, largest: int) -> None:
+    """Run the command line in a process that was made for it."""
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for name, descriptor in ((os.devnull, 1), (complaints, 2)):
+        os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT), descriptor)
+    sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+    if largest:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
+    sys.exit(cli.main(arguments))
 
 
 def _finished(folder: Path, out: Path) -> bytes:
     """Resume the study to its end; return its table."""
-    process = _start(folder, out, "--resume")
-    said = _said(process)
-    if process.returncode:
+    code, said = Command(folder, out, workers=1).end()
+    if code:
         raise Wrong(f"does not resume: {said}")
     return (out / "study.csv").read_bytes()
 
@@ -328,13 +361,14 @@ class Undisturbed:
     """The table that every trial is compared with, and how long it takes."""
 
     def __init__(self, folder: Path) -> None:
-        began = time.monotonic()
         self.table = _finished(folder, folder / "whole")
+        began = time.monotonic()  # the first had to import everything
+        self.compare(folder, folder / "again")
         self.seconds = time.monotonic() - began
 
     def moment(self, dice: random.Random) -> None:
-        """Wait for a random part of what the study takes."""
-        time.sleep(dice.uniform(0, self.seconds))
+        """Wait for a random part of what the study takes; two workers take longer to start."""
+        time.sleep(dice.uniform(0, 1.3 * self.seconds))
 
     def compare(self, folder: Path, out: Path) -> None:
         if _finished(folder, out) != self.table:
@@ -344,10 +378,10 @@ class Undisturbed:
 def killed(seed: int, folder: Path, whole: Undisturbed) -> str:
     dice, out, count = random.Random(seed), folder / "out", 0
     while count == 0 or dice.random() < 0.5:
-        process = _start(folder, out, "--resume")
+        command = Command(folder, out, dice.choice([1, 2]))
         whole.moment(dice)
-        process.kill()
-        _said(process)
+        command.kill()
+        command.end()
         count += 1
     parts = len(list((out / "parts").glob("*.parquet"))) if out.exists() else 0
     whole.compare(folder, out)
@@ -356,16 +390,16 @@ def killed(seed: int, folder: Path, whole: Undisturbed) -> str:
 
 def together(seed: int, folder: Path, whole: Undisturbed) -> str:
     dice, out = random.Random(seed), folder / "out"
-    processes = []
+    commands = []
     for _ in range(2):
-        processes.append(_start(folder, out, "--resume"))
+        commands.append(Command(folder, out, dice.choice([1, 2])))
         time.sleep(dice.choice([0, dice.uniform(0, whole.seconds / 2)]))
     whole.moment(dice)
-    dice.shuffle(processes)
-    for process in processes:
-        process.kill()
+    dice.shuffle(commands)
+    for command in commands:
+        command.kill()
         time.sleep(dice.choice([0, dice.uniform(0, 0.3)]))
-    said = [_said(process) for process in processes]
+    said = [command.end()[1] for command in commands]
     whole.compare(folder, out)
     refused = sum("is at work in it" in text for text in said)
     return f"{refused} of two refused, the table is the same"
@@ -389,24 +423,18 @@ def _empty(group: int, patience: float = 5.0) -> bool:
 
 def stopped(seed: int, folder: Path, whole: Undisturbed) -> str:
     dice, out = random.Random(seed), folder / "out"
-    process = _start(folder, out, "--resume")
+    command, pressed = Command(folder, out, dice.choice([1, 2])), 0
     whole.moment(dice)
-    pressed = 0
     for patience in (dice.uniform(0, 1), 10):
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGINT)  # to all, as a terminal does
-            pressed += 1
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(patience)
-    if process.poll() is None:
-        process.kill()
+        if not command.ended(0):
+            command.interrupt()
+            pressed += not command.ended(patience) or pressed == 0
+    if not command.ended(0):
+        command.kill()
         raise Wrong("two Ctrl-C do not stop it")
-    if not _empty(process.pid):
+    if not _empty(command.process.pid):
         raise Wrong("processes were left")
-    said = process.communicate()[1]
-    # while Python itself starts nobody listens yet
-    if "Traceback" in said and "studies" in said:
-        raise Wrong(said)
+    command.end()
     whole.compare(folder, out)
     times = {0: "finished before", 1: "stopped by one Ctrl-C", 2: "stopped by two"}[pressed]
     return f"{times}, resumed, the table is the same"
@@ -421,18 +449,18 @@ def full(seed: int, folder: Path, whole: Undisturbed) -> str:
     )
     try:
         limited = {} if mounted.returncode == 0 else {"largest": dice.randrange(1, 3000)}
-        process = _start(folder, disk / "out", "--resume", **limited)
+        command = Command(folder, disk / "out", dice.choice([1, 2]), **limited)
         if dice.random() < 0.5:
             whole.moment(dice)
-            process.kill()
-        said = _said(process)
-        ended = "killed" if process.returncode == -signal.SIGKILL else "in one line"
-        if process.returncode == 2 and said.strip().splitlines()[-1].count("error:") != 1:
+            command.kill()
+        code, said = command.end()
+        ended = "killed" if code == -signal.SIGKILL else "in one line"
+        if code == 2 and said.strip().splitlines()[-1].count("error:") != 1:
             raise Wrong(said)
         if mounted.returncode == 0:
             subprocess.run(["mount", "-o", "remount,size=64m", str(disk)], check=True)
         whole.compare(folder, disk / "out")
-        if process.returncode == 0:
+        if code == 0:
             return "the disk was large enough"
         return f"ended {ended}, resumed, the table is the same"
     finally:

@@ -21,6 +21,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> hostile.Undisturbed:
     return hostile.Undisturbed(tmp_path_factory.mktemp("whole"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trial", [hostile.killed, hostile.together, hostile.full])
 def test_what_is_killed_or_out_of_space_resumes_to_the_same_table(
     trial, whole: hostile.Undisturbed, tmp_path: Path
