@@ -7,8 +7,8 @@
 damage     one to three faults are put into a finished study: parts and manifest cut, overwritten,
            edited, exchanged, taken from another study or replaced by something that is no file.
            Resumed, it is refused in one line, or its table is bit for bit what it was.
-killed     `woundon sweep`, with one worker or two, is killed (kill -9) at a random moment, and so is
-           every second resume; resumed once more, its table is compared.
+killed     `woundon sweep`, with one worker or two, is killed (kill -9) at a random moment, and so
+           is every second resume; resumed once more, its table is compared.
 together   the same with two processes on one folder.
 stopped    Ctrl-C at a random moment, soon a second one: no process is left.
 full       the same on a file system of random size, which is then made larger (a tmpfs where it may

@@ -69,6 +69,34 @@ def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.Ca
     assert cli.main([*command, "--resume"]) == 0
 
 
+def test_what_is_found_in_a_folder_is_told_in_a_line(
+    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    out = tmp_path / "out"
+    command = ["sweep", str(study), "--out", str(out), "--workers", "1"]
+    assert cli.main(command) == 0
+    first = (out / "study.csv").read_bytes()
+    (part,) = (out / "parts").iterdir()
+    part.write_bytes(b"")
+    (out / ".owner.json").write_bytes(b"{}")
+    capsys.readouterr()
+    assert cli.main([*command, "--resume"]) == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
+    assert told == [
+        f"warning: {out}: another process died at work in it; its lock is taken over",
+        f"warning: {out}: 1 damaged or of another study, moved to set_aside and made again: "
+        f"{part.name}",
+    ]
+    assert (out / "study.csv").read_bytes() == first
+
+
+def test_nodes_and_rtol_are_one_or_the_other(capsys: pytest.CaptureFixture[str]):
+    assert cli.main(["nip", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
+    assert capsys.readouterr().err == (
+        "error: nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out\n"
+    )
+
+
 def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / "study.toml"
     path.write_text(

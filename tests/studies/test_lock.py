@@ -8,12 +8,14 @@ import platform
 import signal
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 import toys
 
 import woundon as wo
+from woundon.studies import store
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.runners import Here
@@ -85,6 +87,20 @@ def test_an_owner_s_note_that_cannot_be_read(tmp_path: Path, note: bytes):
     (tmp_path / ".owner.json").write_bytes(note)
     with pytest.warns(UserWarning, match="another process died at work in it"):
         _run(tmp_path)
+
+
+def test_where_locks_do_not_reach_two_write_the_same(tmp_path: Path, monkeypatch):
+    """The second begins, and ends, while the first is in the middle of its work."""
+    monkeypatch.setattr(store, "locked", lambda folder: nullcontext(""))
+    tables = []
+
+    def again(done: int, size: int) -> None:
+        if not tables:
+            tables.append(_run(tmp_path, chunk=2, resume=True))
+
+    tables += [_run(tmp_path, chunk=2, progress=again), _run(tmp_path, chunk=2, resume=True)]
+    assert [table.outputs["y"].tolist() for table in tables] == 3 * [[2.0 * a for a in range(8)]]
+    assert len(list((tmp_path / "parts").iterdir())) == 4
 
 
 def test_within_one_process_too(tmp_path: Path):
