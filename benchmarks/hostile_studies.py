@@ -25,7 +25,6 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
-import contextlib
 import json
 import multiprocessing
 import random
@@ -317,8 +316,12 @@ class Command:
 
     def interrupt(self) -> None:
         """Press Ctrl-C: a terminal tells the whole group."""
-        with contextlib.suppress(ProcessLookupError):  # it has not made its group, or is gone
-            os.killpg(self.process.pid, signal.SIGINT)
+        while not self.ended(0):
+            try:
+                os.killpg(self.process.pid, signal.SIGINT)
+                return
+            except ProcessLookupError:  # it has not made its group yet
+                time.sleep(0.01)
 
     def ended(self, patience: float) -> bool:
         self.process.join(patience)

@@ -5,8 +5,12 @@ from __future__ import annotations
 import csv
 import json
 import os
+import signal
+import threading
+import time
 from pathlib import Path
 
+import duckdb
 import numpy as np
 import pytest
 import toys
@@ -18,6 +22,7 @@ from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.export import export
 from woundon.studies.runners import Here
+from woundon.studies.store import write_parquet
 from woundon.studies.table import failures
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
@@ -160,6 +165,27 @@ def test_a_part_is_on_disk_before_it_has_its_name(tmp_path: Path, monkeypatch: p
             assert happened[place + 1] == ("on disk", part.parent.stat().st_ino)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_while_a_part_is_written(tmp_path: Path):
+    """DuckDB answers it by an error of its own."""
+    rows = {name: np.random.default_rng(1).random(3_000_000) for name in "ab"}
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    press = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+
+    def write(connection: duckdb.DuckDBPyConnection) -> None:
+        limit = time.monotonic() + 60
+        press.start()
+        while time.monotonic() < limit:
+            write_parquet(connection, rows, tmp_path / "part")
+
+    try:
+        with duckdb.connect() as connection, pytest.raises(KeyboardInterrupt):
+            write(connection)
+    finally:
+        press.join()
+        signal.signal(signal.SIGINT, before)
+
+
 def test_resume_without_a_folder_is_refused():
     with pytest.raises(wo.InvalidProblem, match="resume: needs out, the folder of the study"):
         run_study(toys.Toy(), DESIGN, Here(), resume=True)
@@ -214,7 +240,6 @@ def test_a_study_is_not_overwritten(tmp_path: Path):
 
 
 def test_parts_can_be_queried(tmp_path: Path, table):
-    duckdb = pytest.importorskip("duckdb")
     over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
     wo.sweep(paper_nip(), over, nodes=17, workers=1, out=tmp_path, chunk=2)
     with duckdb.connect() as connection:
@@ -270,7 +295,6 @@ def test_excel_has_the_rows_and_says_what_they_hang_on(tmp_path: Path, table):
 
 
 def test_parquet_holds_the_same(tmp_path: Path, table):
-    duckdb = pytest.importorskip("duckdb")
     export(table, tmp_path / "study.parquet")
     with duckdb.connect() as connection:
         found = connection.execute(

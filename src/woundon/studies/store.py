@@ -239,9 +239,10 @@ class Store:
             return
         names = [*self.outputs, "case", "failure", "warnings"]
         chosen = ", ".join('"' + name.replace('"', '""') + '"' for name in names)
-        found = self._connection.execute(
-            f"SELECT {chosen} FROM read_parquet(?)", [files]
-        ).fetchnumpy()  # fmt: skip
+        with _faults_of(self.parts):
+            found = self._connection.execute(
+                f"SELECT {chosen} FROM read_parquet(?)", [files]
+            ).fetchnumpy()  # fmt: skip
         values = np.column_stack([np.ma.filled(found[name], np.nan) for name in self.outputs])
         failure, warnings = (np.asarray(found[n], dtype=object) for n in ("failure", "warnings"))
         yield Block(0, np.asarray(found["case"], dtype=np.intp), values, failure, warnings)
@@ -254,15 +255,28 @@ def write_parquet(connection: Any, rows: Mapping[str, np.ndarray], path: Path) -
     ------
     OSError
         If it cannot be written.
+    KeyboardInterrupt
+        After Ctrl-C.
     """
+    target = str(path).replace("'", "''")
+    with _faults_of(path):
+        connection.execute(f"COPY (SELECT * FROM rows) TO '{target}' (FORMAT parquet)")
+
+
+@contextmanager
+def _faults_of(path: Path) -> Iterator[None]:
+    """Raise what Python would in place of DuckDB's errors of its own."""
     import duckdb
 
-    target = str(path).replace("'", "''")
     try:
-        connection.execute(f"COPY (SELECT * FROM rows) TO '{target}' (FORMAT parquet)")
+        yield
     except duckdb.IOException as fault:
         number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(fault) else errno.EIO
         raise OSError(number, str(fault).splitlines()[0], str(path)) from None
+    except RuntimeError as fault:
+        if "interrupted" in str(fault):  # it answers Ctrl-C by this
+            raise KeyboardInterrupt from None
+        raise
 
 
 def _digest(study: Mapping[str, Any]) -> str:
