@@ -18,11 +18,14 @@ __all__ = ["check_writable", "put_in_place", "read_whole", "write_whole"]
 def read_whole(path: str | Path, most: int) -> bytes:
     """Return the bytes of a regular file that holds no more than ``most``.
 
+    A missing file is no ``FileNotFoundError``: whoever loads has one class of error to catch.
+
     Raises
     ------
     InvalidProblem
         If it is missing, cannot be read, is no regular file, or is larger.
     """
+    path = os.fspath(path)  # open() would take a number for an open file
     try:
         # a pipe that nobody writes to would keep open() waiting
         with open(path, "rb", opener=_at_once) as file:
@@ -67,8 +70,8 @@ def put_in_place(path: str | Path) -> Iterator[Path]:
                 copymode(place, aside)
             _to_disk(aside, os.O_RDWR)
             os.replace(aside, place)
-            if os.name == "posix":  # elsewhere a folder cannot be opened
-                _to_disk(place.parent, os.O_RDONLY)
+        with contextlib.suppress(OSError):  # not every system does that with a folder
+            _to_disk(place.parent, os.O_RDONLY)
     finally:
         with contextlib.suppress(OSError):
             aside.unlink()
