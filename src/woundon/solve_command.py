@@ -244,7 +244,7 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
     if save:
         kinds.fetch("woundon.io.result_files:writer_for")(save)
     if plot:
-        kinds.fetch("woundon.show.plots:check_format")(plot)
+        kinds.fetch("woundon.show.figures:check_format")(plot)
     for path in filter(None, (save, plot)):
         check_writable(path)
 

@@ -1,19 +1,24 @@
-"""A fit in words and as JSON."""
+"""A fit in words, as tables, and as JSON."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from math import expm1, isfinite, log
+from math import expm1, isfinite, log, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
     from .fit import FitResult
     from .profiles import Profile
 
-__all__ = ["lines", "to_json"]
+__all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
+
+MOST_TOLD = 3  # parameters in one line
 
 
 def lines(fit: FitResult) -> list[str]:
@@ -24,7 +29,65 @@ def lines(fit: FitResult) -> list[str]:
         f"{m} measured values, {p} fitted {'parameter' if p == 1 else 'parameters'}, "
         f"RMS {fit.rms:.4g}{unit}; {fit.reached} of {fit.starts} starts ended here"
     )
-    return [head, *_estimates(fit), *_minima(fit, unit), *_trade_offs(fit, unit)]
+    return [head, *_estimates(fit), *remarks(fit)]
+
+
+def line(fit: FitResult) -> str:
+    """Return the fit as one line of text."""
+    told = [
+        f"{name}={value:.4g} {_unit(fit, name)}".rstrip()
+        for name, value in zip(fit.names[:MOST_TOLD], fit.estimates, strict=False)
+    ]
+    more = len(fit.names) - MOST_TOLD
+    told += [f"{more} more"] if more > 0 else []
+    rms = f"RMS {fit.rms:.4g}{_rms_unit(fit)} of {fit.measured.size} measured values"
+    return f"FitResult({', '.join(told)}; {rms})"
+
+
+def remarks(fit: FitResult) -> list[str]:
+    """Return what is to be said beside the estimates: other minima, what trades off."""
+    unit = _rms_unit(fit)
+    return [*_minima(fit, unit), *_trade_offs(fit, unit)]
+
+
+def to_frame(fit: FitResult) -> pd.DataFrame:
+    """Return a row for each parameter, SI units; the interval is open where it has no end."""
+    import pandas as pd
+
+    intervals = {profile.name: (profile.low, profile.high) for profile in fit.profiles}
+    ends = [intervals.get(name, (nan, nan)) for name in fit.names]
+    columns = {
+        "estimate": fit.estimates,
+        "standard_error": fit.standard_errors,
+        "low": [low for low, _ in ends],
+        "high": [high for _, high in ends],
+        "unit": [_unit(fit, name) for name in fit.names],
+    }
+    frame = pd.DataFrame(columns, index=pd.Index(fit.names, name="parameter"))
+    frame.attrs["long_names"] = {"low": "low end of the 95 % profile interval",
+                                 "high": "high end of the 95 % profile interval"}  # fmt: skip
+    return frame
+
+
+def to_dataset(fit: FitResult) -> xarray.Dataset:
+    """Return parameters and their covariance, measured and fitted values; SI units."""
+    outputs = list(fit.row_outputs)
+    units = [_unit(fit, name) for name in outputs]
+    table = to_frame(fit).to_xarray()
+    both = ("parameter", "parameter_2")
+    return table.set_coords("unit").assign(
+        covariance=(both, fit.covariance), correlation=(both, fit.correlation),
+        measured=("measurement", fit.measured), fitted=("measurement", fit.fitted),
+    ).assign_coords(
+        parameter_2=list(fit.names), output=("measurement", outputs),
+        row=("measurement", list(fit.row_numbers)), output_unit=("measurement", units),
+    ).assign_attrs(rms=fit.rms, rms_unit=_rms_unit(fit).strip())  # fmt: skip
+
+
+def _unit(fit: FitResult, name: str) -> str:
+    """Return the SI unit of a parameter or an output, '' of a pure number."""
+    unit = fit.quantities[name].unit if name in fit.quantities else ""
+    return "" if unit == "1" else unit
 
 
 def _rms_unit(fit: FitResult) -> str:
@@ -38,9 +101,8 @@ def _estimates(fit: FitResult) -> Iterator[str]:
     profiles = {profile.name: profile for profile in fit.profiles}
     width = max(map(len, fit.names))
     for k, name in enumerate(fit.names):
-        unit = fit.quantities[name].unit if name in fit.quantities else ""
         value, error = fit.estimates[k], fit.standard_errors[k]
-        text = f"{name:<{width}}  {value:.4g} {unit if unit != '1' else ''}".rstrip()
+        text = f"{name:<{width}}  {value:.4g} {_unit(fit, name)}".rstrip()
         if isfinite(error):
             text += f", standard error {error:.2g}"
             text += f" ({error / abs(value):.0%})" if value else ""
