@@ -332,12 +332,11 @@ class ContactProblem(Problem):
     ----------
     pair : (str, str)
         Names of the fields that hold body 1 and body 2.
-    admits_estimates : bool
-        Whether a body may be in it that is good for a web held at the trailing edge only.
     """
 
     pair: ClassVar[tuple[str, str]]
-    admits_estimates: ClassVar[bool] = False
+    # whether bodies may be in it that are good for a web held at the trailing edge only
+    _admits_estimates: ClassVar[bool] = False
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -374,7 +373,7 @@ class ContactProblem(Problem):
     @model_validator(mode="after")
     def _admits(self) -> Self:
         for name, body in zip(self.pair, self.bodies, strict=True):
-            if body.confined_only and not self.admits_estimates:
+            if body.confined_only and not self._admits_estimates:
                 text = "'estimate' is for a nip without wraps only; must be 'direct' or 'frozen'"
                 raise InvalidProblem.at(f"{name}.hardening", text)
         return self
