@@ -11,13 +11,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib.metadata import entry_points
 from typing import Any
 
 import click
 
 from . import __version__, kinds
 from .errors import InvalidProblem, NotConverged
+from .kinds import entry_points
 from .solve_command import SolveCommand
 from .threads import environment
 

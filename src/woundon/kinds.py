@@ -16,8 +16,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from importlib import import_module
-from importlib.metadata import entry_points
+from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any, overload
 
 from .errors import InvalidProblem, did_you_mean, one_of
@@ -31,7 +30,8 @@ if TYPE_CHECKING:
     from .wrap.result import WrappedNipResult
 
 __all__ = [
-    "Kind", "every", "fetch", "for_fields", "load_plugins", "named", "of", "register", "solve",
+    "Kind", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
+    "register", "solve",
 ]  # fmt: skip
 
 PLUGINS = "woundon.plugins"
@@ -184,6 +184,17 @@ register(
     plot="woundon.show.roller_plots:roller_panels",
     check="woundon.rollers.solve:check_options",
 )
+
+
+@cache
+def _installed() -> metadata.EntryPoints:
+    # looks through every package that is installed: once is enough
+    return metadata.entry_points()
+
+
+def entry_points(**wanted: str) -> metadata.EntryPoints:
+    """Return the entry points of a ``group``, or of a ``name`` in it, that are installed."""
+    return _installed().select(**wanted)
 
 
 @cache
