@@ -96,9 +96,8 @@ class Commands(click.Group):
             return self.commands[name]
         if name in _LATE:
             return kinds.fetch(_LATE[name][0])
-        found = entry_points(group=COMMANDS, name=name)
-        if found:
-            return next(iter(found)).load()
+        for found in entry_points(group=COMMANDS, name=name):
+            return found.load()
         own = next((kind for kind in kinds.every() if kind.command == name), None)
         return SolveCommand(own) if own else None
 

@@ -187,14 +187,15 @@ register(
 
 
 @cache
-def _installed() -> metadata.EntryPoints:
+def _installed() -> Any:
     # looks through every package that is installed: once is enough
     return metadata.entry_points()
 
 
-def entry_points(**wanted: str) -> metadata.EntryPoints:
+def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
     """Return the entry points of a ``group``, or of a ``name`` in it, that are installed."""
-    return _installed().select(**wanted)
+    found: Iterable[metadata.EntryPoint] = _installed().select(**wanted)
+    return found
 
 
 @cache

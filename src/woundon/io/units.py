@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 
-__all__ = ["known_units", "parse", "written"]
+__all__ = ["factor", "is_unit", "known_units", "parse", "written"]
 
 # one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
@@ -144,6 +144,22 @@ def _product(text: str, known: dict[str, _Unit]) -> _Unit:
 def known_units() -> tuple[str, ...]:
     """Return the names of all units that are understood."""
     return tuple(sorted(_definitions()))
+
+
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit that is understood."""
+    return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
+
+
+def factor(text: str, unit: str, field: str) -> Fraction:
+    """Return how many of an SI ``unit`` the unit written as ``text`` is, exactly.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is unknown or of another dimension.
+    """
+    return _factor(text, unit, field, text)
 
 
 def parse(value: str | float, unit: str, field: str = "value") -> float:

@@ -60,9 +60,9 @@ def sweep(
         check_export(target)
     began = time.perf_counter()
     table = _stoppable(
-        sweep_table, told.problem, told.over, told.outputs, tie=told.tie, **told.design,
-        options=told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
-        chunk=chunk, progress=True,
+        sweep_table, told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
+        **told.design, options=told.options, out=out, resume=resume, scheduler=scheduler,
+        workers=workers, chunk=chunk, progress=True,
     )  # fmt: skip
     seconds = time.perf_counter() - began
     for target in targets:
