@@ -27,7 +27,8 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 
 __all__ = [
     "Place", "Quantity", "angle", "find", "is_list", "length", "line_load", "members_of", "output",
-    "outputs", "pure", "scalar_outputs", "shown_in", "strain", "stress", "value_of", "walk",
+    "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain", "stress", "value_of",
+    "walk",
 ]  # fmt: skip
 
 _PER_SI = {"mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi}
@@ -128,6 +129,11 @@ def shown_in(chosen: Chosen) -> Iterator[None]:
         yield
     finally:
         _CHOSEN.reset(token)
+
+
+def pattern(path: str) -> str:
+    """Return a path as a class's has it, with ``*`` for the numbers of items."""
+    return ".".join("*" if part.isdigit() else part for part in path.split("."))
 
 
 def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:

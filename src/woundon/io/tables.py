@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
-from ..quantities import Quantity
+from ..quantities import Quantity, pattern
 from .sheets import Sheet
 from .units import factor, is_unit, parse
 
@@ -70,8 +70,7 @@ class Names:
 
     def quantity(self, name: str) -> Quantity | None:
         """Return what a found name is."""
-        pattern = ".".join("*" if part.isdigit() else part for part in name.split("."))
-        return self.known[pattern]
+        return self.known[pattern(name)]
 
     def nearest(self, text: str) -> str:
         """Return the name that a text is most like, '' if it is like none."""

@@ -10,6 +10,7 @@ import click
 
 from .. import kinds
 from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
 from ..io.files import check_writable
 
 if TYPE_CHECKING:
@@ -38,12 +39,16 @@ def _running(command: Any) -> Any:
 @_running
 @click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
 @click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Write and draw an input or output in another unit; repeatable.",
+)  # fmt: skip
+@click.option(
     "--export", "exports", multiple=True, type=click.Choice([e[1:] for e in _EXPORTS]),
     default=("nc", "csv"), show_default=True, help="File formats of the result; repeatable.",
 )  # fmt: skip
 def sweep(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    chunk: int | None, exports: tuple[str, ...],
+    chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
@@ -59,11 +64,12 @@ def sweep(
     for target in targets:
         check_export(target)
     began = time.perf_counter()
-    table = _stoppable(
-        sweep_table, told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
-        **told.design, options=told.options, out=out, resume=resume, scheduler=scheduler,
-        workers=workers, chunk=chunk, progress=True,
-    )  # fmt: skip
+    with units_of(chosen):
+        table = _stoppable(
+            sweep_table, told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
+            **told.design, options=told.options, out=out, resume=resume, scheduler=scheduler,
+            workers=workers, chunk=chunk, progress=True,
+        )  # fmt: skip
     seconds = time.perf_counter() - began
     for target in targets:
         export(table, target)
@@ -102,9 +108,9 @@ def _summary(table: Table, seconds: float) -> int:
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
             about = table.quantities[name]
-            unit = "" if about.unit == "1" else f" {about.unit}"
-            low, high = np.nanmin(values), np.nanmax(values)
-            click.echo(f"{about.meaning}: {low:.5g} to {high:.5g}{unit}")
+            unit, shown = about.in_table(values)
+            range_of = f"{np.nanmin(shown):.5g} to {np.nanmax(shown):.5g}"
+            click.echo(f"{about.meaning}: {range_of}{'' if unit == '1' else f' {unit}'}")
     return 3 if failed == size else 0
 
 
