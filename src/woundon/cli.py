@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -43,32 +44,47 @@ def main(args: Sequence[str] | None = None) -> int:
     for name, value in environment().items():  # before NumPy loads
         os.environ.setdefault(name, value)
     try:
+        code = _run(args)
+    except (_ReaderLeftError, BrokenPipeError):
+        code = 0  # head or less have read enough; nobody is there to tell
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:  # or Python would tell of it at its end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    return code
+
+
+def _run(args: Sequence[str] | None) -> int:
+    """Run the command line; return the exit code, faults told."""
+    try:
         code = int(commands.main(args, "woundon", standalone_mode=False) or 0)
-        sys.stdout.flush()
+        if sys.stdout:
+            sys.stdout.flush()
         return code
     except InvalidProblem as fault:
         return _refuse(str(fault).splitlines(), BAD_INPUT)
     except NotConverged as fault:
         return _refuse([f"not converged: {fault}"], NOT_CONVERGED)
     except click.exceptions.NoArgsIsHelpError as told:
-        click.echo(told.format_message(), err=True)
+        with suppress(OSError):
+            click.echo(told.format_message(), err=True)
         return BAD_INPUT
     except click.ClickException as fault:
         return _refuse([fault.format_message()], BAD_INPUT)
     except click.Abort:
         return 130
-    except (_ReaderLeftError, BrokenPipeError):
-        # head or less have read enough; nobody is there to tell
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    except BrokenPipeError:
+        raise
     except OSError as fault:
         where = f"{fault.filename}: " if fault.filename else ""
         return _refuse([f"{where}{fault.strerror or fault}"], BAD_INPUT)
 
 
 def _refuse(lines: Sequence[str], code: int) -> int:
-    for line in lines:
-        click.secho(f"error: {line}", fg="red", err=True)
+    with suppress(OSError):  # the code is told even where nobody reads why
+        for line in lines:
+            click.secho(f"error: {line}", fg="red", err=True)
     return code
 
 
@@ -78,6 +94,13 @@ class _ReaderLeftError(Exception):
 
 class Commands(click.Group):
     """The commands written here, one for each kind of problem, studies, and those of plug-ins."""
+
+    def make_context(self, *args: Any, **more: Any) -> click.Context:
+        """Read the arguments; --help and --version print here already."""
+        try:
+            return super().make_context(*args, **more)
+        except BrokenPipeError:
+            raise _ReaderLeftError from None
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command that is asked for."""
