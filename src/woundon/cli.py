@@ -17,7 +17,7 @@ from typing import Any
 import click
 
 from . import __version__, kinds
-from .errors import InvalidProblem, NotConverged
+from .errors import InvalidProblem, NotConverged, one_of
 from .kinds import entry_points
 from .solve_command import SolveCommand
 from .threads import environment
@@ -168,16 +168,39 @@ def commands() -> None:
 commands.add_command(SolveCommand(None))
 
 
-@commands.command(short_help="Print a commented case file to start from.")
-@click.argument("kind", default="wrapped-nip", metavar="[KIND]")
-def new(kind: str) -> None:
+class New(click.Command):
+    """Prints a file to start from; every kind of problem has a flag."""
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """Return argument and flags: --wrapped-nip, or --wrapped where no other kind begins so."""
+        if len(self.params) == 2:
+            self.params += [
+                click.Option(_flags(kind.command), is_flag=True, default=False, help=kind.about)
+                for kind in kinds.every()
+            ]
+        return super().get_params(ctx)
+
+
+def _flags(command: str) -> list[str]:
+    first, *others = command.split("-")
+    alone = sum(kind.command.split("-")[0] == first for kind in kinds.every()) == 1
+    return [f"--{command}", *([f"--{first}"] if others and alone else [])]
+
+
+@commands.command(cls=New, short_help="Print a commented case or study file to start from.")
+@click.argument("kind", required=False)
+@click.option("--study", is_flag=True, help="A study file with such a case, for 'woundon sweep'.")
+def new(kind: str | None, study: bool, **flags: bool) -> None:
     """Print a commented case file to start from: woundon new > case.toml.
 
-    KIND is the kind of problem, named as its command: wrapped-nip (by default), nip, rollers, ...
+    KIND is the kind of problem, named as its command or by a flag; by default wrapped-nip.
     """
-    from .io.case_files import template
-
-    click.echo(template(kind), nl=False)
+    named = [*([kind] if kind else []), *(name for name, asked in flags.items() if asked)]
+    if len(named) > 1:
+        raise InvalidProblem.at("kind", f"must be one, got {one_of(named, 'and')}")
+    room = "studies.study_texts:study_" if study else "io.case_texts:"
+    text = kinds.fetch(f"woundon.{room}template")(*named or ["wrapped-nip"])
+    click.echo(text, nl=False)
 
 
 @commands.command()

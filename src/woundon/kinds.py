@@ -98,6 +98,20 @@ class Kind:
         """By field: the outputs that ``neighbour`` gives for another value of that field alone."""
         return _got(self._shifted) if self._shifted is not None else {}
 
+    def example(self) -> Any:
+        """Return a problem to start from.
+
+        Raises
+        ------
+        InvalidProblem
+            If the kind has none.
+        """
+        try:
+            return self.problem.example()
+        except NotImplementedError:
+            text = f"{self.name!r} has no example to start from"
+            raise InvalidProblem.at("kind", text) from None
+
     @property
     def command(self) -> str:
         """The kind's own command: ``woundon wrapped-nip CASE``."""

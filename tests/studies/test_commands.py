@@ -235,7 +235,7 @@ def test_bad_fit_commands(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], says: str
 ):
     data = tmp_path / "rig.csv"
-    data.write_text("nip_load,half_width\n1000,0.001\n2000,0.0015\n", encoding="utf-8")
+    data.write_text("nip_load [N/m],half_width [mm]\n1000,1\n2000,1.5\n", encoding="utf-8")
     assert cli.main(["fit", str(CASE), str(data), *options]) == 2
     said = capsys.readouterr()
     assert says in said.err
@@ -352,8 +352,11 @@ def test_figures_of_many_inputs(tmp_path: Path):
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ("nip_load,half_width\n-5,0.001\n", "row 1.nip_load: -5 is out of range; must be >= 1e-12"),
-        ("nip_load [N/m],nip_load [kN/m],half_width\n1,1,1\n", "two columns are nip_load"),
+        (
+            "nip_load [N/m],half_width [m]\n-5,0.001\n",
+            "row 2.nip_load: -5 is out of range; must be >=",
+        ),
+        ("nip_load [N/m],Nip load [kN/m],half_width [m]\n1,1,1\n", "two columns are nip_load"),
     ],
 )
 def test_bad_measured_data(

@@ -159,8 +159,8 @@ def _meant(text: str, names: Names) -> tuple[str, str, bool]:
             break
         for name, unit in _splits(told):
             found = [] if _DEVIATION.search(unit) else names.find(name)
-            if unit and found and names.quantity(found[0]) is None:
-                continue  # "web tenson": what is no number has no unit
+            if found and unit and not is_unit(unit) and names.quantity(found[0]) is None:
+                continue  # "web tenson" is no web
             if len(found) > 1:
                 raise InvalidProblem(f"may be {one_of(found)}; write which")
             if found:

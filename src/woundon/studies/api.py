@@ -7,10 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState
 from ..problems.fields import Problem, shown
-from ..quantities import Quantity
+from ..quantities import Quantity, scalar_outputs
 from .design import make_design
 from .engine import Progress, run_study
 from .fit import FitResult, fit_parameters
@@ -19,6 +18,7 @@ from .kind_model import (
     columns_of,
     field_quantity,
     get_field,
+    kind_of,
     made,
     measurable,
     model_of,
@@ -141,7 +141,7 @@ def _cases(
     """Return the cases of a table, row by row."""
     if design not in ("grid", "table"):
         raise InvalidProblem.at("design", f"{design!r} is drawn; a table has its cases already")
-    outputs = quantities.scalar_outputs(kinds.of(problem).result)
+    outputs = scalar_outputs(kind_of(problem).result)
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
     return read_cases(data, inputs, outputs, lambda *given: made(problem, *given), columns)
@@ -249,8 +249,8 @@ def fit(
     NotConverged
         If no start can be solved.
     """
-    inputs, outputs = columns_of(problem), measurable(problem)
-    data = read_measured(measured, inputs, outputs, columns, replaced(problem))
+    outputs = measurable(problem)
+    data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
     model = model_of(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
     parameters = tuple(_parameter(problem, name, bounds) for name, bounds in _bounds(vary).items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])

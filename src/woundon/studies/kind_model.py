@@ -22,7 +22,7 @@ from ..quantities import Quantity, find, members_of, scalar_outputs, value_of, w
 from .model import Answer
 
 __all__ = [
-    "KindModel", "columns_of", "field_quantity", "get_field", "made", "measurable", "model_of",
+    "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable", "model_of",
     "options_of", "replaced",
 ]  # fmt: skip
 
@@ -212,15 +212,16 @@ def model_of(
         For what is no problem, and as of :meth:`KindModel.checked`.
     """
     if outputs is None:
-        outputs = _kind_of(problem).result.MAIN
+        outputs = kind_of(problem).result.MAIN
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     given = {name: value for name, value in options.items() if value is not None}
     return KindModel(problem, names, given, dict(tie or {})).checked()
 
 
-def _kind_of(problem: Any) -> kinds.Kind:
+def kind_of(problem: Any) -> kinds.Kind:
+    """Return the kind of a problem; refuse what is none, a result or the class itself."""
     kind = kinds.of(problem)
-    check_type("problem", problem, kind.problem)  # not a result, nor the class itself
+    check_type("problem", problem, kind.problem)
     return kind
 
 
@@ -234,7 +235,7 @@ def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
 def options_of(problem: Problem) -> dict[str, Any]:
     """Return the options of a problem's solver by name, with what it takes by default."""
     own = {"start", *type(problem).model_fields}
-    keywords = _keywords(_kind_of(problem).solver)
+    keywords = _keywords(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in own}
 
 
@@ -284,7 +285,7 @@ def measurable(problem: Problem) -> dict[str, Quantity]:
 
     What the problem itself gives, such as the tangential load of rollers, is an input.
     """
-    known = scalar_outputs(_kind_of(problem).result)
+    known = scalar_outputs(kind_of(problem).result)
     fields = type(problem).model_fields
     return {
         name: quantity
