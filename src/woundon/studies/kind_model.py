@@ -22,8 +22,8 @@ from ..quantities import Quantity, find, members_of, scalar_outputs, value_of, w
 from .model import Answer
 
 __all__ = [
-    "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable", "model_of",
-    "options_of", "replaced",
+    "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable",
+    "model_of", "options_of", "replaced",
 ]  # fmt: skip
 
 _ERROR = "errors."  # of an output: "errors.half_width"
