@@ -163,9 +163,13 @@ def sensitivity(
 )  # fmt: skip
 @click.option(
     "--column", "columns", multiple=True, metavar="COLUMN=NAME",
-    help="What a column of the data is, e.g. measured=rig_tension; without name: leave it out.",
+    help="What a column of the data is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: not used.",
 )  # fmt: skip
 @click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
+@click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Tell and draw an input or output in another unit; repeatable.",
+)  # fmt: skip
 @click.option("--starts", type=click.IntRange(1), default=6, show_default=True)
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--no-profiles", is_flag=True, help="Leave out the profile-likelihood intervals.")
@@ -174,8 +178,8 @@ def sensitivity(
 @click.option("--plot", type=_PATH, help="Draw to .png, .svg or .pdf.")
 def fit(
     case: Path, data: Path, varied: tuple[str, ...], ties: tuple[str, ...],
-    columns: tuple[str, ...], settings: tuple[str, ...], starts: int, nodes: int | None,
-    no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
+    columns: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], starts: int,
+    nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header).
 
@@ -192,11 +196,13 @@ def fit(
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     for path in filter(None, (save, plot)):
         check_writable(path)
-    found = fit_problem(
-        problem, data, dict(_varied(problem, text) for text in varied),
-        tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
-        columns={name: of or None for name, of in map(_pair, columns)}, profiles=not no_profiles,
-    )  # fmt: skip
+    with units_of(chosen):
+        found = fit_problem(
+            problem, data, dict(_varied(problem, text) for text in varied),
+            tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
+            columns={name: of or None for name, of in map(_pair, columns)},
+            profiles=not no_profiles,
+        )  # fmt: skip
     if save:
         save.write_text(found.to_json(), encoding="utf-8")
     if plot:
