@@ -205,9 +205,9 @@ def test_a_spreadsheet_by_another_name_is_told(tmp_path: Path, content: bytes):
     assert faults(written(tmp_path, content)) == ["is no text; save it as .xlsx or .csv"]
 
 
-def test_an_endless_file_is_refused(monkeypatch: pytest.MonkeyPatch):
+def test_a_file_that_is_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sheets, "LARGEST", 1000)
-    assert "is larger than 0.001 MB" in faults("/dev/zero")[0]
+    assert "is larger than 0.001 MB" in faults(written(tmp_path, "nip_load [N/m]\n" * 100))[0]
 
 
 # ---- in memory ----------------------------------------------------------------------------------
