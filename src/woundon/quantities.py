@@ -17,14 +17,18 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from inspect import Parameter, signature
 from math import pi
+from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
     "Place", "Quantity", "angle", "find", "is_list", "length", "line_load", "members_of", "output",
-    "outputs", "pure", "scalar_outputs", "strain", "stress", "value_of", "walk",
+    "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain", "stress", "value_of",
+    "walk",
 ]  # fmt: skip
 
 _PER_SI = {"mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi}
@@ -46,6 +50,8 @@ class Quantity:
         In which people see it; as ``unit`` where empty.
     typical : (low, high), optional
         The range met in practice, SI; a slider's ends, not a limit.
+    shown_in_si : float, optional
+        How many of ``unit`` the ``shown_unit`` is, where somebody chose it (:func:`shown_in`).
     """
 
     symbol: str
@@ -53,9 +59,12 @@ class Quantity:
     meaning: str
     shown_unit: str = ""
     typical: tuple[float, float] | None = None
+    shown_in_si: float | None = None
 
     def shown(self, value: Any) -> Any:
         """Return an SI value, or an array of them, in the unit for display."""
+        if self.shown_in_si is not None:
+            return value / self.shown_in_si
         return value * _PER_SI.get(self.shown_unit, 1.0)
 
     @property
@@ -63,6 +72,12 @@ class Quantity:
         """The unit for display, '' for a pure number."""
         unit = self.shown_unit or self.unit
         return "" if unit == "1" else unit
+
+    def in_table(self, value: Any) -> tuple[str, Any]:
+        """Return unit and value for a table: SI, or the unit that somebody chose."""
+        if self.shown_in_si is None:
+            return self.unit, value
+        return self.shown_unit, self.shown(value)
 
 
 Range = tuple[float, float] | None
@@ -97,6 +112,36 @@ def line_load(symbol: str, meaning: str, typical: Range = None) -> Quantity:
 def pure(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     """Return a pure number [1]."""
     return Quantity(symbol, "1", meaning, "", typical)
+
+
+# ---- chosen units -------------------------------------------------------------------------------
+
+# (name, SI unit) -> chosen unit, how many SI units it is
+Chosen = Mapping[tuple[str, str], tuple[str, float]]
+_CHOSEN: ContextVar[Chosen] = ContextVar("chosen units", default=MappingProxyType({}))
+
+
+@contextmanager
+def shown_in(chosen: Chosen) -> Iterator[None]:
+    """Show fields and outputs in other units, wherever they are asked for here."""
+    token = _CHOSEN.set({**_CHOSEN.get(), **chosen})
+    try:
+        yield
+    finally:
+        _CHOSEN.reset(token)
+
+
+def pattern(path: str) -> str:
+    """Return a path as a class's has it, with ``*`` for the numbers of items."""
+    return ".".join("*" if part.isdigit() else part for part in path.split("."))
+
+
+def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:
+    chosen = _CHOSEN.get()
+    if quantity is None or (path, quantity.unit) not in chosen:
+        return quantity
+    unit, size = chosen[path, quantity.unit]
+    return dataclasses.replace(quantity, shown_unit=unit, shown_in_si=size)
 
 
 # ---- the one walk -------------------------------------------------------------------------------
@@ -161,13 +206,13 @@ def _walk_value(value: Any, field: Any, path: str, owner: type) -> Iterator[Plac
         for k, item in enumerate(value):
             yield from _walk_value(item, field, f"{path}.{k}", owner)
     else:
-        yield Place(path, quantity_of(field), field, owner, value)
+        yield Place(path, _as_chosen(path, quantity_of(field)), field, owner, value)
 
 
 def _walk_annotation(field: Any, path: str, owner: type) -> Iterator[Place]:
     inner = members_of(field.annotation)
     if not inner:
-        yield Place(path, quantity_of(field), field, owner)
+        yield Place(path, _as_chosen(path, quantity_of(field)), field, owner)
     part = f"{path}.*." if is_list(field.annotation) else f"{path}."
     for model in inner:
         yield from walk(model, part)
@@ -186,11 +231,10 @@ def find(thing: Any, path: str) -> tuple[Place, ...]:
     for k, name in enumerate(parts):
         if found and name.isdigit() and is_list(found[0].field.annotation):
             continue
-        found = tuple(
-            Place(".".join(parts[: k + 1]), quantity_of(m.model_fields[name]),  # type: ignore[attr-defined]
-                  m.model_fields[name], m)  # type: ignore[attr-defined]
-            for m in models if name in m.model_fields  # type: ignore[attr-defined]
-        )  # fmt: skip
+        below = ".".join(parts[: k + 1])
+        fields = ((m, m.model_fields[name]) for m in models if name in m.model_fields)  # type: ignore[attr-defined]
+        found = tuple(Place(below, _as_chosen(below, quantity_of(field)), field, m)
+                      for m, field in fields)  # fmt: skip
         models = tuple(m for place in found for m in members_of(place.field.annotation))
     return found
 
@@ -249,7 +293,7 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
         value = value_of(thing, name) if values and thing is not of else None
-        yield Place(f"{prefix}{name}", own.get(name, quantity), hint, of, value)
+        yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:
