@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import toys
 import xarray
 from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
 from woundon import cli
-from woundon.studies.api import sweep_table
 from woundon.studies.studyfile import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -52,7 +52,7 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     assert "6/6" in said.err
     assert "cases/s" in said.err
     assert {p.name for p in out.iterdir()} == {
-        "manifest.json", "parts", "study.nc", "study.csv", "nip_induced_tension.png",
+        ".lock", "manifest.json", "parts", "study.nc", "study.csv", "nip_induced_tension.png",
     }  # fmt: skip
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
@@ -68,6 +68,34 @@ def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.Ca
     assert cli.main(command) == 2
     assert "holds a study already; resume it, or take another folder" in capsys.readouterr().err
     assert cli.main([*command, "--resume"]) == 0
+
+
+def test_what_is_found_in_a_folder_is_told_in_a_line(
+    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    out = tmp_path / "out"
+    command = ["sweep", str(study), "--out", str(out), "--workers", "1"]
+    assert cli.main(command) == 0
+    first = (out / "study.csv").read_bytes()
+    (part,) = (out / "parts").iterdir()
+    part.write_bytes(b"")
+    (out / ".owner.json").write_bytes(b"{}")
+    capsys.readouterr()
+    assert cli.main([*command, "--resume"]) == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
+    assert told == [
+        f"warning: {out}: another process died at work in it; its lock is taken over",
+        f"warning: {out}: 1 damaged or of another study, moved to set_aside and made again: "
+        f"{part.name}",
+    ]
+    assert (out / "study.csv").read_bytes() == first
+
+
+def test_nodes_and_rtol_are_one_or_the_other(capsys: pytest.CaptureFixture[str]):
+    assert cli.main(["nip", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
+    assert capsys.readouterr().err == (
+        "error: nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out\n"
+    )
 
 
 def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -346,15 +374,15 @@ def test_figures_of_many_inputs(tmp_path: Path):
         "roll_friction": [0.2, 0.3],
         "web.material": ["paper", "newsprint"],
     }
-    table = sweep_table(paper_nip(), over, options={"nodes": 9}, workers=1)
+    table = toys.table_of(paper_nip(), over, options={"nodes": 9})
     figure = table.plot("nip_induced_tension", tmp_path / "grid.png")
     assert len(figure.axes) == 2
     assert all(len(axes.lines) == 2 for axes in figure.axes)
     drawn = figure.axes[0].lines[0].get_ydata()
     assert np.all(np.isin(drawn, table.outputs["nip_induced_tension"]))
     ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
-    cases = sweep_table(
-        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 9}, workers=1
+    cases = toys.table_of(
+        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 9}
     )
     scatter = cases.plot("nip_induced_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]

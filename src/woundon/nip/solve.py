@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
@@ -69,9 +69,10 @@ def solve_nip(
         Number M of nodes, 7 to 4000.  By default 65, doubled up to 257 until the estimated error
         of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
-        Refine until the estimated error of NIT is below ``rtol`` times the larger of |NIT| and 1 %
-        of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then fitted to the zones, and
-        NIT is extrapolated from them (``extrapolation``); the arrays are those of the finest.
+        In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
+        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then
+        fitted to the zones, and NIT is extrapolated from them (``extrapolation``); the arrays are
+        those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
@@ -132,6 +133,7 @@ def check_options(
         tolerance("rtol", rtol, 1e-10, 0.1)
         if not chosen.refines:
             raise InvalidProblem.at("rtol", f"{rtol!r} is not admissible with scheme {scheme!r}")
+    nodes_or_rtol(nodes, rtol)
     return chosen.nodes if nodes is None else whole_number("nodes", nodes, 7, 4000)
 
 

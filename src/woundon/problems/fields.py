@@ -141,7 +141,9 @@ class Description(BaseModel, metaclass=Described):
     def replace(self, /, **changes: Any) -> Self:
         """Return a variant with some fields changed; nested ones by dotted name, lists by number.
 
-        >>> problem.replace(nip_load=5e3, **{"web.thickness": 57e-6})  # doctest: +SKIP
+        A value is SI, or a text with its unit.
+
+        >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
 
         Raises
         ------
@@ -160,7 +162,10 @@ class Description(BaseModel, metaclass=Described):
             elif dot:
                 faults.append((path, "no field is named behind the dot"))
             else:
-                fields[head] = value
+                try:
+                    fields[head] = self._in_si(head, value)
+                except InvalidProblem as fault:
+                    faults += fault.faults
         for head, inner in nested.items():
             try:
                 fields[head] = _changed(fields[head], head, inner)
@@ -174,6 +179,15 @@ class Description(BaseModel, metaclass=Described):
         # what comes later on the way of the data is found by name
         html: str = import_module("woundon.show.html").description_html(self)
         return html
+
+    @classmethod
+    def _in_si(cls, name: str, value: Any) -> Any:
+        """Return a field's value, a text with a unit as a number in SI."""
+        quantity = quantity_of(cls.model_fields[name])
+        if quantity is None or not isinstance(value, str):
+            return value
+        # io comes later on the data's way, hence by name
+        return import_module("woundon.io.units").parse(value, quantity.unit, name)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""
@@ -319,7 +333,7 @@ def _fault(item: Any, field: FieldInfo) -> str:
     if kind == "missing":
         return f"missing; must be {admissible(field)}"
     if kind == "not_a_number":
-        hint = " (units are read in case files only)" if isinstance(value, str) else ""
+        hint = " (units are read in case files and by replace)" if isinstance(value, str) else ""
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import Ladder, Level, Tolerance
 from ..contact.response import padded
 from ..contact.schemes import Graded
@@ -29,6 +29,7 @@ from .result import RollerResult
 __all__ = ["check_options", "recomputed", "solve_rollers"]
 
 Array = np.ndarray
+NODES = 101
 MOST_NODES = 1700  # of the meshes that rtol asks for
 FINE = Tolerance(load=1e-11, balance=1e-9)
 COARSE = Tolerance(load=1e-6, balance=1e-4)
@@ -36,7 +37,7 @@ COARSE = Tolerance(load=1e-6, balance=1e-4)
 
 @one_thread
 def solve_rollers(
-    problem: RollerProblem, *, nodes: int = 101, rtol: float | None = None
+    problem: RollerProblem, *, nodes: int = NODES, rtol: float | None = None
 ) -> RollerResult:
     """Solve two rollers in contact: pressure, traction, stick and slip.
 
@@ -46,8 +47,8 @@ def solve_rollers(
     nodes : int
         Number of nodes, 7 to 4000; a few more where short zones ask for them.
     rtol : float, optional
-        Double the nodes until the estimated relative error of the traction (L2) is below; 1e-8 to
-        0.1.
+        In place of nodes: double them until the estimated relative error of the traction (L2) is
+        below; 1e-8 to 0.1.
 
     Returns
     -------
@@ -75,7 +76,7 @@ def solve_rollers(
     return result.checked()
 
 
-def check_options(*, nodes: Any = 101, rtol: Any = None) -> None:
+def check_options(*, nodes: Any = NODES, rtol: Any = None) -> None:
     """Check the options of :func:`solve_rollers`.
 
     Raises
@@ -86,6 +87,7 @@ def check_options(*, nodes: Any = 101, rtol: Any = None) -> None:
     whole_number("nodes", nodes, 7, 4000)
     if rtol is not None:
         tolerance("rtol", rtol, 1e-8, 0.1)
+    nodes_or_rtol(None if nodes == NODES else nodes, rtol)
 
 
 class RollerContact(PairContact):

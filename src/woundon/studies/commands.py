@@ -55,8 +55,10 @@ def sweep(
     DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
     on with --resume.
     """
-    from .api import sweep_table
+    from .api import study_of
+    from .engine import run_study
     from .export import check_export, export
+    from .runners import runner_for
     from .studyfile import load_study
 
     told = load_study(study)
@@ -65,10 +67,13 @@ def sweep(
         check_export(target)
     began = time.perf_counter()
     with units_of(chosen):
+        model, cases = study_of(
+            told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
+            **told.design, options=told.options,
+        )  # fmt: skip
         table = _stoppable(
-            sweep_table, told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
-            **told.design, options=told.options, out=out, resume=resume, scheduler=scheduler,
-            workers=workers, chunk=chunk, progress=True,
+            run_study, model, cases, runner_for(workers, scheduler),
+            out=out, resume=resume, chunk=chunk, progress=True,
         )  # fmt: skip
     seconds = time.perf_counter() - began
     for target in targets:
@@ -82,9 +87,20 @@ def sweep(
 
 
 def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
-    """Run; after Ctrl-C say how to go on."""
+    """Run, warnings in a line each; after Ctrl-C say how to go on."""
+    import warnings
+
+    from ..errors import ValidityWarning
+
+    def show(message: Warning | str, *where: Any) -> None:
+        click.secho(f"warning: {message}", fg="yellow", err=True)
+
     try:
-        return run(*args, **kwargs)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
+            warnings.showwarning = show  # type: ignore[assignment]
+            return run(*args, **kwargs)
     except KeyboardInterrupt:
         text = f"stopped; what was solved is in {kwargs['out']}, --resume goes on from there"
         click.echo(text, err=True)
@@ -139,7 +155,7 @@ def sensitivity(
         drawn["samples"] = samples
     indices = _stoppable(
         global_sensitivity, told.problem, told.over, told.outputs, tie=told.tie, **drawn,
-        **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
+        options=told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
         progress=True,
     )  # fmt: skip
     for line in indices.lines():

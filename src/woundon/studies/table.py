@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
+from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..quantities import Quantity
 from .design import Design
 from .evaluate import Block
@@ -24,6 +25,9 @@ TEXTS = {
     "failure": "why the case failed; empty where it did not",
     "warnings": "where the case leaves the model's validity",
 }
+
+
+_REFUSALS = tuple(f"{kind.__name__}: " for kind in (InvalidProblem, NoSteadyState))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,6 +75,26 @@ class Table:
     def failed(self) -> Array:
         """Numbers of the failed cases."""
         return np.nonzero(self.failure != "")[0]
+
+    def refused_if_all_failed(self) -> Table:
+        """Return itself.
+
+        Raises
+        ------
+        InvalidProblem, NotConverged
+            If no case at all was solved, with the reasons, by how many cases have them; the former
+            if all were refused before they were solved.
+        """
+        if self.failed.size < self.design.size:
+            return self
+        reasons = failures(self.failure)
+        others = self.design.size - sum(count for _, count in reasons)
+        told = [f"{count} x {reason}" for reason, count in reasons]
+        told += [f"{others} x others"] if others else []
+        text = f"none of the {self.design.size} cases was solved: {'; '.join(told)}"
+        if all(reason.startswith(_REFUSALS) for reason in self.failure):
+            raise InvalidProblem.at("over", text)
+        raise NotConverged(text, self.to_dataset())
 
     def columns(self) -> dict[str, Array]:
         """Return all columns: case, inputs, outputs, failure, warnings."""

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import Ladder, Level, Tolerance, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
@@ -67,8 +67,8 @@ def solve_wrapped_nip(
     wrap_nodes : int, optional
         Number of cells on each arc, 12 to 2048; by default 3/4 of those in the nip.
     rtol : float, optional
-        Double the nodes until the estimated error of the wound-on tension is below rtol of it,
-        1e-6 to 0.1.
+        In place of nodes: double them until the estimated error of the wound-on tension is below
+        rtol of it, 1e-6 to 0.1.
     roll_wrap, drum_wrap, wrap_friction, winding_force
         Of a NipProblem only: the wraps that it is given, by default half a turn on the roll, and
         the force on nip and drum wrap together; see
@@ -130,6 +130,7 @@ def check_options(
     count = NODES if nodes is None else whole_number("nodes", nodes, 17, 1025)
     if rtol is not None:
         tolerance("rtol", rtol, 1e-6, 0.1)
+    nodes_or_rtol(nodes, rtol)
     if wrap_nodes is None:
         return count, 3 * (count - 1) // 4
     return count, whole_number("wrap_nodes", wrap_nodes, 12, 2048)
