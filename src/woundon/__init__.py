@@ -61,6 +61,7 @@ _HOME = {
     "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
     "theories": "",
+    "units": "io.chosen_units",
 }
 
 # in full, for type checkers read no expression
@@ -134,6 +135,7 @@ if TYPE_CHECKING:
     from .errors import NotConverged as NotConverged
     from .errors import ValidityWarning as ValidityWarning
     from .io.case_files import load_case as load_case
+    from .io.chosen_units import units as units
     from .io.result_files import load_result as load_result
     from .kinds import solve as solve
     from .nip.result import NipResult as NipResult

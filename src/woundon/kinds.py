@@ -16,8 +16,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from importlib import import_module
-from importlib.metadata import entry_points
+from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any, overload
 
 from .errors import InvalidProblem, did_you_mean, one_of
@@ -31,7 +30,8 @@ if TYPE_CHECKING:
     from .wrap.result import WrappedNipResult
 
 __all__ = [
-    "Kind", "every", "fetch", "for_fields", "load_plugins", "named", "of", "register", "solve",
+    "Kind", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
+    "register", "solve",
 ]  # fmt: skip
 
 PLUGINS = "woundon.plugins"
@@ -97,6 +97,20 @@ class Kind:
     def shifted(self) -> Mapping[str, frozenset[str]]:
         """By field: the outputs that ``neighbour`` gives for another value of that field alone."""
         return _got(self._shifted) if self._shifted is not None else {}
+
+    def example(self) -> Any:
+        """Return a problem to start from.
+
+        Raises
+        ------
+        InvalidProblem
+            If the kind has none.
+        """
+        try:
+            return self.problem.example()
+        except NotImplementedError:
+            text = f"{self.name!r} has no example to start from"
+            raise InvalidProblem.at("kind", text) from None
 
     @property
     def command(self) -> str:
@@ -184,6 +198,18 @@ register(
     plot="woundon.show.roller_plots:roller_panels",
     check="woundon.rollers.solve:check_options",
 )
+
+
+@cache
+def _installed() -> Any:
+    # looks through every package that is installed: once is enough
+    return metadata.entry_points()
+
+
+def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
+    """Return the entry points of a ``group``, or of a ``name`` in it, that are installed."""
+    found: Iterable[metadata.EntryPoint] = _installed().select(**wanted)
+    return found
 
 
 @cache

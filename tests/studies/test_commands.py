@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from importlib import resources
 from pathlib import Path
 
@@ -117,15 +118,15 @@ def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     data, case = tmp_path / "rig.csv", wo.load_case(CASE)
-    rows = ["nip_load [kN/m],tension [N/m],reel"]
+    rows = ["Linienlast,tension [N/m],reel"]
     for P in (1000.0, 2000.0, 4000.0):
         true = case.replace(nip_load=P, **{"roll.material.shear": 1.3e7})
         rows.append(f"{P / 1e3},{wo.solve_nip(true, nodes=25).tension_behind_nip:.6f},7")
     data.write_text("\n".join(rows), encoding="utf-8")
     command = [
         "fit", str(CASE), str(data), "--vary", "roll.material.shear=1 MPa:100 MPa",
-        "--column", "tension=tension_behind_nip", "--column", "reel=", "--nodes", "25",
-        "--starts", "2",
+        "--column", "Linienlast=nip_load [kN/m]", "--column", "tension=tension_behind_nip",
+        "--column", "reel=", "--nodes", "25", "--starts", "2",
     ]  # fmt: skip
     figure, saved = tmp_path / "fit.png", tmp_path / "fit.json"
     assert cli.main([*command, "--plot", str(figure), "--save", str(saved)]) == 0
@@ -137,6 +138,16 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     assert estimate == pytest.approx(1.3e7, rel=1e-5)  # six decimals of the data
     assert cli.main([*command, "--no-profiles", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["profiles"] == {}
+    units = ["--unit", "roll.material.shear=MPa", "--unit", "tension_behind_nip=mN/m"]
+    assert cli.main([*command, *units]) == 0
+    shown = capsys.readouterr().out
+    assert "roll.material.shear  13 MPa, standard error " in shown
+    interval = r"interval ([\d.]+) to ([\d.]+)$"
+    assert [float(e) for e in re.search(interval, shown, re.M).groups()] == pytest.approx(
+        [13, 13], rel=1e-3
+    )
+    rms = [float(re.search(r"RMS ([\d.e-]+) m?N/m", text)[1]) for text in (said, shown)]
+    assert rms[1] == pytest.approx(1e3 * rms[0], rel=1e-3)  # four digits are told
 
 
 WRAP = """
@@ -263,7 +274,7 @@ def test_bad_fit_commands(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], says: str
 ):
     data = tmp_path / "rig.csv"
-    data.write_text("nip_load,half_width\n1000,0.001\n2000,0.0015\n", encoding="utf-8")
+    data.write_text("nip_load [N/m],half_width [mm]\n1000,1\n2000,1.5\n", encoding="utf-8")
     assert cli.main(["fit", str(CASE), str(data), *options]) == 2
     said = capsys.readouterr()
     assert says in said.err
@@ -380,8 +391,11 @@ def test_figures_of_many_inputs(tmp_path: Path):
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ("nip_load,half_width\n-5,0.001\n", "row 1.nip_load: -5 is out of range; must be >= 1e-12"),
-        ("nip_load [N/m],nip_load [kN/m],half_width\n1,1,1\n", "two columns are nip_load"),
+        (
+            "nip_load [N/m],half_width [m]\n-5,0.001\n",
+            "row 2.nip_load: -5 is out of range; must be >=",
+        ),
+        ("nip_load [N/m],Nip load [kN/m],half_width [m]\n1,1,1\n", "two columns are nip_load"),
     ],
 )
 def test_bad_measured_data(

@@ -1,4 +1,4 @@
-"""Results to files and back: netCDF (labelled, for xarray), JSON (complete), CSV (the arrays).
+"""Results to files and back: netCDF (labelled, for xarray), JSON (complete), CSV (to look at).
 
 What is kept of a result is its record (:mod:`.records`); labels and units come from the quantities,
 so that a new field, output or kind needs no change here.
@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import kinds
+from .. import __version__, kinds
 from ..errors import InvalidProblem, NotConverged
-from ..quantities import Quantity, outputs, scalar_outputs, value_of
+from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
 from ..results import Result
 from . import results_0_1, seals
 from .files import read_whole, write_whole
@@ -218,17 +218,47 @@ def _quantities(result: Result) -> dict[str, Quantity]:
 
 
 def _csv(result: Result) -> bytes:
-    """Return the arrays along the first of them, a column each."""
+    """Return all single numbers as comments, ``# name [unit],value``, then the arrays in columns.
+
+    Fields of the problem come first, then outputs and their estimated errors.  The arrays are those
+    along the first of them; ``pandas.read_csv(path, comment="#")`` reads them.
+    """
     known = _quantities(result)
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([f"# woundon {__version__}", kinds.of(result).name])
+    for place in walk(result.problem):
+        if place.value is not None:
+            _told(table, place.path, place.quantity, place.value)
+    for name, quantity in scalar_outputs(result).items():
+        _told(table, name, quantity, value_of(result, name))
+    for name, error in result.errors.items():
+        if f"{name}_error" not in known:
+            _told(table, f"{name}_error", known.get(name), error)
+    for note in result.warnings:
+        table.writerow(["# warning", note])
     arrays = {f.name: value for f in saved_fields(type(result))
               if isinstance(value := getattr(result, f.name), np.ndarray)}  # fmt: skip
     first = next(iter(arrays.values()), np.empty(0))
     columns = {name: array for name, array in arrays.items() if array.shape == first.shape[:1]}
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(f"{name} [{known[name].unit}]" if name in known else name for name in columns)
-    table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
+    told = [_in_table(name, known.get(name), array) for name, array in columns.items()]
+    table.writerow(header for header, _ in told)
+    table.writerows(zip(*(array.tolist() for _, array in told), strict=True))
     return text.getvalue().encode("utf-8")
+
+
+def _told(table: Any, name: str, quantity: Quantity | None, value: Any) -> None:
+    """Write a single number, or word, as a comment."""
+    header, shown = _in_table(name, quantity, value)
+    table.writerow([f"# {header}", shown])
+
+
+def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
+    """Return a column's header, with its unit, and its values in that unit."""
+    if quantity is None:
+        return name, value
+    unit, shown = quantity.in_table(value)
+    return f"{name} [{unit}]", shown
 
 
 # ---- netCDF -------------------------------------------------------------------------------------

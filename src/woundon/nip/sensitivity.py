@@ -24,7 +24,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from .. import kinds
 from ..contact.response import Response
@@ -181,8 +180,8 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
         if name not in known:
             raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
     equations = _Differential(result)
-    factor = lu_factor(equations.jacobian().T)
-    adjoint = lu_solve(factor, equations.output_gradients().T)  # (unknowns, outputs)
+    # (unknowns, outputs)
+    adjoint = np.linalg.solve(equations.jacobian().T, equations.output_gradients().T)
     derivatives = np.empty((len(OUTPUTS), len(names)))
     for k, name in enumerate(names):
         change, explicit = equations.changes(name, known[name])

@@ -10,20 +10,23 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidProblem, NoSteadyState
 from ..io.units import parse
 from ..problems.fields import Problem, shown
-from ..quantities import Quantity
+from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design
 from .engine import Progress, run_study
 from .fit import FitResult, fit_parameters
 from .kind_model import (
     KindModel,
-    column_quantity,
+    columns_of,
     field_quantity,
     get_field,
+    kind_of,
+    made,
     measurable,
     model_of,
     options_of,
+    replaced,
 )
-from .measured import Measured, read_measured
+from .measured import Measured, read_cases, read_measured
 from .model import quantities_of
 from .predict import Parameter, Predictor
 from .runners import runner_for
@@ -39,9 +42,10 @@ FIT_NODES = 65
 
 def sweep(
     problem: Problem,
-    over: Mapping[str, Any],
+    over: Any,
     outputs: Sequence[str] | None = None,
     *,
+    columns: Mapping[str, str | None] | None = None,
     design: str = "grid",
     samples: int | None = None,
     seed: int = 0,
@@ -63,13 +67,16 @@ def sweep(
     problem : Problem
         What is not varied: :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
         :class:`~woundon.RollerProblem`, ...
-    over : mapping
+    over : mapping, path or pandas.DataFrame
         Dotted name of any field, ``"drum.layers.0.thickness"``, -> its values, SI or texts with
         units; for a drawn design (low, high) or (low, high, "log").  Values may be bodies or names
-        of materials too.
+        of materials too.  Or a table with a case a row: a CSV or Excel file with units in its
+        header, such as a study writes, or a DataFrame (SI where its columns name no unit).
     outputs : sequence of str
         Any scalar of the result, or ``"errors.<output>"`` for its estimated error; by default the
         nip-induced tension of a nip, the wound-on tension of a wrapped one.
+    columns : mapping
+        Header in the table -> name here, maybe with its unit; None for a column to leave out.
     design : {"grid", "table", "latin-hypercube", "sobol"}
         All combinations (default); row by row; drawn.
     samples, seed : int
@@ -113,7 +120,7 @@ def sweep(
         If parts in ``out`` were damaged and are solved again, or a process died at work in it.
     """
     model, cases = study_of(
-        problem, over, outputs, design=design, samples=samples, seed=seed, tie=tie,
+        problem, over, outputs, columns=columns, design=design, samples=samples, seed=seed, tie=tie,
         options=_options(nodes, rtol, options),
     )  # fmt: skip
     table = run_study(
@@ -125,9 +132,10 @@ def sweep(
 
 def study_of(
     problem: Problem,
-    over: Mapping[str, Any],
+    over: Any,
     outputs: Sequence[str] | None = None,
     *,
+    columns: Mapping[str, str | None] | None = None,
     design: str = "grid",
     samples: int | None = None,
     seed: int = 0,
@@ -135,10 +143,24 @@ def study_of(
     options: Mapping[str, Any] | None = None,
 ) -> tuple[KindModel, Design]:
     """Return model and cases of a :func:`sweep`: what :func:`~.engine.run_study` takes."""
+    if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
+        over, design = _cases(problem, over, columns, design), "table"
     return (
         _varied(problem, over, outputs, tie, options or {}),
         make_design(_in_si(problem, over), design, samples, seed),
     )
+
+
+def _cases(
+    problem: Problem, data: Any, columns: Mapping[str, str | None] | None, design: str
+) -> dict[str, list[Any]]:
+    """Return the cases of a table, row by row."""
+    if design not in ("grid", "table"):
+        raise InvalidProblem.at("design", f"{design!r} is drawn; a table has its cases already")
+    outputs = scalar_outputs(kind_of(problem).result)
+    outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
+    inputs = columns_of(problem)
+    return read_cases(data, inputs, outputs, lambda *given: made(problem, *given), columns)
 
 
 def _varied(
@@ -245,16 +267,16 @@ def fit(
         Everything that is neither measured nor fitted.  Wound-on tensions are fitted by
         ``problem.wrapped(...)``; a nip alone has ``tension_behind_nip``.
     measured : path, mapping or pandas.DataFrame
-        CSV or Excel file with units in its header, or columns by name: inputs ("nip_load [kN/m]"),
-        outputs ("wound_on_tension [N/m]"), and standard deviations of these
-        ("wound_on_tension +- [N/m]").
+        CSV or Excel file with units in its header, or columns by name, SI where they name no unit:
+        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of
+        these ("wound_on_tension +- [N/m]").
     vary : mapping or sequence of str
         Dotted name -> bounds (low, high), SI or texts with units; without bounds, a tenth to ten
         times the value.
     tie : mapping of str to str
         Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
     columns : mapping
-        Name in the data -> name here, None for a column to leave out.
+        Header in the data -> name here, maybe with its unit; None for a column to leave out.
     starts, seed : int
         Starting points: the problem as it is, the others drawn.
     profiles : bool
@@ -276,9 +298,8 @@ def fit(
     NotConverged
         If no start can be solved.
     """
-    data = read_measured(
-        measured, measurable(problem), lambda name: column_quantity(problem, name), columns
-    )
+    outputs = measurable(problem)
+    data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
     given = _on_one_grid(problem, _options(nodes, rtol, options))
     model = model_of(problem, tuple(data.outputs), tie, given)
     bounds = _in_si(problem, _bounds(vary))
@@ -345,13 +366,13 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
 def _check_rows(problem: Problem, data: Measured) -> None:
     """Refuse inputs that a field does not admit; what no steady state carries is the fit's."""
     columns = [values.tolist() for values in data.inputs.values()]
-    for number, row in enumerate(zip(*columns, strict=True), 1):
+    for number, *row in zip(data.numbers, *columns, strict=bool(columns)):
         try:
             problem.replace(**dict(zip(data.inputs, row, strict=True)))
         except NoSteadyState:
             continue
         except InvalidProblem as fault:
-            raise fault.under(f"measured: row {number}") from None
+            raise fault.under(f"{data.where}: row {number}") from None
 
 
 def _one_unit(quantities: Mapping[str, Quantity], data: Measured) -> None:

@@ -10,6 +10,7 @@ import click
 
 from .. import kinds
 from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
 from ..io.files import check_writable
 
 if TYPE_CHECKING:
@@ -38,12 +39,16 @@ def _running(command: Any) -> Any:
 @_running
 @click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
 @click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Write and draw an input or output in another unit; repeatable.",
+)  # fmt: skip
+@click.option(
     "--export", "exports", multiple=True, type=click.Choice([e[1:] for e in _EXPORTS]),
     default=("nc", "csv"), show_default=True, help="File formats of the result; repeatable.",
 )  # fmt: skip
 def sweep(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    chunk: int | None, exports: tuple[str, ...],
+    chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
@@ -61,13 +66,15 @@ def sweep(
     for target in targets:
         check_export(target)
     began = time.perf_counter()
-    model, cases = study_of(
-        told.problem, told.over, told.outputs, tie=told.tie, **told.design, options=told.options
-    )
-    table = _stoppable(
-        run_study, model, cases, runner_for(workers, scheduler),
-        out=out, resume=resume, chunk=chunk, progress=True,
-    )  # fmt: skip
+    with units_of(chosen):
+        model, cases = study_of(
+            told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
+            **told.design, options=told.options,
+        )  # fmt: skip
+        table = _stoppable(
+            run_study, model, cases, runner_for(workers, scheduler),
+            out=out, resume=resume, chunk=chunk, progress=True,
+        )  # fmt: skip
     seconds = time.perf_counter() - began
     for target in targets:
         export(table, target)
@@ -117,9 +124,9 @@ def _summary(table: Table, seconds: float) -> int:
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
             about = table.quantities[name]
-            unit = "" if about.unit == "1" else f" {about.unit}"
-            low, high = np.nanmin(values), np.nanmax(values)
-            click.echo(f"{about.meaning}: {low:.5g} to {high:.5g}{unit}")
+            unit, shown = about.in_table(values)
+            range_of = f"{np.nanmin(shown):.5g} to {np.nanmax(shown):.5g}"
+            click.echo(f"{about.meaning}: {range_of}{'' if unit == '1' else f' {unit}'}")
     return 3 if failed == size else 0
 
 
@@ -172,9 +179,13 @@ def sensitivity(
 )  # fmt: skip
 @click.option(
     "--column", "columns", multiple=True, metavar="COLUMN=NAME",
-    help="What a column of the data is, e.g. measured=rig_tension; without name: leave it out.",
+    help="What a column of the data is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: not used.",
 )  # fmt: skip
 @click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
+@click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Tell and draw an input or output in another unit; repeatable.",
+)  # fmt: skip
 @click.option("--starts", type=click.IntRange(1), default=6, show_default=True)
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--no-profiles", is_flag=True, help="Leave out the profile-likelihood intervals.")
@@ -183,8 +194,8 @@ def sensitivity(
 @click.option("--plot", type=_PATH, help="Draw to .png, .svg or .pdf.")
 def fit(
     case: Path, data: Path, varied: tuple[str, ...], ties: tuple[str, ...],
-    columns: tuple[str, ...], settings: tuple[str, ...], starts: int, nodes: int | None,
-    no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
+    columns: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], starts: int,
+    nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header).
 
@@ -201,11 +212,13 @@ def fit(
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     for path in filter(None, (save, plot)):
         check_writable(path)
-    found = fit_problem(
-        problem, data, dict(_varied(problem, text) for text in varied),
-        tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
-        columns={name: of or None for name, of in map(_pair, columns)}, profiles=not no_profiles,
-    )  # fmt: skip
+    with units_of(chosen):
+        found = fit_problem(
+            problem, data, dict(_varied(problem, text) for text in varied),
+            tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
+            columns={name: of or None for name, of in map(_pair, columns)},
+            profiles=not no_profiles,
+        )  # fmt: skip
     if save:
         save.write_text(found.to_json(), encoding="utf-8")
     if plot:
