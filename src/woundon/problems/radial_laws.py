@@ -191,7 +191,7 @@ class Pfeiffer(RadialLaw):
     def _strain(self, P: Array) -> Array:
         return np.log1p(P / self.K1) / self.K2
 
-    def pressure_at(self, strain: Array) -> Array:
+    def pressure_at(self, strain: Array | float) -> Array:
         """Return P at which F(P) is ``strain`` [Pa], in closed form."""
         wanted = np.asarray(strain, dtype=float)
         return self._beyond(wanted, self.K1 * np.expm1(np.clip(self.K2 * wanted, 0.0, 600.0)))[()]
