@@ -91,16 +91,22 @@ def test_a_constant_law_is_linear() -> None:
     assert A_rt**2 / A_rr == pytest.approx(A_tt - law.tangential)
 
 
-def test_trial_states_beyond_the_law_have_stresses() -> None:
-    """Torn apart or pressed beyond E_t/nu^2: finite, rising, and the tangent stays definite."""
-    law = LAWS["shear hardens"]
-    e_r = np.linspace(-0.5, 0.3, 400)
-    strain = np.stack([e_r, np.zeros(400), np.full(400, 0.01)], axis=-1)
-    found = law.stressed(strain, np.full(400, 90e3))
-    assert np.all(np.isfinite(found.stress))
-    assert np.all(np.diff(found.stress[:, 0]) > 0)
-    assert found.pressure.max() > law.limit
-    assert np.all(np.linalg.eigvalsh(found.tangent) > 0)
+@pytest.mark.parametrize("gamma", [0.0, 0.01, 0.03])
+def test_trial_states_beyond_the_law_have_stresses(gamma: float) -> None:
+    """Torn apart or pressed beyond the law's end: finite, rising without a step, definite."""
+    measured = np.geomspace(1e3, 400e3, 9)
+    test = wo.StackTest(pressure=measured, strain=np.log1p(measured / 10e3) / 127.0)
+    for law in (LAWS["shear hardens"], HardeningLaw(test, 3.38e9, 0.185, 10e6, 0.5)):
+        e_r = np.linspace(-0.2, 0.1, 20_001)
+        strain = np.stack([e_r, np.zeros(e_r.size), np.full(e_r.size, gamma)], axis=-1)
+        found = law.stressed(strain, np.full(e_r.size, 90e3))
+        assert np.all(np.isfinite(found.stress))
+        assert found.pressure.max() > law.limit
+        assert found.pressure.min() < law.lowest
+        rise = np.diff(found.stress[:, 0])
+        assert np.all(rise > 0)
+        assert np.max(rise) < 1.001 * np.max(found.tangent[:, 0, 0]) * np.diff(e_r)[0]
+        assert np.all(np.linalg.eigvalsh(found.tangent) > 0)
 
 
 # ---- the ring -----------------------------------------------------------------------------------

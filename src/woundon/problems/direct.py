@@ -10,7 +10,7 @@ import numpy as np
 from ..contact.response import Displace, Gradients, Response
 from ..elasticity import cylinder
 from ..elasticity.hardening import HardeningLaw
-from ..elasticity.hardening_ring import HardeningRing, NoEquilibrium
+from ..elasticity.hardening_ring import Equilibrium, HardeningRing, NoEquilibrium
 from ..elasticity.ring_elements import Fineness
 from ..errors import NotConverged
 
@@ -73,19 +73,25 @@ def respond(
     return Response(
         gradients, displaced(linear.normal, 0), displaced(linear.tangent, 1),
         slope=rest[0], strain=rest[1], rest=resting, imbalance=state.imbalance,
-        outside=_outside(state.highest, limit), terms=linear.terms,
+        outside=_outside(state, ring.law, limit), terms=linear.terms,
         truncation_error=linear.truncation_error,
     )  # fmt: skip
 
 
-def _outside(highest: float, limit: float) -> str:
+def _outside(state: Equilibrium, law: HardeningLaw, limit: float) -> str:
     """Return where a pressure is beyond the law, in words."""
-    if highest <= limit:
-        return ""
-    return (
-        f"the pressure in it reaches {highest:.4g} [Pa], and its stack's law ends at {limit:.4g}: "
-        "a lower nip load or another law is needed"
-    )
+    if state.highest > limit:
+        return (
+            f"the pressure in it reaches {state.highest:.4g} [Pa], and its stack's law ends at "
+            f"{limit:.4g}: a lower nip load or another law is needed"
+        )
+    if state.lowest < law.lowest:
+        return (
+            f"beside the load its stack is torn: the pressure in it falls to {state.lowest:.4g} "
+            f"[Pa], and at {law.lowest:.4g} it has lost 95 % of its stiffness; more pressure wound "
+            "in, or a lower nip load, is needed"
+        )
+    return ""
 
 
 def fineness(nodes: Array) -> Fineness:
