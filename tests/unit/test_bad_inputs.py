@@ -20,11 +20,12 @@ import pytest
 import woundon as wo
 from woundon.cli import main
 
-BODY = "Rigid, HalfPlane or Cylinder (or a table of its fields)"
+BODY = "Rigid, HalfPlane, Cylinder, Layered or WoundRoll (or a table of its fields)"
 MATERIAL = (
     "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
 )
 LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
+UNITS = "(units are read in case files and by replace)"
 NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_tension, winding_force"
 MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
 
@@ -76,8 +77,8 @@ LOADS: list[tuple[Any, str]] = [
     (True, f"True is not a number; must be {LOAD}"),
     (np.bool_(True), f"np.True_ is not a number; must be {LOAD}"),
     (None, f"None is not a number; must be {LOAD}"),
-    ("5", f"'5' is not a number; must be {LOAD} (units are read in case files only)"),
-    ("3 kN/m", f"'3 kN/m' is not a number; must be {LOAD} (units are read in case files only)"),
+    ("5", f"'5' is not a number; must be {LOAD} {UNITS}"),
+    ("3 kN/m", f"'3 kN/m' is not a number; must be {LOAD} {UNITS}"),
     (b"5", f"b'5' is not a number; must be {LOAD}"),
     ([1], f"[1] is not a number; must be {LOAD}"),
     ((), f"() is not a number; must be {LOAD}"),
@@ -215,11 +216,11 @@ PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     ),
     (
         nip, {"roll": wo.Rigid(radius=0.1)},
-        "roll: roll and drum are both Rigid; one must be HalfPlane or Cylinder",
+        "roll: roll and drum are both Rigid; one must be elastic",
     ),
     (
         rollers, {"upper": wo.Rigid(radius=0.1), "lower": wo.Rigid(radius=0.1)},
-        "upper: upper and lower are both Rigid; one must be HalfPlane or Cylinder",
+        "upper: upper and lower are both Rigid; one must be elastic",
     ),
     (
         rollers, {"creepage": 1e-4, "tangential_load": 5.0},
@@ -279,7 +280,7 @@ NAMES: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     (nip, {"kind": "nip"}, f"kind: no such field; known: {NIP_FIELDS}"),
     (
         wo.Rigid, {"radius": 1.0, "core_radius": 0.5},
-        "core_radius: no such field in Rigid, but in Cylinder; known: radius",
+        "core_radius: no such field in Rigid, but in Cylinder and WoundRoll; known: radius",
     ),
     (
         wo.Rigid, {"radius": 1.0, "material": "steel"},
@@ -345,17 +346,20 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 50 [m]"),
     (
         {"drum": {"kind": "rigd", "radius": 1}},
-        "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
+        "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane', 'cylinder', "
+        "'layered' or 'wound_roll'; "
         "did you mean 'rigid'?",
     ),
     (
         {"drum": {"kind": "half-plane", "radius": 1}},
-        "drum.kind: 'half-plane' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
+        "drum.kind: 'half-plane' is unknown; must be 'rigid', 'half_plane', 'cylinder', "
+        "'layered' or 'wound_roll'; "
         "did you mean 'half_plane'?",
     ),
     (
         {"drum": {"kind": None, "radius": 1}},
-        "drum.kind: None is unknown; must be 'rigid', 'half_plane' or 'cylinder'",
+        "drum.kind: None is unknown; must be 'rigid', 'half_plane', 'cylinder', "
+        "'layered' or 'wound_roll'",
     ),
     # a field that happens to be called like a kind
     ({"drum": {"radius": 1, "rigid": 3}}, "drum.rigid: no such field; known: radius"),
@@ -389,7 +393,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     (
         {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
         "web.thickness: '66 um' is not a number; must be >= 1e-07 and <= 0.01 [m] "
-        "(units are read in case files only)\n"
+        "(units are read in case files and by replace)\n"
         "web.material.radial: -1 is out of range; must be >= 0.001 and <= 1e+14 [Pa]\n"
         "web.material.shaer: no such field; did you mean 'shear'?",
     ),
@@ -438,7 +442,7 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
     ),
     (
         {"drum.core_radius": 0.05},
-        "drum.core_radius: no such field in Rigid, but in Cylinder; known: radius",
+        "drum.core_radius: no such field in Rigid, but in Cylinder and WoundRoll; known: radius",
     ),
     (
         {"roll.kind": "rigid"},
@@ -446,7 +450,18 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"roll.material": "stel"}, "roll.material: 'stel' is no named material; "
      "did you mean 'steel'?"),
+    (
+        {"nip_load": "3 kN"},
+        "nip_load: '3 kN' has the wrong dimension; expected a value in N/m, "
+        "e.g. '3.5 kN/m', '20 pli' or 3500",
+    ),
     # all at once
+    (
+        {"nip_load": "3", "web.thickness": "57 N"},
+        "nip_load: '3' has no unit; expected a value in N/m, e.g. '3.5 kN/m', '20 pli' or 3500\n"
+        "web.thickness: '57 N' has the wrong dimension; expected a value in m, "
+        "e.g. '66 um' or 66e-6",
+    ),
     (
         {"web.thicknes": 1, "rolll": 2, "roll.radius": True},
         "rolll: no such field; did you mean 'roll'?\n"
@@ -753,9 +768,16 @@ def test_an_option_that_cannot_be(
     assert refusal(solver, problem, **bad).startswith(text)
 
 
+@pytest.mark.parametrize("kind", [nip, lambda: nip().wrapped(), rollers])
+def test_nodes_and_rtol_are_one_or_the_other(kind: Any) -> None:
+    text = "nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out"
+    assert refusal(wo.solve, kind(), nodes=65, rtol=1e-3) == text
+
+
 def test_options_may_be_numpys() -> None:
     assert wo.solve_nip(nip(), nodes=np.int64(17)).nodes == 17
-    assert wo.solve_rollers(rollers(), nodes=np.int32(33), rtol=np.float32(0.1)).x.size >= 33
+    assert wo.solve_rollers(rollers(), nodes=np.int32(33)).x.size >= 33
+    assert wo.solve_rollers(rollers(), rtol=np.float32(0.1)).x.size >= 101
     assert wo.solve_wrapped_nip(nip(), nodes=np.int64(17)).nodes == 17
 
 

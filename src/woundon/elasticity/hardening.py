@@ -22,13 +22,14 @@ where f' = 1/M > 0 while E_r < E_t/nu^2; then s_t = E_t e_t - nu (P - P0), tau =
     ds_t = [ nu M         E_t + nu^2 M        -nu M G' gamma        ] de_t
     dtau   [ -M G' gamma  -nu M G' gamma      G + M (G' gamma)^2    ] dgamma.
 
-Newton's trial states may leave the range of the law; F goes on there, and whoever has found a
-solution asks whether it is inside.
+Newton's trial states may leave the range of the law; F and G go on along their tangents there, and
+whoever has found a solution asks whether it is inside.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -38,11 +39,17 @@ __all__ = ["HardeningLaw", "RadialLaw", "Stressed"]
 Array = np.ndarray
 
 MOST_MODULUS = 0.95  # of E_t/nu^2: beyond, trial states find this modulus
+LEAST_MODULUS = 0.05  # of that at zero pressure: there a stack counts as torn
 LOCAL_STEPS = 50
 
 
 class RadialLaw(Protocol):
     """Compression of a stack through its thickness, defined for trial pressures of any size."""
+
+    @property
+    def highest(self) -> float:
+        """Pressure at which the law ends [Pa]."""
+        ...
 
     def modulus(self, P: Array) -> Array:
         """Return E_r(P) [Pa]."""
@@ -96,11 +103,24 @@ class HardeningLaw:
     shear: float
     shear_exponent: float = 0.0
 
-    @property
+    @cached_property
     def limit(self) -> float:
-        """Pressure at which E_r is 95 % of E_t/nu^2 [Pa]; inf if it never is."""
-        nu = self.poissons_ratio
-        return self.radial.reaches(MOST_MODULUS * self.tangential / nu**2) if nu else np.inf
+        """Pressure at which the law ends, or E_r is 95 % of E_t/nu^2 [Pa]; inf if neither is."""
+        nu, radial = self.poissons_ratio, self.radial
+        stiff = radial.reaches(MOST_MODULUS * self.tangential / nu**2) if nu else np.inf
+        return min(stiff, radial.highest)
+
+    @cached_property
+    def lowest(self) -> float:
+        """Pressure, below zero, at which E_r is 5 % of what it is at zero [Pa]; -inf if constant.
+
+        There a stack comes apart; laws are to go on along their tangent from zero to here.
+        """
+        zero = np.zeros(())
+        slope = float(self.radial.modulus_slope(zero))
+        if not 0 < slope < np.inf:
+            return -np.inf
+        return (LEAST_MODULUS - 1) * float(self.radial.modulus(zero)) / slope
 
     def stiffness(self, P0: float) -> tuple[float, float, float, float]:
         """Return A_rr, A_tt, A_rt, G of the wound stack [Pa]."""
@@ -156,18 +176,24 @@ class HardeningLaw:
     def _rise(self, P: Array, gamma: Array, P0: Array) -> tuple[Array, Array, Array]:
         """Return f'(P), G and G'; f' positive beyond the law's range too."""
         radial, beta = self.radial, self.shear_exponent
-        low = np.minimum(P, self.limit)
-        E = radial.modulus(low)
+        own = np.minimum(P, self.limit)
+        E = radial.modulus(own)
         rise = 1 / E - self.poissons_ratio**2 / self.tangential
         if beta == 0:
             return rise, np.full(P.shape, self.shear), np.zeros(P.shape)
-        slope = np.where(low < P, 0.0, radial.modulus_slope(low))
+        # G goes on along its tangent above the law and fades below it, so that f has no step
+        own = np.maximum(own, self.lowest)
+        E, slope = radial.modulus(own), radial.modulus_slope(own)
         G = self.shear * (E / radial.modulus(P0)) ** beta
-        steep = slope / E
+        steep = beta * slope / E
         step = 1e-4 * E / np.maximum(slope, 1.0)
-        bend = (radial.modulus_slope(low + step) - radial.modulus_slope(low - step)) / (2 * step)
-        G_bend = beta * G * (bend / E + (beta - 1) * steep**2)
-        return np.maximum(rise - G_bend * gamma**2 / 2, 0.1 * rise), G, beta * G * steep
+        bend = (radial.modulus_slope(own + step) - radial.modulus_slope(own - step)) / (2 * step)
+        over, under = np.maximum(P - own, 0.0), np.minimum(P - own, 0.0)
+        faded = G * np.exp(steep * under)
+        G_bend = np.where(over > 0, 0.0, G * beta * bend / E + G * steep * (steep - slope / E))
+        G_bend = np.where(under < 0, faded * steep**2, G_bend)
+        rise = np.maximum(rise - G_bend * gamma**2 / 2, 0.1 * rise)
+        return rise, faded + G * steep * over, faded * steep
 
     def _strain(self, P: Array) -> Array:
         low = np.minimum(P, self.limit)

@@ -21,19 +21,24 @@ The matrices are :class:`~.equations.NipMatrices`, those of the solution and of 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
+from .. import kinds
 from ..contact.response import Response
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..quantities import walk
+from ..results import ReadOnly
 from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
 from .equations import NipMatrices, web_compliance
 from .result import NipResult
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
 
 __all__ = ["Sensitivity", "continuous_fields", "nip_sensitivity"]
 
@@ -41,11 +46,14 @@ Array = np.ndarray
 OUTPUTS = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep")
 # relative; matrices are known to 1e-14, so their forward differences to 1e-6 at the worst
 STEP = 1e-7
+# an equilibrium inside a body is known to 1e-11
+STEP_OF_TANGENTS = 1e-5
+MOST_TOLD = 3  # parameters in one line
 NEAR_CHANGE = 1e-6  # margin of a node's law, relative, below which a zone change is announced
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivity(ReadOnly):
     """First derivatives of a nip's outputs at one problem.
 
     Attributes
@@ -85,6 +93,45 @@ class Sensitivity:
         values = np.where(self.values == 0, np.nan, self.values)
         return self.derivatives * self.fields / values[:, None]
 
+    def to_xarray(self) -> xarray.Dataset:
+        """Return derivatives [SI] and elasticities along ``output`` and ``parameter``."""
+        import xarray
+
+        dims = ("output", "parameter")
+        tables = {
+            "derivative": (dims, self.derivatives, {"long_name": "d output / d parameter, SI"}),
+            "elasticity": (dims, self.elasticities, {"units": "1"}),
+        }
+        told = {"value": ("output", self.values), "field": ("parameter", self.fields)}
+        places = {"output": list(self.outputs), "parameter": list(self.parameters)}
+        return xarray.Dataset(tables, places | told, {"zone_change": self.zone_change})
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each parameter: its value [SI] and the outputs' elasticities [1]."""
+        import pandas as pd
+
+        columns = {"value": self.fields, **dict(zip(self.outputs, self.elasticities, strict=True))}
+        return pd.DataFrame(columns, index=pd.Index(self.parameters, name="parameter"))
+
+    def __str__(self) -> str:
+        text: str = kinds.fetch("woundon.show.report:sensitivity_text")(self)
+        return text
+
+    def __repr__(self) -> str:
+        first = self.sorted()
+        told = [f"{name} {value:+.2f}" for name, value in
+                zip(first.parameters[:MOST_TOLD], first.elasticities[0], strict=False)]  # fmt: skip
+        return (f"Sensitivity({self.outputs[0]}: {', '.join(told)} of {len(self.parameters)} "
+                f"parameters; {len(self.outputs)} outputs)")  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        head = "Elasticities: percent of output per percent of parameter"
+        remarks = [f"At a zone change: {self.zone_change}"] if self.zone_change else []
+        html: str = kinds.fetch("woundon.show.html:table_html")(
+            head, self.sorted().to_dataframe(), remarks
+        )
+        return html
+
     def sorted(self) -> Sensitivity:
         """Return the same, the parameters of the largest elasticity of the first output first."""
         order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
@@ -101,6 +148,15 @@ def continuous_fields(problem: Any) -> dict[str, float]:
     return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
+def _items(problem: Any) -> dict[str, float]:
+    """Return the numbers of all lists, as a profile's values, by dotted name."""
+    return {
+        f"{place.path}.{k}": item
+        for place in walk(problem) if isinstance(place.value, tuple)
+        for k, item in enumerate(place.value) if isinstance(item, float)
+    }  # fmt: skip
+
+
 @one_thread
 def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
     """Return derivatives of a nip's main outputs; see :class:`Sensitivity`.
@@ -110,24 +166,22 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     result : NipResult
         Of :func:`solve_nip`; on its own mesh, in its own state.
     parameters : tuple of str
-        Dotted names; all continuous fields if empty.
+        Dotted names; all continuous fields if empty, without the items of lists.
 
     Raises
     ------
     InvalidProblem
-        For a name that is no continuous field, or a body that is not linear.
+        For a name that is no continuous field.
     """
-    for name in ("roll", "drum"):
-        if not getattr(result.problem, name).linear:
-            raise InvalidProblem.at(name, "is not linear: its sensitivities are not available")
     known = continuous_fields(result.problem)
-    for name in parameters:
+    names = parameters or tuple(known)
+    known |= _items(result.problem)
+    for name in names:
         if name not in known:
             raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
-    names = parameters or tuple(known)
     equations = _Differential(result)
-    factor = lu_factor(equations.jacobian().T)
-    adjoint = lu_solve(factor, equations.output_gradients().T)  # (unknowns, outputs)
+    # (unknowns, outputs)
+    adjoint = np.linalg.solve(equations.jacobian().T, equations.output_gradients().T)
     derivatives = np.empty((len(OUTPUTS), len(names)))
     for k, name in enumerate(names):
         change, explicit = equations.changes(name, known[name])
@@ -158,11 +212,17 @@ class _Differential:
         problem, a, inside = result.problem, result.half_width, slice(1, -1)
         self.result, self.problem, self.mesh = result, problem, mesh_of(result)
         self.n = self.mesh.unknowns
-        self.here = NipMatrices.at(problem, self.mesh, a)
-        # integrated once for all fields
-        made = (Response(response.gradients) for response in self.here.responses)
-        self.bodies = dict(zip(problem.pair, made, strict=True))
         traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
+        # bodies that are not linear have their tangents about the result, which is kept fixed
+        self.about = NipMatrices.loads(result.pressure[inside], traction)
+        self.step = STEP if problem.linear else STEP_OF_TANGENTS
+        self.here = NipMatrices.at(problem, self.mesh, a, self.about)
+        # integrated once for all fields
+        made = (
+            Response(response.gradients, slope=response.slope, strain=response.strain)
+            for response in self.here.responses
+        )
+        self.bodies = dict(zip(problem.pair, made, strict=True))
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
         c11 = web_compliance(problem.web).c11
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
@@ -207,8 +267,9 @@ class _Differential:
 
     def _by_width(self) -> Array:
         """Return dR/dln a."""
-        wider = NipMatrices.at(self.problem, self.mesh, self.u.half_width * np.exp(STEP))
-        return (self.residual(self.problem, wider) - self.rest) / STEP
+        a = self.u.half_width * np.exp(self.step)
+        wider = NipMatrices.at(self.problem, self.mesh, a, self.about)
+        return (self.residual(self.problem, wider) - self.rest) / self.step
 
     def output_gradients(self) -> Array:
         """Return J_u of the outputs, (outputs, unknowns)."""
@@ -225,7 +286,7 @@ class _Differential:
 
     def changes(self, name: str, value: float) -> tuple[Array, Array]:
         """Return R_theta and the outputs' explicit J_theta for one field."""
-        step = STEP * self._size(name, value)
+        step = self.step * self._size(name, value)
         try:
             problem = self.problem.replace(**{name: value + step})
         except InvalidProblem:  # at the upper border of the admissible range
@@ -239,7 +300,8 @@ class _Differential:
         """Assemble for a problem of which only one part is another."""
         a, bodies = self.u.half_width, self.bodies
         if part in bodies:
-            bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a)}
+            loads = self.about[problem.pair.index(part)]
+            bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a, loads)}
         return NipMatrices.of(problem, self.mesh, a, *bodies.values())
 
     def _size(self, name: str, value: float) -> float:

@@ -19,14 +19,17 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..contact.response import Response
 from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
-from ..elasticity.layers import Layers
 from ..errors import InvalidProblem
 from ..quantities import length
 from .fields import Description, Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from ..contact.response import ContactGrid, Tractions
+    from ..elasticity.layers import Layers as Stacked
+    from .fields import Given
 
 __all__ = [
     "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
@@ -115,7 +118,10 @@ class Body(Family):
         return self if self.linear else None
 
 
-AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
+if TYPE_CHECKING:
+    AnyBody = Given[Body, Body | Mapping[str, Any]]
+else:
+    AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
 
 
 class Rigid(Body):
@@ -238,6 +244,12 @@ class Layer(Description):
     material: AnyMaterial
 
 
+if TYPE_CHECKING:
+    Layers = Given[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
+else:
+    Layers = tuple[Layer, ...]
+
+
 class Layered(KernelBody):
     """An elastic cylinder of layers, as a covered shell or a core under a wound roll.
 
@@ -258,9 +270,7 @@ class Layered(KernelBody):
         For layers that are thicker than the radius, or thinner than R/2000 together.
     """
 
-    layers: Annotated[
-        tuple[Layer, ...], Field(min_length=1, max_length=5000, description="outermost first")
-    ]
+    layers: Annotated[Layers, Field(min_length=1, max_length=5000, description="outermost first")]
     core: Literal["rigid", "free"] = "rigid"
 
     @model_validator(mode="after")
@@ -285,7 +295,7 @@ class Layered(KernelBody):
         return self.layers[0].material
 
     @cached_property
-    def _stack(self) -> Layers:
+    def _stack(self) -> Stacked:
         """The layers by the logarithms of their radii's ratios, and their stiffness."""
         outside, made = self.radius, []
         for layer in self.layers:
@@ -322,12 +332,11 @@ class ContactProblem(Problem):
     ----------
     pair : (str, str)
         Names of the fields that hold body 1 and body 2.
-    admits_estimates : bool
-        Whether a body may be in it that is good for a web held at the trailing edge only.
     """
 
     pair: ClassVar[tuple[str, str]]
-    admits_estimates: ClassVar[bool] = False
+    # whether bodies may be in it that are good for a web held at the trailing edge only
+    _admits_estimates: ClassVar[bool] = False
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -357,14 +366,14 @@ class ContactProblem(Problem):
         if one.rigid and two.rigid:
             first, second = self.pair
             raise InvalidProblem.at(
-                first, f"{first} and {second} are both Rigid; one must be HalfPlane or Cylinder"
+                first, f"{first} and {second} are both Rigid; one must be elastic"
             )
         return self
 
     @model_validator(mode="after")
     def _admits(self) -> Self:
         for name, body in zip(self.pair, self.bodies, strict=True):
-            if body.confined_only and not self.admits_estimates:
+            if body.confined_only and not self._admits_estimates:
                 text = "'estimate' is for a nip without wraps only; must be 'direct' or 'frozen'"
                 raise InvalidProblem.at(f"{name}.hardening", text)
         return self

@@ -10,8 +10,9 @@ import numpy as np
 from ..contact.response import Displace, Gradients, Response
 from ..elasticity import cylinder
 from ..elasticity.hardening import HardeningLaw
-from ..elasticity.hardening_ring import HardeningRing
+from ..elasticity.hardening_ring import Equilibrium, HardeningRing, NoEquilibrium
 from ..elasticity.ring_elements import Fineness
+from ..errors import NotConverged
 
 if TYPE_CHECKING:
     from ..contact.response import ContactGrid, Tractions
@@ -42,8 +43,12 @@ def respond(
     linear = grid.integrated(kernels, 1 / ring.radius, ring.radius, a)
     nodes, n = grid.nodes, grid.columns.size
     p, q = (np.zeros(n), np.zeros(n)) if about is None else about
+    p = np.maximum(p, 0.0)  # a trial state may pull, and tear the stack
     own = slice(None) if nodes.size == n else slice(1, -1)
-    found = ring.about(fineness(nodes), a, a * nodes, own, p, q)
+    try:
+        found = ring.about(fineness(nodes), a, a * nodes, own, p, q)
+    except NoEquilibrium as stop:
+        raise NotConverged(str(stop)) from None
     by_p, by_q, rest = found.gradients(a * grid.points)
 
     def places(points: Array | None) -> Array:
@@ -68,19 +73,25 @@ def respond(
     return Response(
         gradients, displaced(linear.normal, 0), displaced(linear.tangent, 1),
         slope=rest[0], strain=rest[1], rest=resting, imbalance=state.imbalance,
-        outside=_outside(state.highest, limit), terms=linear.terms,
+        outside=_outside(state, ring.law, limit), terms=linear.terms,
         truncation_error=linear.truncation_error,
     )  # fmt: skip
 
 
-def _outside(highest: float, limit: float) -> str:
+def _outside(state: Equilibrium, law: HardeningLaw, limit: float) -> str:
     """Return where a pressure is beyond the law, in words."""
-    if highest <= limit:
-        return ""
-    return (
-        f"the pressure in it reaches {highest:.4g} [Pa], and its stack's law ends at {limit:.4g}: "
-        "a lower nip load or another law is needed"
-    )
+    if state.highest > limit:
+        return (
+            f"the pressure in it reaches {state.highest:.4g} [Pa], and its stack's law ends at "
+            f"{limit:.4g}: a lower nip load or another law is needed"
+        )
+    if state.lowest < law.lowest:
+        return (
+            f"beside the load its stack is torn: the pressure in it falls to {state.lowest:.4g} "
+            f"[Pa], and at {law.lowest:.4g} it has lost 95 % of its stiffness; more pressure wound "
+            "in, or a lower nip load, is needed"
+        )
+    return ""
 
 
 def fineness(nodes: Array) -> Fineness:

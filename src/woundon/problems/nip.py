@@ -8,10 +8,10 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from . import wound_roll as wound_roll  # it joins the bodies
 from ..elasticity.strip import compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure
+from . import wound_roll as wound_roll  # it joins the bodies
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
 from .materials import AnyMaterial, material
@@ -112,7 +112,7 @@ class NipProblem(WindingNip):
         If |F| >= mu- P: the web would slide on the whole drum.
     """
 
-    admits_estimates: ClassVar[bool] = True
+    _admits_estimates: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -20,6 +20,8 @@ from .materials import SOFTEST, STIFFEST
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
+    from .fields import Given
+
 # SciPy is imported where it is used: problems are read and written without it
 
 __all__ = ["AnyLaw", "Constant", "Pfeiffer", "Polynomial", "PowerLaw", "RadialLaw", "StackTest"]
@@ -104,7 +106,7 @@ class RadialLaw(Family):
             trial = P + step
             half = np.where(np.isfinite(high), low / 2 + high / 2, 2 * P)
             trial = np.where((trial < low) | (trial > high), half, trial)
-            settled = np.abs(trial - P) <= 4e-16 * np.abs(P)
+            settled = np.abs(trial - P) <= 1e-14 * np.abs(P)  # steps below tell rounding
             P = trial
             if np.all(settled | (wanted <= 0)):
                 break
@@ -190,6 +192,11 @@ class Pfeiffer(RadialLaw):
 
     def _strain(self, P: Array) -> Array:
         return np.log1p(P / self.K1) / self.K2
+
+    def pressure_at(self, strain: float | Array) -> Any:
+        """Return P at which F(P) is ``strain`` [Pa], in closed form."""
+        wanted = np.asarray(strain, dtype=float)
+        return self._beyond(wanted, self.K1 * np.expm1(np.clip(self.K2 * wanted, 0.0, 600.0)))[()]
 
     def reaches(self, modulus: float) -> float:
         """Return P at which E_r is ``modulus`` [Pa]; 0 if it is stiffer from the start."""
@@ -460,4 +467,7 @@ def _law(value: Any) -> Any:
         raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
 
 
-AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]
+if TYPE_CHECKING:
+    AnyLaw = Given[RadialLaw, RadialLaw | float | Mapping[str, Any]]
+else:
+    AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
@@ -201,8 +202,7 @@ class WoundRollProblem(Problem):
                 text = f"{shown(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
                 raise InvalidProblem.at(f"wound_on_tension{name}", text)
         curve = self.tension_curve
-        ends = curve.at(self.radius)
-        if not float(ends) > 0:
+        if not float(self.tension_curve.at(np.array([self.radius]))[0]) > 0:
             raise InvalidProblem.at(
                 "wound_on_tension.taper",
                 "is out of range; must leave a tension > 0 [N/m] at the surface",

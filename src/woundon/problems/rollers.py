@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from . import wound_roll as wound_roll  # it joins the bodies
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import line_load, pure, strain
 from .bodies import AnyBody, ContactProblem, HalfPlane

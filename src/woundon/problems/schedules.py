@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
@@ -12,6 +12,9 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
 from .fields import Description, Number, Numbers, best_match, shown
+
+if TYPE_CHECKING:
+    from .fields import Given
 
 __all__ = [
     "Curve", "Profile", "Schedule", "Taper", "WindingSchedule", "at_radius", "values_of",
@@ -96,9 +99,15 @@ def _made_winding(value: Any) -> Any:
 
 
 # a number throughout, or a profile
-Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
+if TYPE_CHECKING:
+    Schedule = Given[float | Profile, float | Profile | Mapping[str, Any]]
+else:
+    Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
 # and of what a winder sets, a taper too
-WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_made_winding)]
+if TYPE_CHECKING:
+    WindingSchedule = Given[float | Profile | Taper, float | Profile | Taper | Mapping[str, Any]]
+else:
+    WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_made_winding)]
 
 
 class Curve:

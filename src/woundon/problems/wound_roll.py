@@ -85,7 +85,9 @@ class WoundRoll(Body):
     @property
     def caution(self) -> str:  # type: ignore[override]
         """What is to be said with every result."""
-        return CAUTIONS[self.hardening]
+        misfit = getattr(self.stack.radial, "misfit", 0.0)
+        coarse = f"its stack test is fitted to {misfit:.2g} of its strain only" * (misfit > POOR)
+        return "; ".join(filter(None, (CAUTIONS[self.hardening], coarse)))
 
     @property
     def thickness(self) -> float:
@@ -131,6 +133,7 @@ CAUTIONS = {
     "soft under the nip, by up to a factor of six",
 }
 
+POOR = 0.01  # misfit of a stack test, of its strain, from which it is told
 SOFTEST_ESTIMATE = 100e3  # Pa, of E_r/E_r' (Pfeiffer's K1 + P0): below, 3 % are not kept
 
 

@@ -71,8 +71,8 @@ def constant_moduli(problem: WoundRollProblem, radius: ArrayLike) -> RollStresse
 
     # int_r^R T/(s F(s)) ds over x, scaled likewise: exp(-(g-1)(y - x)) decays
     curve = problem.tension_curve
-    depth = np.log([core, R])
-    grid = nodes_between(*depth.tolist(), 400, min(1 / g, 0.3), np.log(curve.kinks)) - depth[0]
+    start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
+    grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks) - start
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     whole = np.empty(r.size)
     for k, x in enumerate(np.log(r / core)):

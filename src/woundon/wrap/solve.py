@@ -12,27 +12,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
-from ..contact.loop import Before, Ladder, Level, Tolerance, halved
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
+from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
-from ..nip.solve import slip_ratios
+from ..nip.solve import slip_ratios, told_by
 from ..nip.validity import nip_warnings
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, roll_strain
+from .certificate import certificate, equations_of, roll_strain
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
 from .result import WrappedNipResult
 
-__all__ = ["check_options", "solve_wrapped_nip"]
+__all__ = ["check_options", "recomputed", "solve_wrapped_nip"]
 
 Array = np.ndarray
 
@@ -55,6 +56,7 @@ def solve_wrapped_nip(
     drum_wrap: float | None = None,
     wrap_friction: float | None = None,
     winding_force: float | None = None,
+    start: WrappedNipResult | None = None,
 ) -> WrappedNipResult:
     """Solve the winding nip with the web wrapped on the roll behind it and on the drum before it.
 
@@ -67,12 +69,15 @@ def solve_wrapped_nip(
     wrap_nodes : int, optional
         Number of cells on each arc, 12 to 2048; by default 3/4 of those in the nip.
     rtol : float, optional
-        Double the nodes until the estimated error of the wound-on tension is below rtol of it,
-        1e-6 to 0.1.
+        In place of nodes: double them until the estimated error of the wound-on tension is below
+        rtol of it, 1e-6 to 0.1.
     roll_wrap, drum_wrap, wrap_friction, winding_force
         Of a NipProblem only: the wraps that it is given, by default half a turn on the roll, and
         the force on nip and drum wrap together; see
         :class:`~woundon.problems.nip.WrappedNipProblem`.
+    start : WrappedNipResult, optional
+        A solved neighbouring case: a roll that hardens starts from its loads and width, which saves
+        the coarsest meshes.  The answer does not depend on it.
 
     Returns
     -------
@@ -95,7 +100,13 @@ def solve_wrapped_nip(
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
     contact = WrapContact(problem, cells, count)
     ladder = Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
-    ladder.climb(halved(count, Graded.coarsest))
+    counts = halved(count, Graded.coarsest)
+    if start is not None:
+        check_type("start", start, WrappedNipResult)
+    if start is None or problem.linear:
+        ladder.climb(counts)
+    else:
+        ladder.climb(counts[-2:], _started(start, problem))
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
     elif nodes is None:
@@ -117,6 +128,24 @@ def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> 
     return problem
 
 
+def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
+    """Start from another case's result, at the load asked."""
+    places = start.x / start.half_width
+    on_roll, on_drum = places > -1, places < 1
+    known: Widths = (start.widths or Widths(2.0, {})).at(problem.nip_load / start.problem.nip_load)
+    zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
+    loads = Known(
+        start.web_tension, start.curvature,
+        Tractions(start.roll_pressure, start.roll_traction),
+        Tractions(start.pressure, start.drum_traction),
+    )  # fmt: skip
+    share = (problem.nip_load / start.problem.nip_load) ** (1 / known.power)
+    return Start(
+        start.half_width * share, (places[on_roll], places[on_drum]), zones, known.power,
+        widths=known, before=Before(places, loads),
+    )  # fmt: skip
+
+
 def check_options(
     *, nodes: Any = None, wrap_nodes: Any = None, rtol: Any = None
 ) -> tuple[int, int]:
@@ -130,6 +159,7 @@ def check_options(
     count = NODES if nodes is None else whole_number("nodes", nodes, 17, 1025)
     if rtol is not None:
         tolerance("rtol", rtol, 1e-6, 0.1)
+    nodes_or_rtol(nodes, rtol)
     if wrap_nodes is None:
         return count, 3 * (count - 1) // 4
     return count, whole_number("wrap_nodes", wrap_nodes, 12, 2048)
@@ -228,6 +258,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         series_terms=max((r.terms for r in responses), default=0),
         series_error=max((r.truncation_error for r in responses), default=0.0),
         mesh=level.mesh,
+        widths=ladder.widths,
     )
     result = result.replace(roll_strain=roll_strain(equations, result))
     return result.replace(
@@ -293,3 +324,17 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     ):
         v += face.normal_p @ p[own] + face.normal_q @ q[own] + face.sunk
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
+
+
+def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    equations, problem = equations_of(result), result.problem
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, shift=result.offset / problem.contact_radius,
+        tension=result.web_tension,
+        roll_pressure=result.roll_pressure, roll_traction=result.roll_traction,
+        drum_pressure=result.pressure, drum_traction=result.drum_traction,
+    )  # fmt: skip
+    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
+    own = _in_nip(arrays, equations.grid)
+    return told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
