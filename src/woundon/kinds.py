@@ -205,6 +205,8 @@ register(
     "woundon.roll.solve:solve_wound_roll",
     "woundon.roll.result:WoundRollResult",
     about="The stresses that winding leaves in a roll.",
+    report="woundon.show.wound_roll_report:wound_roll_report",
+    plot="woundon.show.wound_roll_plots:wound_roll_panels",
     check="woundon.roll.solve:check_options",
 )
 

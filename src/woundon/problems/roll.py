@@ -201,7 +201,6 @@ class WoundRollProblem(Problem):
             if not 0 < value <= 1e6:
                 text = f"{shown(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
                 raise InvalidProblem.at(f"wound_on_tension{name}", text)
-        curve = self.tension_curve
         if not float(self.tension_curve.at(np.array([self.radius]))[0]) > 0:
             raise InvalidProblem.at(
                 "wound_on_tension.taper",

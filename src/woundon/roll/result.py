@@ -17,6 +17,7 @@ from ..results import Residuals, Result
 __all__ = ["WoundRollResult"]
 
 Array = np.ndarray
+COMPARED = 1001  # radii of a share
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -100,6 +101,14 @@ class WoundRollResult(Result):
     ) -> Annotated[float, stress("sigma_min", "smallest stress along the web, < 0 compression")]:
         """Smallest sigma_t [Pa]."""
         return float(np.min(self.hoop_stress))
+
+    @property
+    def compressed_share(
+        self,
+    ) -> Annotated[float, strain("s_c", "share of the build-up with the web in compression")]:
+        """Share of the radii, core to surface, at which sigma_t < 0 [1]."""
+        r = np.linspace(self.radius[0], self.radius[-1], COMPARED)
+        return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
 
     @property
     def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
