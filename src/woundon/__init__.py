@@ -62,6 +62,7 @@ _HOME = {
     "solve": "kinds",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
+    "solve_wound_roll": "roll.solve",
     "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
     "theories": "",
@@ -121,6 +122,7 @@ __all__ = [
     "solve",
     "solve_nip",
     "solve_rollers",
+    "solve_wound_roll",
     "solve_wrapped_nip",
     "sweep",
     "theories",
@@ -175,6 +177,7 @@ if TYPE_CHECKING:
     from .results import Result as Result
     from .results import Zone as Zone
     from .roll.result import WoundRollResult as WoundRollResult
+    from .roll.solve import solve_wound_roll as solve_wound_roll
     from .rollers.result import RollerResult as RollerResult
     from .rollers.solve import solve_rollers as solve_rollers
     from .show.plots import plot as plot

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,41 +19,47 @@ __all__ = ["wound_roll_panels"]
 
 Cases = Sequence[Case]
 Handles = list[Any]
+POINTS = 801
+ABOVE = 5  # times the depth of the compression
 
 
 def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
     """Return the panels of a wound roll, over the radius.
 
     - pressure between the laps
-    - hoop_stress along the web, compression shaded; the stress that it was wound with dashed
+    - hoop_stress along the web, compression shaded; cut off above where there is any
     - hardness: the modulus through the stack
     - tension: the wound-on tension, on the stages of the build-up
     - displacement outward since a lap was laid (if asked for)
     """
     return {
-        "pressure": Panel(_curve("pressure", "Pressure $P$"), "left", height=2.8),
-        "hardness": Panel(_curve("radial_modulus", "Hardness $E_r$"), "left", height=2.6),
+        "pressure": Panel(OverRadius("pressure", "Pressure $P$"), "left", height=2.8),
+        "hardness": Panel(OverRadius("radial_modulus", "Hardness $E_r$"), "left", height=2.6),
         "hoop_stress": Panel(_draw_hoop, "right", height=2.8),
         "tension": Panel(_draw_tension, "right", height=2.6),
         "displacement": Panel(
-            _curve("displacement", "Displacement $u$"), "left", height=2.6, shown=False
+            OverRadius("displacement", "Displacement $u$"), "left", height=2.6, shown=False
         ),
     }
 
 
-def _curve(name: str, words: str) -> Callable[[Axes, Cases], Handles]:
-    """Return what draws an output over the radius."""
+@dataclass(frozen=True)
+class OverRadius:
+    """What draws an output over the radius."""
 
-    def draw(axes: Axes, cases: Cases) -> Handles:
+    name: str
+    words: str
+
+    def __call__(self, axes: Axes, cases: Cases) -> Handles:
+        """Draw it."""
         for case in cases:
-            x, y = shown(case.result, "radius"), shown(case.result, name)
+            x, y = shown(case.result, "radius"), shown(case.result, self.name)
             axes.plot(x, y, color=case.or_own(COLOURS[0]))
-        axes.set_ylabel(axis_label(words, quantity_of(cases[0].result, name)))
+        axes.set_ylabel(axis_label(self.words, quantity_of(cases[0].result, self.name)))
         _along(axes, cases)
-        axes.set_ylim(top=None, bottom=min(0.0, axes.get_ylim()[0]))
+        if all((getattr(case.result, self.name) > -1e-9).all() for case in cases):
+            axes.set_ylim(bottom=0)
         return []
-
-    return draw
 
 
 def _draw_hoop(axes: Axes, cases: Cases) -> Handles:
@@ -60,25 +67,19 @@ def _draw_hoop(axes: Axes, cases: Cases) -> Handles:
     axes.axhline(0, color=NEUTRAL, linewidth=0.8)
     for case in cases:
         result = case.result
-        x, hoop = shown(result, "radius"), shown(result, "hoop_stress")
+        # between the nodes too, which are few
+        r = np.linspace(result.radius[0], result.radius[-1], POINTS)
+        x = quantity_of(result, "radius").shown(r)
+        hoop = quantity.shown(result.at_radius(r)["hoop_stress"])
         (line,) = axes.plot(x, hoop, color=case.or_own(COLOURS[0]), label=r"$\sigma_t$")
         if case.alone:
             handles = [line, *_compression(axes, x, hoop)]
     axes.set_ylabel(axis_label(r"Hoop stress $\sigma_t$", quantity))
     _along(axes, cases)
-    # at the surface the web has its wound-on stress, many times what is inside
-    inside = np.concatenate([_inside(case.result) for case in cases])
-    low, high = min(0.0, float(inside.min())), max(0.0, float(inside.max()))
-    axes.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
+    deepest = quantity.shown(min(case.result.least_hoop_stress for case in cases))
+    if deepest < 0:  # at both ends the web has its wound-on stress, many times what is inside
+        axes.set_ylim(1.3 * deepest, min(axes.get_ylim()[1], -ABOVE * deepest))
     return handles
-
-
-def _inside(result: WoundRollResult) -> np.ndarray:
-    """Return the hoop stress where it does not yet rise to the surface's tension."""
-    hoop, least = shown(result, "hoop_stress"), int(np.argmin(result.hoop_stress))
-    low, own = float(hoop[least]), hoop[: least + 1]
-    span = max(abs(low), float(own.max() - low))
-    return np.append(own, hoop[hoop <= low + 2.0 * span])
 
 
 def _compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
