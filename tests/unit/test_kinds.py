@@ -104,13 +104,14 @@ def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) ->
         wo.solve(thing)
     text = str(fault.value)
     assert text.startswith(f"problem: {shown}")
-    assert "must be a NipProblem, WrappedNipProblem or RollerProblem" in text
+    known = "NipProblem, WrappedNipProblem, RollerProblem or WoundRollProblem"
+    assert f"must be a {known}" in text
 
 
 def test_a_misspelt_name_is_told_the_nearest(registry: Any) -> None:
     with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is no kind .* mean 'rollers'\?"):
         kinds.named("roler")
-    with pytest.raises(wo.InvalidProblem, match="known: nip, rollers, wrapped_nip"):
+    with pytest.raises(wo.InvalidProblem, match="known: nip, rollers, wound_roll, wrapped_nip"):
         kinds.named("xyz")
 
 
@@ -151,7 +152,7 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     # what it did not bring is a default: it can be told and drawn
     assert "sag" in str(result)
     assert (kind.check, kind.neighbour, kind.shifted) == (None, None, {})
-    with pytest.raises(wo.InvalidProblem, match="RollerProblem or HammockProblem"):
+    with pytest.raises(wo.InvalidProblem, match="WoundRollProblem or HammockProblem"):
         wo.solve("hammock.toml")
 
 

@@ -26,6 +26,7 @@ Array = np.ndarray
 ORDER = 3  # of the polynomial through the last stages
 MOST_ROUNDS = 25  # of source and kappa on one stage
 AGREED = 0.02  # of the tolerance
+SETTLED = 0.1  # of what is agreed: the last stage is solved anew when the roll is finished
 WEAK = 0.3  # of the tolerance
 STRETCHED = 0.3  # of a step, lest the next one be tiny
 AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
@@ -301,7 +302,7 @@ def _stage(
     for _ in range(MOST_ROUNDS):
         growth = behind.then(float(nodes[-1]), kappa)
         source = cell_source(tension, growth, nodes)
-        solved = equations.solve(nodes, source, T_c, *guess)
+        solved = equations.solve(nodes, source, T_c, *guess, SETTLED * agreed)
         if solved is None:
             return None
         change, kappa, guess = abs(solved.growth - kappa), solved.growth, solved[:2]

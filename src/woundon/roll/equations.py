@@ -127,8 +127,9 @@ class StageEquations:
         return band
 
     def solve(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array
-    ) -> Solved | None:
+        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array,
+        settled: float = SETTLED,
+    ) -> Solved | None:  # fmt: skip
         """Solve by Newton's method from a first guess; None where it does not settle.
 
         Parameters
@@ -140,6 +141,8 @@ class StageEquations:
             T_c, in the core's condition [Pa].
         P, Q : (n + 1,) arrays
             First guess [Pa].
+        settled : float
+            Change of P by the last step, relative to the largest.
         """
         for _ in range(MOST_STEPS):
             miss, middle_P = self.defects(x, source, tension, P, Q)
@@ -151,7 +154,7 @@ class StageEquations:
             change, _ = lapack.dgbtrs(factors, BAND, BAND, miss, pivots)
             P, Q = P - change[::2], Q - change[1::2]
             self.steps += 1
-            if np.max(np.abs(change[::2])) <= SETTLED * np.max(np.abs(P)):
+            if np.max(np.abs(change[::2])) <= settled * np.max(np.abs(P)):
                 unit = np.zeros_like(miss)
                 unit[-1] = 1.0
                 more, _ = lapack.dgbtrs(factors, BAND, BAND, unit, pivots)

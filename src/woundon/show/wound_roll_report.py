@@ -47,7 +47,7 @@ def wound_roll_report(result: WoundRollResult) -> list[Part]:
 
 
 def _place(r: np.ndarray, values: np.ndarray, k: int) -> str:
-    return f"  at r = {1e3 * r[k]:.4g} mm"
+    return f", at r = {1e3 * r[k]:.4g} mm"
 
 
 def _tension(result: WoundRollResult) -> Iterator[Row]:
