@@ -218,7 +218,7 @@ def test_the_default_draws_every_array_once(results):
             ]
             np.testing.assert_allclose(line.get_xdata(), 1e3 * x.value)
             np.testing.assert_allclose(line.get_ydata(), place.quantity.shown(place.value))
-            unit = place.quantity.display
+            unit = place.quantity.display.replace("um", "µm")
             said = " ".join(line.axes.get_ylabel().split())
             alone = len(line.axes.get_lines()) == 1
             due = f"{place.quantity.meaning} " if alone else ""
