@@ -113,15 +113,14 @@ class StageEquations:
             # J = [[0, 1], [own, -2]] at the end; M = 1/2 -+ h/8 J takes the end to the middle
             turn = -side * h / 8
             m21, m22 = turn * own, 0.5 - 2 * turn
-            first = 2 * np.arange(n) + (0 if side < 0 else 2)  # columns of P and Q
-            row = 2 * np.arange(n) + 1
+            first = 0 if side < 0 else 2  # columns of P and Q: this one and the next, of each cell
             for i, j, value in (
-                (row, first, side - h / 6 * 4 * m21),
-                (row, first + 1, -h / 6 * (1 + 4 * m22)),
-                (row + 1, first, -h / 6 * (own + 4 * (mid / 2 - 2 * m21))),
-                (row + 1, first + 1, side - h / 6 * (-2 + 4 * (mid * turn - 2 * m22))),
+                (1, first, side - h / 6 * 4 * m21),
+                (1, first + 1, -h / 6 * (1 + 4 * m22)),
+                (2, first, -h / 6 * (own + 4 * (mid / 2 - 2 * m21))),
+                (2, first + 1, side - h / 6 * (-2 + 4 * (mid * turn - 2 * m22))),
             ):
-                band[diagonal + i - j, j] = value
+                band[diagonal + i - j, j : j + 2 * n : 2] = value
         band[diagonal, 0], band[diagonal - 1, 1] = -self.core, 1.0
         band[diagonal + 1, -2] = 1.0
         return band
