@@ -11,7 +11,7 @@ The published lap-by-lap scheme (Hakiel 1987) stands beside it: ``theories.lap_b
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import inf
+from math import inf, log
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,7 @@ FIRST, CELLS = 0.12, 23
 FINER, MORE = 0.25, 1.42
 LEFT = 0.7  # of the last change, told as error
 MOST_LEVELS = 12
+COARSE = 1e-2  # what the second level is good for: for less, the first ones are left out
 ROUNDING = 1e-9
 TOLD = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
 COMPARED = 400  # radii at which two build-ups are compared
@@ -79,7 +80,7 @@ def solve_wound_roll(
     check_options(rtol=rtol)
     before: WoundRollResult | None = None
     steps, error = 0, inf
-    for level in range(MOST_LEVELS):
+    for level in range(max(0, int(log(rtol / COARSE, FINER))), MOST_LEVELS):
         result = _wound(problem, FIRST * FINER**level, round(CELLS * MORE**level), told)
         steps += result.steps
         if before is not None:
