@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas
@@ -12,8 +13,11 @@ from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon import cli
-from woundon.studies.api import sweep_table
+from woundon.studies.api import study_of
+from woundon.studies.engine import run_study
 from woundon.studies.export import export
+from woundon.studies.runners import runner_for
+from woundon.studies.table import Table
 
 CASE = Path(__file__).with_name("nip_alone.toml")
 STEEL = wo.HalfPlane(radius=0.1, material=wo.material("steel"))
@@ -26,6 +30,11 @@ OVER = {
 OUTPUTS = ["nip_width", "errors.half_width"]
 QUICK = {"options": {"nodes": 9}, "workers": 1}
 SAME = 1e-8  # the cases are solved in another order, each to the solver's own tolerance
+
+
+def sweep_table(problem: Any, *given: Any, workers: int = 1, **options: Any) -> Table:
+    """Solve a study; return its table."""
+    return run_study(*study_of(problem, *given, **options), runner_for(workers, None))
 
 
 @pytest.fixture(scope="module")
