@@ -170,8 +170,8 @@ def jalkanen(problem: WindingNip, approach: float) -> float:
     """
     check_type("problem", problem, *_NIPS)
     t, R = problem.web.thickness, problem.roll.radius
-    A_rr, A_tt, A_rt, _ = problem.web.material.stiffness
-    E_t = 1 / strip.compliance(A_rr, A_tt, A_rt).c11
+    A_rr, A_tt, A_rt, _, D = problem.web.material.stiffness
+    E_t = 1 / strip.compliance(A_rr, A_tt, A_rt, D).c11
     return E_t * t * approach / R
 
 

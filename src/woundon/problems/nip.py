@@ -67,7 +67,8 @@ class WindingNip(ContactProblem):
     @property
     def thinning(self) -> float:
         """-2h c22 of the web [m/Pa]."""
-        return -self.web.thickness * compliance(*self.web.material.stiffness[:3]).c22
+        rr, tt, rt, _, along = self.web.material.stiffness
+        return -self.web.thickness * compliance(rr, tt, rt, along).c22
 
     @classmethod
     def example(cls) -> Self:
