@@ -77,7 +77,8 @@ def options(scheme: str, nodes: int = NODES) -> dict[str, Any]:
 def _quiet() -> Iterator[None]:
     """Leave out warnings: the thesis's soft covers leave the model's validity; the text says so."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", wo.ValidityWarning)
+        for category in (wo.ValidityWarning, wo.ResolutionWarning):
+            warnings.simplefilter("ignore", category)
         yield
 
 

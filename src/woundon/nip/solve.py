@@ -108,7 +108,7 @@ def solve_nip(
     result = _result(ladder, problem, algorithm).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "NIT", result)
-    return result
+    return result.warned()
 
 
 def check_options(

@@ -25,6 +25,7 @@ from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
 from .equations import RollerEquations
 from .result import RollerResult
+from .validity import roller_warnings
 
 __all__ = ["check_options", "recomputed", "solve_rollers"]
 
@@ -73,7 +74,7 @@ def solve_rollers(
                 f"the traction is {result.traction_error:.2g}", result
             )  # fmt: skip
         result = _solved(problem, count)
-    return result.checked()
+    return result.checked().warned()
 
 
 def check_options(*, nodes: Any = NODES, rtol: Any = None) -> None:
@@ -145,8 +146,11 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         iterations=ladder.solves,
         mesh=mesh,
     )
-    residuals = certificate(result, level.equations.anew(state))
-    return result.replace(errors=ladder.errors_of(result), residuals=residuals)
+    return result.replace(
+        errors=ladder.errors_of(result),
+        residuals=certificate(result, level.equations.anew(state)),
+        warnings=roller_warnings(result),
+    )
 
 
 def _traction_change(coarse: Level, fine: Level) -> float:

@@ -103,7 +103,7 @@ def solve_wrapped_nip(
     result = _result(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
-    return result
+    return result.warned()
 
 
 def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> WrappedNipProblem:
