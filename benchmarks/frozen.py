@@ -178,8 +178,7 @@ def _reference() -> Mapping[str, Any]:
 def measure(case: Case, way: str = "own") -> Measured:
     """Solve a case; return its numbers."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", wo.ValidityWarning)
-        warnings.simplefilter("ignore", wo.ResolutionWarning)
+        warnings.simplefilter("ignore", UserWarning)  # validity, resolution
         with program().tightened(TIGHT) if way == "tight" else nullcontext():
             return measured(case.kind, program().solved(case))
 

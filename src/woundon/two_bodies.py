@@ -23,6 +23,7 @@ from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns
 from .contact.schemes import Mesh, scheme_of
 from .contact.stick_slip import StickSlip, StickSlipSolution
+from .errors import InvalidProblem
 from .problems.bodies import ContactProblem, half_width_guess
 
 __all__ = [
@@ -215,10 +216,27 @@ class PairContact:
         """What the pressure must carry [N/m]."""
         raise NotImplementedError
 
+    def __post_init__(self) -> None:
+        for name, body in zip(self.problem.pair, self.problem.bodies, strict=True):
+            if body.unresolved:
+                raise InvalidProblem.at(name, body.unresolved)
+
     @property
     def widest(self) -> float:
-        """The smaller radius [m]."""
-        return float(min(body.radius for body in self.problem.bodies))
+        """The smaller radius, or what a body's response is resolved for [m]."""
+        return float(min(min(body.radius, body.widest) for body in self.problem.bodies))
+
+    @property
+    def beyond(self) -> str:
+        """What is wrong with a wider one, and what to change."""
+        named = zip(self.problem.pair, self.problem.bodies, strict=True)
+        name, body = min(named, key=lambda pair: min(pair[1].radius, pair[1].widest))
+        if body.radius <= body.widest:
+            return "the load is too large, or the bodies are too soft"
+        return (
+            f"beyond, the elastic layer of the {name}, {body.thickness:.3g} m, is too thin for so "
+            f"wide a contact: take a smaller load, a thicker or stiffer layer, or a Rigid {name}"
+        )
 
     @property
     def settles_apart(self) -> bool:

@@ -140,6 +140,11 @@ class Contact(Protocol):
         ...
 
     @property
+    def beyond(self) -> str:
+        """What is wrong with a wider one, and what to change."""
+        ...
+
+    @property
     def settles_apart(self) -> bool:
         """Whether what is linearised must settle before a load tells the width.
 
@@ -495,7 +500,9 @@ class Ladder:
     ) -> tuple[Any, float]:  # fmt: skip
         contact = self.contact
         try:
-            return width_for_load(evaluate, contact.load, guess, rtol, power, contact.widest)
+            return width_for_load(
+                evaluate, contact.load, guess, rtol, power, contact.widest, contact.beyond
+            )
         except WidthNotFound as stop:
             raise NotConverged(str(stop)) from None
 
