@@ -17,8 +17,8 @@ from .materials import AnyMaterial, material
 
 __all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNipProblem"]
 
-# below 1e-8 rounding decides on stick and slip
-Friction = Field(ge=1e-8, le=10.0)
+LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
+Friction = Field(ge=LEAST_FRICTION, le=10.0)
 
 
 class Web(Description):
@@ -63,6 +63,19 @@ class WindingNip(ContactProblem):
         line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
     ] = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_friction(cls, given: Any) -> Any:
+        """Refuse a face without friction: what it would carry and its web's speed are not told."""
+        for name in ("roll_friction", "drum_friction"):
+            if isinstance(given, dict) and given.get(name) == 0:
+                raise InvalidProblem.at(
+                    name, f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
+                    "friction nothing fixes how fast the web runs against the "
+                    f"{name.partition('_')[0]}; the least tells the limit"
+                )  # fmt: skip
+        return given
 
     @property
     def thinning(self) -> float:

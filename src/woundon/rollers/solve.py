@@ -24,6 +24,7 @@ from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
 from .equations import RollerEquations
+from .frictionless import without_traction
 from .result import RollerResult
 from .validity import roller_warnings
 
@@ -49,7 +50,7 @@ def solve_rollers(
         Number of nodes, 7 to 4000; a few more where short zones ask for them.
     rtol : float, optional
         In place of nodes: double them until the estimated relative error of the traction (L2) is
-        below; 1e-8 to 0.1.
+        below; 1e-8 to 0.1.  Without friction there is no traction to err.
 
     Returns
     -------
@@ -120,8 +121,13 @@ def _creepage(problem: RollerProblem, state: PairState) -> float:
 def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
     """Solve on meshes ever better fitted to the zone borders, the last with all the nodes."""
     quarter, half = max((nodes + 3) // 4, min(nodes, 13)), max((nodes + 1) // 2, min(nodes, 13))
-    ladder = Ladder(RollerContact(problem), Graded(), "tangential_load", tolerance=FINE)
-    ladder.climb_fitted((quarter, quarter, half, nodes), COARSE)
+    contact, counts = RollerContact(problem), (quarter, quarter, half, nodes)
+    if problem.friction:
+        ladder = Ladder(contact, Graded(), "tangential_load", tolerance=FINE)
+        ladder.climb_fitted(counts, COARSE)
+    else:  # no zone has a border
+        ladder = Ladder(contact, Graded(), "half_width", without_traction, FINE)
+        ladder.climb(counts[1:])
     level, before = ladder.level, ladder.before
     state, made, mesh = level.state, level.equations.matrices, level.mesh
     q, zone, a = state.traction, state.solution.state, state.half_width

@@ -10,9 +10,9 @@ __all__ = ["roller_warnings"]
 
 def roller_warnings(result: RollerResult) -> tuple[str, ...]:
     """Return where two rollers leave the model, and what their grid is too coarse for."""
-    xi = result.creepage  # nan in static contact
+    xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
     return (
         *pair_warnings(result, dict.fromkeys(result.problem.pair, result.traction)),
         *past("creepage", xi, "the rollers' surface speeds differ by {}"),
-        *zone_warnings(result.x, {"contact": result.zone}, "the lower surface"),
+        *(zone_warnings(result.x, {"contact": result.zone}, "the lower surface") if mu else ()),
     )
