@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, overload
 import numpy as np
 
 from . import kinds
-from .errors import NotConverged, warn
+from .errors import RESOLUTION, NotConverged, warn
 from .quantities import Quantity, pure, scalar_outputs, value_of
 
 if TYPE_CHECKING:
@@ -172,7 +172,9 @@ class Result(ReadOnly):
         broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= ACCEPTED_RESIDUAL]
         if broken or not self.residuals.largest <= ACCEPTED_RESIDUAL:
             told = ", ".join(broken) or "there is no certificate"
-            raise NotConverged(f"laws are not satisfied to 1e-8: {told}", self)
+            outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
+            text = "; ".join((f"laws are not satisfied to 1e-8: {told}", *outside))
+            raise NotConverged(text, self)
         return self
 
     def warned(self) -> Self:

@@ -208,7 +208,11 @@ PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
         nip, {"web_tension": -1},
         "web_tension: -1 is out of range; must be >= 0 and <= 1e+06 [N/m]",
     ),
-    (nip, {"roll_friction": 0}, "roll_" + FRICTION.format(0)),
+    (
+        nip, {"roll_friction": 0},
+        "roll_" + FRICTION.format(0) + ": without friction nothing fixes how fast the web runs "
+        "against the roll; the least tells the limit",
+    ),
     (nip, {"drum_friction": -0.2}, "drum_" + FRICTION.format(-0.2)),
     (
         nip, {"drum_friction": 20},

@@ -96,7 +96,9 @@ def test_without_friction_there_is_no_tangential_load() -> None:
         wo.InvalidProblem, match=r"friction: 1e-09 .*; must be 0 or >= 1e-08 and <="
     ):
         pair(friction=1e-9)
-    with pytest.raises(wo.InvalidProblem, match=r"friction: 0 .* must be > 0: nothing sticks, use hertz"):
+    with pytest.raises(
+        wo.InvalidProblem, match=r"friction: 0 .* must be > 0: nothing sticks, use hertz"
+    ):
         theories.carter(pair())
 
 

@@ -7,15 +7,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import RESOLUTION
+from ..problems.nip import WindingNip
 from ..validity import pair_warnings, past, zone_warnings
 from .equations import web_compliance
 from .result import WindingNipResult
 
-__all__ = ["nip_warnings"]
+__all__ = ["nip_warnings", "web_far_outside"]
 
 Array = np.ndarray
 
 SERIES_ERROR = 1e-4
+FAR_STRAIN = 1.0
+FAR_THICKNESS = 10.0  # nip widths
 
 
 def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
@@ -94,6 +97,34 @@ def _web(r: WindingNipResult) -> Iterator[str]:
         yield (
             f"the web is slack: its tension falls to {slackest:.4g} N/m at x = {at * 1e3:.3g} mm; "
             f"at least {r.problem.web_tension - slackest:.4g} N/m of web tension are needed"
+        )
+
+
+def web_far_outside(problem: WindingNip, width: float) -> Iterator[str]:
+    """Yield where a web is far outside the model, and what to change.
+
+    Parameters
+    ----------
+    problem : NipProblem or WrappedNipProblem
+    width : float
+        About that of the nip [m].
+    """
+    web = problem.web
+    tension = problem.web_tension + (problem.roll_friction + problem.drum_friction) * (
+        problem.nip_load
+    )
+    strain = web_compliance(web).c11 / web.thickness * tension
+    if strain > FAR_STRAIN:
+        yield (
+            f"this is far outside the model: tensions up to {tension:.3g} N/m (web tension, and "
+            f"what friction may add) stretch the web {strain:.2g} times its length; take smaller "
+            "ones, or a thicker or stiffer web"
+        )
+    if width < web.thickness / FAR_THICKNESS:
+        yield (
+            f"this is far outside the model: a nip about {width:.2g} m wide is nothing beside the "
+            f"web's thickness, {web.thickness:.2g} m; take a larger nip load, or a smaller web "
+            "tension"
         )
 
 

@@ -69,7 +69,11 @@ class WindingNip(ContactProblem):
     def _has_friction(cls, given: Any) -> Any:
         """Refuse a face without friction: what it would carry and its web's speed are not told."""
         for name in ("roll_friction", "drum_friction"):
-            if isinstance(given, dict) and given.get(name) == 0:
+            if (
+                isinstance(given, dict)
+                and type(given.get(name)) in (int, float)
+                and not given[name]
+            ):
                 raise InvalidProblem.at(
                     name, f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
                     "friction nothing fixes how fast the web runs against the "

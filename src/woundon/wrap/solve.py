@@ -23,7 +23,7 @@ from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
 from ..nip.solve import slip_ratios, told_by
-from ..nip.validity import nip_warnings
+from ..nip.validity import nip_warnings, web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
@@ -189,6 +189,15 @@ class WrapContact(PairContact):
                     f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} "
                     f"[N/m]; more is needed, about {T_in - least:.4g}",
                 )
+
+    @property
+    def outside(self) -> str:
+        """What of the problem lies far outside the model, and what to change."""
+        problem, width = self.problem, 2 * self.guess()
+        if problem.web_tension:  # a taut web alone carries the load where it turns, P = T/R* 2a
+            turn = problem.nip_load * problem.contact_radius / problem.web_tension
+            width = min(width, turn)
+        return "; ".join(filter(None, (*web_far_outside(problem, width), super().outside)))
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
