@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .errors import RESOLUTION
 from .problems.bodies import Body
 from .results import Result, Zone
+from .two_bodies import mesh_of
 
 __all__ = ["LIMITS", "Limit", "pair_warnings", "past", "zone_warnings"]
 
@@ -31,7 +32,7 @@ class Limit(NamedTuple):
 
 LIMITS = {
     "half width": Limit(0.2, "the gap is no parabola any more"),
-    "approach": Limit(0.1, "strains are not small"),
+    "indentation": Limit(0.1, "strains are not small"),
     "peak pressure": Limit(0.1, "the material is not linear there"),
     "shear strain": Limit(0.1, "strains are not small"),
     "surface strain": Limit(0.1, "strains are not small"),
@@ -72,12 +73,23 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
     )
     for name in problem.pair:
         body = getattr(problem, name)
-        yield from past(
-            "approach", approach / body.thickness,
-            f"the approach {approach * 1e3:.3g} mm is {{}} of the {name}'s elastic layer, "
-            f"{body.thickness * 1e3:.3g} mm",
-        )  # fmt: skip
+        if approach > LIMITS["indentation"].most * body.thickness:  # no body takes more than all
+            depth = _indentation(result, body, tractions[name])
+            yield from past(
+                "indentation", depth / body.thickness,
+                f"the {name}'s indentation {depth * 1e3:.3g} mm is {{}} of its elastic layer, "
+                f"{body.thickness * 1e3:.3g} mm",
+            )  # fmt: skip
         yield from _surface(name, body, float(np.max(result.pressure)), tractions[name])  # type: ignore[attr-defined]
+
+
+def _indentation(result: Any, body: Body, traction: Array) -> float:
+    """Return how deep a body of finite thickness is pressed in the middle of the nip [m]."""
+    if not body.linear:
+        return float(result.approach)  # all of it at most
+    own = result.in_nip
+    by_p, by_q = body.respond(mesh_of(result), result.half_width).normal(np.zeros(1))
+    return -float((by_p @ result.pressure[own][1:-1] + by_q @ traction[1:-1])[0])
 
 
 def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:

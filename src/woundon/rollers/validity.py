@@ -12,7 +12,7 @@ def roller_warnings(result: RollerResult) -> tuple[str, ...]:
     """Return where two rollers leave the model, and what their grid is too coarse for."""
     xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
     return (
-        *pair_warnings(result, dict.fromkeys(result.problem.pair, result.traction)),
+        *pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),
         *past("creepage", xi, "the rollers' surface speeds differ by {}"),
         *(zone_warnings(result.x, {"contact": result.zone}, "the lower surface") if mu else ()),
     )

@@ -97,7 +97,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
                                result.drum_creep),
                        _differ(result.roll_strain, roll_strain(equations, result))) / top,
         load_equilibrium=abs(carried / P - 1),
-        force_equilibrium=abs(force) / P,
+        force_equilibrium=beyond_rounding(np.asarray(force), T) / P,
         web_equilibrium=beyond_rounding(T - problem.web_tension - gained, T) / P,
         hoop_pressure=_hoop(result, equations),
         curvature=_curvature(result, equations, z, q),
