@@ -114,7 +114,8 @@ def wide_wrapped_nip(seed: int) -> wo.WrappedNipProblem:
 def wide_rollers(seed: int) -> wo.RollerProblem:
     """Return the pair of rollers that belongs to a seed; always the same one."""
     draw = _Draw(seed)
-    P, mu = draw.field(wo.RollerProblem, "load"), draw.field(wo.RollerProblem, "friction")
+    P = draw.field(wo.RollerProblem, "load")
+    mu = max(draw.field(wo.RollerProblem, "friction"), 1e-8)
     how = draw.random.integers(3)
     loads = {"tangential_load": draw.even(-0.99, 0.99) * mu * P}
     if how == 1:

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 __all__ = [
-    "beyond_rounding", "friction_laws", "from_edge", "integral", "largest", "positive_pressure",
+    "ROUNDING", "beyond_rounding", "friction_laws", "from_edge", "integral", "largest",
+    "positive_pressure",
 ]  # fmt: skip
 
 Array = np.ndarray
