@@ -53,7 +53,7 @@ class Ending(Enum):
 
     SOLVED = "every law is kept"
     CYCLE = "the iteration repeats itself: use algorithm='pivoting'"
-    LIMIT = "the limit of iterations was reached"
+    LIMIT = "the limit of iterations was reached; another number of nodes may do"
     SINGULAR = "a linear system was singular"
 
 
