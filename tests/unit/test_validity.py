@@ -31,7 +31,7 @@ def solved(problem: wo.NipProblem, nodes: int = NODES) -> wo.NipResult:
     return wo.solve_nip(problem, nodes=nodes)
 
 
-def the(result: wo.NipResult, pattern: str) -> list[float]:
+def the(result: wo.Result, pattern: str) -> list[float]:
     """Return the numbers of the one warning that matches, percents as shares."""
     matches = [match for text in result.warnings if (match := re.fullmatch(pattern, text))]
     assert len(matches) == 1, result.warnings
@@ -286,15 +286,14 @@ def issued(call: Callable[[], object]) -> list[warnings.WarningMessage]:
     return told
 
 
-COARSE = {"nodes": 13}
+WRAPPED = wo.solve(newsprint_nip(web_tension=1e5).wrapped(), nodes=NODES)
 SOLVES = {
-    "solve": lambda: wo.solve(newsprint_nip(web_tension=1e5), **COARSE),
-    "solve_nip": lambda: wo.solve_nip(newsprint_nip(web_tension=1e5), **COARSE),
+    "solve": lambda: wo.solve(newsprint_nip(web_tension=1e5), nodes=13),
+    "solve_nip": lambda: wo.solve_nip(newsprint_nip(web_tension=1e5), nodes=13),
     "wrapped": lambda: wo.solve(newsprint_nip(web_tension=1e5).wrapped(), nodes=NODES),
-    "confined": lambda: WRAPPED.confined(**COARSE),
+    "confined": lambda: WRAPPED.confined(nodes=13),
     "rollers": lambda: wo.solve_rollers(rollers(tangential_load=None, creepage=0.2)),
 }
-WRAPPED = wo.solve(newsprint_nip(web_tension=1e5).wrapped(), nodes=NODES)
 
 
 @pytest.mark.parametrize("way", SOLVES)
