@@ -25,6 +25,7 @@ _HOME = {
     "Problem": "problems.fields",
     "Quantity": "quantities",
     "Residuals": "results",
+    "ResolutionWarning": "errors",
     "Response": "contact.response",
     "Result": "results",
     "Rigid": "problems.bodies",
@@ -115,6 +116,7 @@ if TYPE_CHECKING:
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
+    from .errors import ResolutionWarning as ResolutionWarning
     from .errors import ValidityWarning as ValidityWarning
     from .io.case_files import load_case as load_case
     from .io.chosen_units import units as units

@@ -38,6 +38,7 @@ import numpy as np
 from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import SurfaceKernels
+from .strip import stiffness_along
 
 __all__ = [
     "Sequences",
@@ -48,7 +49,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
-Stiffness = tuple[float, float, float, float]  # A_rr, A_tt, A_rt, G
+Stiffness = tuple[float, float, float, float, float | None]  # A_rr, A_tt, A_rt, G, D
 
 MAX_TERMS = 1 << 18
 TOLERANCE = 1e-12  # of the sums, relative to their leading term
@@ -65,7 +66,14 @@ class Sequences(NamedTuple):
 
 
 def sequences(
-    n: Array, radius: float, core_radius: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    n: Array,
+    radius: float,
+    core_radius: float,
+    A_rr: float,
+    A_tt: float,
+    A_rt: float,
+    G: float,
+    D: float | None = None,
 ) -> Sequences:
     """Return the characteristic sequences gamma_n1, gamma_n2, chi_n1, chi_n2 [m/Pa].
 
@@ -77,6 +85,8 @@ def sequences(
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
+    D : float, optional
+        :func:`.strip.stiffness_along`, where it is known better than by the others.
 
     Notes
     -----
@@ -84,7 +94,7 @@ def sequences(
     and chi_1 c sin(n theta) along +theta; a traction f sin(n theta) by -gamma_2 f cos(n theta) and
     chi_2 f sin(n theta).
     """
-    Y = radius * surface_compliance(n, _depth(radius, core_radius), A_rr, A_tt, A_rt, G)
+    Y = radius * surface_compliance(n, _depth(radius, core_radius), A_rr, A_tt, A_rt, G, D)
     return Sequences(Y[0, 0], -Y[0, 1], -Y[1, 0], Y[1, 1])
 
 
@@ -96,11 +106,17 @@ def _depth(radius: float, core_radius: float) -> float:
 
 
 def surface_compliance(
-    n: Array, depth: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    n: Array,
+    depth: float,
+    A_rr: float,
+    A_tt: float,
+    A_rt: float,
+    G: float,
+    D: float | None = None,
 ) -> Array:
     """Return Y_n [1/Pa], shape (2, 2) + n.shape, of a layer of depth ln(R/R0) on a rigid core."""
     n = np.asarray(n, dtype=float)
-    layer = _Layer(A_rr, A_tt, A_rt, G)
+    layer = _Layer(A_rr, A_tt, A_rt, G, D)
     blocks = np.array_split(n.ravel(), max(1, n.size // 4096))  # each stays in the cache
     Y = np.concatenate([layer.compliance(block, depth) for block in blocks], axis=-1)
     return Y.reshape((2, 2, *n.shape))
@@ -114,12 +130,12 @@ class _Layer:
     A_tt: float
     A_rt: float
     G: float
+    known_D: float | None = None
 
     @property
     def D(self) -> float:
-        """A_tt - A_rt^2/A_rr, without its cancellation in the square [Pa]."""
-        s = sqrt(self.A_rr * self.A_tt)
-        return (s - self.A_rt) * (s + self.A_rt) / self.A_rr
+        """A_tt - A_rt^2/A_rr [Pa]."""
+        return self.known_D or stiffness_along(self.A_rr, self.A_tt, self.A_rt)
 
     @property
     def unit(self) -> float:
@@ -135,8 +151,8 @@ class _Layer:
         s = sqrt(A_rr * A_tt)
         product = s / A_rr * (n * n - 1)
         # mu_n + sqrt(kappa_n) of (45), written as a sum of positive terms
-        steep = n * n * (s - A_rt) * (s + A_rt + 2 * G) + G * (sqrt(A_rr) - sqrt(A_tt)) ** 2
-        return np.sqrt(steep / (A_rr * G)), product
+        steep = n * n * self.D * (1 / G + 2 / (s + A_rt)) + (1 - sqrt(A_tt / A_rr)) ** 2
+        return np.sqrt(steep), product
 
     def reach(self, n: Array, depth: float) -> Array:
         """Return the depth to which the n-th harmonic needs to be followed, at most ``depth``."""
@@ -221,7 +237,9 @@ def _double(E: Array, Q: Array, H: Array) -> tuple[Array, Array, Array]:
     return E_next, Q + _mul(A, _mul(_mul(S, Q), At)), H + _mul(At, _mul(H, SA))
 
 
-def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G: float) -> Array:
+def asymptotic_compliance(
+    orders: int, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
+) -> Array:
     """Return Y_j [1/Pa], shape (orders+1, 2, 2): Y_n = sum_j Y_j/n^j far from any core; Y_0 = 0.
 
     Notes
@@ -229,8 +247,8 @@ def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G:
     F Y + Y F' + N = D z z' with z = Y k is solved order by order in 1/n.  The first order is the
     half-plane, Y_1 = [[C, A], [A, B]] (thesis eq. 30).
     """
-    A, B, C = coefficients(A_rr, A_tt, A_rt, G)
-    D = _Layer(A_rr, A_tt, A_rt, G).D
+    D = D or stiffness_along(A_rr, A_tt, A_rt)
+    A, B, C = coefficients(A_rr, A_tt, A_rt, G, D)
     a, r, DB = A_rt / A_rr, sqrt(A_tt / A_rr), D * B
     Y = np.zeros((orders + 2, 2, 2))
     Y[1] = [[C, A], [A, B]]
@@ -251,7 +269,13 @@ def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G:
 
 
 def surface_kernels(
-    radius: float, core_radius: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    radius: float,
+    core_radius: float,
+    A_rr: float,
+    A_tt: float,
+    A_rt: float,
+    G: float,
+    D: float | None = None,
 ) -> SurfaceKernels:
     """Return the cylinder's influence functions (thesis eq. 59), which hold on the whole circle.
 
@@ -261,15 +285,17 @@ def surface_kernels(
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
+    D : float, optional
+        :func:`.strip.stiffness_along`, where it is known better than by the others.
     """
-    return _kernels(*map(float, (radius, core_radius, A_rr, A_tt, A_rt, G)))
+    return _kernels(*map(float, (radius, core_radius, A_rr, A_tt, A_rt, G)), D)
 
 
 @lru_cache(maxsize=16)
 def _kernels(
-    R: float, R0: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    R: float, R0: float, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None
 ) -> SurfaceKernels:
-    stiffness = A_rr, A_tt, A_rt, G
+    stiffness = A_rr, A_tt, A_rt, G, D
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
     J = _closed_powers(tail)
     depth = _depth(R, R0)
