@@ -1,4 +1,4 @@
-"""Completion in the shell: what the installation page tells to write into the shell's files works."""
+"""Completion in the shell: what the installation page tells to write works."""
 
 from __future__ import annotations
 
