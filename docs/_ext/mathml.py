@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
@@ -9,11 +10,14 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.util.math import get_node_equation_number
 
+# marks that stand as close as TeX sets them, and not as relations do
+_CLOSE = re.compile(r"<mo([^>]*)>(/|\||&#x0002F;|&#x0007C;|&#x02223;)</mo>")
+
 
 def _formula(node: nodes.Node, display: str = "inline") -> str:
-    """Return TeX as MathML; a slash stands as close as TeX sets it."""
-    text = convert(node.astext(), display=display)
-    return text.replace("<mo>&#x0002F;</mo>", '<mo lspace="0" rspace="0">/</mo>')
+    return _CLOSE.sub(
+        r'<mo\1 lspace="0" rspace="0">\2</mo>', convert(node.astext(), display=display)
+    )
 
 
 def _inline(translator: Any, node: nodes.math) -> None:
