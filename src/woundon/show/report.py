@@ -58,7 +58,11 @@ def report_parts(result: Result) -> list[Part]:
 def report_text(result: Result) -> str:
     """Return the report of a result of any kind as plain text."""
     paper = StringIO()
-    print_report(result, Console(file=paper, width=WIDTH, color_system=None, legacy_windows=False))
+    console = Console(
+        file=paper, width=WIDTH, color_system=None, legacy_windows=False,
+        force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
+    )  # fmt: skip
+    print_report(result, console)
     return paper.getvalue().rstrip("\n")
 
 
