@@ -210,10 +210,10 @@ QUOTED = '"a.b"'
         ("", "is empty; 'woundon new > case.toml' writes a case"),
         ("# only a comment\n", "is empty"),
         ("schema = 1\n", "is empty"),
-        ("schema = 1\nnip_load = 3502 N/m\n", "is no valid TOML*line 2"),
-        ("schema = 1\n[web\n", "is no valid TOML*line 2"),
-        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is no valid TOML*line 3"),
-        (b"\xff\xfe\x00", "is no UTF-8 text, from byte 0"),
+        ("schema = 1\nnip_load = 3502 N/m\n", "is not valid TOML*line 2"),
+        ("schema = 1\n[web\n", "is not valid TOML*line 2"),
+        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is not valid TOML*line 3"),
+        (b"\xff\xfe\x00", "is not UTF-8 text, from byte 0"),
     ],
 )
 def test_bad_file_is_refused(tmp_path, text, said):

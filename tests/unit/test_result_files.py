@@ -168,7 +168,7 @@ def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
     result.save(tmp_path / "a.json")
 
     def refuse(word: str) -> None:
-        raise AssertionError(f"{word} is no JSON")
+        raise AssertionError(f"{word} is not JSON")
 
     record = json.loads((tmp_path / "a.json").read_text(), parse_constant=refuse)
     assert (record["format"], record["schema"], record["kind"]) == (

@@ -133,7 +133,7 @@ def _read(content: bytes) -> tuple[Record, bool]:
 
 def _record_of_json(content: bytes) -> Record:
     def refuse(word: str) -> None:
-        raise ValueError(f"{word} is no JSON")
+        raise ValueError(f"{word} is not JSON")
 
     record = json.loads(content, parse_constant=refuse)
     if record["format"] != FORMAT:

@@ -160,7 +160,7 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     Raises
     ------
     InvalidProblem
-        For a name that is no continuous field, or a body that is not linear.
+        For a name that is not a continuous field, or a body that is not linear.
     """
     for name in ("roll", "drum"):
         if not getattr(result.problem, name).linear:
@@ -168,7 +168,7 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     known = continuous_fields(result.problem)
     for name in parameters:
         if name not in known:
-            raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
+            raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
     names = parameters or tuple(known)
     equations = _Differential(result)
     # (unknowns, outputs)
