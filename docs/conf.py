@@ -78,6 +78,7 @@ html_static_path = ["_static"]
 html_css_files = ["woundon.css"]
 html_show_sourcelink = False
 html_sidebars = {name: [] for name in ("index", "genindex", "py-modindex", "search")}
+html_context = {"default_mode": "auto"}  # light or dark, as the reader's system
 html_theme_options = {
     "header_links_before_dropdown": 6,
     "show_prev_next": True,
