@@ -46,6 +46,13 @@ LOOK = """() => {
     for (const e of document.querySelectorAll('main div.math math'))
         if (e.getBoundingClientRect().left < e.parentElement.getBoundingClientRect().left - 1)
             faults.push(`begins outside its column: "${start(e)}"`)
+    for (const e of document.querySelectorAll('main div.math .eqno')) {
+        const number = e.getBoundingClientRect()
+        const formula = e.parentElement.querySelector('math').getBoundingClientRect()
+        if (number.left < formula.right && number.top < formula.bottom
+            && number.right > formula.left && number.bottom > formula.top)
+            faults.push(`number over its equation: "${start(e)}"`)
+    }
     for (const image of document.images)
         if (!image.complete || !image.naturalWidth) faults.push(`no picture: ${image.src}`)
     for (const image of document.querySelectorAll('main img:not([alt])'))

@@ -46,3 +46,8 @@ print(settings.to_string(index=False))
 # ``settings.to_excel("answers.xlsx")`` writes it back.
 settings.plot.bar(x="set", y=["web tension [N/m]", "wound-on tension [N/m]"], rot=0, ylabel="[N/m]")
 plt.show()
+
+# sphinx_gallery_start_ignore
+assert solved.failure.values.tolist() == [""] * len(settings)
+assert (settings["wound-on tension [N/m]"] > settings["web tension [N/m]"]).all()
+# sphinx_gallery_end_ignore
