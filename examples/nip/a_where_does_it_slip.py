@@ -12,8 +12,6 @@ at most; at 20 m/s that is some 4 cm/s, enough to smear ink.
 """
 
 # %%
-from io import BytesIO
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -36,12 +34,7 @@ print(f"creep between web and drum {result.drum_creep:.3%}")
 # Tractions with their friction bounds (where the line meets the edge of the shade, the web
 # slips), slip speeds, tension, and the zones of stick and slip. On the right: the web on the
 # roll behind the nip.
-drawn = BytesIO()
-result.plot().savefig(drawn, dpi=150)
-drawn.seek(0)
-plt.figure(figsize=(11.4, 6.6), layout="constrained")
-plt.imshow(plt.imread(drawn))
-plt.axis("off")
+result.plot()
 plt.show()
 
 # sphinx_gallery_start_ignore

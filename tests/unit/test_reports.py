@@ -417,6 +417,7 @@ def test_sensitivities_are_told_by_elasticity(nip):
 
 
 def test_text_is_returned_in_a_notebook_too(nip, monkeypatch):
-    text = str(nip)
+    sensitivity = nip.sensitivity("nip_load")
+    texts = [str(nip), str(sensitivity)]
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
-    assert str(nip) == text
+    assert [str(nip), str(sensitivity)] == texts
