@@ -256,7 +256,7 @@ def test_what_is_like_no_case_is_refused_soon(tmp_path, text, said):
     start = time.process_time()
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_case(path)
-    assert str(refusal.value) == f"{path}: is no case file: {said}"
+    assert str(refusal.value) == f"{path}: is not a case file: {said}"
     assert time.process_time() - start < 5  # tomllib alone takes minutes for the long keys
 
 

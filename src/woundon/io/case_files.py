@@ -82,15 +82,15 @@ def read_case(path: str | Path) -> dict[str, Any]:
         why = f"is not UTF-8 text, from byte {fault.start}; save it as UTF-8"
         raise InvalidProblem.at(str(path), why) from None
     except RecursionError:
-        raise InvalidProblem.at(str(path), "is no case file: it is nested too deeply") from None
+        raise InvalidProblem.at(str(path), "is not a case file: it is nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
         why = f"is not valid TOML: {fault}{_line_at_fault(text, str(fault))}"
         raise InvalidProblem.at(str(path), why) from None
     except ValueError:  # Python's limit on the digits of a whole number
-        text = "is no case file: it has a number of thousands of digits"
+        text = "is not a case file: it has a number of thousands of digits"
         raise InvalidProblem.at(str(path), text) from None
     if unlike := _unlike_a_case(case):
-        raise InvalidProblem.at(str(path), f"is no case file: {unlike}")
+        raise InvalidProblem.at(str(path), f"is not a case file: {unlike}")
     if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
         raise InvalidProblem.at(str(path), text)
