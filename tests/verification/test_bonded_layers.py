@@ -139,14 +139,17 @@ def test_the_thinnest_layers(nu: float, a_h: float) -> None:
     assert peak == pytest.approx(1, abs=0.4 / a_h)
 
 
-def test_too_few_nodes_for_a_thin_layer_are_told_not_passed_off() -> None:
-    """A half width of 22 layers on 13 nodes: the pressure pulls in places."""
+def test_few_nodes_for_a_thin_layer_do() -> None:
+    """A half width of 22 layers on 13 nodes: cells are longer than the layer is thick.
+
+    The pressure once pulled in places, for the cells' moments had too few points.
+    """
     nearly = wo.Isotropic(youngs_modulus=1e6, poissons_ratio=0.49)
     layer = wo.Cylinder(radius=0.5, core_radius=0.4997, material=nearly)
     problem = wo.RollerProblem(
         upper=wo.Rigid(radius=0.5), lower=layer, load=3e4, friction=0.01, tangential_load=90.0
     )
-    with pytest.raises(wo.NotConverged, match="positive_pressure") as refused:
-        wo.solve_rollers(problem, nodes=13)
-    assert refused.value.best.residuals.largest > 1e-8
-    assert wo.solve_rollers(problem, nodes=101).residuals.largest <= 1e-8
+    few, many = (wo.solve_rollers(problem, nodes=nodes) for nodes in (13, 101))
+    # a parabola by 13 pieces
+    assert few.half_width == pytest.approx(many.half_width, rel=0.01)
+    assert few.peak_pressure == pytest.approx(many.peak_pressure, rel=0.03)
