@@ -75,6 +75,7 @@ __all__ = [
     "Problem",
     "Quantity",
     "Residuals",
+    "ResolutionWarning",
     "Response",
     "Result",
     "Rigid",

@@ -190,7 +190,7 @@ def test_rank_grows_with_slenderness_and_is_bounded() -> None:
     assert ranks[0] == ranks[1] == ranks[2] == 24
     assert ranks == sorted(ranks)
     assert ranks[3] == round(20 / asinh(0.1))
-    assert ranks[-1] == 600
+    assert ranks[-1] == 1200
 
 
 def test_all_parts_together_in_metres() -> None:
