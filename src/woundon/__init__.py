@@ -104,6 +104,7 @@ __all__ = [
     "solve_wrapped_nip",
     "sweep",
     "theories",
+    "units",
 ]  # fmt: skip
 
 if TYPE_CHECKING:
