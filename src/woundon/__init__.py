@@ -31,6 +31,7 @@ _HOME = {
     "Profile": "problems.schedules",
     "Quantity": "quantities",
     "Residuals": "results",
+    "ResolutionWarning": "errors",
     "Response": "contact.response",
     "Result": "results",
     "Rigid": "problems.bodies",
@@ -133,6 +134,7 @@ if TYPE_CHECKING:
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
+    from .errors import ResolutionWarning as ResolutionWarning
     from .errors import ValidityWarning as ValidityWarning
     from .io.case_files import load_case as load_case
     from .io.chosen_units import units as units

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import __version__, kinds
 from ..arguments import check_type
-from ..errors import InvalidProblem, NotConverged, did_you_mean
+from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
 from ..quantities import Quantity, find, members_of, scalar_outputs, value_of, walk
 from .model import Answer
@@ -136,7 +136,8 @@ class KindModel:
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
         """Solve one case."""
-        result = self.solve(self.variant(inputs), start)
+        with unwarned():  # they are a column
+            result = self.solve(self.variant(inputs), start)
         values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
