@@ -90,6 +90,7 @@ __all__ = [
     "Profile",
     "Quantity",
     "Residuals",
+    "ResolutionWarning",
     "Response",
     "Result",
     "Rigid",
@@ -121,6 +122,7 @@ __all__ = [
     "solve_wrapped_nip",
     "sweep",
     "theories",
+    "units",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

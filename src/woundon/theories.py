@@ -67,7 +67,7 @@ def _compliance(body: Body, name: str) -> half_plane.Coefficients:
     if body.rigid:
         return half_plane.Coefficients(0.0, 0.0, 0.0)
     if body.surface_material is None:
-        text = f"a {type(body).__name__} is of no linear elastic material, as this theory asks for"
+        text = f"this theory needs a linear elastic material, and a {type(body).__name__} has none"
         raise InvalidProblem.at(name, text)
     return half_plane.coefficients(*body.surface_material.stiffness)
 

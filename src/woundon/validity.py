@@ -31,7 +31,7 @@ class Limit(NamedTuple):
 
 
 LIMITS = {
-    "half width": Limit(0.2, "the gap is no parabola any more"),
+    "half width": Limit(0.2, "the gap is no longer a parabola"),
     "indentation": Limit(0.1, "strains are not small"),
     "peak pressure": Limit(0.1, "the material is not linear there"),
     "shear strain": Limit(0.1, "strains are not small"),

@@ -210,10 +210,10 @@ QUOTED = '"a.b"'
         ("", "is empty; 'woundon new > case.toml' writes a case"),
         ("# only a comment\n", "is empty"),
         ("schema = 1\n", "is empty"),
-        ("schema = 1\nnip_load = 3502 N/m\n", "is no valid TOML*line 2"),
-        ("schema = 1\n[web\n", "is no valid TOML*line 2"),
-        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is no valid TOML*line 3"),
-        (b"\xff\xfe\x00", "is no UTF-8 text, from byte 0"),
+        ("schema = 1\nnip_load = 3502 N/m\n", "is not valid TOML*line 2"),
+        ("schema = 1\n[web\n", "is not valid TOML*line 2"),
+        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is not valid TOML*line 3"),
+        (b"\xff\xfe\x00", "is not UTF-8 text, from byte 0"),
     ],
 )
 def test_bad_file_is_refused(tmp_path, text, said):
@@ -256,7 +256,7 @@ def test_what_is_like_no_case_is_refused_soon(tmp_path, text, said):
     start = time.process_time()
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_case(path)
-    assert str(refusal.value) == f"{path}: is no case file: {said}"
+    assert str(refusal.value) == f"{path}: is not a case file: {said}"
     assert time.process_time() - start < 5  # tomllib alone takes minutes for the long keys
 
 

@@ -182,8 +182,16 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             ["error: --sensitivity: not available for the kind 'wrapped-nip', but for nip"],
         ),
         ([*QUICK, "--wrap-nodes", "30"], 2, ["error: --wrap-nodes: no option of the kind 'nip'"]),
-        (["new", "--study", "rolers"], 2, ["error: kind: 'rolers' is no kind of problem; did you"]),
-        (["new", "rolers"], 2, ["error: kind: 'rolers' is no kind of problem; did you mean 'roll"]),
+        (
+            ["new", "--study", "rolers"],
+            2,
+            ["error: kind: 'rolers' is not a kind of problem; did you"],
+        ),
+        (
+            ["new", "rolers"],
+            2,
+            ["error: kind: 'rolers' is not a kind of problem; did you mean 'roll"],
+        ),
         ([*QUICK, "--nodes", "3"], 2, ["error: nodes: 3"]),
         ([*QUICK, "--nodes", "many"], 2, ["error: Invalid value for '--nodes': 'many'"]),
         ([*QUICK, "--rtol", "0.5"], 2, ["error: rtol: 0.5"]),

@@ -222,6 +222,6 @@ def material(name: str) -> Orthotropic | Isotropic:
     """
     if not isinstance(name, str) or name not in MATERIALS:
         raise InvalidProblem.at(
-            "material", f"{shown(name)} is no named material{did_you_mean(name, MATERIALS)}"
+            "material", f"{shown(name)} is not a named material{did_you_mean(name, MATERIALS)}"
         )
     return MATERIALS[name].material

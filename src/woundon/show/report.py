@@ -58,8 +58,15 @@ def report_parts(result: Result) -> list[Part]:
 def report_text(result: Result) -> str:
     """Return the report of a result of any kind as plain text."""
     paper = StringIO()
-    print_report(result, Console(file=paper, width=WIDTH, color_system=None, legacy_windows=False))
+    print_report(result, _console(paper))
     return paper.getvalue().rstrip("\n")
+
+
+def _console(paper: StringIO) -> Console:
+    return Console(
+        file=paper, width=WIDTH, color_system=None, legacy_windows=False,
+        force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
+    )  # fmt: skip
 
 
 def print_report(result: Result, console: Console) -> None:
@@ -355,7 +362,7 @@ def _field(problem: Description, name: str, value: Any, under: str) -> Row:
 def sensitivity_text(sensitivity: Sensitivity) -> str:
     """Return elasticities as plain text, as the command line prints them."""
     paper = StringIO()
-    print_sensitivity(sensitivity, Console(file=paper, width=WIDTH, color_system=None))
+    print_sensitivity(sensitivity, _console(paper))
     return paper.getvalue().strip("\n")
 
 

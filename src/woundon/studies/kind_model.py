@@ -76,7 +76,7 @@ class KindModel:
     def _check_outputs(self) -> None:
         known = scalar_outputs(self.kind.result)
         if not self.outputs:
-            text = f"none is asked for; known: {', '.join(known)}"
+            text = f"none is given; known: {', '.join(known)}"
             raise InvalidProblem.at("outputs", text)
         twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if twice:
@@ -343,7 +343,7 @@ def _no_output(problem: Problem, name: str) -> str:
     instead = replaced(problem)
     if name in instead:
         return f"no such output: {instead[name]}"
-    return f"no scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
+    return f"not a scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
 
 
 def _value(result: Any, name: str) -> Any:
