@@ -72,6 +72,7 @@ INTENDED = {
     "slip_ratios.*": "borders of the zones are found within a cell; they were half-way between",
     "nip *: wound_on_tension": "is tension_behind_nip, and compared under that name",
     "nip": "of a wrapped nip: is gone, for it invented a problem with a clipped force",
+    "nip 17: nip_induced_tension_error": "a layer thinner than the coarsest cells: told exactly",
     # of 33 nodes: told by two grids alone, whose one change may be small by chance
     **dict.fromkeys(
         (f"wrap {n}: wound_on_tension_error" for n in (3, 7, 10, 13, 15, 20)),

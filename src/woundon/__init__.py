@@ -16,13 +16,19 @@ _HOME = {
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
     "Isotropic": "problems.materials",
+    "Layer": "problems.bodies",
+    "Layered": "problems.bodies",
     "Material": "problems.materials",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
     "NoSteadyState": "errors",
     "NotConverged": "errors",
     "Orthotropic": "problems.materials",
+    "Pfeiffer": "problems.radial_laws",
+    "Polynomial": "problems.radial_laws",
+    "PowerLaw": "problems.radial_laws",
     "Problem": "problems.fields",
+    "Profile": "problems.schedules",
     "Quantity": "quantities",
     "Residuals": "results",
     "ResolutionWarning": "errors",
@@ -33,10 +39,13 @@ _HOME = {
     "RollerResult": "rollers.result",
     "Sensitivity": "nip.sensitivity",
     "SobolIndices": "studies.sobol",
+    "Stack": "problems.stack",
+    "StackTest": "problems.radial_laws",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
+    "WoundRoll": "problems.wound_roll",
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
@@ -66,13 +75,19 @@ __all__ = [
     "HalfPlane",
     "InvalidProblem",
     "Isotropic",
+    "Layer",
+    "Layered",
     "Material",
     "NipProblem",
     "NipResult",
     "NoSteadyState",
     "NotConverged",
     "Orthotropic",
+    "Pfeiffer",
+    "Polynomial",
+    "PowerLaw",
     "Problem",
+    "Profile",
     "Quantity",
     "Residuals",
     "ResolutionWarning",
@@ -83,10 +98,13 @@ __all__ = [
     "RollerResult",
     "Sensitivity",
     "SobolIndices",
+    "Stack",
+    "StackTest",
     "Thesis",
     "Tractions",
     "ValidityWarning",
     "Web",
+    "WoundRoll",
     "WrappedNipProblem",
     "WrappedNipResult",
     "Zone",
@@ -130,6 +148,8 @@ if TYPE_CHECKING:
     from .problems.bodies import Body as Body
     from .problems.bodies import Cylinder as Cylinder
     from .problems.bodies import HalfPlane as HalfPlane
+    from .problems.bodies import Layer as Layer
+    from .problems.bodies import Layered as Layered
     from .problems.bodies import Rigid as Rigid
     from .problems.fields import Problem as Problem
     from .problems.materials import Isotropic as Isotropic
@@ -139,7 +159,14 @@ if TYPE_CHECKING:
     from .problems.nip import NipProblem as NipProblem
     from .problems.nip import Web as Web
     from .problems.nip import WrappedNipProblem as WrappedNipProblem
+    from .problems.radial_laws import Pfeiffer as Pfeiffer
+    from .problems.radial_laws import Polynomial as Polynomial
+    from .problems.radial_laws import PowerLaw as PowerLaw
+    from .problems.radial_laws import StackTest as StackTest
     from .problems.rollers import RollerProblem as RollerProblem
+    from .problems.schedules import Profile as Profile
+    from .problems.stack import Stack as Stack
+    from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
     from .results import Result as Result

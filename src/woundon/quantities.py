@@ -26,8 +26,9 @@ from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
-    "Place", "Quantity", "angle", "find", "is_list", "length", "line_load", "members_of", "output",
-    "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain", "stress", "value_of",
+    "OF_FIELD", "Place", "Quantity", "angle", "find", "is_list", "length", "line_load",
+    "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain",
+    "stress", "value_of",
     "walk",
 ]  # fmt: skip
 
@@ -79,6 +80,8 @@ class Quantity:
             return self.unit, value
         return self.shown_unit, self.shown(value)
 
+
+OF_FIELD = "of the field that holds it"  # in place of a quantity
 
 Range = tuple[float, float] | None
 _POSITIONAL = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
@@ -176,7 +179,7 @@ class Place(NamedTuple):
         return self.path.rpartition(".")[2]
 
 
-def walk(thing: Any, prefix: str = "") -> Iterator[Place]:
+def walk(thing: Any, prefix: str = "", of_field: Quantity | None = None) -> Iterator[Place]:
     """Yield every leaf of a description, or every output of a result, in the order of definition.
 
     Parameters
@@ -186,6 +189,8 @@ def walk(thing: Any, prefix: str = "") -> Iterator[Place]:
         open set) or of a result (fields, then properties and methods that take no argument).
     prefix : str
         Put before every path.
+    of_field : Quantity, optional
+        That of the field which holds the description, for what is marked ``OF_FIELD``.
     """
     of = thing if isinstance(thing, type) else type(thing)
     if not hasattr(of, "model_fields"):
@@ -193,54 +198,62 @@ def walk(thing: Any, prefix: str = "") -> Iterator[Place]:
         return
     for name, field in of.model_fields.items():
         path = f"{prefix}{name}"
+        quantity = quantity_of(field, of_field)
         if thing is of:
-            yield from _walk_annotation(field, path, of)
+            yield from _walk_annotation(Place(path, quantity, field, of))
         else:
-            yield from _walk_value(getattr(thing, name), field, path, of)
+            yield from _walk_value(Place(path, quantity, field, of, getattr(thing, name)))
 
 
-def _walk_value(value: Any, field: Any, path: str, owner: type) -> Iterator[Place]:
+def _walk_value(place: Place) -> Iterator[Place]:
+    path, value = place.path, place.value
     if hasattr(type(value), "model_fields"):
-        yield from walk(value, f"{path}.")
+        yield from walk(value, f"{path}.", place.quantity)
     elif isinstance(value, tuple) and any(hasattr(type(v), "model_fields") for v in value):
         for k, item in enumerate(value):
-            yield from _walk_value(item, field, f"{path}.{k}", owner)
+            yield from _walk_value(place._replace(path=f"{path}.{k}", value=item))
     else:
-        yield Place(path, _as_chosen(path, quantity_of(field)), field, owner, value)
+        yield place._replace(quantity=_as_chosen(path, place.quantity))
 
 
-def _walk_annotation(field: Any, path: str, owner: type) -> Iterator[Place]:
-    inner = members_of(field.annotation)
-    if not inner:
-        yield Place(path, _as_chosen(path, quantity_of(field)), field, owner)
-    part = f"{path}.*." if is_list(field.annotation) else f"{path}."
+def _walk_annotation(place: Place) -> Iterator[Place]:
+    annotation = place.field.annotation
+    inner = members_of(annotation)
+    if not inner or float in get_args(annotation):
+        yield place._replace(quantity=_as_chosen(place.path, place.quantity))
+    part = f"{place.path}.*." if is_list(annotation) else f"{place.path}."
     for model in inner:
-        yield from walk(model, part)
+        yield from walk(model, part, place.quantity)
 
 
-def find(thing: Any, path: str) -> tuple[Place, ...]:
+def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place, ...]:
     """Return the places of a dotted name below a description's class or instance; () if none.
 
     A field that only another body or material than the present one has is found too, and so is one
     of any item of a list; a path that ends at a description gives the places of its field.
     """
     of = thing if isinstance(thing, type) else type(thing)
-    models: tuple[type, ...] = (of,)
+    models: tuple[tuple[Any, Quantity | None], ...] = ((of, of_field),)
     found: tuple[Place, ...] = ()
     parts = path.split(".")
     for k, name in enumerate(parts):
         if found and name.isdigit() and is_list(found[0].field.annotation):
             continue
         below = ".".join(parts[: k + 1])
-        fields = ((m, m.model_fields[name]) for m in models if name in m.model_fields)  # type: ignore[attr-defined]
-        found = tuple(Place(below, _as_chosen(below, quantity_of(field)), field, m)
-                      for m, field in fields)  # fmt: skip
-        models = tuple(m for place in found for m in members_of(place.field.annotation))
+        fields = ((m, m.model_fields[name], above) for m, above in models if name in m.model_fields)
+        found = tuple(Place(below, _as_chosen(below, quantity_of(field, above)), field, m)
+                      for m, field, above in fields)  # fmt: skip
+        models = tuple((m, p.quantity) for p in found for m in members_of(p.field.annotation))
     return found
 
 
-def quantity_of(field: Any) -> Quantity | None:
-    """Return the quantity in a pydantic field's metadata."""
+def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None:
+    """Return the quantity in a pydantic field's metadata.
+
+    What is marked ``OF_FIELD``, as a profile's values, has that of the field which holds it all.
+    """
+    if OF_FIELD in field.metadata:
+        return of_field
     return next((part for part in field.metadata if isinstance(part, Quantity)), None)
 
 

@@ -172,6 +172,8 @@ class Result(ReadOnly):
         broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= ACCEPTED_RESIDUAL]
         if broken or not self.residuals.largest <= ACCEPTED_RESIDUAL:
             told = ", ".join(broken) or "there is no certificate"
+            if any(law.startswith("positive_pressure") for law in broken):
+                told += "; the surfaces part within the contact, which is taken for one piece"
             outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
             text = "; ".join((f"laws are not satisfied to 1e-8: {told}", *outside))
             raise NotConverged(text, self)

@@ -12,13 +12,13 @@ no web, is the business of the rooms above.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .contact.loop import Level
+from .contact.loop import Before, Level
 from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns
 from .contact.schemes import Mesh, scheme_of
@@ -28,13 +28,16 @@ from .problems.bodies import ContactProblem, half_width_guess
 
 __all__ = [
     "About", "Matrices", "PairContact", "PairEquations", "PairState", "approach", "far_outside",
-    "frictionless_load", "mesh_of",
+    "frictionless_load", "mesh_of", "within",
 ]  # fmt: skip
 
 Array = np.ndarray
 # what loads body 1 and body 2; those that are not linear are linearised about it
 About = tuple[Tractions, Tractions] | None
 
+SHARE = (
+    0.3  # of the largest pressure, under which a linear body is about as stiff as a hardening one
+)
 GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
 
 
@@ -132,6 +135,11 @@ class PairEquations:
         """Where the tractions of each face are, in units of a."""
         return (self.mesh.columns,) * (self.pressure_response.shape[1] // self.mesh.unknowns)
 
+    @property
+    def places(self) -> Array:
+        """Where the loads of the bodies are given, in units of a."""
+        return self.mesh.columns
+
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem, the normal problem put in."""
         raise NotImplementedError
@@ -150,7 +158,9 @@ class PairEquations:
         return float(self.matrices.weights @ state.pressure)
 
     def frictionless(self) -> float | None:
-        """Return the integral of the pressure without tractions [N/m]."""
+        """Return the integral of the pressure without tractions [N/m]; linear bodies tell it."""
+        if not self.problem.linear:
+            return None
         return float(self.matrices.weights @ self.pressure)
 
     def imbalance(self, state: PairState) -> float:
@@ -204,8 +214,25 @@ def approach(problem: ContactProblem, made: Matrices, state: PairState, v: float
         made.responses, made.loads(state.pressure, state.traction), strict=True
     ):
         by_p, by_q = response.normal()
-        v += float((by_p @ p)[0]) + float((by_q @ q)[0])
+        v += float((by_p @ p)[0]) + float((by_q @ q)[0]) + float(response.rest()[0][0])
     return float(a**2 / (2 * problem.contact_radius) - v - state.shift * a)
+
+
+def within(problem: ContactProblem, responses: Iterable[Response | None]) -> dict[str, float]:
+    """Return the law of equilibrium inside bodies that had to find one, for the certificate.
+
+    Raises
+    ------
+    InvalidProblem
+        If a body's state is outside the range of its law.
+    """
+    found = {}
+    for name, response in zip(problem.pair, responses, strict=True):
+        if response is not None and response.outside:
+            raise InvalidProblem.at(name, response.outside)
+        if response is not None and response.imbalance is not None:
+            found[f"{name}_equilibrium"] = response.imbalance
+    return found
 
 
 def mesh_of(result: Any) -> Mesh:
@@ -262,6 +289,17 @@ class PairContact:
         """Whether a body is not linear."""
         return not self.problem.linear
 
+    def stand_in(self, peak: float | None) -> Self | None:
+        """Return the contact of linear bodies as stiff as these are under a largest pressure."""
+        pressure = SHARE * (peak or self.load / half_width_guess(self.load, *self.problem.bodies))
+        linear = {
+            name: body.stand_in(pressure)
+            for name, body in zip(self.problem.pair, self.problem.bodies, strict=True)
+        }
+        if None in linear.values():
+            return None
+        return replace(self, problem=self.problem.replace(**linear))
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         return half_width_guess(self.load, *self.problem.bodies)
@@ -270,12 +308,11 @@ class PairContact:
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         return frictionless_load(self.problem, mesh, a)
 
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> Any:
+    def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
         """Return the loads about which bodies that are not linear are linearised."""
         if before is None or self.problem.linear:
             return None
-        old, new = before.mesh.columns, mesh.columns
-        return tuple(on_columns(old, new, loads) for loads in before.state.known)
+        return tuple(on_columns(before.places, mesh.columns, load) for load in before.about)
 
     def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
         """Return the equations for the half width a [m]."""

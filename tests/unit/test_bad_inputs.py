@@ -20,7 +20,7 @@ import pytest
 import woundon as wo
 from woundon.cli import main
 
-BODY = "Rigid, HalfPlane or Cylinder (or a table of its fields)"
+BODY = "Rigid, HalfPlane, Cylinder, Layered or WoundRoll (or a table of its fields)"
 MATERIAL = (
     "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
 )
@@ -220,11 +220,11 @@ PROBLEMS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     ),
     (
         nip, {"roll": wo.Rigid(radius=0.1)},
-        "roll: roll and drum are both Rigid; one must be HalfPlane or Cylinder",
+        "roll: roll and drum are both Rigid; one must be elastic",
     ),
     (
         rollers, {"upper": wo.Rigid(radius=0.1), "lower": wo.Rigid(radius=0.1)},
-        "upper: upper and lower are both Rigid; one must be HalfPlane or Cylinder",
+        "upper: upper and lower are both Rigid; one must be elastic",
     ),
     (
         rollers, {"creepage": 1e-4, "tangential_load": 5.0},
@@ -284,7 +284,7 @@ NAMES: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     (nip, {"kind": "nip"}, f"kind: no such field; known: {NIP_FIELDS}"),
     (
         wo.Rigid, {"radius": 1.0, "core_radius": 0.5},
-        "core_radius: no such field in Rigid, but in Cylinder; known: radius",
+        "core_radius: no such field in Rigid, but in Cylinder and WoundRoll; known: radius",
     ),
     (
         wo.Rigid, {"radius": 1.0, "material": "steel"},
@@ -350,17 +350,20 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 50 [m]"),
     (
         {"drum": {"kind": "rigd", "radius": 1}},
-        "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
+        "drum.kind: 'rigd' is unknown; must be 'rigid', 'half_plane', 'cylinder', "
+        "'layered' or 'wound_roll'; "
         "did you mean 'rigid'?",
     ),
     (
         {"drum": {"kind": "half-plane", "radius": 1}},
-        "drum.kind: 'half-plane' is unknown; must be 'rigid', 'half_plane' or 'cylinder'; "
+        "drum.kind: 'half-plane' is unknown; must be 'rigid', 'half_plane', 'cylinder', "
+        "'layered' or 'wound_roll'; "
         "did you mean 'half_plane'?",
     ),
     (
         {"drum": {"kind": None, "radius": 1}},
-        "drum.kind: None is unknown; must be 'rigid', 'half_plane' or 'cylinder'",
+        "drum.kind: None is unknown; must be 'rigid', 'half_plane', 'cylinder', "
+        "'layered' or 'wound_roll'",
     ),
     # a field that happens to be called like a kind
     ({"drum": {"radius": 1, "rigid": 3}}, "drum.rigid: no such field; known: radius"),
@@ -443,7 +446,7 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
     ),
     (
         {"drum.core_radius": 0.05},
-        "drum.core_radius: no such field in Rigid, but in Cylinder; known: radius",
+        "drum.core_radius: no such field in Rigid, but in Cylinder and WoundRoll; known: radius",
     ),
     (
         {"roll.kind": "rigid"},

@@ -185,12 +185,32 @@ def test_the_rank_resolves_kernels_that_vary_fast(slenderness: float) -> None:
     np.testing.assert_allclose(made, known, atol=1e-4 + 2e-5 * pi)
 
 
-def test_rank_grows_with_slenderness_and_is_bounded() -> None:
+def test_rank_grows_with_slenderness() -> None:
     ranks = [interpolation_rank(length, 1.0) for length in (np.inf, 10.0, 1.0, 0.1, 0.01, 1e-9)]
     assert ranks[0] == ranks[1] == ranks[2] == 24
     assert ranks == sorted(ranks)
     assert ranks[3] == round(20 / asinh(0.1))
-    assert ranks[-1] == 1200
+    assert ranks[-1] > 1e9  # the grid then takes the kernel's second integral
+
+
+def test_a_kernel_is_integrated_as_its_second_integral_tells() -> None:
+    """However short it varies: 1/(t^2 + d^2), d a thousandth of a cell, closed form."""
+    d, a = 1e-5, 4e-3
+    kernel = Kernel(
+        smooth=lambda t: 1 / (t**2 + d**2),
+        twice=lambda t: t * np.arctan(t / d) / d - np.log(t**2 + d**2) / 2,
+    )
+    made = UNEVEN.integrate(kernel, a, rank=10_000)
+    m, k = 1, 2  # one hat from one point
+    x0, x1, x2, y = (*(a * UNEVEN.nodes[m : m + 3]), a * UNEVEN.points[k])
+
+    def hat(s: float) -> float:
+        return float(np.interp(s, [x0, x1, x2], [0.0, 1.0, 0.0]) / ((y - s) ** 2 + d**2))
+
+    marks = sorted({x0, x1, x2, *(p for p in (y - 3 * d, y, y + 3 * d) if x0 < p < x2)})
+    pieces = pairwise(marks)
+    expected = sum(quad(hat, *ends, epsabs=0, epsrel=1e-12, limit=200)[0] for ends in pieces)
+    assert made[k, m] == pytest.approx(expected, rel=1e-10)
 
 
 def test_all_parts_together_in_metres() -> None:

@@ -23,6 +23,7 @@ from typing import Protocol
 import numpy as np
 
 __all__ = [
+    "HIGHEST_RANK",
     "Grid",
     "KernelParts",
     "cosine_grid",
@@ -33,6 +34,8 @@ __all__ = [
 ]
 
 Array = np.ndarray
+
+HIGHEST_RANK = 600
 
 
 class KernelParts(Protocol):
@@ -61,6 +64,11 @@ class KernelParts(Protocol):
     @property
     def smooth(self) -> Callable[[Array], Array] | None:
         """The rest."""
+        ...
+
+    @property
+    def twice(self) -> Callable[[Array], Array] | None:
+        """The second integral of the whole kernel, where it is known."""
         ...
 
 
@@ -155,6 +163,11 @@ class Grid:
         inside = (part >= 0) & (part < 1)
         return self._hats(np.where(inside, 1.0, 0.0), np.where(inside, part, 0.0))
 
+    @property
+    def highest_rank(self) -> int:
+        """The rank up to which kernels are interpolated: polynomials that the cells still see."""
+        return min(HIGHEST_RANK, 8 * self.cells.size)
+
     def interpolation(self, rank: int) -> tuple[Array, Array]:
         """Return Lagrange polynomials at the points (K, r) and their hat moments (r, n)."""
         made = self._made.get(rank)
@@ -196,13 +209,17 @@ class Grid:
         rows : slice
             Which points; all by default.
         rank : int
-            Interpolation points a direction for the smooth part, at least 24.
+            Interpolation points a direction for the smooth part, at least 24; where it asks for too
+            many, the kernel's second integral is taken instead.
 
         Returns
         -------
         (K, n) array
             int k(a (y - s)) psi_m(s) a ds at each point y.
         """
+        if rank > self.highest_rank and kernel.twice is not None:
+            return self.by_second_integral(kernel.twice, scale, rows)
+        rank = min(rank, HIGHEST_RANK)
         out = np.zeros((self.points[rows].size, self.unknowns))
         if kernel.inverse:
             out += kernel.inverse * self.inverse[rows]
@@ -218,6 +235,14 @@ class Grid:
             core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
         return out
+
+    def by_second_integral(
+        self, twice: Callable[[Array], Array], scale: float, rows: slice = slice(None)
+    ) -> Array:
+        """Integrate a kernel k = K'' against the inner hats by differences of K, exactly."""
+        t = scale * (self.points[rows, None] - self.nodes)
+        rise = np.diff(twice(t), axis=1) / (scale * self.cells)
+        return np.diff(rise, axis=1)
 
     def integrate_together(
         self,
@@ -237,6 +262,9 @@ class Grid:
             a [m].
         rank : int
         """
+        if rank > self.highest_rank and all(k.twice is not None for k in kernels):
+            return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
+        rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
         singular, shape = self._singular, (len(kernels), self.points.size, self.unknowns)
         if smooth is None:

@@ -15,7 +15,7 @@ that is not linear, behind the equations.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import exp, isnan, log, nan
 from typing import Any, NamedTuple, Protocol
@@ -59,6 +59,7 @@ class Tolerance(NamedTuple):
 FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
+STAND_INS = 3  # linear contacts before one that is not
 MOST_PASSES = 20  # linearisations about what was found before
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -118,12 +119,24 @@ class Equations(Protocol):
         """Where each face's unknown tractions are, in units of a."""
         ...
 
+    @property
+    def places(self) -> Array:
+        """Where what is linearised about is given, in units of a."""
+        ...
+
 
 class Known(NamedTuple):
     """What is known before a half width is tried: a state to linearise about, and zones."""
 
     about: Any
     zones: Array | None
+
+
+class Before(NamedTuple):
+    """What another mesh, or a neighbouring case, was linearised about."""
+
+    places: Array  # in units of a
+    about: Any
 
 
 class Contact(Protocol):
@@ -157,6 +170,10 @@ class Contact(Protocol):
         """
         ...
 
+    def stand_in(self, peak: float | None) -> Contact | None:
+        """Return a linear contact to start from, for this largest pressure; None if unknown."""
+        ...
+
     def guess(self) -> float:
         """Return a half width to start from [m]."""
         ...
@@ -165,7 +182,7 @@ class Contact(Protocol):
         """Return the load that a frictionless contact of half width a carries [N/m]."""
         ...
 
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> Any:
+    def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
         """Return what to linearise about on a mesh, after another or to begin with."""
         ...
 
@@ -225,6 +242,10 @@ class Start:
         The solved mesh itself.
     widths : Widths, optional
         Those of a neighbouring case, at the load asked.
+    before : Before, optional
+        What it was linearised about.
+    rough : bool
+        Whether it is no more than a guess.
     """
 
     half_width: float
@@ -234,6 +255,8 @@ class Start:
     frictionless: tuple[float, float] | None = None
     level: Level | None = None
     widths: Widths | None = None
+    before: Before | None = None
+    rough: bool = False
 
     def zones_on(self, faces: Sequence[Array]) -> Array:
         """Carry the zones over: each new node takes that of the nearest old one of its face."""
@@ -275,7 +298,8 @@ class Level:
         frictionless = None if load is None else (self.state.half_width, load)
         zones = self.state.solution.state
         return Start(
-            self.half_width, self.equations.faces, zones, self.power, frictionless, self
+            self.half_width, self.equations.faces, zones, self.power, frictionless, self,
+            before=Before(self.equations.places, self.state.known),
         )  # fmt: skip
 
     def borders(self) -> Array:
@@ -339,6 +363,8 @@ class Ladder:
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
             start = self.level.start
+        if self.contact.settles_apart:  # there the coarsest mesh is but a start
+            del self.history[:-2]
         self._tell()
 
     def climb_fitted(self, counts: Sequence[int], coarse: Tolerance) -> None:
@@ -454,15 +480,17 @@ class Ladder:
         """Find stick and slip for a half width, inside the iteration on the half width."""
         contact = self.contact
         if start is None:
+            start = self._stand_in(mesh)
+        if start is None:
             a, power = self._frictionless(mesh)
         else:
             a, power = self._carried_over(start, mesh), start.power
-        about = contact.about(mesh, a, None if start is None else start.level)
+        about = contact.about(mesh, a, None if start is None else start.before)
         step = _Step(self, mesh, Known(about, None), start, tolerance)
         for _ in range(MOST_PASSES):
             (equations, state), power = self._width(step.at, a, tolerance.load, power)
             a = state.half_width
-            if step.imbalance <= tolerance.balance:
+            if step.settled:
                 contact.refuse(equations, state)
                 carried_over = start is not None and start.level is not None
                 # what the frictionless contact left, the share of it included that was foreseen
@@ -503,6 +531,20 @@ class Ladder:
 
         return self._width(evaluate, self.contact.guess(), 1e-2, 2.0)
 
+    def _stand_in(self, mesh: Mesh) -> Start | None:
+        """Return what linear bodies, about as stiff as the present ones, start from; or None."""
+        peak: float | None = None
+        start: Start | None = None
+        for _ in range(STAND_INS if self.contact.settles_apart else 0):
+            linear = self.contact.stand_in(peak)
+            if linear is None:
+                return None
+            ladder = Ladder(linear, self.scheme, self.target, self.find_zones)
+            level = ladder._solved(mesh, start, COARSE)
+            peak, start = float(np.max(level.state.pressure)), replace(level.start, level=None)
+            start = replace(start, frictionless=None, rough=True)
+        return start
+
     def _width(
         self, evaluate: Callable[[float], tuple[Any, float]], guess: float, rtol: float,
         power: float,
@@ -523,16 +565,25 @@ class _Step:
         self, ladder: Ladder, mesh: Mesh, known: Known, start: Start | None, tolerance: Tolerance
     ) -> None:
         self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
-        self.tolerance, self.imbalance = tolerance, float("inf")
+        self.tolerance = tolerance
+        self.latest: tuple[Any, Any]
         self.missed = nan  # ln of the load carried at first over that asked
+        # from a neighbouring state, linearisation and width settle together
+        self.apart = ladder.contact.settles_apart and (start is None or start.rough)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the last state is what its equations were linearised about."""
+        equations, state = self.latest
+        return bool(equations.imbalance(state) <= self.tolerance.balance)
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
         """Return equations, state and carried load for the half width a [m]."""
         contact = self.ladder.contact
         equations, state = self._linear(a)
         # where bodies are not linear, a load means something only once they have settled
-        for _ in range(MOST_PASSES if contact.settles_apart else 0):
-            if self.imbalance <= self.tolerance.balance:
+        for _ in range(MOST_PASSES if self.apart else 0):
+            if self.settled:
                 break
             equations, state = self._linear(a)
         carried = float(equations.carried(state))
@@ -553,7 +604,7 @@ class _Step:
                 f"stick and slip not found ({solution.ending.name}): {solution.ending.value}"
             )
         self.known = Known(state.known, solution.state)
-        self.imbalance = equations.imbalance(state)
+        self.latest = equations, state
         return equations, state
 
     def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:

@@ -7,6 +7,7 @@ one in each cell and one at the end, in units of the half width a.  At every poi
     eps   = strain + strain_p p + strain_q q       eps: strain along the surface
 
 where slope and strain, what the linearisation leaves at zero tractions, are nil for a linear body.
+A body that had to find an equilibrium inside it to answer says how well that is kept.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["ContactGrid", "Response", "Tractions", "on_columns", "padded"]
+__all__ = ["ContactGrid", "Displace", "Gradients", "Response", "Tractions", "on_columns", "padded"]
 
 Array = np.ndarray
 Gradients = tuple[Array, Array, Array, Array]
-# points in units of a, or None for the grid's last one -> (k, n) by unit p and by unit q [m/Pa]
+# points in units of a, or None for the grid's last one -> (k, n) by unit p and by unit q [m/Pa];
+# or of what there is without tractions: v and u, (k,) [m]
 Displace = Callable[[Array | None], tuple[Array, Array]]
 
 
@@ -50,6 +52,11 @@ class ContactGrid(Protocol):
     @property
     def columns(self) -> Array:
         """Where the unknown nodal tractions are, (n,)."""
+        ...
+
+    @property
+    def nodes(self) -> Array:
+        """Nodes of the piecewise linear tractions: the columns, and ends where they vanish."""
         ...
 
     @property
@@ -94,6 +101,13 @@ class Response:
         The displacement v, and u along +x, at any points (see the methods); nil without.
     slope, strain : (K,) arrays or 0
         What a linearised body has at zero tractions.
+    rest : callable, optional
+        The displacements v and u that it has then, at any points; nil without.
+    imbalance : float or None
+        What forces inside the body leave of its equilibrium, relative to the load; None where it
+        had none to find.
+    outside : str
+        Empty, or in what the body is outside the range of its own law.
     pressure_slope : callable, optional
         Makes slope_p in the cells alone, (K-1, n), where that is cheaper.
     terms : int
@@ -108,13 +122,17 @@ class Response:
         *,
         slope: Array | float = 0.0,
         strain: Array | float = 0.0,
+        rest: Displace | None = None,
+        imbalance: float | None = None,
+        outside: str = "",
         pressure_slope: Callable[[], Array] | None = None,
         terms: int = 0,
         truncation_error: float = 0.0,
     ) -> None:
         self._gradients, self._pressure_slope = gradients, pressure_slope
         self._normal, self._tangent = normal, tangent
-        self.slope, self.strain = slope, strain
+        self.slope, self.strain, self._rest = slope, strain, rest
+        self.imbalance, self.outside = imbalance, outside
         self.terms, self.truncation_error = terms, truncation_error
 
     @property  # not kept: they are asked for once, and fill the processor's memory
@@ -135,6 +153,12 @@ class Response:
     def tangent(self, points: Array | None = None) -> tuple[Array, Array]:
         """Return u along +x at points in units of a, by p and by q, (k, n) each [m/Pa]."""
         return self._displacement(self._tangent, points)
+
+    def rest(self, points: Array | None = None) -> tuple[Array, Array]:
+        """Return v and u at zero tractions, (k,) each [m]; nil of a linear body."""
+        if self._rest is not None:
+            return self._rest(points)
+        return (np.zeros(1 if points is None else points.size),) * 2
 
     def _displacement(self, displace: Displace | None, points: Array | None) -> tuple[Array, Array]:
         if displace is not None:

@@ -34,7 +34,7 @@ RESOLVED = MOST_RANK / 20  # of the length on which kernels vary: the half width
 
 def interpolation_rank(length: float, a: float, least: int = 24) -> int:
     """Return the interpolation points that resolve kernels varying on ``length`` over [-a, a]."""
-    return int(min(max(least, round(20 / asinh(length / a))), MOST_RANK))
+    return max(least, round(20 / asinh(length / a)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,36 +1,19 @@
-"""The linear elastic, orthotropic cylinder on a rigid core (thesis sec. 2.2).
+"""The linear elastic, orthotropic cylinder of layers on a core (thesis sec. 2.2): its kernels.
 
-A surface load cos(n theta), sin(n theta) deforms every circle r in the same pattern, so that the
-displacements (U, V) and the stresses times radius (S, T) of the n-th harmonic,
-
-    u_r = U cos(n theta),  u_theta = V sin(n theta),  r sigma_r = S cos(..),  r tau = T sin(..),
-
-obey, in y = ln(r/R), a linear system with constant coefficients (thesis eqs. 34, 35):
-
-    d/dy [w]   [F   N  ] [w]        w = (U, V),  t = (S, T),  a = A_rt/A_rr,  k = (1, n)
-         [t] = [K  -F' ] [t],       F = [[-a, -a n], [n, 1]],  N = diag(1/A_rr, 1/G),
-                                    K = D k k',  D = A_tt - A_rt^2/A_rr.
-
-N and K are positive semidefinite and stay finite for incompressible materials.  The surface
-compliance Y_n, w = Y_n t at r = R with w = 0 at r = R0, holds the characteristic sequences (57):
+The surface compliance Y_n, w = Y_n t at r = R (:mod:`.layers`), holds the thesis's characteristic
+sequences (57) of a cylinder on a rigid core:
 
     R Y_n = [[ gamma_1, -gamma_2],
              [-chi_1,    chi_2  ]],        symmetric by Betti's theorem.
 
-The thesis builds Y_n from the roots of (43) and powers of r; these overflow, coincide, and cancel
-in thin or nearly incompressible layers.  Here a thin layer's response is squared again and again
-(the doubling of Riccati equations): only positive semidefinite matrices are added, no root is ever
-computed, n = 0 and n = 1 are no exceptions, and nothing overflows.
-
-For large n the core is not felt and Y_n solves the algebraic Riccati equation
+For large n nothing below the outermost layer is felt, and Y_n solves the algebraic Riccati equation
 F Y + Y F' + N - Y K Y = 0, whose solution in powers of 1/n gives the closed form parts of the sums.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, log, log1p, log2, pi, sqrt
+from math import log, log1p, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -38,11 +21,13 @@ import numpy as np
 from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import SurfaceKernels
+from .layers import Layers, Systems, stacked_compliance
 from .strip import stiffness_along
 
 __all__ = [
     "Sequences",
     "asymptotic_compliance",
+    "layered_kernels",
     "sequences",
     "surface_compliance",
     "surface_kernels",
@@ -52,8 +37,13 @@ Array = np.ndarray
 Stiffness = tuple[float, float, float, float, float | None]  # A_rr, A_tt, A_rt, G, D
 
 MAX_TERMS = 1 << 18
+MAX_LAYERED_TERMS = 1 << 16  # waves down to a ten-thousandth of the radius
 TOLERANCE = 1e-12  # of the sums, relative to their leading term
 HIGHEST_POWER = 6  # of 1/n, summed in closed form
+DIRECT = 2048  # so many harmonics are each computed
+LOWEST = 64  # from here on they are interpolated where there are more
+ROUNDING = 1e-13  # of n Y_n, what interpolation leaves
+CUT = 1e-9  # left of n Y_n at the last harmonic: a layer too thin for the series
 
 
 class Sequences(NamedTuple):
@@ -85,8 +75,6 @@ def sequences(
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
-    D : float, optional
-        :func:`.strip.stiffness_along`, where it is known better than by the others.
 
     Notes
     -----
@@ -106,135 +94,10 @@ def _depth(radius: float, core_radius: float) -> float:
 
 
 def surface_compliance(
-    n: Array,
-    depth: float,
-    A_rr: float,
-    A_tt: float,
-    A_rt: float,
-    G: float,
-    D: float | None = None,
+    n: Array, depth: float, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
 ) -> Array:
     """Return Y_n [1/Pa], shape (2, 2) + n.shape, of a layer of depth ln(R/R0) on a rigid core."""
-    n = np.asarray(n, dtype=float)
-    layer = _Layer(A_rr, A_tt, A_rt, G, D)
-    blocks = np.array_split(n.ravel(), max(1, n.size // 4096))  # each stays in the cache
-    Y = np.concatenate([layer.compliance(block, depth) for block in blocks], axis=-1)
-    return Y.reshape((2, 2, *n.shape))
-
-
-@dataclass(frozen=True)
-class _Layer:
-    """The coefficients of the system above."""
-
-    A_rr: float
-    A_tt: float
-    A_rt: float
-    G: float
-    known_D: float | None = None
-
-    @property
-    def D(self) -> float:
-        """A_tt - A_rt^2/A_rr [Pa]."""
-        return self.known_D or stiffness_along(self.A_rr, self.A_tt, self.A_rt)
-
-    @property
-    def unit(self) -> float:
-        """A stress [Pa] that makes N and K of one size."""
-        return sqrt(self.D * min(self.A_rr, self.G))
-
-    def roots(self, n: Array) -> tuple[Array, Array]:
-        """Return lambda_1 + lambda_3 and lambda_1 lambda_3, growing roots of thesis eq. (43).
-
-        For n = 0 their difference and minus their product: the even functions below stay right.
-        """
-        A_rr, A_tt, A_rt, G = self.A_rr, self.A_tt, self.A_rt, self.G
-        s = sqrt(A_rr * A_tt)
-        product = s / A_rr * (n * n - 1)
-        # mu_n + sqrt(kappa_n) of (45), written as a sum of positive terms
-        steep = n * n * self.D * (1 / G + 2 / (s + A_rt)) + (1 - sqrt(A_tt / A_rr)) ** 2
-        return np.sqrt(steep), product
-
-    def reach(self, n: Array, depth: float) -> Array:
-        """Return the depth to which the n-th harmonic needs to be followed, at most ``depth``."""
-        total, product = self.roots(n)
-        slowest = np.minimum(total / 2, product / np.maximum(total, 1e-300))
-        slowest[n < 2] = 0.0  # torsion and translation reach the core at any depth
-        return np.minimum(depth, 20 / np.maximum(slowest, 1e-300))
-
-    def compliance(self, n: Array, depth: float) -> Array:
-        """Return Y_n [1/Pa], shape (2, 2, n)."""
-        steps = self.reach(n, depth)
-        m = np.maximum(n, 1.0)
-        size = max(self.A_rt / self.A_rr, 1.0, sqrt(self.D / min(self.A_rr, self.G)))
-        doublings = max(0, ceil(log2(8 * size * (m * steps).max())))
-        E, Q, H = self.thin(n, steps / 2**doublings)
-        for _ in range(doublings):
-            E, Q, H = _double(E, Q, H)
-        return Q / (m * self.unit)
-
-    def matrix(self, n: Array, h: Array) -> Array:
-        """Return h times the system's matrix, stresses in n * unit, shape (n, 4, 4)."""
-        a, D, m = self.A_rt / self.A_rr, self.D, np.maximum(n, 1.0) * self.unit
-        M = np.zeros((n.size, 4, 4))
-        M[:, 0, 0], M[:, 0, 1], M[:, 1, 0], M[:, 1, 1] = -a, -a * n, n, 1.0
-        M[:, 0, 2], M[:, 1, 3] = m / self.A_rr, m / self.G
-        M[:, 2, 0] = D / m
-        M[:, 2, 1] = M[:, 3, 0] = n * D / m
-        M[:, 3, 1] = n * n * D / m
-        M[:, 2:, 2:] = -M[:, :2, :2].swapaxes(1, 2)
-        return M * h[:, None, None]
-
-    def thin(self, n: Array, h: Array) -> tuple[Array, Array, Array]:
-        """Return E, Q, H of a thin layer, w1 = (I+E) w0 + Q t1 and t0 = (I+E)' t1 - H w0."""
-        M = self.matrix(n, h)
-        total, product = self.roots(n)
-        c = (product * h * h) ** 2
-        b = (total * h) ** 2 - 2 * product * h * h
-        # e^M = f0 + f1 M + f2 M^2 + f3 M^3, as M^4 = b M^2 - c
-        alpha, beta = np.ones_like(h), np.zeros_like(h)
-        f0, f1, f2, f3 = (np.zeros_like(h) for _ in range(4))
-        weight = 1.0
-        for k in range(1, 8):
-            weight /= 2 * k * (2 * k - 1)
-            f0 += weight * beta
-            f2 += weight * alpha
-            f1 += weight / (2 * k + 1) * beta
-            f3 += weight / (2 * k + 1) * alpha
-            alpha, beta = b * alpha + beta, -c * alpha
-        square = M @ M
-        f0, f1, f2, f3 = (f[:, None, None] for f in (f0, f1, f2, f3))
-        change = M + f1 * M + f2 * square + f3 * (square @ M) + f0 * np.eye(4)  # e^M - I
-        change = np.moveaxis(change, 0, -1)
-        upper, lower, last = change[:2, 2:], change[2:, :2], change[2:, 2:]
-        inverse = _inverse_of_one_plus(last)
-        E = -_mul(inverse, last).swapaxes(0, 1)
-        return E, _mul(upper, inverse), _mul(inverse, lower)
-
-
-def _mul(X: Array, Y: Array) -> Array:
-    """Multiply 2 x 2 matrices, shape (2, 2, n)."""
-    return X[:, :1] * Y[:1] + X[:, 1:] * Y[1:]
-
-
-def _inverse_of_one_plus(X: Array) -> Array:
-    """Return (I + X)^-1 of 2 x 2 matrices, shape (2, 2, n)."""
-    (a, b), (c, d) = X
-    det = 1 + (a + d) + (a * d - b * c)
-    return np.array([[1 + d, -b], [-c, 1 + a]]) / det
-
-
-def _double(E: Array, Q: Array, H: Array) -> tuple[Array, Array, Array]:
-    """Return E, Q, H of two equal layers, one on the other."""
-    A = E.copy()
-    A[0, 0] += 1
-    A[1, 1] += 1
-    At = A.swapaxes(0, 1)
-    QH = _mul(Q, H)
-    S = _inverse_of_one_plus(QH)
-    SA = _mul(S, A)
-    # A S A - I with I - S = Q H S: small changes stay accurate
-    E_next = 2 * E + _mul(E, E) - _mul(A, _mul(QH, SA))
-    return E_next, Q + _mul(A, _mul(_mul(S, Q), At)), H + _mul(At, _mul(H, SA))
+    return stacked_compliance(n, ((depth, A_rr, A_tt, A_rt, G, D),))
 
 
 def asymptotic_compliance(
@@ -277,7 +140,7 @@ def surface_kernels(
     G: float,
     D: float | None = None,
 ) -> SurfaceKernels:
-    """Return the cylinder's influence functions (thesis eq. 59), which hold on the whole circle.
+    """Return the influence functions (thesis eq. 59) of one layer on a rigid core.
 
     Parameters
     ----------
@@ -288,21 +151,31 @@ def surface_kernels(
     D : float, optional
         :func:`.strip.stiffness_along`, where it is known better than by the others.
     """
-    return _kernels(*map(float, (radius, core_radius, A_rr, A_tt, A_rt, G)), D)
+    stiffness = map(float, (A_rr, A_tt, A_rt, G))
+    return layered_kernels(radius, ((_depth(radius, core_radius), *stiffness, D),))
+
+
+def layered_kernels(radius: float, layers: Layers, free: bool = False) -> SurfaceKernels:
+    """Return the influence functions of a cylinder of layers, which hold on the whole circle.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
+        left out, or None.
+    free : bool
+        Whether the core is an open bore; else it is rigid.
+    """
+    return _kernels(float(radius), layers, free)
 
 
 @lru_cache(maxsize=16)
-def _kernels(
-    R: float, R0: float, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None
-) -> SurfaceKernels:
-    stiffness = A_rr, A_tt, A_rt, G, D
-    tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
-    J = _closed_powers(tail)
-    depth = _depth(R, R0)
-    N = _terms(depth, tail, J, stiffness)
-    n = np.arange(N + 1.0)
-    Y = surface_compliance(n, depth, *stiffness)
-    mean, Y, n = Y[..., 0] / 2, Y[..., 1:], n[1:]
+def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
+    Y, tail, J, decay, error = _spectrum(layers, free)
+    n = np.arange(1.0, Y.shape[-1])
+    mean, Y = Y[..., 0] / 2, Y[..., 1:]
     # sums of Y, of n Y, and of the strain's (1, n) Y: first their powers of 1/n, then the terms
     still, moved = tail[: J + 1], tail[1 : J + 2]
     stretch, sums = still[:, 0] + moved[:, 1], Y[0] + n * Y[1]
@@ -329,10 +202,111 @@ def _kernels(
         strain_p=strain_p,
         strain_q=strain_q,
         together=gradients,
-        length=R * min(1.0, 2 * _decay(depth, stiffness)),
-        truncation_error=_truncation_error(n * Y - _powers(moved, n), tail, depth, stiffness, J),
-        terms=N,
+        length=R * min(1.0, 2 * decay),
+        truncation_error=error,
+        terms=n.size,
     )
+
+
+class Spectrum(NamedTuple):
+    """The surface compliance of all harmonics that are summed.
+
+    Attributes
+    ----------
+    Y : (2, 2, N + 1) array
+        Y_n [1/Pa].
+    tail : (K, 2, 2) array
+        Its powers of 1/n, of which J + 1 are summed in closed form.
+    J : int
+    decay : float
+        kappa: what the powers leave dies as exp(-2 kappa n).
+    error : float
+        Estimated error of the sums of n Y_n, relative.
+    """
+
+    Y: Array
+    tail: Array
+    J: int
+    decay: float
+    error: float
+
+
+def _spectrum(layers: Layers, free: bool) -> Spectrum:
+    """Return all harmonics that matter."""
+    depth = float(layers[0][0] or 0.0)
+    stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
+    tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
+    J = _closed_powers(tail)
+    decay, N = _decay(depth, stiffness), _terms(depth, tail, J, stiffness)
+    if len(layers) > 1:
+        N = min(N, MAX_LAYERED_TERMS)
+    n = np.arange(N + 1.0)
+    if len(layers) == 1 or N <= DIRECT:
+        Y = stacked_compliance(n, layers, free)
+    else:
+        Y = _interpolated(N, layers, free)
+    if len(layers) > 1:
+        if 20 / decay > N and _left(Y, tail, J)[-1] > CUT:
+            return _cut(Y, tail, depth)
+        left = _left(Y, tail, J)
+        # what is below is felt as far as it differs: kappa by where a hundred thousandth is left
+        decay = max(decay, 6.0 / (1 + np.max(np.nonzero(left > 1e-5)[0], initial=0)))
+        N = max(32, 1 + int(np.max(np.nonzero(left > ROUNDING)[0], initial=0)))
+        Y = Y[..., : min(N, n.size - 1) + 1]
+    rest = Y[..., 1:] * np.arange(1.0, Y.shape[-1]) - _powers(tail[1 : J + 2], n[1 : Y.shape[-1]])
+    return Spectrum(Y, tail, J, decay, _truncation_error(rest, tail, depth, stiffness, J))
+
+
+def _interpolated(N: int, layers: Layers, free: bool) -> Array:
+    """Return Y_n, n = 0 ... N: n Y_n by Chebyshev polynomials of ln n where that is cheaper.
+
+    Points are doubled until the polynomial of a smooth function has no more to tell.
+    """
+    from scipy.fft import dct  # problems are read and written without SciPy
+
+    n = np.arange(N + 1.0)
+    Y = np.empty((2, 2, N + 1))
+    Y[..., :LOWEST] = stacked_compliance(n[:LOWEST], layers, free)
+    low, high, size = log(LOWEST), log(N), 32
+    known = np.zeros((2, 2, 0))
+    while size < N // 4:
+        angle = np.pi * np.arange(size + 1) / size
+        new = slice(None) if not known.size else slice(1, None, 2)
+        at = np.exp(low + (high - low) * (1 + np.cos(angle[new])) / 2)
+        values = np.empty((2, 2, size + 1))
+        values[..., ::2] = known if known.size else 0.0
+        values[..., new] = at * stacked_compliance(at, layers, free)
+        c = dct(values, type=1, axis=-1) / size
+        c[..., [0, -1]] /= 2
+        if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
+            x = (np.log(n[LOWEST:]) - low) / (high - low) * 2 - 1
+            kept = np.moveaxis(c, -1, 0)
+            for part in np.array_split(np.arange(x.size), max(1, x.size // 4096)):
+                found = np.polynomial.chebyshev.chebval(x[part], kept)
+                Y[..., LOWEST + part] = found / n[LOWEST + part]
+            return Y
+        known, size = values, 2 * size
+    Y[..., LOWEST:] = stacked_compliance(n[LOWEST:], layers, free)
+    return Y
+
+
+def _left(Y: Array, tail: Array, J: int) -> Array:
+    """Return what the powers leave of n Y_n, n = 1 ... N, relative to their first."""
+    n = np.arange(1.0, Y.shape[-1])
+    rest = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n))
+    return np.array(rest.max(axis=(0, 1)) / np.abs(tail[1]).max())
+
+
+def _cut(Y: Array, tail: Array, depth: float) -> Spectrum:
+    """Return a spectrum that ends before the outermost layer alone is felt.
+
+    Waves shorter than the last are given its n Y_n: they are much shorter than any contact.
+    """
+    N = Y.shape[-1] - 1
+    end = np.zeros((3, 2, 2))
+    end[1] = N * Y[..., -1]
+    error = np.abs(end[1] - tail[1]).max() / max(np.abs(end[1]).max(), np.abs(tail[1]).max())
+    return Spectrum(Y, end, 1, max(20 / N, depth), float(error) / N)
 
 
 def _powers(a: Array, n: Array) -> Array:
@@ -353,8 +327,8 @@ def _closed_powers(tail: Array) -> int:
 
 
 def _decay(depth: float, stiffness: Stiffness) -> float:
-    """Return kappa: the core's echo dies as exp(-2 kappa n)."""
-    total, product = (float(v) for v in _Layer(*stiffness).roots(np.array(1e8)))
+    """Return kappa: the echo from below a layer dies as exp(-2 kappa n)."""
+    total, product = (v.item() for v in Systems.of((depth, *stiffness)).roots(np.array([1e8])))
     spread = total * total / 4 - product
     slowest = product / (total / 2 + sqrt(spread)) if spread > 0 else total / 2
     return slowest / 1e8 * depth

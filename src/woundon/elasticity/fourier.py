@@ -109,8 +109,23 @@ class HarmonicSum:
         scale, R = self.scale, self.radius
         a = self.tail
         if self.odd:
-            return Kernel(inverse=scale * a[0] * R, sign=scale * a[1] * pi / 2, smooth=self)
-        return Kernel(delta=scale * a[0] * pi * R, log=-scale * a[1], smooth=self)
+            inverse, sign = scale * a[0] * R, scale * a[1] * pi / 2
+            return Kernel(inverse=inverse, sign=sign, smooth=self, twice=self.twice)
+        delta, log_ = scale * a[0] * pi * R, -scale * a[1]
+        return Kernel(delta=delta, log=log_, smooth=self, twice=self.twice)
+
+    def twice(self, t: Array) -> Array:
+        """Return the second integral of the whole sum at the arc lengths t [m], of any size."""
+        around = 2 * pi * self.radius
+        short = t - around * np.rint(t / around)
+        return self._integrated(short) + self.scale * self.mean / 2 * t * t
+
+    @cached_property
+    def _integrated(self) -> HarmonicSum:
+        n = np.arange(1, self.rest.size + 1)
+        tail = np.concatenate([[0.0, 0.0], self.tail])
+        scale = -self.scale * self.radius**2
+        return HarmonicSum(self.odd, self.radius, scale, 0.0, tail, self.rest / (n * n))
 
     def __call__(self, t: Array) -> Array:
         """Return the smooth part at the arc lengths t [m], any shape, |t| <= pi R."""

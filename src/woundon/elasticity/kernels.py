@@ -26,13 +26,17 @@ Array = np.ndarray
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """One influence function; the coefficients' units follow from the quantity (per N/m)."""
+    """One influence function; the coefficients' units follow from the quantity (per N/m).
+
+    ``twice`` is its second integral, singular parts included, where it is known: K with K'' = k.
+    """
 
     inverse: float = 0.0
     delta: float = 0.0
     log: float = 0.0
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
+    twice: Callable[[Array], Array] | None = None
 
     def singular(self, t: Array) -> Array:
         """Return the singular parts at t != 0."""

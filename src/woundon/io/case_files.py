@@ -18,8 +18,9 @@ from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.fields import Problem, shown
 from ..problems.materials import Material, material
-from ..quantities import Place, find, is_list, members_of
+from ..quantities import Place, Quantity, find, is_list, members_of
 from .case_texts import SCHEMA, template, to_toml
+from .columns import with_columns
 from .files import read_whole
 from .units import parse
 
@@ -66,6 +67,8 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
 def read_case(path: str | Path) -> dict[str, Any]:
     """Return the case file's tables as written, values neither converted nor checked.
 
+    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case.
+
     Raises
     ------
     InvalidProblem
@@ -94,7 +97,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
     if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
         raise InvalidProblem.at(str(path), text)
-    return case
+    return dict(with_columns(case, Path(path).parent))
 
 
 def _unlike_a_case(case: Mapping[str, Any]) -> str:
@@ -268,12 +271,16 @@ def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict
 
 
 def _in_si(
-    table: Mapping[str, Any], models: Iterable[type[Any]], prefix: str, faults: Faults
+    table: Mapping[str, Any],
+    models: Iterable[type[Any]],
+    prefix: str,
+    faults: Faults,
+    of_field: Quantity | None = None,
 ) -> dict[str, Any]:
     """Return a table in SI; faulty values are kept as they are and told in ``faults``."""
     told = [m for m in models if getattr(m, "member_name", str)() == table.get("kind")]
     return {
-        name: _value(value, [p for m in told or models for p in find(m, str(name))],
+        name: _value(value, [p for m in told or models for p in find(m, str(name), of_field)],
                      f"{prefix}{name}", faults)
         for name, value in table.items()
     }  # fmt: skip
@@ -282,7 +289,7 @@ def _in_si(
 def _value(value: Any, places: list[Place], path: str, faults: Faults) -> Any:
     if isinstance(value, Mapping):
         inner = tuple(model for p in places for model in members_of(p.field.annotation))
-        return _in_si(value, inner, f"{path}.", faults)
+        return _in_si(value, inner, f"{path}.", faults, next((p.quantity for p in places), None))
     if isinstance(value, list) and any(is_list(p.field.annotation) for p in places):
         return [_value(item, places, f"{path}.{k}", faults) for k, item in enumerate(value)]
     quantity = next((p.quantity for p in places if p.quantity), None)

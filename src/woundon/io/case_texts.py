@@ -163,22 +163,29 @@ class _Writer:
         yield from nested
 
     def description(
-        self, thing: Description, path: str, header: str, apart: set[str], comment: str = ""
+        self,
+        thing: Description,
+        path: str,
+        header: str,
+        apart: set[str],
+        comment: str = "",
+        of_field: Quantity | None = None,
     ) -> Iterator[Section]:
         """Yield the section of a description, then those of the ones in it."""
         fields = {name: getattr(thing, name) for name in type(thing).model_fields
                   if name not in apart}  # fmt: skip
         inner = {name: value for name, value in fields.items() if self.is_nested(value)}
         rows = [self.kind(thing)] if isinstance(thing, Family) else []
-        rows += [self.row(thing, name) for name in fields
+        rows += [self.row(thing, name, of_field) for name in fields
                  if name not in inner and self.shows(thing, name)]  # fmt: skip
         yield Section(header, rows, comment)
         for name, value in inner.items():
             below = f"{path}{name}"
-            about = self.told(type(thing).model_fields[name].description or "")
+            held = type(thing).model_fields[name]
+            about, quantity = self.told(held.description or ""), quantity_of(held, of_field)
             for item in value if isinstance(value, tuple) else (value,):
                 head = f"[[{below}]]" if isinstance(value, tuple) else f"[{below}]"
-                yield from self.description(item, f"{below}.", head, set(), about)
+                yield from self.description(item, f"{below}.", head, set(), about, quantity)
 
     def told(self, comment: str) -> str:
         """Return a comment, where there are to be any."""
@@ -198,13 +205,14 @@ class _Writer:
         self.named.add(name)
         return False
 
-    def row(self, thing: Description, name: str) -> Row:
+    def row(self, thing: Description, name: str, of_field: Quantity | None = None) -> Row:
         """Return the line of a field."""
         value, about = getattr(thing, name), type(thing).model_fields[name]
+        quantity = quantity_of(about, of_field)
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"
             return Row(name, json.dumps(_name_of(value)), self.told(comment))
-        text = "..." if value is None else _value(value, quantity_of(about)) or _plain(value)
+        text = "..." if value is None else _value(value, quantity) or _plain(value)
         return Row(name, text, self.told(described(about)))
 
     def kind(self, thing: Family) -> Row:

@@ -15,7 +15,7 @@ from ..contact.certificate import (
     positive_pressure,
 )
 from ..results import Residuals
-from ..two_bodies import Matrices, mesh_of
+from ..two_bodies import Matrices, mesh_of, within
 from .equations import NipMatrices, web_compliance
 
 if TYPE_CHECKING:
@@ -78,4 +78,5 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         force_equilibrium=abs(integral(q_drum, x) - problem.winding_force) / P,
         web_equilibrium=beyond_rounding(tension, result.web_tension) / P,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
+        **within(problem, made.responses),
     )  # fmt: skip

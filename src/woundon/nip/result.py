@@ -71,7 +71,7 @@ class WindingNipResult(Result):
     mesh : Mesh
         On which it was solved.
     widths : Widths
-        The half widths of all meshes of a plain nip: what a neighbouring case starts from.
+        The half widths of all meshes: what a neighbouring case starts from.
     """
 
     half_width: Annotated[float, length("a", "half-width of the nip")]

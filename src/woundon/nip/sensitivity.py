@@ -46,6 +46,8 @@ Array = np.ndarray
 OUTPUTS = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep")
 # relative; matrices are known to 1e-14, so their forward differences to 1e-6 at the worst
 STEP = 1e-7
+# an equilibrium inside a body is known to 1e-11
+STEP_OF_TANGENTS = 1e-5
 MOST_TOLD = 3  # parameters in one line
 NEAR_CHANGE = 1e-6  # margin of a node's law, relative, below which a zone change is announced
 
@@ -146,6 +148,15 @@ def continuous_fields(problem: Any) -> dict[str, float]:
     return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
 
 
+def _items(problem: Any) -> dict[str, float]:
+    """Return the numbers of all lists, as a profile's values, by dotted name."""
+    return {
+        f"{place.path}.{k}": item
+        for place in walk(problem) if isinstance(place.value, tuple)
+        for k, item in enumerate(place.value) if isinstance(item, float)
+    }  # fmt: skip
+
+
 @one_thread
 def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
     """Return derivatives of a nip's main outputs; see :class:`Sensitivity`.
@@ -155,21 +166,19 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     result : NipResult
         Of :func:`solve_nip`; on its own mesh, in its own state.
     parameters : tuple of str
-        Dotted names; all continuous fields if empty.
+        Dotted names; all continuous fields if empty, without the items of lists.
 
     Raises
     ------
     InvalidProblem
-        For a name that is not a continuous field, or a body that is not linear.
+        For a name that is not a continuous field.
     """
-    for name in ("roll", "drum"):
-        if not getattr(result.problem, name).linear:
-            raise InvalidProblem.at(name, "is not linear: its sensitivities are not available")
     known = continuous_fields(result.problem)
-    for name in parameters:
+    names = parameters or tuple(known)
+    known |= _items(result.problem)
+    for name in names:
         if name not in known:
             raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
-    names = parameters or tuple(known)
     equations = _Differential(result)
     # (unknowns, outputs)
     adjoint = np.linalg.solve(equations.jacobian().T, equations.output_gradients().T)
@@ -203,11 +212,17 @@ class _Differential:
         problem, a, inside = result.problem, result.half_width, slice(1, -1)
         self.result, self.problem, self.mesh = result, problem, mesh_of(result)
         self.n = self.mesh.unknowns
-        self.here = NipMatrices.at(problem, self.mesh, a)
-        # integrated once for all fields
-        made = (Response(response.gradients) for response in self.here.responses)
-        self.bodies = dict(zip(problem.pair, made, strict=True))
         traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
+        # bodies that are not linear have their tangents about the result, which is kept fixed
+        self.about = NipMatrices.loads(result.pressure[inside], traction)
+        self.step = STEP if problem.linear else STEP_OF_TANGENTS
+        self.here = NipMatrices.at(problem, self.mesh, a, self.about)
+        # integrated once for all fields
+        made = (
+            Response(response.gradients, slope=response.slope, strain=response.strain)
+            for response in self.here.responses
+        )
+        self.bodies = dict(zip(problem.pair, made, strict=True))
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
         c11 = web_compliance(problem.web).c11
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
@@ -252,8 +267,9 @@ class _Differential:
 
     def _by_width(self) -> Array:
         """Return dR/dln a."""
-        wider = NipMatrices.at(self.problem, self.mesh, self.u.half_width * np.exp(STEP))
-        return (self.residual(self.problem, wider) - self.rest) / STEP
+        a = self.u.half_width * np.exp(self.step)
+        wider = NipMatrices.at(self.problem, self.mesh, a, self.about)
+        return (self.residual(self.problem, wider) - self.rest) / self.step
 
     def output_gradients(self) -> Array:
         """Return J_u of the outputs, (outputs, unknowns)."""
@@ -270,7 +286,7 @@ class _Differential:
 
     def changes(self, name: str, value: float) -> tuple[Array, Array]:
         """Return R_theta and the outputs' explicit J_theta for one field."""
-        step = STEP * self._size(name, value)
+        step = self.step * self._size(name, value)
         try:
             problem = self.problem.replace(**{name: value + step})
         except InvalidProblem:  # at the upper border of the admissible range
@@ -284,7 +300,8 @@ class _Differential:
         """Assemble for a problem of which only one part is another."""
         a, bodies = self.u.half_width, self.bodies
         if part in bodies:
-            bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a)}
+            loads = self.about[problem.pair.index(part)]
+            bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a, loads)}
         return NipMatrices.of(problem, self.mesh, a, *bodies.values())
 
     def _size(self, name: str, value: float) -> float:

@@ -22,7 +22,7 @@ import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.certificate import from_edge
-from ..contact.loop import ALGORITHMS, Ladder, Level, Start, Widths, halved
+from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import Scheme, scheme_of
 from ..contact.zones import slip_lengths
@@ -32,7 +32,7 @@ from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
-from .equations import NipEquations, web_compliance
+from .equations import NipEquations, NipMatrices, web_compliance
 from .result import NipResult
 from .validity import nip_warnings, web_far_outside
 
@@ -40,8 +40,9 @@ __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_ni
 
 Array = np.ndarray
 
-DEFAULT_RTOL = 1e-3  # where neither nodes nor rtol are given: double 65 nodes until below it, ...
-DEFAULT_MOST_NODES = 257  # ... but not beyond these; the error is told in any case
+# where neither nodes nor rtol are given: 65 nodes are doubled until the error of NIT is below so
+# much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
+DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
@@ -102,7 +103,7 @@ def solve_nip(
     )
     ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
     if chosen.refines and nodes is None and rtol is None:
-        ladder.double(DEFAULT_RTOL, DEFAULT_MOST_NODES)
+        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
     if rtol is not None:
         ladder.fit(rtol, MOST_NODES)
     result = _result(ladder, problem, algorithm).checked()
@@ -144,7 +145,12 @@ def _started(start: NipResult, problem: NipProblem) -> Start:
     known: Widths = start.widths or Widths(2.0, {})
     share = problem.nip_load / start.problem.nip_load
     guess = start.half_width * share ** (1 / known.power)
-    return Start(guess, (nodes, nodes), zones, known.power, widths=known.at(share))
+    tractions = (start.roll_traction[1:-1], start.drum_traction[1:-1])
+    loads = NipMatrices.loads(start.pressure[1:-1], np.concatenate(tractions))
+    return Start(
+        guess, (nodes, nodes), zones, known.power, widths=known.at(share),
+        before=Before(nodes, loads),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

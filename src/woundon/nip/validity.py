@@ -31,11 +31,18 @@ def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
     zones = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
     return (
         *pair_warnings(result, tractions),
+        *_cautions(result),
         *_surface_strains(result),
         *_web(result),
         *zone_warnings(result.x[own], zones),
         *_series(result),
     )
+
+
+def _cautions(r: WindingNipResult) -> Iterator[str]:
+    for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
+        if body.caution:
+            yield f"of the {name}: {body.caution}"
 
 
 def _surface_strains(r: WindingNipResult) -> Iterator[str]:

@@ -11,8 +11,8 @@ The set of bodies is open: a subclass of :class:`Body` is a body like these.
 from __future__ import annotations
 
 from functools import cached_property
-from math import pi, sqrt
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from math import inf, log1p, pi, sqrt
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
@@ -22,18 +22,19 @@ from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
 from ..errors import InvalidProblem
 from ..quantities import length
-from .fields import Family, Number, Problem
+from .fields import Description, Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from ..contact.response import ContactGrid, Tractions
+    from ..elasticity.layers import Layers as Stacked
     from .fields import Given
 
 __all__ = [
-    "AnyBody", "Body", "ContactProblem", "Cylinder", "HalfPlane", "KernelBody", "Radius", "Rigid",
-    "contact_radius", "half_width_guess",
+    "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
+    "Layer", "Layered", "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
 ]  # fmt: skip
 
 
@@ -43,6 +44,10 @@ SMALLEST_CORE = 1e-9
 SERIES_ERROR = 1e-2
 
 Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
+
+CoreRadius = Annotated[
+    Number, length("R0", "radius of the rigid core", "mm", (0.02, 0.9)), Field(gt=0)
+]
 
 
 class Body(Family):
@@ -56,11 +61,17 @@ class Body(Family):
         Whether the surface does not deform at all.
     linear : bool
         Whether the response is the same about every state.
+    confined_only : bool
+        Whether it is good only for nips whose web is held at the trailing edge.
+    caution : str
+        What is to be said with every result, empty for nothing.
     """
 
     radius: Radius
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
+    confined_only: ClassVar[bool] = False
+    caution: ClassVar[str] = ""
 
     def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the linear response of the surface on a grid scaled by the half width.
@@ -111,6 +122,13 @@ class Body(Family):
         """
         material = self.surface_material
         return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
+
+    def stand_in(self, pressure: float) -> Body | None:
+        """Return a linear body as stiff as this one is under a pressure; None where unknown.
+
+        An iteration starts from it, nothing else.
+        """
+        return self if self.linear else None
 
 
 if TYPE_CHECKING:
@@ -206,20 +224,12 @@ class Cylinder(KernelBody):
         For a core that is not smaller than the cylinder, or a layer thinner than R/2000.
     """
 
-    core_radius: Annotated[
-        Number, length("R0", "radius of the rigid core", "mm", (0.02, 0.9)), Field(gt=0)
-    ]
+    core_radius: CoreRadius
     material: AnyMaterial
 
     @model_validator(mode="after")
-    def _core_inside(self) -> Cylinder:
-        least, limit = self.radius * SMALLEST_CORE, self.radius * (1 - 1 / 2000)
-        if not least <= self.core_radius <= limit:
-            raise InvalidProblem.at(
-                "core_radius",
-                f"{self.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
-                f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
-            )
+    def _core_inside(self) -> Self:
+        core_inside(self)
         return self
 
     @property
@@ -230,6 +240,107 @@ class Cylinder(KernelBody):
     def kernels(self) -> SurfaceKernels:
         """Return the cylinder's influence functions (thesis eq. 59)."""
         return cylinder.surface_kernels(self.radius, self.core_radius, *self.material.stiffness)
+
+
+def core_inside(body: Any) -> None:
+    """Refuse a core that is not smaller than its body, or leaves a layer thinner than R/2000.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    least, limit = body.radius * SMALLEST_CORE, body.radius * (1 - 1 / 2000)
+    if not least <= body.core_radius <= limit:
+        raise InvalidProblem.at(
+            "core_radius",
+            f"{body.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
+            f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
+        )
+
+
+class Layer(Description):
+    """A layer of a :class:`Layered` body.
+
+    Parameters
+    ----------
+    thickness : float
+        h [m].
+    material : Orthotropic or Isotropic
+    """
+
+    thickness: Annotated[
+        Number, length("h", "thickness of the layer", "mm", (0.01e-3, 0.05)), Field(ge=1e-9, le=50)
+    ]
+    material: AnyMaterial
+
+
+if TYPE_CHECKING:
+    Layers = Given[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
+else:
+    Layers = tuple[Layer, ...]
+
+
+class Layered(KernelBody):
+    """An elastic cylinder of layers, as a covered shell or a core under a wound roll.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    layers : sequence of Layer
+        Outermost first.
+    core : "rigid" or "free"
+        What is below the innermost layer: a rigid core, or an open bore.  A bore is free of
+        traction but for a uniform one, across or around, that holds what force and torque act on
+        the surface; on average it does not move.
+
+    Raises
+    ------
+    InvalidProblem
+        For layers that are thicker than the radius, or thinner than R/2000 together.
+    """
+
+    layers: Annotated[Layers, Field(min_length=1, max_length=5000, description="outermost first")]
+    core: Literal["rigid", "free"] = "rigid"
+
+    @model_validator(mode="after")
+    def _layers_fit(self) -> Self:
+        least, most = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
+        if not least <= self.thickness <= most:
+            raise InvalidProblem.at(
+                "layers",
+                f"a thickness of {self.thickness:.10g} in all is out of range; must be >= radius "
+                f"/ 2000 = {least:.10g} and < radius = {self.radius:.10g} [m]",
+            )
+        return self
+
+    @cached_property
+    def thickness(self) -> float:
+        """Thickness of all layers [m]."""
+        return sum(layer.thickness for layer in self.layers)
+
+    @property
+    def surface_material(self) -> Material:
+        """The material of the outermost layer."""
+        return self.layers[0].material
+
+    @cached_property
+    def _stack(self) -> Stacked:
+        """The layers by the logarithms of their radii's ratios, and their stiffness."""
+        outside, made = self.radius, []
+        for layer in self.layers:
+            made.append((-log1p(-layer.thickness / outside), *layer.material.stiffness))
+            outside -= layer.thickness
+        return tuple(made)
+
+    @property
+    def widest(self) -> float:
+        """Any half width: kernels that are too short to interpolate are integrated exactly [m]."""
+        return inf
+
+    def kernels(self) -> SurfaceKernels:
+        """Return the influence functions of all layers together."""
+        return cylinder.layered_kernels(self.radius, self._stack, self.core == "free")
 
 
 def contact_radius(one: Body, two: Body) -> float:
@@ -259,6 +370,8 @@ class ContactProblem(Problem):
     """
 
     pair: ClassVar[tuple[str, str]]
+    # whether bodies may be in it that are good for a web held at the trailing edge only
+    _admits_estimates: ClassVar[bool] = False
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -288,6 +401,14 @@ class ContactProblem(Problem):
         if one.rigid and two.rigid:
             first, second = self.pair
             raise InvalidProblem.at(
-                first, f"{first} and {second} are both Rigid; one must be HalfPlane or Cylinder"
+                first, f"{first} and {second} are both Rigid; one must be elastic"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _admits(self) -> Self:
+        for name, body in zip(self.pair, self.bodies, strict=True):
+            if body.confined_only and not self._admits_estimates:
+                text = "'estimate' is for a nip without wraps only; must be 'direct' or 'frozen'"
+                raise InvalidProblem.at(f"{name}.hardening", text)
         return self

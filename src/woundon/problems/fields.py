@@ -39,7 +39,7 @@ from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_o
 from ..quantities import members_of, quantity_of
 
 __all__ = [
-    "Description", "Family", "Number", "Problem", "admissible", "best_match", "bounds",
+    "Description", "Family", "Number", "Numbers", "Problem", "admissible", "best_match", "bounds",
     "no_such_field", "not_one_of", "shown",
 ]  # fmt: skip
 
@@ -61,6 +61,11 @@ def _number(value: Any) -> float:
         return inf if value > 0 else -inf
 
 
+def _listed(value: Any) -> Any:
+    """Return an array of one dimension as a list, which is what a list of numbers is read from."""
+    return value.tolist() if hasattr(value, "dtype") and hasattr(value, "tolist") else value
+
+
 Number = Annotated[float, BeforeValidator(_number)]
 
 if TYPE_CHECKING:
@@ -76,6 +81,10 @@ if TYPE_CHECKING:
         def __get__(self, instance: object, owner: Any) -> Read: ...
         def __get__(self, instance: Any, owner: Any) -> Any: ...
         def __set__(self, instance: Any, value: Write) -> None: ...
+
+    Numbers = Given[tuple[float, ...], Iterable[float]]
+else:
+    Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
 
 
 if TYPE_CHECKING:
@@ -237,10 +246,8 @@ class Family(Description):
 
     @classmethod
     def members(cls) -> dict[str, type[Family]]:
-        """Return the family's members by name; of a member itself alone."""
-        if Family in cls.__bases__:
-            return dict(cls._members)
-        return {cls.member_name(): cls}
+        """Return the family's members by name; of one of its classes, those that it and its are."""
+        return {name: member for name, member in cls._members.items() if issubclass(member, cls)}
 
     @classmethod
     def member_name(cls) -> str:
@@ -258,13 +265,13 @@ class Family(Description):
         """
         if not isinstance(value, Mapping):
             return value
-        table = dict(value)
+        table, known = dict(value), cls.members()
         if "kind" not in table:
-            return best_match(table, cls._members.values())(**table)
+            return best_match(table, known.values())(**table)
         kind = table.pop("kind")
-        if not isinstance(kind, str) or kind not in cls._members:
-            raise InvalidProblem.at("kind", not_one_of(kind, cls._members))
-        return cls._members[kind](**table)
+        if not isinstance(kind, str) or kind not in known:
+            raise InvalidProblem.at("kind", not_one_of(kind, known))
+        return known[kind](**table)
 
     @model_serializer(mode="wrap")
     def _with_kind(self, handler: Any) -> dict[str, Any]:
@@ -318,13 +325,20 @@ def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem
         path = ".".join([str(name) or "''", *items]) if item["loc"] else ""
         inner = item.get("ctx", {}).get("error")
         if isinstance(inner, InvalidProblem):
+            # what a number is not, a description may nearly be
+            faults = [fault for fault in faults if fault[0] != path or not path]
             faults += inner.under(path).faults
             kind = NoSteadyState if isinstance(inner, NoSteadyState) else kind
         elif item["type"] == "extra_forbidden":
             faults.append((path, no_such_field(str(name), model)))
-        else:
+        elif path not in dict(faults) and not _counts_faults(item):
             faults.append((path, _fault(item, model.model_fields[str(name)])))
     return kind(faults)
+
+
+def _counts_faults(item: Any) -> bool:
+    """Tell whether a list is called too short for the items of it that are at fault."""
+    return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
 
 
 def _fault(item: Any, field: FieldInfo) -> str:
@@ -337,6 +351,10 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"
+    if kind in ("too_short", "too_long"):
+        (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
+        least = "at least" if kind == "too_short" else "at most"
+        return f"{len(value)} values; must be {least} {limit}"
     if kind in ("tuple_type", "list_type"):
         return f"{shown(value)} is not a list"
     if kind == "literal_error":
@@ -403,6 +421,9 @@ def admissible(field: FieldInfo) -> str:
     models = members_of(field.annotation)
     if models:
         names = one_of(model.__name__ for model in models)
+        if _takes_a_number(field.annotation):
+            unit = _unit(field)
+            names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
         return f"{names} (or a table of its fields{by_name})"
     words = [part for part in get_args(field.annotation) if isinstance(part, str)]
@@ -411,6 +432,10 @@ def admissible(field: FieldInfo) -> str:
     unit = _unit(field)
     limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
     return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
+
+
+def _takes_a_number(annotation: Any) -> bool:
+    return annotation is float or any(map(_takes_a_number, get_args(annotation)[:2]))
 
 
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}

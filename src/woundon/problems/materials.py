@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from .fields import Given
 
 __all__ = [
-    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Stiffness", "material",
+    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Solid", "Stiffness",
+    "material",
 ]  # fmt: skip
 
 
@@ -45,7 +46,11 @@ class Stiffness(NamedTuple):
     along: float | None = None
 
 
-class Material(Family):
+class Solid(Family):
+    """What webs and rolls are made of: linear elastic materials, and stacks that harden."""
+
+
+class Material(Solid, abstract=True):
     """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
 
     @property

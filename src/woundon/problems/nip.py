@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from ..elasticity.strip import compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure
+from . import wound_roll as wound_roll  # it joins the bodies
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
 from .materials import AnyMaterial, material
@@ -128,6 +129,8 @@ class NipProblem(WindingNip):
     NoSteadyState
         If |F| >= mu- P: the web would slide on the whole drum.
     """
+
+    _admits_estimates: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

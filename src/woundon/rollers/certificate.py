@@ -8,7 +8,7 @@ import numpy as np
 
 from ..contact.certificate import friction_laws, integral, largest, positive_pressure
 from ..results import Residuals
-from ..two_bodies import Matrices, mesh_of
+from ..two_bodies import Matrices, mesh_of, within
 from .equations import RollerMatrices
 
 if TYPE_CHECKING:
@@ -58,4 +58,5 @@ def certificate(result: RollerResult, made: Matrices) -> Residuals:
         force_equilibrium=max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
         creepage=astray / made.top,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
+        **within(problem, made.responses),
     )

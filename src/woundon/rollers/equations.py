@@ -47,7 +47,10 @@ class RollerMatrices(Matrices):
         if not problem.linear:
             rows = (n + 2,)
             gap = gap - np.broadcast_to(one.slope + two.slope, rows)[:-1]
-            offset = offset + np.broadcast_to(two.strain - one.strain, rows)[:n]
+            if problem.motion == "rolling":
+                offset = offset + np.broadcast_to(two.strain - one.strain, rows)[:n]
+            else:
+                offset = offset + two.rest(mesh.columns)[1] - one.rest(mesh.columns)[1]
         return cls(
             a, (up_p + low_p)[:-1], (up_q - low_q)[:-1], gap, top, direct, through, offset,
             np.ones(n), a * mesh.grid.weights, (one, two),

@@ -17,7 +17,7 @@ from ..contact.certificate import (
 from ..contact.response import Tractions
 from ..errors import InvalidProblem
 from ..results import Residuals
-from ..two_bodies import mesh_of
+from ..two_bodies import mesh_of, within
 from .equations import Known, WrapEquations
 from .grid import WrapGrid, grid_for
 
@@ -102,6 +102,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
         hoop_pressure=_hoop(result, equations),
         curvature=_curvature(result, equations, z, q),
         half_width=largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
+        **within(problem, (equations.roll.response, equations.drum.response)),
     )  # fmt: skip
 
 

@@ -143,6 +143,11 @@ class WrapEquations:
         """Where the tractions on roll and drum are, in units of a."""
         return self.grid.nodes[self.roll_q], self.grid.nodes[self.drum_q]
 
+    @property
+    def places(self) -> Array:
+        """Where tension, curvature and loads are given, in units of a."""
+        return self.grid.nodes
+
     # ---- which node each column belongs to -----------------------------------------------------
 
     @cached_property

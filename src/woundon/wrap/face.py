@@ -52,6 +52,8 @@ class Face:
         v at the nip's trailing edge.
     slope, strain : (n-1,), (n,) arrays
         What a linearised body has at zero tractions.
+    sunk : float
+        v at the nip's trailing edge then [m].
     """
 
     response: Response | None
@@ -66,6 +68,7 @@ class Face:
     normal_q: Array
     slope: Array
     strain: Array
+    sunk: float
 
 
 def face(
@@ -92,7 +95,7 @@ def face(
     if body.rigid:
         none, zero = np.zeros((n, n)), np.zeros(n)
         return Face(
-            None, none[1:], none[1:], none, none, bend, none, none, zero, zero, zero[1:], zero
+            None, none[1:], none[1:], none, none, bend, none, none, zero, zero, zero[1:], zero, 0.0
         )  # fmt: skip
     points = FaceGrid(grid, start, stop, edge)
     own = slice(start, stop + 1)
@@ -104,15 +107,16 @@ def face(
     v_q = points.deflection(slope_q, last_q, a)
     slope, strain = (np.broadcast_to(part, points.points.shape)
                      for part in (response.slope, response.strain))  # fmt: skip
-    flatter = body.curvature**2
+    flatter, sunk = body.curvature**2, 0.0
     if not body.linear:
-        v = points.deflection(slope[:, None], np.zeros((1, 1)), a)
+        v = points.deflection(slope[:, None], response.rest()[0][:, None], a)
+        sunk = float(v[points.trailing, 0])
         bend = bend + points.bending(slope[:, None], v, a, flatter)[:, 0]
     rows = np.append(np.arange(n - 1), n)
     return Face(
         response, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
         bend, points.bending(slope_p, v_p, a, flatter), points.bending(slope_q, v_q, a, flatter),
-        v_p[points.trailing], v_q[points.trailing], slope[:-2], strain[rows],
+        v_p[points.trailing], v_q[points.trailing], slope[:-2], strain[rows], sunk,
     )  # fmt: skip
 
 
@@ -140,6 +144,11 @@ class FaceGrid:
         self.inside = slice(grid.first - start + 1, self.trailing)
         if not self.behind:  # the end is the nip's trailing edge
             self.rows = np.append(self.rows, self.points.size - 1)
+
+    @property
+    def nodes(self) -> Array:
+        """The columns: an arc may end on a traction."""
+        return self.columns
 
     @cached_property
     def _cell(self) -> Array:

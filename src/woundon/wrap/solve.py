@@ -19,7 +19,7 @@ import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.certificate import ROUNDING
-from ..contact.loop import Ladder, Level, Tolerance, halved
+from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
@@ -41,8 +41,9 @@ Array = np.ndarray
 
 FINE = Tolerance(load=8e-9, balance=1e-9)  # the certificate allows 1e-8
 NODES = 65
-DEFAULT_RTOL = 1e-3  # of WOT, where neither nodes nor rtol are given
-DEFAULT_MOST_NODES = 257
+# where neither nodes nor rtol are given: the error of WOT below which, and the nodes up to which
+# meshes are doubled; bodies that are not linear cost more
+DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 MOST_NODES = 1025
 ENTRY = (
     0.02  # of the drum's strain by the hoop pressure: 97 % of random creeps are within 1.5 errors
@@ -60,6 +61,7 @@ def solve_wrapped_nip(
     drum_wrap: float | None = None,
     wrap_friction: float | None = None,
     winding_force: float | None = None,
+    start: WrappedNipResult | None = None,
 ) -> WrappedNipResult:
     """Solve the winding nip with the web wrapped on the roll behind it and on the drum before it.
 
@@ -78,6 +80,9 @@ def solve_wrapped_nip(
         Of a NipProblem only: the wraps that it is given, by default half a turn on the roll, and
         the force on nip and drum wrap together; see
         :class:`~woundon.problems.nip.WrappedNipProblem`.
+    start : WrappedNipResult, optional
+        A solved neighbouring case: a roll that hardens starts from its loads and width, which saves
+        the coarsest meshes.  The answer does not depend on it.
 
     Returns
     -------
@@ -100,11 +105,17 @@ def solve_wrapped_nip(
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
     contact = WrapContact(problem, cells, count)
     ladder = Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
-    ladder.climb(halved(count, Graded.coarsest))
+    counts = halved(count, Graded.coarsest)
+    if start is not None:
+        check_type("start", start, WrappedNipResult)
+    if start is None or problem.linear:
+        ladder.climb(counts)
+    else:
+        ladder.climb(counts[-2:], _started(start, problem))
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
     elif nodes is None:
-        ladder.double(DEFAULT_RTOL, DEFAULT_MOST_NODES)
+        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
     result = _result(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
@@ -120,6 +131,24 @@ def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> 
         text = f"{value!r} is given beside a WrappedNipProblem, whose field it is; use "
         raise InvalidProblem.at(name, f"{text}problem.replace({name}=...)")
     return problem
+
+
+def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
+    """Start from another case's result, at the load asked."""
+    places = start.x / start.half_width
+    on_roll, on_drum = places > -1, places < 1
+    known: Widths = (start.widths or Widths(2.0, {})).at(problem.nip_load / start.problem.nip_load)
+    zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
+    loads = Known(
+        start.web_tension, start.curvature,
+        Tractions(start.roll_pressure, start.roll_traction),
+        Tractions(start.pressure, start.drum_traction),
+    )  # fmt: skip
+    share = (problem.nip_load / start.problem.nip_load) ** (1 / known.power)
+    return Start(
+        start.half_width * share, (places[on_roll], places[on_drum]), zones, known.power,
+        widths=known, before=Before(places, loads),
+    )  # fmt: skip
 
 
 def check_options(
@@ -158,16 +187,16 @@ class WrapContact(PairContact):
         cells = max(8, self.cells * (mesh.nodes.size - 1) // (self.nodes - 1))
         return grid_for(self.problem, mesh.grid, a, cells, cells)
 
-    def about(self, mesh: Mesh, a: float, before: Level | None) -> Known:
+    def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
         problem, grid = self.problem, self.grid(mesh, a)
         if before is not None:
-            old, known = before.equations.grid.nodes, before.state.known
+            known = before.about
 
             def carried(part: Any) -> Any:
                 if isinstance(part, Tractions):
                     return Tractions(*map(carried, part))
-                return np.interp(grid.nodes, old, part)
+                return np.interp(grid.nodes, before.places, part)
 
             return Known(*map(carried, (known.tension, known.bend, known.roll, known.drum)))
         upstream = np.arange(grid.size) <= grid.last
@@ -256,6 +285,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         series_terms=max((r.terms for r in responses), default=0),
         series_error=max((r.truncation_error for r in responses), default=0.0),
         mesh=level.mesh,
+        widths=ladder.widths,
     )
     result = result.replace(roll_strain=roll_strain(equations, result))
     return result.replace(
@@ -319,7 +349,7 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
         (equations.roll, roll, state.roll_pressure, state.roll_traction),
         (equations.drum, drum, state.drum_pressure, state.drum_traction),
     ):
-        v += face.normal_p @ p[own] + face.normal_q @ q[own]
+        v += face.normal_p @ p[own] + face.normal_q @ q[own] + face.sunk
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
 
 

@@ -1,0 +1,346 @@
+r"""Finite elements of a ring on a rigid core, cut for a contact on its surface.
+
+Nine-node quadratic elements in the plane (x, r), x = R theta along the surface: columns are graded
+to both edges of the contact, rows to the surface, and the ring is closed.  The strains of
+displacements v (along r) and u (along x) are
+
+    e_r = dv/dr,   e_t = (R/r) du/dx + v/r,   gamma = (R/r) dv/dx + du/dr - u/r.
+
+The surface's unknowns are eliminated last: what the factors of the stiffness matrix K = L U have
+there is the Schur complement, whose inverse is the surface's compliance,
+
+    K = [ K_ii  K_is ]      L = [ L_ii       ]   U = [ U_ii  U_is ]
+        [ K_si  K_ss ]          [ L_si  L_ss ]       [       U_ss ],    dw/df = (L_ss U_ss)^-1.
+
+Through the surface's displacements a periodic cubic spline is drawn: it has one slope at every
+point, at the nodes too, where the elements have one on either side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import pi
+from typing import Literal
+
+import numpy as np
+from scipy import sparse
+from scipy.interpolate import CubicSpline
+from scipy.sparse.linalg import SuperLU, splu
+
+__all__ = ["Factors", "Fineness", "RingMesh", "Topology", "topology"]
+
+Array = np.ndarray
+
+FIRST_ROW = 0.06  # height of the first row, of the width of the first column inside the contact
+GAUSS = -0.5 / 3**0.5, 0.5 / 3**0.5
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """How a ring is cut.
+
+    Attributes
+    ----------
+    inside, outside, rows : int
+        Columns of elements under the contact, on either side of it, and rows.
+    """
+
+    inside: int
+    outside: int
+    rows: int
+
+    @property
+    def columns(self) -> int:
+        """All columns."""
+        return self.inside + 2 * self.outside
+
+
+@dataclass(frozen=True, eq=False)
+class Topology:
+    """Elements and unknowns of a ring of columns x rows elements, e in all; geometry comes later.
+
+    Attributes
+    ----------
+    value, by_x, by_r : (9, 9) arrays
+        Shape functions on the unit square at nine points, (function, point), and derivatives.
+    at : (2, 9) array
+        The points, ``weights`` (9,) theirs.
+    nodes : (e, 9) int array
+        Nodes of each element, numbered along x, circle after circle from the core.
+    column, row : (e,) int arrays
+        Where the elements are.
+    numbers : (2 rows + 1, 2 columns, 2) int array
+        Unknowns v and u of all nodes, the surface's last; those of the core are -1.
+    """
+
+    value: Array
+    by_x: Array
+    by_r: Array
+    at: Array
+    weights: Array
+    nodes: Array
+    column: Array
+    row: Array
+    numbers: Array
+
+    @cached_property
+    def unknowns(self) -> Array:
+        """Unknowns of each element, (e, 18)."""
+        e = self.nodes.shape[0]
+        return np.asarray(self.numbers.reshape(-1, 2)[self.nodes].reshape(e, 18))
+
+    @property
+    def surface(self) -> Array:
+        """Unknowns v and u of the surface's nodes, (2, k)."""
+        return np.asarray(self.numbers[-1].T)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return int(self.numbers.max()) + 1
+
+    @cached_property
+    def _entries(self) -> tuple[Array, Array, Array, Array]:
+        """Which element entries are kept, their places in the matrix, and its pattern."""
+        n, ids = self.size, self.unknowns
+        i = np.broadcast_to(ids[:, :, None], (*ids.shape, 18)).ravel()
+        j = np.broadcast_to(ids[:, None, :], (*ids.shape, 18)).ravel()
+        kept = np.nonzero((i >= 0) & (j >= 0))[0]
+        flat, slot = np.unique(j[kept] * n + i[kept], return_inverse=True)
+        return kept, slot, flat % n, np.searchsorted(flat, np.arange(n + 1) * n)
+
+    def matrix(self, elements: Array) -> sparse.csc_matrix:
+        """Add element matrices (e, 18, 18) up."""
+        kept, slot, indices, pointers = self._entries
+        data = np.bincount(slot, elements.ravel()[kept], indices.size)
+        return sparse.csc_matrix((data, indices, pointers), shape=(self.size,) * 2)
+
+    def vector(self, elements: Array) -> Array:
+        """Add element vectors (e, 18) up."""
+        return np.bincount(self.unknowns.ravel() + 1, elements.ravel(), self.size + 1)[1:]
+
+    def of_elements(self, u: Array) -> Array:
+        """Return each element's part of the unknowns, (e, 18)."""
+        return np.asarray(np.append(u, 0.0)[self.unknowns])
+
+    def on_nodes(self, u: Array) -> Array:
+        """Return the unknowns where the nodes are, (2 rows + 1, 2 columns, 2)."""
+        return np.asarray(np.append(u, 0.0)[self.numbers])
+
+
+@lru_cache(maxsize=16)
+def topology(columns: int, rows: int) -> Topology:
+    """Return elements and unknowns of a ring, numbered for elimination."""
+    from skfem import Basis, ElementQuad2, MeshQuad  # imported late: most never ask for it
+
+    mesh = MeshQuad.init_tensor(np.arange(columns + 1.0), np.arange(rows + 1.0))
+    basis = Basis(mesh, ElementQuad2(), intorder=5)
+    at, weights = basis.quadrature
+    shapes = [basis.elem.lbasis(at, k) for k in range(9)]
+    corner = mesh.p[:, mesh.t].min(axis=1)
+    # every element is a unit square, turned alike
+    local = basis.mapping.F(at)[:, 0] - corner[:, :1]
+    turn = np.linalg.inv(basis.mapping.DF(at)[:, :, 0, 0])
+    by_x, by_r = np.einsum("ji,kjq->ikq", turn, np.array([slopes for _, slopes in shapes]))
+    column, row = corner.astype(int)
+    x, r = np.rint(2 * basis.doflocs).astype(int)
+    # the ring is closed: the last column of nodes is the first
+    nodes = (x % (2 * columns) + 2 * columns * r)[basis.element_dofs.T]
+    return Topology(
+        np.array([values for values, _ in shapes]), by_x, by_r, local, weights, nodes,
+        column, row, _numbers(nodes, 2 * columns, 2 * rows),
+    )  # fmt: skip
+
+
+def _numbers(nodes: Array, around: int, high: int) -> Array:
+    """Number v and u of every node: core -1, inside by least fill, surface last."""
+    inside = around * (high - 1)
+    ids = np.where(nodes < around * high, nodes - around, -1)
+    i, j = np.broadcast_arrays(ids[:, :, None], ids[:, None, :])
+    kept = (i >= 0) & (j >= 0)
+    entries = np.where(i == j, 100.0, 1.0)[kept]  # regular, whatever it is
+    graph = sparse.csc_matrix((entries, (i[kept], j[kept])), shape=(inside, inside))
+    place = np.full(around * (high + 1), -1)
+    place[around : around * high] = _symmetric(graph, "MMD_AT_PLUS_A").perm_c
+    place[around * high :] = inside + np.arange(around)
+    numbers = np.where(place[:, None] < 0, -1, 2 * place[:, None] + np.arange(2))
+    return np.asarray(numbers.reshape(high + 1, around, 2))
+
+
+def _symmetric(matrix: sparse.csc_matrix, order: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> SuperLU:
+    """Factor a symmetric positive definite matrix."""
+    return splu(
+        matrix.astype(np.float64), permc_spec=order, diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )  # fmt: skip
+
+
+class Factors:
+    """A factored stiffness matrix."""
+
+    def __init__(self, topology: Topology, matrix: sparse.csc_matrix) -> None:
+        self._lu = _symmetric(matrix, "NATURAL")
+        self._surface = topology.surface
+
+    def solve(self, f: Array) -> Array:
+        """Return the displacements of forces."""
+        return np.asarray(self._lu.solve(f))
+
+    @cached_property
+    def compliance(self) -> Array:
+        """Displacements of the surface by its forces, (2, k, 2, k)."""
+        shape = self._surface.shape
+        first = self._lu.shape[0] - self._surface.size
+        L, U = (part[first:, first:].toarray() for part in (self._lu.L, self._lu.U))
+        own = (self._surface - first).ravel()
+        return np.linalg.inv(L @ U)[np.ix_(own, own)].reshape(shape + shape)
+
+
+class RingMesh:
+    """The elements of a ring for one half width.
+
+    Parameters
+    ----------
+    radius, core_radius : float
+        R and R0 [m].
+    fineness : Fineness
+    a : float
+        Half width of the contact [m].
+    """
+
+    def __init__(self, radius: float, core_radius: float, fineness: Fineness, a: float) -> None:
+        self.radius, self.half_width = radius, a
+        self.topology = topology(fineness.columns, fineness.rows)
+        t = np.arange(fineness.inside + 1) / fineness.inside
+        inside = a * (2 * t**2 / (t**2 + (1 - t) ** 2) - 1)
+        first = inside[1] - inside[0]
+        side = a + _graded(fineness.outside, first, pi * radius - a)[1:]
+        self.x = np.concatenate([-side[::-1], inside, side])
+        depth = _graded(fineness.rows, FIRST_ROW * first, radius - core_radius)
+        self.r = radius - depth[::-1]
+
+    @property
+    def period(self) -> float:
+        """The circumference [m]."""
+        return 2 * pi * self.radius
+
+    @cached_property
+    def nodes(self) -> Array:
+        """The surface's nodes, (k,) [m]."""
+        return np.stack([self.x[:-1], (self.x[:-1] + self.x[1:]) / 2], axis=1).ravel()
+
+    @cached_property
+    def circles(self) -> Array:
+        """Where nodes are along r, (2 rows + 1,) [m]."""
+        middle = (self.r[:-1] + self.r[1:]) / 2
+        return np.append(np.stack([self.r[:-1], middle], axis=1).ravel(), self.r[-1])
+
+    # ---- the surface ---------------------------------------------------------------------------
+
+    @cached_property
+    def _spline(self) -> CubicSpline:
+        """The splines that are one at one of the surface's nodes."""
+        one = np.eye(self.nodes.size)
+        return CubicSpline(
+            np.append(self.nodes, self.x[-1]), np.vstack([one, one[:1]]), bc_type="periodic"
+        )
+
+    def drawn(self, at: Array) -> tuple[Array, Array]:
+        """Return what values at the surface's nodes are at given x, and their slopes, (n, k)."""
+        at = (at - self.x[0]) % self.period + self.x[0]
+        return self._spline(at), self._spline(at, 1)
+
+    def hats(self, nodes: Array) -> Array:
+        """Return the nodal forces (k, n) of tractions that are one at one of n places x only."""
+        corners, columns = self.x[:-1], self.x.size - 1
+        around = np.concatenate([corners - self.period, corners, self.x + self.period])
+        cuts = np.union1d(nodes, around[(around > nodes[0]) & (around < nodes[-1])])
+        at = np.concatenate([(cuts[1:] + cuts[:-1]) / 2 + s * np.diff(cuts) for s in GAUSS])
+        weight = np.tile(np.diff(cuts) / 2, 2)
+        e, k = np.searchsorted(around, at) - 1, np.searchsorted(nodes, at) - 1
+        t = (at - around[e]) / (around[e + 1] - around[e])
+        part = (at - nodes[k]) / (nodes[k + 1] - nodes[k])
+        out = np.zeros((2 * columns, nodes.size))
+        for j, shape in enumerate(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1))):
+            row = (2 * e + j) % (2 * columns)
+            np.add.at(out, (row, k), weight * shape * (1 - part))
+            np.add.at(out, (row, k + 1), weight * shape * part)
+        return out
+
+    # ---- the elements --------------------------------------------------------------------------
+
+    @cached_property
+    def _heights(self) -> Array:
+        """r at the points of each element, (e, 9) [m]."""
+        top = self.topology
+        return np.asarray(self.r[top.row, None] + np.diff(self.r)[top.row, None] * top.at[1])
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrate over the ring, by the surface's length, (e, 9) [m2]."""
+        top = self.topology
+        area = np.diff(self.x)[top.column] * np.diff(self.r)[top.row]
+        return np.asarray(top.weights * area[:, None] * self._heights / self.radius)
+
+    @property
+    def heights(self) -> Array:
+        """r at the points of each element, (e, 9) [m]."""
+        return self._heights
+
+    @cached_property
+    def _strains(self) -> Array:
+        """e_r, e_t, gamma at an element's points by its unknowns, (e, 27, 18)."""
+        top, r = self.topology, self._heights
+        wide, high = np.diff(self.x)[top.column, None], np.diff(self.r)[top.row]
+        around = (self.radius / (r * wide))[..., None] * top.by_x.T
+        through = top.by_r.T / high[:, None, None]
+        part = top.value.T / r[..., None]
+        B = np.zeros((*r.shape, 3, 18))
+        B[:, :, 0, 0::2] = through
+        B[:, :, 1, 0::2], B[:, :, 1, 1::2] = part, around
+        B[:, :, 2, 0::2], B[:, :, 2, 1::2] = around, through - part
+        return B.reshape(r.shape[0], 27, 18)
+
+    def strain(self, u: Array) -> Array:
+        """Return e_r, e_t, gamma of unknowns, (e, 9, 3)."""
+        strain = self._strains @ self.topology.of_elements(u)[:, :, None]
+        return strain.reshape(-1, 9, 3)
+
+    def forces(self, stress: Array) -> Array:
+        """Return the forces that stresses (e, 9, 3) take."""
+        pull = (stress * self.weights[..., None]).reshape(-1, 1, 27) @ self._strains
+        return self.topology.vector(pull)
+
+    def stiffness(self, tangent: Array) -> Factors:
+        """Return the factored stiffness matrix of moduli (e, 9, 3, 3)."""
+        B = self._strains
+        right = (tangent * self.weights[..., None, None]) @ B.reshape(-1, 9, 3, 18)
+        elements = B.transpose(0, 2, 1) @ right.reshape(-1, 27, 18)
+        return Factors(self.topology, self.topology.matrix(elements))
+
+    def carried(self, u: Array, other: RingMesh) -> Array:
+        """Return another mesh's unknowns on this one, between its nodes linearly."""
+        field = other.topology.on_nodes(u)
+        x = np.append(other.nodes, other.x[-1])
+        closed = np.concatenate([field, field[:, :1]], axis=1)
+        k = np.clip(np.searchsorted(x, self.nodes, "right") - 1, 0, x.size - 2)
+        t = ((self.nodes - x[k]) / (x[k + 1] - x[k]))[:, None]
+        field = closed[:, k] * (1 - t) + closed[:, k + 1] * t
+        r = other.circles
+        k = np.clip(np.searchsorted(r, self.circles, "right") - 1, 0, r.size - 2)
+        t = ((self.circles - r[k]) / (r[k + 1] - r[k]))[:, None, None]
+        field = field[k] * (1 - t) + field[k + 1] * t
+        out = np.zeros(self.topology.size + 1)
+        out[self.topology.numbers] = field  # those of the core go to the entry that is cut off
+        return out[:-1]
+
+
+def _graded(n: int, first: float, last: float) -> Array:
+    """Return n+1 places from 0 to ``last``, c (e^kt - 1)^2, the first cell about ``first``."""
+    low, high = 1e-9, 60.0
+    for _ in range(80):
+        k = (low + high) / 2
+        longer = last * (np.expm1(k / n) / np.expm1(k)) ** 2 > first
+        low, high = (k, high) if longer else (low, k)
+    return np.asarray(last * (np.expm1(k * np.arange(n + 1) / n) / np.expm1(k)) ** 2)

@@ -1,0 +1,135 @@
+"""Stacks: paper and film in a roll, which get stiffer the more they are pressed.
+
+A stack's law is that of one complementary energy of the pressure P = -sigma_r through it, the
+stress sigma_t along it and the shear stress tau,
+
+    W = int F dP + (nu/E_t) P sigma_t + sigma_t^2/(2 E_t) + tau^2/(2 G),
+
+    eps_r = -F(P) - (nu/E_t) sigma_t + G' tau^2/(2 G^2),    F = int dP/E_r, from P = 0,
+    eps_t = (nu/E_t) P + sigma_t/E_t,      gamma = tau/G,
+
+so that its tangent compliances are symmetric: c_rr = 1/E_r(P), c_rt = -nu/E_t, c_tt = 1/E_t.  It is
+elastic; that paper unloads stiffer than it was loaded is not in it.  docs/theory/stack.md
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import inf
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, model_validator
+
+from ..errors import InvalidProblem
+from ..quantities import pure, stress
+from .fields import Number, shown
+from .materials import SOFTEST, STIFFEST, Solid, Stiffness
+from .radial_laws import AnyLaw
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .fields import Given
+
+__all__ = ["AnyStack", "Stack"]
+
+Array = np.ndarray
+
+
+class Stack(Solid):
+    """The material of a wound roll, stiffer under pressure through it, linear along it.
+
+    Parameters
+    ----------
+    radial : Pfeiffer, Polynomial, PowerLaw, StackTest or float
+        The tangent modulus E_r(P) of uniaxial compression [Pa]; a number is one that stays.
+    tangential : float
+        E_t along the web [Pa].
+    poissons_ratio : float
+        nu, how much thinner the stack gets of a unit strain along the web, if pulled along it.
+    shear : float
+        G [Pa] of the wound stack.
+    shear_exponent : float
+        beta of G = shear (E_r(P)/E_r(P0))^beta, P0 the pressure wound in.
+
+    Raises
+    ------
+    InvalidProblem
+        For a law whose modulus is E_t/nu^2 or more without any pressure: it has no energy there.
+    """
+
+    radial: Annotated[AnyLaw, stress("E_r", "modulus through the stack", "MPa")]
+    tangential: Annotated[
+        Number,
+        stress("E_t", "modulus along the web", "MPa", (5e8, 1e10)),
+        Field(ge=SOFTEST, le=STIFFEST),
+    ]
+    poissons_ratio: Annotated[
+        Number, pure("nu", "Poisson's ratio, thinning by strain along the web", (0.0, 0.3)),
+        Field(ge=0, le=10),
+    ]  # fmt: skip
+    shear: Annotated[
+        Number,
+        stress("G", "shear modulus of the wound stack", "MPa", (1e6, 1e8)),
+        Field(ge=SOFTEST, le=STIFFEST),
+    ]
+    shear_exponent: Annotated[
+        Number, pure("beta", "exponent of the shear modulus in E_r", (0.0, 1.0)), Field(ge=0, le=2)
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _has_energy(self) -> Self:
+        if self.limit <= 0:
+            E = float(self.radial.modulus(np.zeros(1))[0])
+            raise InvalidProblem.at(
+                "radial",
+                f"a modulus of {shown(E)} without pressure is out of range; must be < "
+                f"tangential/poissons_ratio^2 = {shown(self.stiffest)} [Pa]",
+            )
+        return self
+
+    @property
+    def stiffest(self) -> float:
+        """E_t/nu^2, the modulus through the stack where its energy ceases to be positive [Pa]."""
+        nu = self.poissons_ratio
+        return self.tangential / nu**2 if nu > 0 else inf
+
+    @cached_property
+    def limit(self) -> float:
+        """Pressure beyond which the stack is not admissible [Pa]: its law ends, or its energy."""
+        return min(self.radial.highest, self.radial.reaches(self.stiffest))
+
+    def tangent(self, P: float | Array, wound: float | Array | None = None) -> Stiffness:
+        """Return the tangent stiffness A_rr, A_tt, A_rt, G without shear [Pa].
+
+        Parameters
+        ----------
+        P : array_like
+            Pressure through the stack [Pa]; beyond :attr:`limit` the moduli are those of 99.9 % of
+            :attr:`stiffest`, for states that an iteration tries.
+        wound : array_like, optional
+            P0, at which G is ``shear``; P itself where None.
+        """
+        E_t, nu = self.tangential, self.poissons_ratio
+        E = np.minimum(self.radial.modulus(P), 0.999 * self.stiffest)
+        D = 1 - nu * nu * E / E_t
+        return Stiffness(E / D, E_t / D, nu * E / D, self.shear_modulus(P, wound))
+
+    def shear_modulus(self, P: float | Array, wound: float | Array | None = None) -> Any:
+        """Return G [Pa]; parameters as of :meth:`tangent`."""
+        if wound is None or self.shear_exponent == 0:
+            return np.full(np.shape(P), self.shear)[()]
+        ratio = self.radial.modulus(P) / self.radial.modulus(wound)
+        return self.shear * ratio**self.shear_exponent
+
+    def shear_slope(self, P: float | Array, wound: float | Array | None = None) -> Any:
+        """Return dG/dP [1]: shear presses the stack by G' tau^2/(2 G^2)."""
+        steep = self.shear_exponent * self.radial.modulus_slope(P) / self.radial.modulus(P)
+        return steep * self.shear_modulus(P, wound)
+
+
+if TYPE_CHECKING:
+    AnyStack = Given[Stack, Stack | Mapping[str, Any]]
+else:
+    AnyStack = Annotated[Stack, BeforeValidator(Stack.made)]

@@ -1,0 +1,167 @@
+"""Hardening rolls as users have them: case files, sweeps, derivatives, faults, random nips."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hardening import random_nip  # of benchmarks/
+from hardening_cases import NEWSPRINT, nip, roll
+
+import woundon as wo
+from woundon.elasticity import hardening_ring
+from woundon.problems.direct import ring
+from woundon.results import Residuals
+
+CASE = """
+schema = 1
+nip_load = "3.5 kN/m"
+web_tension = "350 N/m"
+roll_friction = 0.19
+drum_friction = 0.2
+
+[web]
+thickness = "66 um"
+material = "newsprint"
+
+[roll]
+radius = "100 mm"
+core_radius = "44.5 mm"
+pressure = "90 kPa"
+
+[roll.stack]
+radial = { K1 = "10 kPa", K2 = 127.0 }
+tangential = "3.38 GPa"
+poissons_ratio = 0.185
+shear = "10 MPa"
+
+[drum]
+radius = "76.2 mm"
+"""
+
+
+def test_a_case_file_has_it(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(CASE, "utf-8")
+    problem: Any = wo.load_case(path)
+    assert problem.roll == roll(tangential=3.38e9, poissons_ratio=0.185)
+    result = wo.solve(problem, nodes=17)
+    result.save(tmp_path / "nip.nc")
+    again: Any = wo.load_result(tmp_path / "nip.nc")
+    assert again.problem == problem
+    assert again.certified().largest <= 1e-8
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
+    problem: Any = nip(roll())
+    if wrapped:
+        problem = problem.wrapped(roll_wrap=pi / 2)
+    first = wo.solve(problem, nodes=33)
+    near = problem.replace(**{"roll.stack.radial.K2": 130.0})
+    cold, warm = wo.solve(near, nodes=33), wo.solve(near, nodes=33, start=first)
+    assert warm.tension_behind_nip == pytest.approx(cold.tension_behind_nip, rel=1e-7)
+    assert warm.iterations < 0.7 * cold.iterations
+
+
+def test_sweeps_go_from_neighbour_to_neighbour() -> None:
+    table = wo.sweep(
+        nip(roll()), over={"roll.pressure": [60e3, 90e3, 120e3]},
+        outputs=["nip_induced_tension", "half_width"], nodes=17,
+    )  # fmt: skip
+    widths = np.asarray(table["half_width"])
+    assert np.all(np.diff(widths) < 0)  # the harder wound, the narrower
+
+
+def test_sensitivities_are_the_derivatives() -> None:
+    """Of the implicit function, against central differences over 2 parts in 1000."""
+    problem = nip(roll(shear_exponent=0.5))
+    result = wo.solve_nip(problem, nodes=17)
+    names = {"roll.stack.radial.K2": 127.0, "roll.pressure": 90e3, "roll.stack.shear": 10e6}
+    told = result.sensitivity(*names)
+    for name, value in names.items():
+        step = 2e-3 * value
+        less, more = (
+            wo.solve_nip(problem.replace(**{name: value + s}), nodes=17, start=None)
+            for s in (-step, step)
+        )
+        for output in ("nip_induced_tension", "half_width"):
+            difference = (getattr(more, output) - getattr(less, output)) / (2 * step)
+            # a tangent may be one part in ten thousand old
+            assert told.derivative(output, name) == pytest.approx(difference, rel=1e-3)
+
+
+# ---- the certificate ----------------------------------------------------------------------------
+
+
+def test_the_rolls_equilibrium_is_a_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A roll that is left where it was, out of equilibrium, is not certified."""
+    result = wo.solve_nip(nip(roll()), nodes=17)
+    assert result.residuals.roll_equilibrium <= 1e-8
+    ring.cache_clear()
+    monkeypatch.setattr(hardening_ring, "_latest", None)
+    monkeypatch.setattr(hardening_ring, "EQUILIBRIUM", 1e-3)
+    assert result.certified().roll_equilibrium > 1e-8
+
+
+def test_a_linear_nip_has_no_such_law() -> None:
+    result = wo.solve_nip(nip(wo.Cylinder(radius=0.1, core_radius=0.0445, material=NEWSPRINT)))
+    assert isinstance(result.residuals, Residuals)
+    assert "roll_equilibrium" not in dict(result.residuals.items())
+
+
+# ---- refusals -----------------------------------------------------------------------------------
+
+
+def test_a_stack_pressed_beyond_its_law_is_refused() -> None:
+    """A test measured up to 400 kPa, a nip of more than 1 MPa."""
+    P = np.linspace(0, 400e3, 9)
+    test = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 127.0)
+    stack = wo.Stack(radial=test, tangential=3.38e9, poissons_ratio=0.185, shear=10e6)
+    body = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=stack, pressure=90e3)
+    with pytest.raises(wo.InvalidProblem, match=r"roll: the pressure in it reaches .* 4e\+05"):
+        wo.solve_nip(nip(body), nodes=17)
+
+
+def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> None:
+    """E_r = E_t/nu^2 at 0.5 MPa."""
+    body = roll(tangential=2e9, poissons_ratio=5.6)
+    assert 4e5 < body.stack.limit < 6e5
+    with pytest.raises(wo.InvalidProblem, match="its stack's law ends at"):
+        wo.solve_nip(nip(body), nodes=17)
+
+
+def test_a_stack_torn_beside_the_nip_is_refused() -> None:
+    """K1 + P0 of 0.6 kPa under a nip of 0.5 MPa: beside it the pressure falls by more."""
+    with pytest.raises(wo.InvalidProblem, match="beside the load its stack is torn"):
+        wo.solve_nip(nip(roll(K1=300.0, P0=300.0, K2=5000.0)), nodes=17)
+
+
+@pytest.mark.parametrize(
+    ("fields", "text"),
+    [
+        ({"pressure": -1.0}, "pressure: -1 is out of range; must be >= 0"),
+        ({"core_radius": 0.1}, "core_radius: 0.1 is out of range"),
+        ({"hardening": "secant"}, "hardening"),
+        ({"stack.radial.K1": 0.0}, "K1: 0 is out of range; must be > 0"),
+    ],
+)
+def test_bad_input(fields: dict[str, Any], text: str) -> None:
+    with pytest.raises(wo.InvalidProblem, match=text):
+        roll().replace(**fields)
+
+
+def test_random_hardening_nips_are_certified_or_refused() -> None:
+    """A sample of benchmarks/hardening.py."""
+    rng, solved = np.random.default_rng(5), 0
+    for _ in range(6):
+        try:
+            result: Any = wo.solve(random_nip(rng), nodes=17)
+        except (wo.InvalidProblem, wo.NoSteadyState):
+            continue
+        assert result.residuals.largest <= 1e-8
+        solved += 1
+    assert solved >= 3

@@ -1,0 +1,222 @@
+"""A hardening stack's law and the ring made of it: one potential, tangents that are derivatives."""
+
+from __future__ import annotations
+
+from math import log1p, pi
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.elasticity import hardening_ring, ring_elements
+from woundon.elasticity.hardening import HardeningLaw
+from woundon.elasticity.hardening_ring import HardeningRing, _Loaded
+from woundon.elasticity.ring_elements import Fineness, RingMesh
+from woundon.problems.radial_laws import Constant
+
+Array = np.ndarray
+
+PFEIFFER = wo.Pfeiffer(K1=10e3, K2=127.0)
+LAWS = {
+    "Pfeiffer": HardeningLaw(PFEIFFER, 3.38e9, 0.185, 10e6),
+    "shear hardens": HardeningLaw(PFEIFFER, 3.38e9, 0.185, 10e6, 0.5),
+    "polynomial": HardeningLaw(
+        wo.Polynomial(coefficients=(1e6, 40.0, 1e-5)), 1e9, 0.1, 5e6, 0.9
+    ),
+    "power": HardeningLaw(wo.PowerLaw(E0=1e6, k=10e6, m=0.7), 3e9, 0.01, 5e6, 0.7),
+    "constant": HardeningLaw(Constant(youngs_modulus=27e6), 3.38e9, 0.185, 10e6),
+}  # fmt: skip
+
+
+def states(n: int = 40) -> tuple[Array, Array]:
+    """Return strains of a few per cent, mostly pressed, and wound pressures."""
+    rng = np.random.default_rng(3)
+    e_r = rng.uniform(-0.02, 0.002, n)
+    strain = np.stack([e_r, rng.uniform(-3e-4, 3e-4, n), rng.uniform(-0.02, 0.02, n)], axis=-1)
+    return strain, rng.uniform(20e3, 200e3, n)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_tangent_is_the_derivative_of_the_stress(name: str) -> None:
+    law, (strain, P0) = LAWS[name], states()
+    tangent = law.stressed(strain, P0).tangent
+    assert np.array_equal(tangent, np.swapaxes(tangent, -1, -2))
+    for k in range(3):
+        step = np.zeros(3)
+        step[k] = 1e-6
+        # central differences of fourth order leave 1e-10 of a modulus here
+        near, far = (
+            (
+                law.stressed(strain + m * step, P0).stress
+                - law.stressed(strain - m * step, P0).stress
+            )
+            / (2 * m * step[k])
+            for m in (1, 2)
+        )
+        size = np.max(np.abs(tangent), axis=(-1, -2))[:, None]
+        assert np.max(np.abs((4 * near - far) / 3 - tangent[..., k]) / size) < 1e-8
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_strains_follow_from_the_stresses_by_the_complementary_energy(name: str) -> None:
+    """e = dW*/d sigma, differenced; W* written here once more, from the radial law alone."""
+    law, (strain, P0) = LAWS[name], states()
+    sigma = law.stressed(strain, P0).stress
+    F, E_t, nu = law.radial.strain_at, law.tangential, law.poissons_ratio
+    x, w = np.polynomial.legendre.leggauss(40)
+
+    def energy(s: Array) -> Array:
+        r, t, tau = np.moveaxis(s, -1, 0)
+        P = P0 - r
+        half = (P - P0) / 2
+        Phi = sum(
+            wi * half * (F(P0 + half * (1 + xi)) - F(P0)) for xi, wi in zip(x, w, strict=True)
+        )
+        ratio = law.radial.modulus(P) / law.radial.modulus(P0)
+        G = law.shear * ratio**law.shear_exponent
+        return Phi - nu / E_t * r * t + t**2 / (2 * E_t) + tau**2 / (2 * G)
+
+    for k in range(3):
+        step = np.zeros(3)
+        step[k] = 20.0
+        told = (energy(sigma + step) - energy(sigma - step)) / 40.0
+        assert np.max(np.abs(told - strain[:, k])) < 1e-7 * np.max(np.abs(strain))
+
+
+def test_a_constant_law_is_linear() -> None:
+    law, (strain, P0) = LAWS["constant"], states()
+    A_rr, A_tt, A_rt, G = law.stiffness(50e3)
+    C = np.array([[A_rr, A_rt, 0], [A_rt, A_tt, 0], [0, 0, G]])
+    assert law.stressed(strain, P0).stress == pytest.approx(strain @ C, rel=1e-11)
+    assert A_rt**2 / A_rr == pytest.approx(A_tt - law.tangential)
+
+
+@pytest.mark.parametrize("gamma", [0.0, 0.01, 0.03])
+def test_trial_states_beyond_the_law_have_stresses(gamma: float) -> None:
+    """Torn apart or pressed beyond the law's end: finite, rising without a step, definite."""
+    measured = np.geomspace(1e3, 400e3, 9)
+    test = wo.StackTest(pressure=measured, strain=np.log1p(measured / 10e3) / 127.0)
+    for law in (LAWS["shear hardens"], HardeningLaw(test, 3.38e9, 0.185, 10e6, 0.5)):
+        e_r = np.linspace(-0.2, 0.1, 20_001)
+        strain = np.stack([e_r, np.zeros(e_r.size), np.full(e_r.size, gamma)], axis=-1)
+        found = law.stressed(strain, np.full(e_r.size, 90e3))
+        assert np.all(np.isfinite(found.stress))
+        assert found.pressure.max() > law.limit
+        assert found.pressure.min() < law.lowest
+        rise = np.diff(found.stress[:, 0])
+        assert np.all(rise > 0)
+        assert np.max(rise) < 1.001 * np.max(found.tangent[:, 0, 0]) * np.diff(e_r)[0]
+        assert np.all(np.linalg.eigvalsh(found.tangent) > 0)
+
+
+# ---- the ring -----------------------------------------------------------------------------------
+
+A = 2e-3
+
+
+def ring(law: HardeningLaw, P0: float = 90e3) -> HardeningRing:
+    return HardeningRing(0.1, 0.0445, law, lambda r: np.full(np.shape(r), P0))
+
+
+COARSE = Fineness(8, 8, 6)
+
+
+def loaded(law: HardeningLaw, fine: Fineness = COARSE) -> _Loaded:
+    return _Loaded(ring(law), fine, A, None)
+
+
+def forces(mesh: RingMesh, peak: float = 1e6) -> Array:
+    x = np.linspace(-A, A, 33)
+    p = peak * (1 - (x / A) ** 2)
+    hats = mesh.hats(x)
+    return np.stack([-hats @ p, hats @ (0.1 * p * np.sin(2 * x / A))])
+
+
+def test_hats_carry_the_load_and_its_moment() -> None:
+    mesh = RingMesh(0.1, 0.0445, COARSE, A)
+    x = np.linspace(-0.7 * A, 1.7 * A, 12)
+    hats = mesh.hats(x)
+    size = np.diff(x)[0]
+    assert hats.sum(axis=0)[1:-1] == pytest.approx(size, rel=1e-12)
+    assert (mesh.nodes @ hats)[1:-1] == pytest.approx(size * x[1:-1], abs=1e-15)
+    # once round the roll is where it began
+    assert mesh.hats(x + 2 * pi * 0.1) == pytest.approx(hats, abs=1e-15)
+
+
+def test_the_compliance_is_symmetric_and_the_derivative_of_the_displacements() -> None:
+    mesh = loaded(LAWS["shear hardens"])
+    f = forces(mesh)
+    mesh.equilibrium(f)
+    found = mesh.law.stressed(mesh.strain(mesh.u), mesh.wound)
+    Y = mesh.stiffness(found.tangent).compliance
+    k = f.shape[1]
+    flat = Y.reshape(2 * k, 2 * k)
+    assert np.max(np.abs(flat - flat.T)) < 1e-8 * np.max(np.abs(flat))
+    rng = np.random.default_rng(1)
+    step = f * rng.uniform(-1, 1, f.shape)
+
+    def moved(share: float) -> Array:
+        return mesh.equilibrium(f + share * step).moved
+
+    h = 1e-3  # differences of fourth order: truncation and equilibrium (1e-11) leave 1e-9
+    told = (8 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12 * h)
+    made = np.einsum("ikjl,jl->ik", Y, step)
+    assert np.max(np.abs(told - made)) < 1e-8 * np.max(np.abs(made))
+
+
+def test_the_equilibrium_does_not_depend_on_where_it_starts() -> None:
+    far = loaded(LAWS["Pfeiffer"])
+    f = forces(far)
+    far.equilibrium(3 * f)
+    near = loaded(LAWS["Pfeiffer"])
+    other = _Loaded(ring(LAWS["constant"]), Fineness(12, 10, 8), 1.3 * A, None)
+    other.equilibrium(forces(other))
+    carried = _Loaded(ring(LAWS["Pfeiffer"]), COARSE, A, other)
+    wanted = near.equilibrium(f).moved
+    for mesh in (far, carried):
+        assert mesh.equilibrium(f).moved == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())
+
+
+def test_a_linear_ring_far_out_is_compressed_evenly() -> None:
+    """Pressure all round: u = A (r/R)^m + B (r/R)^-m with m^2 = A_tt/A_rr, by hand."""
+    law = LAWS["constant"]
+    R, R0, p = 0.1, 0.0445, 1e4
+    A_rr, A_tt, A_rt, _ = law.stiffness(0.0)
+    m, t = np.sqrt(A_tt / A_rr), R0 / R
+    # v = C ((r/R)^m - t^2m (r/R)^-m) is 0 at R0; -p = A_rr v' + A_rt v/R at R
+    slope, value = m * (1 + t ** (2 * m)), 1 - t ** (2 * m)
+    v = -p * R * value / (A_rr * slope + A_rt * value)
+    errors = []
+    for rows in (12, 24):
+        mesh = loaded(law, Fineness(8, 8, rows))
+        inward = mesh.hats(np.linspace(-pi * R, pi * R, 400)).sum(axis=1)
+        moved = mesh.equilibrium(np.stack([-p * inward, 0 * inward])).moved[0]
+        assert np.ptp(moved) < 1e-9 * abs(v)
+        errors.append(abs(moved[0] / v - 1))
+    assert errors[1] < 2e-5
+    assert errors[0] > 8 * errors[1]  # order 4: strains to the cube, and an energy
+
+
+def test_no_equilibrium_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hardening_ring, "STEPS", 2)
+    mesh = loaded(LAWS["Pfeiffer"])
+    with pytest.raises(hardening_ring.NoEquilibrium, match="of the load are left"):
+        mesh.equilibrium(forces(mesh))
+
+
+def test_uniform_pressure_strains_by_the_law() -> None:
+    """A stack pressed straight: P = (K1 + P0) exp(K2 e) - K1 where nu = 0."""
+    law = HardeningLaw(PFEIFFER, 3e9, 0.0, 1e7)
+    e = np.array([-0.01, 0.0, 0.002])
+    strain = np.stack([e, 0 * e, 0 * e], axis=-1)
+    P = law.stressed(strain, np.full(3, 90e3)).pressure
+    assert list(P) == pytest.approx(list(100e3 * np.exp(-127.0 * e) - 10e3))
+    assert PFEIFFER.strain_at(90e3) == pytest.approx(log1p(9.0) / 127.0)
+
+
+def test_topologies_number_every_unknown_once() -> None:
+    made = ring_elements.topology(10, 4)
+    numbers = made.numbers[1:].ravel()
+    assert np.array_equal(np.sort(numbers), np.arange(made.size))
+    assert np.all(made.numbers[0] == -1)
+    assert np.array_equal(np.sort(made.surface.ravel()), np.arange(made.size - 40, made.size))

@@ -1,0 +1,403 @@
+"""Cylinders of layers against finite elements, published digits of another program, and limits.
+
+The elements are of high order in the radius, one set for each harmonic: they minimise
+
+    int [A_rr e_r^2 + 2 A_rt e_r e_t + A_tt e_t^2 + G g^2] r dr/2 - S U(R) - T V(R)
+    e_r = U',   e_t = (U + n V)/r,   g = V' - (V + n U)/r
+
+and know nothing of exponentials, doubling or star products.
+"""
+
+from __future__ import annotations
+
+import itertools
+from math import log
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+from scipy.linalg import lu_factor, lu_solve
+
+import woundon as wo
+from woundon.elasticity.cylinder import asymptotic_compliance, layered_kernels, surface_kernels
+from woundon.elasticity.layers import Layers, stacked_compliance
+
+Array = np.ndarray
+Stiffness = tuple[float, float, float, float]
+ORDER = 16
+
+
+def isotropic(E: float, nu: float) -> Stiffness:
+    """Return A_rr, A_tt, A_rt, G of plane strain."""
+    direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    return direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu))
+
+
+STEEL, SOFT, HARD = isotropic(206e9, 0.3), isotropic(10e6, 0.49), isotropic(60e6, 0.45)
+PAPER: Stiffness = (20e6, 3e9, 5e6, 10e6)
+FELT: Stiffness = (2e6, 30e6, 1e6, 5e6)
+
+# radius, (thickness, stiffness) outermost first
+BODIES: dict[str, tuple[float, list[tuple[float, Stiffness]]]] = {
+    "three-layer drum": (0.24, [(0.015, SOFT), (0.005, HARD), (0.02, STEEL)]),
+    "hard on soft on hard": (0.24, [(0.001, STEEL), (0.015, SOFT), (0.02, HARD)]),
+    "paper on a core shell": (0.3, [(0.25, PAPER), (0.01, isotropic(3e9, 0.3))]),
+    "orthotropic layers": (0.2, [(0.01, FELT), (0.03, PAPER), (0.05, FELT)]),
+    "thin layers": (0.2, [(1e-5, HARD), (2e-3, SOFT), (1e-6, FELT), (0.02, STEEL)]),
+    "incompressible layers": (0.2, [(0.01, isotropic(1e6, 0.4999)), (0.03, isotropic(1e7, 0.49))]),
+    "one layer": (0.2, [(0.05, HARD)]),
+}
+bodies = pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+
+
+def stacked(R: float, layers: list[tuple[float, Stiffness]]) -> Layers:
+    """Return the layers as the program takes them."""
+    made, outside = [], R
+    for thickness, stiffness in layers:
+        made.append((-np.log1p(-thickness / outside), *stiffness))
+        outside -= thickness
+    return tuple(made)
+
+
+def cells(R: float, layers: list[tuple[float, Stiffness]], n: float) -> list[Any]:
+    """Return elements (inner radius, height, stiffness), from the core, finer near the surface.
+
+    What lies deeper than forty waves is not felt.
+    """
+    depths = np.cumsum([0.0] + [h for h, _ in layers])
+    depth = min(depths[-1], 120 * R / max(n, 1))
+    cuts = [min(R / max(n, 1), depth / 8) / 2]
+    while cuts[-1] < depth:  # no element is higher than half the radius below it
+        cuts.append(min(2 * cuts[-1], cuts[-1] + (R - cuts[-1]) / 3))
+    marks = np.unique(np.concatenate([depths, cuts]))
+    marks = marks[marks <= max(depth, marks[1])]
+    found = []
+    for top, bottom in itertools.pairwise(marks):
+        k = int(np.searchsorted(depths, (top + bottom) / 2)) - 1
+        found.append((R - bottom, bottom - top, layers[k][1]))
+    return found[::-1]
+
+
+def stiffness_matrix(elements: list[Any], n: float) -> Array:
+    """Return the elements' matrix in extended precision; rows 2 i and 2 i + 1 for U and V."""
+    x, w = (np.asarray(part, dtype=np.longdouble) for part in legendre.leggauss(ORDER + 4))
+    # integrated Legendre polynomials between two linear functions
+    modes = [np.array([0.5, -0.5]), np.array([0.5, 0.5])]
+    modes += [legendre.legint(np.eye(k + 1)[k], lbnd=-1) for k in range(1, ORDER)]
+    shape = np.array([legendre.legval(x, c) for c in modes])
+    slope = np.array([legendre.legval(x, legendre.legder(c)) for c in modes])
+    per = len(modes) - 1
+    size = 2 * (per * len(elements) + 1)
+    K = np.zeros((size, size), dtype=np.longdouble)
+    for e, (inner, h, (A_rr, A_tt, A_rt, G)) in enumerate(elements):
+        r = inner + h * (x + 1) / 2
+        N, D, zero = shape, slope * 2 / h, np.zeros_like(shape)
+        weight = w * r * h / 2
+        e_r, e_t = np.concatenate([D, zero]), np.concatenate([N / r, n * N / r])
+        g = np.concatenate([-n * N / r, D - N / r])
+        k = (e_r * weight) @ (A_rr * e_r + A_rt * e_t).T
+        k += (e_t * weight) @ (A_tt * e_t + A_rt * e_r).T + (g * weight) @ (G * g).T
+        nodes = [per * e, per * (e + 1), *range(per * e + 1, per * (e + 1))]
+        dofs = np.array([2 * i for i in nodes] + [2 * i + 1 for i in nodes])
+        K[np.ix_(dofs, dofs)] += k
+    last = 2 * per * len(elements)  # the surface's rows come last
+    order = np.concatenate([np.delete(np.arange(size), [last, last + 1]), [last, last + 1]])
+    return K[np.ix_(order, order)]
+
+
+def finite_elements(R: float, layers: list[Any], n: float, free: bool) -> Array:
+    """Return Y_n of the surface by elements of high order in the radius."""
+    K = stiffness_matrix(cells(R, layers, n), n)
+    loads = np.eye(len(K))[:, -2:]
+    if not free:
+        K, loads = K[2:, 2:], loads[2:]
+    elif n < 2:  # no rigid turn (n = 0), no shift on average (n = 1): U = V on the bore
+        K[0] += (n == 1) * K[1]
+        K[:, 0] += (n == 1) * K[:, 1]
+        kept = np.delete(np.arange(len(K)), 1)
+        K, loads = K[np.ix_(kept, kept)], loads[kept]
+    scale = 1 / np.sqrt(np.diag(K))
+    K *= np.outer(scale, scale)
+    loads = loads * scale[:, None]
+    factor = lu_factor(K.astype(float))
+    Y = np.zeros(loads.shape, dtype=np.longdouble)
+    for _ in range(8):  # refined to extended precision
+        Y += lu_solve(factor, (loads - K @ Y).astype(float))
+    return np.array(loads.T @ Y, dtype=float)
+
+
+def difference(found: Array, expected: Array) -> float:
+    """Return the largest difference of entries relative to the largest entry."""
+    return float(np.max(np.abs(found - expected)) / np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("free", [False, True], ids=["rigid core", "open bore"])
+@bodies
+def test_finite_elements(body: Any, free: bool) -> None:
+    R, layers = body
+    for n in (0, 1, 2, 3, 7, 30, 200, 3000, 1e5):
+        expected = finite_elements(R, layers, n, free)
+        found = stacked_compliance(np.array([n]), stacked(R, layers), free)[..., 0]
+        assert difference(found, expected) < 1e-10, n
+
+
+def test_values_of_another_program() -> None:
+    """A steel shell under two rubbers, 8 digits each, computed elsewhere; n C_11 in 1/Pa."""
+    n = np.array([2, 10, 300])
+    layers = (
+        (log(0.24 / 0.225), *SOFT), (log(0.225 / 0.22), *HARD),
+        (log(0.22 / 0.20), *isotropic(206e9, 0.3)),
+    )  # fmt: skip
+    told = [1.11005143e-9, 2.05737028e-8, 1.51971755e-7]
+    np.testing.assert_allclose(n * stacked_compliance(n, layers)[0, 0], told, rtol=5e-9)
+
+
+@pytest.mark.parametrize("free", [False, True], ids=["rigid core", "open bore"])
+@bodies
+def test_splitting_layers_changes_nothing(body: Any, free: bool) -> None:
+    R, layers = body
+    n = np.concatenate([np.arange(40), np.geomspace(40, 1e5, 30).round()])
+    whole = stacked_compliance(n, stacked(R, layers), free)
+    pieces = [
+        (h * share, stiffness) for h, stiffness in layers for share in (0.1, 0.45, *[0.05] * 7, 0.1)
+    ]
+    parts = stacked_compliance(n, stacked(R, pieces), free)
+    size = np.max(np.abs(whole), axis=(0, 1))
+    # rounding of the radii between: 1e-16 R of a layer of 1e-6 m
+    assert np.max(np.abs(parts - whole) / size) < 1e-12 + 1e-15 * R / min(h for h, _ in pieces)
+
+
+@bodies
+def test_the_response_is_symmetric_and_positive(body: Any) -> None:
+    R, layers = body
+    n = np.concatenate([np.arange(200), np.geomspace(200, 1e5, 30)])
+    for free in (False, True):
+        Y = np.moveaxis(stacked_compliance(n, stacked(R, layers), free), -1, 0)
+        size = np.abs(Y).max(axis=(1, 2), keepdims=True)
+        assert np.max(np.abs(Y - Y.swapaxes(1, 2)) / size) < 1e-10  # Betti
+        assert np.all(np.linalg.eigvalsh((Y + Y.swapaxes(1, 2)) / size) > 0)
+    rigid = np.moveaxis(stacked_compliance(n[2:], stacked(R, layers)), -1, 0)
+    # a bore that gives way makes every harmonic softer, or equally soft
+    softer = np.linalg.eigvalsh((Y[2:] - rigid) / size[2:])
+    assert np.all(softer > -1e-12)
+
+
+@bodies
+def test_short_waves_feel_the_outermost_layer_alone(body: Any) -> None:
+    R, layers = body
+    thickness, stiffness = layers[0]
+    n = 40 * R / thickness
+    tail = asymptotic_compliance(6, *stiffness)
+    powers = sum(a / n**j for j, a in enumerate(tail))
+    found = stacked_compliance(np.array([n]), stacked(R, layers))[..., 0]
+    assert difference(found, powers) < 1e-10
+
+
+def test_an_open_bore_turns_and_shifts_with_nothing() -> None:
+    """Torsion of a ring held at its bore: u = T (1/R0^2 - 1/R^2) R/(2 G) by hand."""
+    R, R0, (_, _, _, G) = 0.2, 0.15, HARD
+    Y = stacked_compliance(np.array([0, 1]), ((log(R / R0), *HARD),), True)
+    # t = R tau; torque 2 pi R^2 tau
+    assert Y[1, 1, 0] == pytest.approx(R**2 * (1 / R0**2 - 1 / R**2) / (2 * G), rel=1e-13)
+    # Lame: a ring under outer pressure with a free bore, plane strain
+    E, nu = 60e6, 0.45
+    lame = (1 + nu) / E * ((1 - 2 * nu) * R**2 + R0**2) / (R**2 - R0**2)
+    assert Y[0, 0, 0] == pytest.approx(lame, rel=1e-12)
+
+
+# ---- kernels ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["three-layer drum", "hard on soft on hard"])
+def test_interpolated_harmonics_are_the_computed_ones(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from woundon.elasticity import cylinder
+
+    R, layers = BODIES[name]
+    made = stacked(R, layers)
+    N = 6000
+    exact = stacked_compliance(np.arange(N + 1.0), made)
+    found = cylinder._interpolated(N, made, free=False)
+    n = np.arange(N + 1)
+    assert np.max(np.abs((found - exact) * n)) < 1e-13 * np.max(np.abs(exact * n))
+    asked: list[int] = []
+
+    def counted(at: Array, *rest: Any) -> Array:
+        asked.append(np.size(at))
+        return stacked_compliance(at, *rest)
+
+    monkeypatch.setattr(cylinder, "stacked_compliance", counted)
+    cylinder._interpolated(N, made, free=False)
+    assert sum(asked) < N / 8
+
+
+def test_equal_layers_have_the_kernels_of_one() -> None:
+    depth = log(0.24 / 0.225)
+    one = surface_kernels(0.24, 0.225, *SOFT)
+    many = layered_kernels(0.24, ((depth / 500, *SOFT),) * 500)
+    t = np.geomspace(1e-4, 0.7, 60)
+    for name in ("slope_p", "slope_q", "strain_p", "strain_q", "normal_p", "tangent_q"):
+        a, b = getattr(one, name), getattr(many, name)
+        assert (a.inverse, a.delta) == pytest.approx((b.inverse, b.delta), rel=1e-14)
+        size = np.abs(a.singular(t) + a.smooth(t)) + np.abs(a.smooth(t)).max()
+        # the tables' errors: of unequal numbers of terms
+        assert np.max(np.abs(a.smooth(t) - b.smooth(t)) / size) < 1e-10, name
+    assert many.terms < 2 * one.terms
+    assert many.length == pytest.approx(one.length, rel=0.7)
+
+
+def drum(*layers: tuple[float, Any], core: str = "rigid", R: float = 0.24) -> wo.Layered:
+    return wo.Layered(
+        radius=R, layers=[wo.Layer(thickness=h, material=m) for h, m in layers], core=core
+    )
+
+
+RUBBER = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.49)
+EXAMPLE = wo.NipProblem.example()
+
+
+def outputs(body: wo.Body) -> Array:
+    result = wo.solve(EXAMPLE.replace(drum=body), nodes=49)
+    return np.array([result.nip_induced_tension, result.half_width, result.approach])
+
+
+def test_a_nip_with_one_layer_is_that_with_a_cylinder() -> None:
+    one = wo.Cylinder(radius=0.24, core_radius=0.225, material=RUBBER)
+    np.testing.assert_allclose(outputs(drum((0.24 - 0.225, RUBBER))), outputs(one), rtol=1e-10)
+
+
+def test_a_nip_does_not_see_how_a_cover_is_split() -> None:
+    whole = outputs(drum((0.015, RUBBER), (0.02, wo.material("steel"))))
+    split = drum(*[(0.0005, RUBBER)] * 30, (0.02, wo.material("steel")))
+    np.testing.assert_allclose(outputs(split), whole, rtol=1e-10)
+
+
+def test_a_coating_far_thinner_than_the_nip_wears_off() -> None:
+    """What a coating changes falls with its thickness, down to a thousandth of a millimetre."""
+    shell = (0.02, wo.material("steel"))
+    bare = outputs(drum((0.015, RUBBER), shell))
+    soft = wo.Isotropic(youngs_modulus=2e6, poissons_ratio=0.3)
+    change = [
+        np.abs(outputs(drum((h, soft), (0.015, RUBBER), shell)) / bare - 1)
+        for h in (1e-4, 1e-5, 1e-6)
+    ]
+    for thick, thin in itertools.pairwise(change):
+        assert np.all(thin[1:] < 0.2 * thick[1:])  # the tension's own error is some 1e-3
+    assert np.all(change[-1] < 2e-3)
+
+
+def test_short_kernels_by_their_second_integral() -> None:
+    """A grid integrates kernels that vary within its cells: as by polynomials where both do."""
+    from woundon.contact.schemes import Graded
+
+    R, layers = BODIES["hard on soft on hard"]
+    kernels = layered_kernels(R, stacked(R, layers))
+    mesh = Graded().mesh(49)
+    for name in ("slope_p", "slope_q", "strain_p", "strain_q", "normal_p", "tangent_q"):
+        kernel = getattr(kernels, name)
+        smooth, twice = (mesh.grid.integrate(kernel, 5e-3, rank=rank) for rank in (190, 1000))
+        # polynomials leave the kink at t = 0, falling with their rank
+        assert difference(twice, smooth) < 2e-7, name
+
+
+# ---- layers in all that is done with bodies -----------------------------------------------------
+
+SHELL = (0.02, wo.material("steel"))
+THREE = EXAMPLE.replace(
+    drum=drum((0.015, RUBBER), (0.005, RUBBER.replace(youngs_modulus=60e6)), SHELL, core="free")
+)
+
+
+def test_sensitivities_reach_into_every_layer() -> None:
+    result = wo.solve(THREE, nodes=49)
+    told = result.sensitivity()
+    names = [
+        "drum.radius", "drum.layers.0.thickness", "drum.layers.0.material.youngs_modulus",
+        "drum.layers.0.material.poissons_ratio", "drum.layers.1.thickness",
+        "drum.layers.1.material.youngs_modulus", "drum.layers.2.thickness",
+    ]  # fmt: skip
+    assert set(names) <= set(told.parameters)
+    for name in names:
+        value = float(told.fields[told.parameters.index(name)])
+        up, down = (
+            wo.solve(THREE.replace(**{name: value * (1 + sign * 1e-3)}), nodes=49, start=result)
+            for sign in (1, -1)
+        )
+        by_differences = (up.half_width - down.half_width) / (2e-3 * value)
+        # the error of differences, and what loads met to 3e-9 leave of a small change
+        left = 1e-8 * result.half_width / (2e-3 * value)
+        found = told.derivative("half_width", name)
+        assert found == pytest.approx(by_differences, rel=1e-4, abs=left), name
+
+
+def test_a_layer_is_swept_and_fitted() -> None:
+    name = "drum.layers.0.thickness"
+    table = wo.sweep(THREE, over={name: [0.01, 0.015]}, outputs=["half_width"], nodes=33)
+    widths = np.asarray(table["half_width"])
+    assert widths[1] > widths[0]
+    measured = {"nip_load": [3000.0, 3502.0], "half_width": [0.0, widths[1]]}
+    measured["half_width"][0] = wo.solve(
+        THREE.replace(nip_load=3000.0, **{name: 0.015}), nodes=33
+    ).half_width
+    fitted = wo.fit(
+        THREE, measured, {name: (5e-3, 30e-3)}, starts=1, profiles=False, nodes=33
+    )  # fmt: skip
+    assert fitted.estimates[0] == pytest.approx(0.015, rel=1e-4)
+
+
+def test_five_hundred_different_layers() -> None:
+    felt = wo.Orthotropic(radial=5e6, tangential=50e6, cross=1e6, shear=3e6)
+    plies = [(4e-5 * (1 + k % 3), (RUBBER, felt)[k % 2]) for k in range(499)]
+    result = wo.solve(EXAMPLE.replace(drum=drum((1e-6, felt), *plies, SHELL)))
+    assert result.residuals.largest <= 1e-8
+    # between two plies as one: their stiffness in series and in parallel bound them
+    one = [
+        wo.solve(EXAMPLE.replace(drum=drum((0.04, m), SHELL))).half_width for m in (RUBBER, felt)
+    ]
+    assert min(one) < result.half_width < max(one)
+
+
+def test_layers_between_rollers() -> None:
+    pair = wo.RollerProblem(
+        upper=drum((0.015, RUBBER), SHELL, core="free"), lower=wo.Rigid(radius=0.2), load=5e3,
+        friction=0.3, tangential_load=300.0,
+    )  # fmt: skip
+    rolling, static = (
+        wo.solve(pair.replace(motion=motion), nodes=49) for motion in ("rolling", "static")
+    )
+    assert max(rolling.residuals.largest, static.residuals.largest) <= 1e-8
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (
+            lambda: drum((0.2, RUBBER), (0.05, RUBBER)),
+            "layers: a thickness of 0.25 in all is out of range; must be >= radius / 2000 = 0.00012"
+            " and < radius = 0.24 [m]",
+        ),
+        (lambda: drum((1e-6, RUBBER)), "layers: a thickness of 1e-06 in all is out of range; must"),
+        (lambda: drum(), "layers: 0 values; must be at least 1"),
+        (lambda: drum((0.01, RUBBER), core="open"), "core: 'open' is unknown; must be 'rigid' or"),
+        (
+            lambda: THREE.replace(**{"drum.layers.1.thickness": -1e-3}),
+            "drum.layers.1.thickness: -0.001 is out of range; must be >= 1e-09 and <= 50 [m]",
+        ),
+        (
+            lambda: THREE.replace(**{"drum.layers.3.thickness": 1e-3}),
+            "drum.layers.3.thickness: layers has no item '3'; known: 0 to 2",
+        ),
+        (
+            lambda: wo.Layered(radius=0.2, layers=[{"thickness": 0.01, "material": "steal"}]),
+            "layers.0.material: 'steal' is no named material; did you mean 'steel'?",
+        ),
+        (lambda: wo.Layered(radius=0.2, layers="thick"), "layers: 'thick' is not a list"),
+    ],
+)  # fmt: skip
+def test_refused_with_one_line(make: Any, told: str) -> None:
+    with pytest.raises(wo.InvalidProblem) as report:
+        make()
+    assert str(report.value).startswith(told)
+    assert "\n" not in str(report.value)
