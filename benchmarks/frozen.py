@@ -141,10 +141,10 @@ def solved(case: Case) -> Any:
     problem, options, study = case.problem, case.table("options"), case.table("study")
     if case.kind == "sweep":
         outputs, over = case.given["outputs"], case.table("over")
-        return wo.sweep(problem, over, outputs, workers=1, **study, **options)
+        return wo.sweep(problem, over, outputs, workers=1, **study, options=options)
     if case.kind == "fit":
         data, vary = case.given["measured"], case.table("vary")
-        return wo.fit(problem, data, vary, **study, **options)
+        return wo.fit(problem, data, vary, **study, options=options)
     if case.kind == "wrap":
         wrap = case.table("wrap")
         force = wrap.pop("winding_force", problem.winding_force)

@@ -30,4 +30,5 @@ def measured_tensions() -> list[dict[str, float]]:
     """Table 3, rows put right: nip_load, web_tension, measured, thesis_theory [N/m]."""
     path = resources.files("woundon") / "data" / "wound_on_tension_newsprint.csv"
     lines = [line for line in path.read_text("utf-8").splitlines() if not line.startswith("#")]
-    return [{name: float(v) for name, v in row.items()} for row in csv.DictReader(lines)]
+    rows = csv.DictReader(lines)
+    return [{name.removesuffix(" [N/m]"): float(v) for name, v in row.items()} for row in rows]

@@ -89,4 +89,5 @@ def measured_tensions() -> pd.DataFrame:
     """
     data = resources.files("woundon") / "data" / "wound_on_tension_newsprint.csv"
     with data.open(encoding="utf-8") as file:
-        return pd.read_csv(file, comment="#", dtype=float)
+        table = pd.read_csv(file, comment="#", dtype=float)
+    return table.rename(columns=lambda header: header.removesuffix(" [N/m]"))

@@ -110,7 +110,6 @@ def _draw(nips: list[wo.NipResult]) -> Figure:
         for letter, axes, nip in zip("ab", panels, nips, strict=True):
             draw_slips(axes, nip)
             text = rf"({letter})  $\mu^+ = {nip.problem.roll_friction}$, $\mu^- = 0.4$"
-            axes.set_title("", loc="right")  # the letter stands inside, the legend is above
             axes.text(0.04, 0.93, text, transform=axes.transAxes)
             axes.set_xlabel("Position along the nip $x$ [mm]")
         for twin in figure.axes[2:]:

@@ -13,6 +13,7 @@ import woundon as wo
 
 from .cases import covered_nip, paper_nip
 from .exhibits import Exhibit
+from .inside import nip_figure
 from .nips import FINE, along_nip, solved
 from .verdicts import Verdict, verdict, whether
 from .zones import runs
@@ -118,6 +119,6 @@ def _tension(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
 
 
 def _draw(result: wo.NipResult) -> Figure:
-    figure: Figure = result.plot()
+    figure = nip_figure(result)
     figure.axes[-1].set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
     return figure

@@ -5,17 +5,34 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import woundon as wo
 from woundon.nip.roll_surface import roll_strain
-from woundon.show.figures import save_figure, style
-from woundon.show.plots import draw_slips
+from woundon.show.figures import legend_above, save_figure, style
+from woundon.show.nip_plots import nip_panels
+from woundon.show.panels import Case, drawn
 from woundon.studies.processes import in_processes
 from woundon.wrap.grid import Influence, OpenGrid
 
-__all__ = ["draw_slips", "in_processes", "roll_strain", "save_figure", "strain_under", "style"]
+__all__ = [
+    "draw_slips", "in_processes", "nip_figure", "roll_strain", "save_figure", "strain_under",
+    "style",
+]  # fmt: skip
 
 Array = np.ndarray
+
+
+def nip_figure(result: wo.NipResult) -> Figure:
+    """Return the figure of a nip, not pyplot's, so that any number may be drawn."""
+    figure: Figure = drawn(nip_panels(result), [Case(result)], registered=False)
+    return figure
+
+
+def draw_slips(axes: Axes, result: wo.NipResult) -> None:
+    """Draw a nip's slips and its web tension, the legend above."""
+    legend_above(axes, list(nip_panels(result)["slips"].draw(axes, [Case(result)])))
 
 
 def strain_under(

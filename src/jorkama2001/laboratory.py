@@ -115,7 +115,7 @@ def _fitted(
         newsprint_nip(**{"web.thickness": thickness}),
         data,
         {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
-        tie=ONE_PAPER, starts=1, profiles=False, **how,
+        tie=ONE_PAPER, starts=1, profiles=False, options=how,
     )  # fmt: skip
     return _theory(fit.problem, scheme, fit)
 

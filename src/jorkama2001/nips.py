@@ -116,7 +116,7 @@ def swept(
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
     with _quiet():
         data = wo.sweep(
-            problem, fields, outputs, tie=ONE_PAPER, workers=1, **options(scheme, nodes)
+            problem, fields, outputs, tie=ONE_PAPER, workers=1, options=options(scheme, nodes)
         )
     for reason in filter(None, data["failure"].values.flat):
         raise wo.NotConverged(reason)

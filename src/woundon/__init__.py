@@ -11,6 +11,7 @@ _HOME = {
     "Body": "problems.bodies",
     "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
+    "FitResult": "studies.fit",
     "Graded": "contact.schemes",
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
@@ -35,6 +36,8 @@ _HOME = {
     "Rigid": "problems.bodies",
     "RollerProblem": "problems.rollers",
     "RollerResult": "rollers.result",
+    "Sensitivity": "nip.sensitivity",
+    "SobolIndices": "studies.sobol",
     "Stack": "problems.stack",
     "StackTest": "problems.radial_laws",
     "Thesis": "contact.schemes",
@@ -51,15 +54,73 @@ _HOME = {
     "load_case": "io.case_files",
     "load_result": "io.result_files",
     "material": "problems.materials",
+    "plot": "show.plots",
     "solve": "kinds",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
     "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
     "theories": "",
+    "units": "io.chosen_units",
 }
 
-__all__ = ["__version__", *sorted(_HOME)]
+# in full, for type checkers read no expression
+__all__ = [
+    "Body",
+    "ContactGrid",
+    "Cylinder",
+    "FitResult",
+    "Graded",
+    "HalfPlane",
+    "InvalidProblem",
+    "Isotropic",
+    "Layer",
+    "Layered",
+    "Material",
+    "NipProblem",
+    "NipResult",
+    "NoSteadyState",
+    "NotConverged",
+    "Orthotropic",
+    "Pfeiffer",
+    "Polynomial",
+    "PowerLaw",
+    "Problem",
+    "Profile",
+    "Quantity",
+    "Residuals",
+    "Response",
+    "Result",
+    "Rigid",
+    "RollerProblem",
+    "RollerResult",
+    "Sensitivity",
+    "SobolIndices",
+    "Stack",
+    "StackTest",
+    "Thesis",
+    "Tractions",
+    "ValidityWarning",
+    "Web",
+    "WoundRoll",
+    "WrappedNipProblem",
+    "WrappedNipResult",
+    "Zone",
+    "__version__",
+    "fit",
+    "global_sensitivity",
+    "kinds",
+    "load_case",
+    "load_result",
+    "material",
+    "plot",
+    "solve",
+    "solve_nip",
+    "solve_rollers",
+    "solve_wrapped_nip",
+    "sweep",
+    "theories",
+]  # fmt: skip
 
 if TYPE_CHECKING:
     from . import kinds as kinds
@@ -74,9 +135,11 @@ if TYPE_CHECKING:
     from .errors import NotConverged as NotConverged
     from .errors import ValidityWarning as ValidityWarning
     from .io.case_files import load_case as load_case
+    from .io.chosen_units import units as units
     from .io.result_files import load_result as load_result
     from .kinds import solve as solve
     from .nip.result import NipResult as NipResult
+    from .nip.sensitivity import Sensitivity as Sensitivity
     from .nip.solve import solve_nip as solve_nip
     from .problems.bodies import Body as Body
     from .problems.bodies import Cylinder as Cylinder
@@ -106,22 +169,27 @@ if TYPE_CHECKING:
     from .results import Zone as Zone
     from .rollers.result import RollerResult as RollerResult
     from .rollers.solve import solve_rollers as solve_rollers
+    from .show.plots import plot as plot
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
+    from .studies.fit import FitResult as FitResult
+    from .studies.sobol import SobolIndices as SobolIndices
     from .wrap.result import WrappedNipResult as WrappedNipResult
     from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 
 
-def __getattr__(name: str) -> Any:
-    # names are fetched when first used: `import woundon` costs next to nothing
-    if name not in _HOME:
-        raise AttributeError(f"module 'woundon' has no attribute {name!r}")
-    home = _HOME[name]
-    module = import_module(f".{home or name}", __name__)
-    value = getattr(module, name) if home else module
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # who would take any name for known
+
+    def __getattr__(name: str) -> Any:
+        # names are fetched when first used: `import woundon` costs next to nothing
+        if name not in _HOME:
+            raise AttributeError(f"module 'woundon' has no attribute {name!r}")
+        home = _HOME[name]
+        module = import_module(f".{home or name}", __name__)
+        value = getattr(module, name) if home else module
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from .errors import InvalidProblem, one_of
 from .problems.fields import shown
 
-__all__ = ["check_type", "tolerance", "whole_number"]
+__all__ = ["check_type", "nodes_or_rtol", "tolerance", "whole_number"]
 
 
 def check_type(name: str, value: Any, *types: type[Any]) -> None:
@@ -17,6 +17,15 @@ def check_type(name: str, value: Any, *types: type[Any]) -> None:
     if not isinstance(value, types):
         must = one_of(kind.__name__ for kind in types)
         raise InvalidProblem.at(name, f"{shown(value)} is out of place; must be a {must}")
+
+
+def nodes_or_rtol(nodes: Any, rtol: Any) -> None:
+    """Refuse a number of nodes beside a tolerance: one fixes the grid, the other chooses it."""
+    if nodes is not None and rtol is not None:
+        text = (
+            f"{shown(nodes)} is given beside rtol, which chooses the nodes; leave one of them out"
+        )
+        raise InvalidProblem.at("nodes", text)
 
 
 def whole_number(name: str, value: Any, low: int, high: int) -> int:

@@ -11,13 +11,14 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib.metadata import entry_points
+from contextlib import suppress
 from typing import Any
 
 import click
 
 from . import __version__, kinds
-from .errors import InvalidProblem, NotConverged
+from .errors import InvalidProblem, NotConverged, one_of
+from .kinds import entry_points
 from .solve_command import SolveCommand
 from .threads import environment
 
@@ -43,32 +44,47 @@ def main(args: Sequence[str] | None = None) -> int:
     for name, value in environment().items():  # before NumPy loads
         os.environ.setdefault(name, value)
     try:
+        code = _run(args)
+    except (_ReaderLeftError, BrokenPipeError):
+        code = 0  # head or less have read enough; nobody is there to tell
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:  # or Python would tell of it at its end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    return code
+
+
+def _run(args: Sequence[str] | None) -> int:
+    """Run the command line; return the exit code, faults told."""
+    try:
         code = int(commands.main(args, "woundon", standalone_mode=False) or 0)
-        sys.stdout.flush()
+        if sys.stdout:
+            sys.stdout.flush()
         return code
     except InvalidProblem as fault:
         return _refuse(str(fault).splitlines(), BAD_INPUT)
     except NotConverged as fault:
         return _refuse([f"not converged: {fault}"], NOT_CONVERGED)
     except click.exceptions.NoArgsIsHelpError as told:
-        click.echo(told.format_message(), err=True)
+        with suppress(OSError):
+            click.echo(told.format_message(), err=True)
         return BAD_INPUT
     except click.ClickException as fault:
         return _refuse([fault.format_message()], BAD_INPUT)
     except click.Abort:
         return 130
-    except (_ReaderLeftError, BrokenPipeError):
-        # head or less have read enough; nobody is there to tell
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    except BrokenPipeError:
+        raise
     except OSError as fault:
         where = f"{fault.filename}: " if fault.filename else ""
         return _refuse([f"{where}{fault.strerror or fault}"], BAD_INPUT)
 
 
 def _refuse(lines: Sequence[str], code: int) -> int:
-    for line in lines:
-        click.secho(f"error: {line}", fg="red", err=True)
+    with suppress(OSError):  # the code is told even where nobody reads why
+        for line in lines:
+            click.secho(f"error: {line}", fg="red", err=True)
     return code
 
 
@@ -78,6 +94,13 @@ class _ReaderLeftError(Exception):
 
 class Commands(click.Group):
     """The commands written here, one for each kind of problem, studies, and those of plug-ins."""
+
+    def make_context(self, *args: Any, **more: Any) -> click.Context:
+        """Read the arguments; --help and --version print here already."""
+        try:
+            return super().make_context(*args, **more)
+        except BrokenPipeError:
+            raise _ReaderLeftError from None
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command that is asked for."""
@@ -96,9 +119,8 @@ class Commands(click.Group):
             return self.commands[name]
         if name in _LATE:
             return kinds.fetch(_LATE[name][0])
-        found = entry_points(group=COMMANDS, name=name)
-        if found:
-            return next(iter(found)).load()
+        for found in entry_points(group=COMMANDS, name=name):
+            return found.load()
         own = next((kind for kind in kinds.every() if kind.command == name), None)
         return SolveCommand(own) if own else None
 
@@ -146,16 +168,39 @@ def commands() -> None:
 commands.add_command(SolveCommand(None))
 
 
-@commands.command(short_help="Print a commented case file to start from.")
-@click.argument("kind", default="wrapped-nip", metavar="[KIND]")
-def new(kind: str) -> None:
+class New(click.Command):
+    """Prints a file to start from; every kind of problem has a flag."""
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """Return argument and flags: --wrapped-nip, or --wrapped where no other kind begins so."""
+        if len(self.params) == 2:
+            self.params += [
+                click.Option(_flags(kind.command), is_flag=True, default=False, help=kind.about)
+                for kind in kinds.every()
+            ]
+        return super().get_params(ctx)
+
+
+def _flags(command: str) -> list[str]:
+    first, *others = command.split("-")
+    alone = sum(kind.command.split("-")[0] == first for kind in kinds.every()) == 1
+    return [f"--{command}", *([f"--{first}"] if others and alone else [])]
+
+
+@commands.command(cls=New, short_help="Print a commented case or study file to start from.")
+@click.argument("kind", required=False)
+@click.option("--study", is_flag=True, help="A study file with such a case, for 'woundon sweep'.")
+def new(kind: str | None, study: bool, **flags: bool) -> None:
     """Print a commented case file to start from: woundon new > case.toml.
 
-    KIND is the kind of problem, named as its command: wrapped-nip (by default), nip, rollers, ...
+    KIND is the kind of problem, named as its command or by a flag; by default wrapped-nip.
     """
-    from .io.case_files import template
-
-    click.echo(template(kind), nl=False)
+    named = [*([kind] if kind else []), *(name for name, asked in flags.items() if asked)]
+    if len(named) > 1:
+        raise InvalidProblem.at("kind", f"must be one, got {one_of(named, 'and')}")
+    room = "studies.study_texts:study_" if study else "io.case_texts:"
+    text = kinds.fetch(f"woundon.{room}template")(*named or ["wrapped-nip"])
+    click.echo(text, nl=False)
 
 
 @commands.command()

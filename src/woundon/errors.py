@@ -8,6 +8,9 @@ from typing import Any, Self
 
 __all__ = ["InvalidProblem", "NoSteadyState", "NotConverged", "ValidityWarning"]
 
+MOST_LINES = 50
+LONGEST_LINE = 1000
+
 
 class InvalidProblem(ValueError):
     """The description of a problem is not admissible.
@@ -16,13 +19,20 @@ class InvalidProblem(ValueError):
     ----------
     faults : tuple of (field, text)
         One entry a fault, ``field`` as a dotted path (``roll.material.shear``).
+
+    Its text has a line for each of the first 50.
     """
 
     def __init__(self, faults: str | Iterable[tuple[str, str]]) -> None:
         self.faults: tuple[tuple[str, str], ...] = (
             (("", faults),) if isinstance(faults, str) else tuple(faults)
         )
-        super().__init__("\n".join(f"{f}: {t}" if f else t for f, t in self.faults))
+        lines = [_line(field, text) for field, text in self.faults[:MOST_LINES]]
+        beyond = len(self.faults) - len(lines)
+        super().__init__("\n".join([*lines, *[f"and {beyond} more"] * (beyond > 0)]))
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.faults,)
 
     @classmethod
     def at(cls, field: str, text: str) -> Self:
@@ -34,6 +44,15 @@ class InvalidProblem(ValueError):
         return type(self)(
             (".".join(part for part in (prefix, f) if part), t) for f, t in self.faults
         )
+
+
+def _line(field: str, text: str) -> str:
+    """Return a fault on one line that any terminal shows, whatever names and values are in it."""
+    line = f"{field}: {text}" if field else text
+    if not line.isprintable():
+        line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
+    half = LONGEST_LINE // 2
+    return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"
 
 
 class NoSteadyState(InvalidProblem):

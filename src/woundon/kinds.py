@@ -16,14 +16,22 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from importlib import import_module
-from importlib.metadata import entry_points
-from typing import Any
+from importlib import import_module, metadata
+from typing import TYPE_CHECKING, Any, overload
 
 from .errors import InvalidProblem, did_you_mean, one_of
 
+if TYPE_CHECKING:
+    from .nip.result import NipResult
+    from .problems.fields import Problem
+    from .problems.nip import NipProblem, WrappedNipProblem
+    from .problems.rollers import RollerProblem
+    from .rollers.result import RollerResult
+    from .wrap.result import WrappedNipResult
+
 __all__ = [
-    "Kind", "every", "fetch", "for_fields", "load_plugins", "named", "of", "register", "solve",
+    "Kind", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
+    "register", "solve",
 ]  # fmt: skip
 
 PLUGINS = "woundon.plugins"
@@ -72,7 +80,7 @@ class Kind:
 
     @cached_property
     def plot(self) -> Callable[..., Any]:
-        """What draws a result: (result, path=None) -> figure."""
+        """What draws a result: (result) -> panels of a figure, by name."""
         return _got(self._plot)
 
     @cached_property
@@ -89,6 +97,20 @@ class Kind:
     def shifted(self) -> Mapping[str, frozenset[str]]:
         """By field: the outputs that ``neighbour`` gives for another value of that field alone."""
         return _got(self._shifted) if self._shifted is not None else {}
+
+    def example(self) -> Any:
+        """Return a problem to start from.
+
+        Raises
+        ------
+        InvalidProblem
+            If the kind has none.
+        """
+        try:
+            return self.problem.example()
+        except NotImplementedError:
+            text = f"{self.name!r} has no example to start from"
+            raise InvalidProblem.at("kind", text) from None
 
     @property
     def command(self) -> str:
@@ -111,7 +133,7 @@ def register(
     name: str | None = None,
     about: str | None = None,
     report: Callable[..., Any] | str = "woundon.show.report:outputs_report",
-    plot: Callable[..., Any] | str = "woundon.show.plots:plot_outputs",
+    plot: Callable[..., Any] | str = "woundon.show.plots:output_panels",
     check: Callable[..., Any] | str | None = None,
     neighbour: Callable[..., Any] | str | None = None,
     shifted: Mapping[str, frozenset[str]] | str | None = None,
@@ -130,7 +152,8 @@ def register(
     about : str
         One line for the command line's help; by default the first of the class's text.
     report, plot : callable or name
-        What tells and draws a result; by default all its outputs, all its arrays.
+        What tells and draws a result: its parts of a report, its panels by name; by default all
+        outputs, all arrays.
     check : callable or name
         What refuses options of the solver before anything is solved.
     neighbour, shifted : callable, mapping, or their names
@@ -151,7 +174,7 @@ register(
     "woundon.nip.result:NipResult",
     about="The winding nip alone, the web held at its trailing edge.",
     report="woundon.show.report:nip_report",
-    plot="woundon.show.plots:plot_nip",
+    plot="woundon.show.nip_plots:nip_panels",
     check="woundon.nip.solve:check_options",
     neighbour="woundon.nip.winding_theorem:neighbour",
     shifted="woundon.nip.winding_theorem:SHIFTED",
@@ -162,7 +185,7 @@ register(
     "woundon.wrap.result:WrappedNipResult",
     about="The winding nip with the web wrapped on roll and drum: the wound-on tension.",
     report="woundon.show.report:wrapped_report",
-    plot="woundon.show.plots:plot_wrapped",
+    plot="woundon.show.nip_plots:wrapped_panels",
     check="woundon.wrap.solve:check_options",
 )
 register(
@@ -172,9 +195,21 @@ register(
     name="rollers",
     about="Two rollers in contact without a web, rolling or static.",
     report="woundon.show.report:roller_report",
-    plot="woundon.show.plots:plot_rollers",
+    plot="woundon.show.roller_plots:roller_panels",
     check="woundon.rollers.solve:check_options",
 )
+
+
+@cache
+def _installed() -> Any:
+    # looks through every package that is installed: once is enough
+    return metadata.entry_points()
+
+
+def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
+    """Return the entry points of a ``group``, or of a ``name`` in it, that are installed."""
+    found: Iterable[metadata.EntryPoint] = _installed().select(**wanted)
+    return found
 
 
 @cache
@@ -236,21 +271,38 @@ def for_fields(names: Iterable[str]) -> Kind:
     return next(kind for kind in kinds if kind.problem is chosen)
 
 
+@overload
+def solve(problem: NipProblem, **options: Any) -> NipResult: ...
+@overload
+def solve(problem: WrappedNipProblem, **options: Any) -> WrappedNipResult: ...
+@overload
+def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
+@overload
+def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
+
+    ===================================  =====================================================
+    :class:`~woundon.NipProblem`         the winding nip alone, the web held at its trailing edge
+    :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
+    :class:`~woundon.RollerProblem`      two rollers in contact without a web
+    ===================================  =====================================================
+
+    and whatever :func:`woundon.kinds.register` made known.
 
     Parameters
     ----------
     problem : Problem
-        :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
-        :class:`~woundon.RollerProblem`, or one of a kind registered elsewhere.
+        Of any kind.
     options
-        Of the kind's solver: ``nodes``, ``rtol``, ...
+        Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
+        :func:`~woundon.solve_rollers`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
 
     Returns
     -------
     Result
-        Of the kind: :class:`~woundon.NipResult`, ...
+        Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
+        :class:`~woundon.RollerResult`, ...
 
     Raises
     ------

@@ -17,14 +17,18 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from inspect import Parameter, signature
 from math import pi
+from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
     "OF_FIELD", "Place", "Quantity", "angle", "find", "is_list", "length", "line_load",
-    "members_of", "output", "outputs", "pure", "scalar_outputs", "strain", "stress", "value_of",
+    "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain",
+    "stress", "value_of",
     "walk",
 ]  # fmt: skip
 
@@ -47,6 +51,8 @@ class Quantity:
         In which people see it; as ``unit`` where empty.
     typical : (low, high), optional
         The range met in practice, SI; a slider's ends, not a limit.
+    shown_in_si : float, optional
+        How many of ``unit`` the ``shown_unit`` is, where somebody chose it (:func:`shown_in`).
     """
 
     symbol: str
@@ -54,9 +60,12 @@ class Quantity:
     meaning: str
     shown_unit: str = ""
     typical: tuple[float, float] | None = None
+    shown_in_si: float | None = None
 
     def shown(self, value: Any) -> Any:
         """Return an SI value, or an array of them, in the unit for display."""
+        if self.shown_in_si is not None:
+            return value / self.shown_in_si
         return value * _PER_SI.get(self.shown_unit, 1.0)
 
     @property
@@ -64,6 +73,12 @@ class Quantity:
         """The unit for display, '' for a pure number."""
         unit = self.shown_unit or self.unit
         return "" if unit == "1" else unit
+
+    def in_table(self, value: Any) -> tuple[str, Any]:
+        """Return unit and value for a table: SI, or the unit that somebody chose."""
+        if self.shown_in_si is None:
+            return self.unit, value
+        return self.shown_unit, self.shown(value)
 
 
 OF_FIELD = "of the field that holds it"  # in place of a quantity
@@ -100,6 +115,36 @@ def line_load(symbol: str, meaning: str, typical: Range = None) -> Quantity:
 def pure(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     """Return a pure number [1]."""
     return Quantity(symbol, "1", meaning, "", typical)
+
+
+# ---- chosen units -------------------------------------------------------------------------------
+
+# (name, SI unit) -> chosen unit, how many SI units it is
+Chosen = Mapping[tuple[str, str], tuple[str, float]]
+_CHOSEN: ContextVar[Chosen] = ContextVar("chosen units", default=MappingProxyType({}))
+
+
+@contextmanager
+def shown_in(chosen: Chosen) -> Iterator[None]:
+    """Show fields and outputs in other units, wherever they are asked for here."""
+    token = _CHOSEN.set({**_CHOSEN.get(), **chosen})
+    try:
+        yield
+    finally:
+        _CHOSEN.reset(token)
+
+
+def pattern(path: str) -> str:
+    """Return a path as a class's has it, with ``*`` for the numbers of items."""
+    return ".".join("*" if part.isdigit() else part for part in path.split("."))
+
+
+def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:
+    chosen = _CHOSEN.get()
+    if quantity is None or (path, quantity.unit) not in chosen:
+        return quantity
+    unit, size = chosen[path, quantity.unit]
+    return dataclasses.replace(quantity, shown_unit=unit, shown_in_si=size)
 
 
 # ---- the one walk -------------------------------------------------------------------------------
@@ -168,14 +213,14 @@ def _walk_value(place: Place) -> Iterator[Place]:
         for k, item in enumerate(value):
             yield from _walk_value(place._replace(path=f"{path}.{k}", value=item))
     else:
-        yield place
+        yield place._replace(quantity=_as_chosen(path, place.quantity))
 
 
 def _walk_annotation(place: Place) -> Iterator[Place]:
     annotation = place.field.annotation
     inner = members_of(annotation)
     if not inner or float in get_args(annotation):
-        yield place
+        yield place._replace(quantity=_as_chosen(place.path, place.quantity))
     part = f"{place.path}.*." if is_list(annotation) else f"{place.path}."
     for model in inner:
         yield from walk(model, part, place.quantity)
@@ -194,11 +239,10 @@ def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place
     for k, name in enumerate(parts):
         if found and name.isdigit() and is_list(found[0].field.annotation):
             continue
-        found = tuple(
-            Place(".".join(parts[: k + 1]), quantity_of(m.model_fields[name], above),
-                  m.model_fields[name], m)
-            for m, above in models if name in m.model_fields
-        )  # fmt: skip
+        below = ".".join(parts[: k + 1])
+        fields = ((m, m.model_fields[name], above) for m, above in models if name in m.model_fields)
+        found = tuple(Place(below, _as_chosen(below, quantity_of(field, above)), field, m)
+                      for m, field, above in fields)  # fmt: skip
         models = tuple((m, p.quantity) for p in found for m in members_of(p.field.annotation))
     return found
 
@@ -262,7 +306,7 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
         value = value_of(thing, name) if values and thing is not of else None
-        yield Place(f"{prefix}{name}", own.get(name, quantity), hint, of, value)
+        yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:

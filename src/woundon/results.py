@@ -7,11 +7,11 @@ A result's outputs are its fields and properties that carry a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from enum import IntEnum
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, overload
 
 import numpy as np
 
@@ -20,9 +20,14 @@ from .errors import NotConverged
 from .quantities import Quantity, pure, scalar_outputs, value_of
 
 if TYPE_CHECKING:
-    import xarray
+    from os import PathLike
 
-__all__ = ["ACCEPTED_RESIDUAL", "Residuals", "Result", "Zone"]
+    import pandas as pd
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone"]
 
 ACCEPTED_RESIDUAL = 1e-8
 
@@ -92,8 +97,22 @@ def _residuals(laws: dict[str, float]) -> Residuals:
     return Residuals(**laws)
 
 
+class ReadOnly:
+    """A dataclass whose arrays cannot be written to, nor can those of a copy or of a pickle."""
+
+    def __post_init__(self) -> None:
+        for part in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, part.name)
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Result:
+class Result(ReadOnly):
     """What a solve returns; immutable.
 
     Attributes
@@ -123,10 +142,7 @@ class Result:
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for part in fields(self):
-            value = getattr(self, part.name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+        super().__post_init__()
         object.__setattr__(self, "errors", MappingProxyType(dict(self.errors)))
 
     @property
@@ -150,6 +166,8 @@ class Result:
         broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= ACCEPTED_RESIDUAL]
         if broken or not self.residuals.largest <= ACCEPTED_RESIDUAL:
             told = ", ".join(broken) or "there is no certificate"
+            if any(law.startswith("positive_pressure") for law in broken):
+                told += "; the surfaces part within the contact, which is taken for one piece"
             raise NotConverged(f"laws are not satisfied to 1e-8: {told}", self)
         return self
 
@@ -157,23 +175,40 @@ class Result:
         """Return the certificate measured anew, from the problem and the arrays held here."""
         raise NotImplementedError(f"a {type(self).__name__} cannot be certified anew")
 
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        return {}
+
     def replace(self, **changes: Any) -> Self:
         """Return the same result with other fields."""
         return replace(self, **changes)
 
-    def plot(self, path: Any = None, **options: Any) -> Any:
-        """Draw the result; see ``woundon.show.plots``.
+    @overload
+    def plot(self, path: str | PathLike[str] | None = None, ax: None = None,
+             panels: str | Sequence[str] | None = None) -> Figure: ...  # fmt: skip
+
+    @overload
+    def plot(self, path: str | PathLike[str] | None = None, *, ax: Axes,
+             panels: str | Sequence[str] | None = None) -> Axes: ...  # fmt: skip
+
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw the result; see :func:`woundon.plot`, which draws several in one picture.
 
         Parameters
         ----------
         path : path, optional
-            Where to save, ``.png``, ``.svg`` or ``.pdf``.
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook shows the figure, and in a script ``plt.show()`` does.
+        ax : matplotlib.axes.Axes, optional
+            Into which one panel is drawn.
+        panels : str or sequence of str, optional
+            Which to draw, by name; a wrong name is told the choice.
 
         Returns
         -------
-        matplotlib.figure.Figure
+        matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.of(self).plot(self, path, **options)
+        return kinds.fetch("woundon.show.plots:plot")(self, path, ax, panels)
 
     def save(self, path: Any) -> None:
         """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
@@ -183,8 +218,27 @@ class Result:
         """Return the result as an xarray Dataset, every variable with unit and symbol."""
         return kinds.fetch("woundon.io.result_files:to_dataset")(self)
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the arrays as columns of a pandas DataFrame, SI units.
+
+        Of a result without arrays its numbers, in a single row.  ``attrs["units"]`` and
+        ``attrs["long_names"]`` tell what each column is.
+        """
+        return kinds.fetch("woundon.io.frames:to_frame")(self)
+
     def __str__(self) -> str:
         return kinds.fetch("woundon.show.report:report_text")(self)
+
+    def __dir__(self) -> list[str]:
+        # what is of use: not what its kind is made of, nor what it has something else in place of
+        unsaved = {part.name for part in fields(self) if not part.metadata.get("saved", True)}
+        hidden = {*unsaved, *self.REPLACED, "relabelled"}
+        names = set(super().__dir__()) - hidden
+        return sorted(name for name in names if not name.startswith("_") and not name.isupper())
+
+    def _repr_html_(self) -> str:
+        html: str = kinds.fetch("woundon.show.html:result_html")(self)
+        return html
 
     def __repr__(self) -> str:
         known, told = scalar_outputs(self), []
@@ -205,7 +259,9 @@ class Result:
             for part in fields(self) if part.compare
         )  # fmt: skip
 
-    __hash__ = object.__hash__
+    def __hash__(self) -> int:
+        # of what equal results share and no nan or signed zero can part
+        return hash((type(self), self.problem))
 
     def __getstate__(self) -> dict[str, Any]:
         # as in a file: a mesh, with its matrices a hundred times the rest, is made anew when needed
@@ -215,10 +271,6 @@ class Result:
         }  # fmt: skip
         return {**self.__dict__, "errors": dict(self.errors), **made_anew}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        Result.__post_init__(self)
-
 
 def _same(one: Any, two: Any) -> bool:
     """Tell whether two fields hold the same; nan is nan."""
@@ -226,4 +278,6 @@ def _same(one: Any, two: Any) -> bool:
         return bool(np.array_equal(one, two, equal_nan=one.dtype.kind == "f"))
     if isinstance(one, Mapping) and isinstance(two, Mapping):
         return one.keys() == two.keys() and all(_same(one[k], two[k]) for k in one)
+    if isinstance(one, tuple) and isinstance(two, tuple):
+        return len(one) == len(two) and all(map(_same, one, two))
     return bool(one == two or (one != one and two != two))

@@ -11,6 +11,7 @@ import inspect
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -85,8 +86,8 @@ class SolveCommand(click.Command):
     # ---- what it does ---------------------------------------------------------------------------
 
     def solve(
-        self, case: Path, settings: tuple[str, ...], as_json: bool, save: Path | None,
-        plot: Path | None, sensitivity: bool = False, **given: Any,
+        self, case: Path, settings: tuple[str, ...], chosen: tuple[str, ...], as_json: bool,
+        save: Path | None, plot: Path | None, sensitivity: bool = False, **given: Any,
     ) -> None:  # fmt: skip
         """Solve a case file and show the result."""
         asked = {name: value for name, value in given.items() if value is not None}
@@ -96,16 +97,19 @@ class SolveCommand(click.Command):
         kind = kinds.of(problem)
         _check_options(kind, asked, sensitivity)
         _check_outputs(save, plot)
-        result = _solved(problem, asked)
-        slopes = result.sensitivity() if sensitivity else None
-        if save:
-            result.save(save)
-        if plot:
-            result.plot(plot)
-        if as_json:
-            click.echo(kinds.fetch("woundon.io.result_files:to_json")(result, slopes), nl=False)
-        else:
-            _show(result, slopes)
+        # most runs choose none, and need not wait for the fields of all kinds
+        units = kinds.fetch("woundon.io.chosen_units:units_of")(chosen) if chosen else nullcontext()
+        with units:
+            result = _solved(problem, asked)
+            slopes = result.sensitivity() if sensitivity else None
+            if save:
+                result.save(save)
+            if plot:
+                result.plot(plot)
+            if as_json:
+                click.echo(kinds.fetch("woundon.io.result_files:to_json")(result, slopes), nl=False)
+            else:
+                _show(result, slopes)
 
     def _problem(self, path: Path, settings: list[str]) -> Any:
         """Return the problem of a case file, if it is of the command's kind."""
@@ -141,6 +145,10 @@ def _common(all_of: Iterable[Kind]) -> Iterator[click.Parameter]:
     yield click.Option(
         ["--set", "settings"], multiple=True, metavar="FIELD=VALUE",
         help='Change a field, e.g. --set web.thickness="57 um"; repeatable; none leaves it out.',
+    )  # fmt: skip
+    yield click.Option(
+        ["--unit", "chosen"], multiple=True, metavar="NAME=UNIT",
+        help='Show a field or output in another unit, e.g. --unit nip_load="kN/m"; repeatable.',
     )  # fmt: skip
     yield click.Option(["--json", "as_json"], is_flag=True,
                        help="Print the complete result as JSON.")  # fmt: skip
@@ -244,7 +252,7 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
     if save:
         kinds.fetch("woundon.io.result_files:writer_for")(save)
     if plot:
-        kinds.fetch("woundon.show.plots:check_format")(plot)
+        kinds.fetch("woundon.show.figures:check_format")(plot)
     for path in filter(None, (save, plot)):
         check_writable(path)
 

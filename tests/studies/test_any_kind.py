@@ -9,11 +9,12 @@ from math import pi
 
 import numpy as np
 import pytest
+import toys
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds
-from woundon.studies.api import _on_one_grid, sweep_table
+from woundon.studies.api import _on_one_grid
 from woundon.studies.kind_model import model_of
 from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
@@ -184,8 +185,8 @@ def test_what_follows_the_free_tension_is_solved():
 
 
 def test_schemes_are_recorded_though_they_are_objects():
-    table = sweep_table(
-        paper_nip(), {"nip_load": [1e3]}, options={"scheme": wo.Thesis(), "nodes": 20}, workers=1
+    table = toys.table_of(
+        paper_nip(), {"nip_load": [1e3]}, options={"scheme": wo.Thesis(), "nodes": 20}
     )
     assert json.loads(table.to_dataset().attrs["options"]) == {
         "scheme": repr(wo.Thesis()), "nodes": 20,
@@ -211,7 +212,7 @@ def test_schemes_are_recorded_though_they_are_objects():
 def test_bad_studies_of_a_wrapped_nip_are_refused(over, outputs, options, says):
     wrapped = paper_nip().wrapped()
     with pytest.raises(wo.InvalidProblem, match=says):
-        wo.sweep(wrapped, over, outputs, **options)
+        wo.sweep(wrapped, over, outputs, options=options)
 
 
 def test_a_field_may_come_with_a_body_that_is_varied():
@@ -264,10 +265,10 @@ def test_workers_know_the_kind_from_its_module(row):
 
 
 def test_a_start_is_handed_and_a_shift_is_not_solved(row):
-    table = sweep_table(row, {"force": [1.0, 2.0, 3.0]}, ("solved",), workers=1)
+    table = toys.table_of(row, {"force": [1.0, 2.0, 3.0]}, ("solved",))
     assert table.outputs["solved"].tolist() == [1, 2, 3]
     over = {"origin": [0.0, 1.0, 2.0]}
-    table = sweep_table(row, over, ("solved", "end"), workers=1, options={"rounds": 5})
+    table = toys.table_of(row, over, ("solved", "end"), options={"rounds": 5})
     assert table.outputs["solved"].tolist() == [5, 5, 5]
     assert table.outputs["end"] == pytest.approx([0.04, 1.04, 2.04])
 
@@ -326,6 +327,6 @@ def test_bad_studies_of_another_kind_are_refused(row, over, outputs, says):
 
 
 def test_a_case_that_a_list_does_not_admit_fails_alone(row):
-    table = sweep_table(row, {"springs.0.stiffness": [100.0, -1.0]}, workers=1)
+    table = toys.table_of(row, {"springs.0.stiffness": [100.0, -1.0]})
     assert table.failed.tolist() == [1]
     assert table.failure[1].startswith("InvalidProblem: springs.0.stiffness: -1 is out of range")

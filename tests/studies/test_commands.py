@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
 from importlib import resources
 from pathlib import Path
 
 import numpy as np
 import pytest
+import toys
 import xarray
 from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
 from woundon import cli
-from woundon.studies.api import sweep_table
 from woundon.studies.studyfile import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -51,7 +52,7 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     assert "6/6" in said.err
     assert "cases/s" in said.err
     assert {p.name for p in out.iterdir()} == {
-        "manifest.json", "parts", "study.nc", "study.csv", "nip_induced_tension.png",
+        ".lock", "manifest.json", "parts", "study.nc", "study.csv", "nip_induced_tension.png",
     }  # fmt: skip
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
@@ -67,6 +68,34 @@ def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.Ca
     assert cli.main(command) == 2
     assert "holds a study already; resume it, or take another folder" in capsys.readouterr().err
     assert cli.main([*command, "--resume"]) == 0
+
+
+def test_what_is_found_in_a_folder_is_told_in_a_line(
+    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    out = tmp_path / "out"
+    command = ["sweep", str(study), "--out", str(out), "--workers", "1"]
+    assert cli.main(command) == 0
+    first = (out / "study.csv").read_bytes()
+    (part,) = (out / "parts").iterdir()
+    part.write_bytes(b"")
+    (out / ".owner.json").write_bytes(b"{}")
+    capsys.readouterr()
+    assert cli.main([*command, "--resume"]) == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
+    assert told == [
+        f"warning: {out}: another process died at work in it; its lock is taken over",
+        f"warning: {out}: 1 damaged or of another study, moved to set_aside and made again: "
+        f"{part.name}",
+    ]
+    assert (out / "study.csv").read_bytes() == first
+
+
+def test_nodes_and_rtol_are_one_or_the_other(capsys: pytest.CaptureFixture[str]):
+    assert cli.main(["nip", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
+    assert capsys.readouterr().err == (
+        "error: nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out\n"
+    )
 
 
 def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -89,15 +118,15 @@ def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     data, case = tmp_path / "rig.csv", wo.load_case(CASE)
-    rows = ["nip_load [kN/m],tension [N/m],reel"]
+    rows = ["Linienlast,tension [N/m],reel"]
     for P in (1000.0, 2000.0, 4000.0):
         true = case.replace(nip_load=P, **{"roll.material.shear": 1.3e7})
         rows.append(f"{P / 1e3},{wo.solve_nip(true, nodes=25).tension_behind_nip:.6f},7")
     data.write_text("\n".join(rows), encoding="utf-8")
     command = [
         "fit", str(CASE), str(data), "--vary", "roll.material.shear=1 MPa:100 MPa",
-        "--column", "tension=tension_behind_nip", "--column", "reel=", "--nodes", "25",
-        "--starts", "2",
+        "--column", "Linienlast=nip_load [kN/m]", "--column", "tension=tension_behind_nip",
+        "--column", "reel=", "--nodes", "25", "--starts", "2",
     ]  # fmt: skip
     figure, saved = tmp_path / "fit.png", tmp_path / "fit.json"
     assert cli.main([*command, "--plot", str(figure), "--save", str(saved)]) == 0
@@ -109,6 +138,16 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     assert estimate == pytest.approx(1.3e7, rel=1e-5)  # six decimals of the data
     assert cli.main([*command, "--no-profiles", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["profiles"] == {}
+    units = ["--unit", "roll.material.shear=MPa", "--unit", "tension_behind_nip=mN/m"]
+    assert cli.main([*command, *units]) == 0
+    shown = capsys.readouterr().out
+    assert "roll.material.shear  13 MPa, standard error " in shown
+    interval = r"interval ([\d.]+) to ([\d.]+)$"
+    assert [float(e) for e in re.search(interval, shown, re.M).groups()] == pytest.approx(
+        [13, 13], rel=1e-3
+    )
+    rms = [float(re.search(r"RMS ([\d.e-]+) m?N/m", text)[1]) for text in (said, shown)]
+    assert rms[1] == pytest.approx(1e3 * rms[0], rel=1e-3)  # four digits are told
 
 
 WRAP = """
@@ -235,7 +274,7 @@ def test_bad_fit_commands(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], says: str
 ):
     data = tmp_path / "rig.csv"
-    data.write_text("nip_load,half_width\n1000,0.001\n2000,0.0015\n", encoding="utf-8")
+    data.write_text("nip_load [N/m],half_width [mm]\n1000,1\n2000,1.5\n", encoding="utf-8")
     assert cli.main(["fit", str(CASE), str(data), *options]) == 2
     said = capsys.readouterr()
     assert says in said.err
@@ -335,15 +374,15 @@ def test_figures_of_many_inputs(tmp_path: Path):
         "roll_friction": [0.2, 0.3],
         "web.material": ["paper", "newsprint"],
     }
-    table = sweep_table(paper_nip(), over, options={"nodes": 9}, workers=1)
+    table = toys.table_of(paper_nip(), over, options={"nodes": 9})
     figure = table.plot("nip_induced_tension", tmp_path / "grid.png")
     assert len(figure.axes) == 2
     assert all(len(axes.lines) == 2 for axes in figure.axes)
     drawn = figure.axes[0].lines[0].get_ydata()
     assert np.all(np.isin(drawn, table.outputs["nip_induced_tension"]))
     ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
-    cases = sweep_table(
-        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 9}, workers=1
+    cases = toys.table_of(
+        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 9}
     )
     scatter = cases.plot("nip_induced_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]
@@ -352,8 +391,11 @@ def test_figures_of_many_inputs(tmp_path: Path):
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ("nip_load,half_width\n-5,0.001\n", "row 1.nip_load: -5 is out of range; must be >= 1e-12"),
-        ("nip_load [N/m],nip_load [kN/m],half_width\n1,1,1\n", "two columns are nip_load"),
+        (
+            "nip_load [N/m],half_width [m]\n-5,0.001\n",
+            "row 2.nip_load: -5 is out of range; must be >=",
+        ),
+        ("nip_load [N/m],Nip load [kN/m],half_width [m]\n1,1,1\n", "two columns are nip_load"),
     ],
 )
 def test_bad_measured_data(

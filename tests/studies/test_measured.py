@@ -12,7 +12,7 @@ from thesis_cases import paper_nip
 
 from woundon import InvalidProblem
 from woundon.studies.export import check_export
-from woundon.studies.kind_model import column_quantity, measurable
+from woundon.studies.kind_model import columns_of, measurable
 from woundon.studies.measured import read_measured
 
 NIP = paper_nip().wrapped()
@@ -20,7 +20,7 @@ OUTPUTS = measurable(NIP)
 
 
 def _read(data, columns=None):
-    return read_measured(data, OUTPUTS, lambda name: column_quantity(NIP, name), columns)
+    return read_measured(data, columns_of(NIP), OUTPUTS, columns)
 
 
 def test_csv_with_units(tmp_path: Path):
@@ -78,11 +78,13 @@ def test_a_data_frame_is_read_as_its_columns():
 def test_a_formula_that_failed_is_no_gap(tmp_path: Path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
-    book.active.append(["nip_load", "half_width"])
+    book.active.append(["nip_load [N/m]", "half_width [mm]"])
     book.active.append([1000, "#DIV/0!"])
     book.active["B2"].data_type = "e"
     book.save(tmp_path / "rig.xlsx")
-    with pytest.raises(InvalidProblem, match="half_width: row 1: '#N/A' is not a number"):
+    with pytest.raises(
+        InvalidProblem, match=r"row 2, column 'half_width \[mm\]': '#DIV/0!' is not a"
+    ):
         _read(tmp_path / "rig.xlsx")
 
 
@@ -92,17 +94,26 @@ GOOD = "wound_on_tension [N/m]"
 @pytest.mark.parametrize(
     ("columns", "says"),
     [
-        ({"nip_lode": [1.0], GOOD: [1.0]}, "nip_lode: no such field; did you mean 'nip_load'"),
-        ({"wound_on_tenson": [1.0]}, "among the outputs: did you mean 'wound_on_tension'"),
+        (
+            {"nip_lode": [1.0], GOOD: [1.0]},
+            "column 'nip_lode': no field or output; did you mean 'nip_load'",
+        ),
+        ({"wound_on_tenson": [1.0]}, "no field or output; did you mean 'wound_on_tension'"),
         ({"nip_load": [1.0]}, "has no column that is an output"),
         ({"nip_load [mm]": [1.0], GOOD: [1.0]}, "mm"),
         ({"nip_load [lb]": [1.0], GOOD: [1.0]}, "lb"),
-        ({"nip_load": ["1k"], GOOD: [1.0]}, "nip_load: row 1: '1k' is not a number"),
-        ({"nip_load": [""], GOOD: [1.0]}, "nip_load: row 1: '' is not a number"),
-        ({"nip_load": [np.inf], GOOD: [1.0]}, "row 1: inf is not a finite number"),
-        ({"nip_load": [np.nan], GOOD: [1.0]}, "row 1: nan is not a finite number"),
+        ({"nip_load": ["1k"], GOOD: [1.0]}, "row 1, column 'nip_load': '1k' is not a number"),
+        ({"nip_load": [""], GOOD: [1.0]}, "row 1, column 'nip_load': the cell is empty"),
+        (
+            {"nip_load": [np.inf], GOOD: [1.0]},
+            "row 1, column 'nip_load': inf is not a finite number",
+        ),
+        ({"nip_load": [np.nan], GOOD: [1.0]}, "row 1, column 'nip_load': the cell is empty"),
         ({"nip_load": [1.0, 2.0], GOOD: [1.0]}, "columns differ in length: [1, 2]"),
-        ({"drum": ["steel"], GOOD: [1.0]}, "drum: is not a number"),
+        (
+            {"drum": ["steel"], GOOD: [1.0]},
+            "column 'drum': is not a number, so it cannot be a column here",
+        ),
         ({GOOD: [1.0], "wound_on_tension +-": [0.0]}, "deviations of wound_on_tension must be > 0"),
         ({GOOD: [1.0], "half_width +-": [1.0]}, "deviations of half_width must be > 0 wherever"),
     ],
@@ -118,10 +129,10 @@ def test_bad_columns_are_refused(columns, says):
     [
         (b"", "holds no header with rows below it"),
         (b"nip_load,half_width\n", "holds no header with rows below it"),
-        (b"nip_load,half_width\n1,2,3\n", "row 1 has 3 cells, the header 2"),
-        (b"nip_load,half_width\n1,2\n3\n", "row 2 has 1 cells, the header 2"),
+        (b"nip_load,half_width\n1,2,3\n", "row 2 has 3 cells, the header 2"),
+        (b"nip_load,half_width\n1,2\n3\n", "row 3 has 1 cells, the header 2"),
         (b"half_width,half_width\n1,2\n", "two columns have the same header"),
-        (b"nip_load,half_width\n\xff,1\n", "is not UTF-8 text, from byte 20"),
+        (b"nip_load,half_width\n\x81,1\n", "is no text; save it as .xlsx or as CSV in UTF-8"),
     ],
 )
 def test_bad_files_are_refused(tmp_path: Path, content, says):

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 import toys
 
-from woundon.studies.processes import WORKER_SETTINGS, WorkerDied, in_processes
+from woundon.studies.processes import WORKER_SETTINGS, WorkerDied, _serve, in_processes
 
 SQUARES = [(x, x * x) for x in range(8)]
 posix = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
@@ -76,6 +76,18 @@ def test_who_goes_away_leaves_no_process():
 
 def test_a_worker_starts_no_pool_of_its_own():
     assert list(in_processes(toys.squares_by_a_pool, [4], 1)) == [(4, [0, 1, 4, 9])]
+
+
+def test_a_worker_whose_parent_has_gone_ends_without_a_word():
+    spawn = multiprocessing.get_context("spawn")
+    ours, theirs = spawn.Pipe()
+    worker = spawn.Process(target=_serve, args=(theirs, toys.square))
+    worker.start()
+    theirs.close()
+    assert ours.recv() == "ready"
+    ours.close()
+    worker.join(30)
+    assert worker.exitcode == 0  # 1 after a traceback
 
 
 def _start(script: str, *args: str) -> subprocess.Popen[str]:

@@ -103,6 +103,30 @@ def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
 
 
 @pytest.mark.filterwarnings("ignore")
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys):
+    """Four chunks a worker are under way: these are finished and kept, the others not begun."""
+    pressed = []
+
+    def press(done: int, size: int) -> None:
+        if not pressed:
+            pressed.append(done)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    design, runner = make_design({"a": range(60)}), DaskRunner(cluster.scheduler_address)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            run_study(toys.Slow(), design, runner, chunk=2, out=tmp_path, progress=press)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert capsys.readouterr().err.count("press Ctrl-C again to stop at once") == 1
+    assert 4 <= _parts(tmp_path) <= 10
+    resumed = run_study(toys.Slow(seconds=0.0), design, Here(), chunk=2, out=tmp_path, resume=True)
+    assert np.array_equal(resumed.outputs["y"], 2.0 * np.arange(60))
+
+
+@pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_out_of_reach_is_told():
     with pytest.raises(wo.InvalidProblem, match=r"'tcp://127\.0\.0\.1:9' cannot be reached"):
         run_study(toys.Toy(), DESIGN, DaskRunner("tcp://127.0.0.1:9", timeout=0.5))

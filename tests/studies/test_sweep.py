@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 
 import numpy as np
 import pytest
+import toys
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.studies.api import sweep_table
+from woundon.io.units import parse
+from woundon.studies.api import study_of
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8
@@ -80,7 +84,7 @@ def test_numbers_depend_neither_on_workers_nor_on_the_rest_of_the_study():
 def test_a_failed_case_is_a_row_with_its_reason():
     # |F| < mu- P = 400 N/m
     over = {"winding_force": [0.0, 500.0, 100.0]}
-    table = sweep_table(paper_nip(nip_load=1000.0), over, options={"nodes": 17}, workers=1)
+    table = toys.table_of(paper_nip(nip_load=1000.0), over, options={"nodes": 17})
     assert table.failed.tolist() == [1]
     assert table.failure[1].startswith("NoSteadyState: winding_force: 500 is out of range")
     values = table.outputs["nip_induced_tension"]
@@ -168,7 +172,11 @@ def test_progress_is_told():
         ({"roll.material.sheer": [1.0]}, "half_width", {}, "did you mean 'shear'"),
         ({"nip_load": [1e3]}, "half_with", {}, "half_with: no scalar output; did you mean"),
         ({"nip_load": [1e3]}, (), {}, "outputs: none is asked for"),
-        ({"nip_load": [1e3]}, "half_width", {"node": 17}, "node: no such option; did you mean"),
+        ({"nip_load": [1e3]}, "half_width", {"options": {"node": 17}}, "node: no such option; d"),
+        ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "options": {"nodes": 9}}, "given twice"),
+        ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "is given beside rtol"),
+        ({"nip_load": ["1 kN"]}, "half_width", {}, "nip_load: '1 kN' has the wrong dimension"),
+        ({"nip_load": ["1"]}, "half_width", {}, "nip_load: '1' has no unit; expected a value in"),
         ({"nip_load": [1e3]}, "half_width", {"workers": 0}, "workers: 0 is out of range"),
         (
             {"nip_load": [1e3]}, "half_width", {"workers": 2, "scheduler": "tcp://127.0.0.1:1"},
@@ -181,6 +189,48 @@ def test_bad_sweeps_are_refused(over, outputs, options, says):
     with pytest.raises(wo.InvalidProblem) as fault:
         wo.sweep(paper_nip(), over, outputs, **options)
     assert says in str(fault.value)
+
+
+def test_values_may_be_texts_with_units():
+    over = {"nip_load": ["1 kN/m", 2000.0, "12 pli"], "web.thickness": ("60 um", "7e-5 m")}
+    _, cases = study_of(paper_nip(), over)
+    assert cases.columns[0].values.tolist() == [1e3, 2e3, parse("12 pli", "N/m")]
+    assert cases.columns[1].values.tolist() == [60e-6, 7e-5]
+    ranges = {"roll.material.shear": ("1 MPa", 1e8, "log"), "roll_friction": ["10 %", "0.3"]}
+    _, drawn = study_of(paper_nip(), ranges, design="sobol", samples=8, seed=3)
+    plain = {"roll.material.shear": (1e6, 1e8, "log"), "roll_friction": [0.1, 0.3]}
+    _, same = study_of(paper_nip(), plain, design="sobol", samples=8, seed=3)
+    assert drawn.record() == same.record()
+
+
+@pytest.mark.parametrize(
+    ("over", "options", "kind", "says"),
+    [
+        (
+            {"winding_force": [5e3, 6e3], "roll_friction": [0.2, -1.0]}, {}, wo.InvalidProblem,
+            r"over: none of the 4 cases was solved: 2 x NoSteadyState: winding_force: 5000 is out "
+            r"of range.*; 2 x InvalidProblem: roll_friction: -1 is out of range",
+        ),
+        (
+            {"nip_load": [1e3, 2e3, 3e3]}, {"rtol": 1e-10}, wo.NotConverged,
+            r"none of the 3 cases was solved: 3 x NotConverged: rtol=1e-10 is not reached",
+        ),
+    ],
+)  # fmt: skip
+def test_a_sweep_without_any_solution_raises_with_its_reasons(over, options, kind, says):
+    with pytest.raises(kind, match=says) as fault:
+        wo.sweep(paper_nip(), over, **options, workers=1)
+    assert "\n" not in str(fault.value)
+    if kind is wo.NotConverged:
+        assert set(fault.value.best.failure.values.ravel()) != {""}
+
+
+@pytest.mark.parametrize("study", [wo.sweep, wo.fit, wo.global_sensitivity])
+def test_editors_see_every_keyword(study):
+    parameters = inspect.signature(study).parameters.values()
+    assert all(p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL) for p in parameters)
+    told = study.__doc__.split("Returns")[0].split("Raises")[0]
+    assert {p.name for p in parameters} <= set(re.findall(r"\w+", told))
 
 
 def test_a_study_of_no_problem_is_refused():

@@ -162,3 +162,12 @@ def sleeps(x: int, folder: str, seconds: float = 60.0) -> int:
     (Path(folder) / str(os.getpid())).touch()
     time.sleep(seconds)
     return x
+
+
+def table_of(problem: Any, over: Any, outputs: Any = None, **how: Any) -> Any:
+    """Return the table of a sweep, solved here."""
+    from woundon.studies.api import study_of
+    from woundon.studies.engine import run_study
+    from woundon.studies.runners import Here
+
+    return run_study(*study_of(problem, over, outputs, **how), Here())

@@ -25,6 +25,7 @@ MATERIAL = (
     "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
 )
 LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
+UNITS = "(units are read in case files and by replace)"
 NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_tension, winding_force"
 MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
 
@@ -76,8 +77,8 @@ LOADS: list[tuple[Any, str]] = [
     (True, f"True is not a number; must be {LOAD}"),
     (np.bool_(True), f"np.True_ is not a number; must be {LOAD}"),
     (None, f"None is not a number; must be {LOAD}"),
-    ("5", f"'5' is not a number; must be {LOAD} (units are read in case files only)"),
-    ("3 kN/m", f"'3 kN/m' is not a number; must be {LOAD} (units are read in case files only)"),
+    ("5", f"'5' is not a number; must be {LOAD} {UNITS}"),
+    ("3 kN/m", f"'3 kN/m' is not a number; must be {LOAD} {UNITS}"),
     (b"5", f"b'5' is not a number; must be {LOAD}"),
     ([1], f"[1] is not a number; must be {LOAD}"),
     ((), f"() is not a number; must be {LOAD}"),
@@ -392,7 +393,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     (
         {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
         "web.thickness: '66 um' is not a number; must be >= 1e-07 and <= 0.01 [m] "
-        "(units are read in case files only)\n"
+        "(units are read in case files and by replace)\n"
         "web.material.radial: -1 is out of range; must be >= 0.001 and <= 1e+14 [Pa]\n"
         "web.material.shaer: no such field; did you mean 'shear'?",
     ),
@@ -449,7 +450,18 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"roll.material": "stel"}, "roll.material: 'stel' is no named material; "
      "did you mean 'steel'?"),
+    (
+        {"nip_load": "3 kN"},
+        "nip_load: '3 kN' has the wrong dimension; expected a value in N/m, "
+        "e.g. '3.5 kN/m', '20 pli' or 3500",
+    ),
     # all at once
+    (
+        {"nip_load": "3", "web.thickness": "57 N"},
+        "nip_load: '3' has no unit; expected a value in N/m, e.g. '3.5 kN/m', '20 pli' or 3500\n"
+        "web.thickness: '57 N' has the wrong dimension; expected a value in m, "
+        "e.g. '66 um' or 66e-6",
+    ),
     (
         {"web.thicknes": 1, "rolll": 2, "roll.radius": True},
         "rolll: no such field; did you mean 'roll'?\n"
@@ -756,9 +768,16 @@ def test_an_option_that_cannot_be(
     assert refusal(solver, problem, **bad).startswith(text)
 
 
+@pytest.mark.parametrize("kind", [nip, lambda: nip().wrapped(), rollers])
+def test_nodes_and_rtol_are_one_or_the_other(kind: Any) -> None:
+    text = "nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out"
+    assert refusal(wo.solve, kind(), nodes=65, rtol=1e-3) == text
+
+
 def test_options_may_be_numpys() -> None:
     assert wo.solve_nip(nip(), nodes=np.int64(17)).nodes == 17
-    assert wo.solve_rollers(rollers(), nodes=np.int32(33), rtol=np.float32(0.1)).x.size >= 33
+    assert wo.solve_rollers(rollers(), nodes=np.int32(33)).x.size >= 33
+    assert wo.solve_rollers(rollers(), rtol=np.float32(0.1)).x.size >= 101
     assert wo.solve_wrapped_nip(nip(), nodes=np.int64(17)).nodes == 17
 
 

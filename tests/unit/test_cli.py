@@ -15,6 +15,7 @@ import woundon as wo
 from woundon import cli, kinds
 from woundon.io.case_files import apply_settings, make_problem, read_case, template
 from woundon.problems.materials import MATERIALS
+from woundon.studies.studyfile import load_study
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 ALONE = ["--set", "wrap=none"]
@@ -112,6 +113,33 @@ def test_a_new_case_is_a_wrapped_nip(capsys: Capture):
     assert capsys.readouterr().out == template("wrapped_nip")
 
 
+@pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)
+def test_every_kind_has_a_flag_and_a_study_that_runs_as_it_is(kind, tmp_path, capsys: Capture):
+    flag = f"--{kind.command}"
+    assert cli.main(["new", flag]) == 0
+    assert capsys.readouterr().out == template(kind.name)
+    assert cli.main(["new", "--study", flag]) == 0
+    study = tmp_path / "study.toml"
+    study.write_text(capsys.readouterr().out, encoding="utf-8")
+    told = load_study(study)
+    assert told.problem == kind.problem.example()
+    assert len(told.over) == 2
+    out = tmp_path / "results"
+    assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
+    assert "10 cases" in (said := capsys.readouterr().out)
+    assert " 0 failed" in said
+    assert all((out / f"{output}.png").exists() for output in told.outputs)
+
+
+def test_a_flag_may_be_short_where_one_kind_alone_begins_so(capsys: Capture):
+    assert cli.main(["new", "--wrapped"]) == 0
+    assert capsys.readouterr().out == template("wrapped_nip")
+    assert cli.main(["new", "--study", "rollers"]) == 0
+    assert "[case.upper]" in capsys.readouterr().out
+    assert cli.main(["new", "--rollers", "--nip"]) == 2
+    assert "kind: must be one, got rollers and nip" in capsys.readouterr().err
+
+
 def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
     assert cli.main(["materials"]) == 0
     said = capsys.readouterr().out
@@ -154,6 +182,7 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             ["error: --sensitivity: not available for the kind 'wrapped-nip', but for nip"],
         ),
         ([*QUICK, "--wrap-nodes", "30"], 2, ["error: --wrap-nodes: no option of the kind 'nip'"]),
+        (["new", "--study", "rolers"], 2, ["error: kind: 'rolers' is no kind of problem; did you"]),
         (["new", "rolers"], 2, ["error: kind: 'rolers' is no kind of problem; did you mean 'roll"]),
         ([*QUICK, "--nodes", "3"], 2, ["error: nodes: 3"]),
         ([*QUICK, "--nodes", "many"], 2, ["error: Invalid value for '--nodes': 'many'"]),
@@ -360,8 +389,11 @@ def test_kinds_and_commands_of_plug_ins_are_there(outside):
     assert "--start" not in told
     assert "load P: load on the spring, 1 to 9 N/m" in told
     assert "give g: give of the spring [m]" in told
-    case = outside / "spring.toml"
-    case.write_bytes(run_apart("-m", "woundon", "new", "spring", **path).stdout)
+    case, study = outside / "spring.toml", outside / "study.toml"
+    case.write_bytes(run_apart("-m", "woundon", "new", "--spring", **path).stdout)
+    study.write_bytes(run_apart("-m", "woundon", "new", "--spring", "--study", **path).stdout)
+    args = ["-m", "woundon", "sweep", str(study), "--out", str(outside / "out"), "--workers", "1"]
+    assert run_apart(*args, **path).stdout.startswith(b"5 cases in ")
     for command in ("spring", "solve"):
         args = ["-m", "woundon", command, str(case), "--set", "load=3", "--softness", "2", "--json"]
         record = json.loads(run_apart(*args, **path).stdout)
@@ -393,12 +425,57 @@ def test_cheap_commands_load_nothing_heavy(args):
     assert run_apart("-c", code).stdout.decode().splitlines()[-1] == "0 []"
 
 
+def test_a_nip_is_solved_without_what_is_slow_to_import():
+    """scipy.linalg alone takes longer than the solve (docs/performance.md)."""
+    heavy = ("scipy.linalg", "numpy.testing", "numpy.f2py", "pint", "dask", "pandas", "xarray",
+             "matplotlib", "openpyxl", "threadpoolctl")  # fmt: skip
+    for args in (QUICK, WRAPPED):
+        code = (
+            f"import sys; from woundon import cli; cli.main({args});"
+            f"print([name for name in {heavy} if name in sys.modules])"
+        )
+        assert run_apart("-c", code).stdout.decode().splitlines()[-1] == "[]"
+
+
+def in_shell(command: str) -> subprocess.CompletedProcess[bytes]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    shell = ["bash", "-o", "pipefail", "-c", f"{sys.executable} -m woundon {command}"]
+    return subprocess.run(shell, capture_output=True, env=environment, check=False)
+
+
 @pytest.mark.parametrize("reader", ["head -c 10", "head -n 1", "true"])
 @pytest.mark.parametrize("more", ["--json", ""])
 def test_a_reader_that_leaves_is_no_fault(reader, more):
-    command = f"{sys.executable} -m woundon {' '.join(WRAPPED)} {more} | {reader}"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run(
-        ["bash", "-o", "pipefail", "-c", command], capture_output=True, env=environment, check=True
-    )
-    assert done.stderr == b""
+    done = in_shell(f"{' '.join(WRAPPED)} {more} | {reader}")
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize(
+    ("args", "code"),
+    [
+        ("--help", 0), ("--version", 0), ("solve --help", 0), ("new", 0), ("materials", 0),
+        ("nip none.toml", 2), ("", 2), ("nap", 2),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("channel", ["", "2>&1"])
+def test_nobody_reads_what_any_command_says(args, code, channel):
+    """Neither a traceback nor "Exception ignored"; the exit code is that of what happened."""
+    done = in_shell(f"{args} {channel} | true")
+    assert done.returncode == code
+    assert b"Traceback" not in done.stderr
+    assert b"ignored" not in done.stderr
+
+
+def test_a_study_goes_on_though_nobody_reads_its_progress(tmp_path, capsys: Capture):
+    assert cli.main(["new", "--study", "--rollers"]) == 0
+    (tmp_path / "study.toml").write_text(capsys.readouterr().out, encoding="utf-8")
+    done = in_shell(f"sweep {tmp_path}/study.toml --out {tmp_path}/out --workers 1 2>&1 | true")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert len((tmp_path / "out" / "study.csv").read_text("utf-8").splitlines()) == 11
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a disk that is always full, of Linux")
+def test_a_full_disk_is_one_line_or_a_code():
+    done = in_shell(f"{' '.join(QUICK)} > /dev/full")
+    assert (done.returncode, done.stderr) == (2, b"error: No space left on device\n")
+    assert in_shell("nip none.toml 2> /dev/full").returncode == 2

@@ -172,6 +172,13 @@ def test_replace_gives_a_whole_body_a_table_or_a_name() -> None:
     assert nip(**{"drum.radius": 0.08, "drum": cover}) == nip(drum=cover.replace(radius=0.08))
 
 
+def test_replace_reads_texts_with_units() -> None:
+    changes = {"web.thickness": "57 um", "roll.material.shear": "10 MPa", "roll_friction": "19 %"}
+    variant = nip().replace(nip_load="5 kN/m", **changes)
+    assert (variant.nip_load, variant.web.thickness, variant.roll_friction) == (5e3, 57e-6, 0.19)
+    assert variant.roll.material.stiffness.shear == 1e7
+
+
 def test_replace_checks_what_belongs_together() -> None:
     problem = nip(winding_force=600.0)
     with pytest.raises(wo.NoSteadyState):

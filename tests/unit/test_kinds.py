@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any
 
 import pytest
@@ -15,6 +16,7 @@ import woundon as wo
 from woundon import kinds
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
+from woundon.show.panels import Panel
 
 OWN = {
     "nip": (wo.NipProblem, wo.NipResult, wo.solve_nip),
@@ -149,12 +151,12 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
         wo.solve("hammock.toml")
 
 
-def test_what_is_given_is_taken(registry: dict[str, kinds.Kind]) -> None:
+def test_what_is_given_is_taken(registry: dict[str, kinds.Kind], tmp_path: Path) -> None:
     said: list[Any] = []
     kinds.register(
         HammockProblem, solve_hammock, HammockResult,
         name="hanging_web", about="Sagging.", report=lambda result: ["sag"],
-        plot=lambda result, path=None, **options: said.append((path, options)),
+        plot=lambda result: {"sag": Panel(lambda axes, cases: said.append(cases[0].result) or [])},
         check=lambda **options: said.append(options),
         neighbour=lambda problem, start: None, shifted={"weight": frozenset({"sag"})},
     )  # fmt: skip
@@ -163,8 +165,9 @@ def test_what_is_given_is_taken(registry: dict[str, kinds.Kind]) -> None:
     assert kind.report(None) == ["sag"]
     assert kind.check is not None
     kind.check(terms=3)
-    wo.solve(HAMMOCK).plot("sag.png", dpi=100)
-    assert said == [{"terms": 3}, ("sag.png", {"dpi": 100})]
+    result = wo.solve(HAMMOCK)
+    result.plot(tmp_path / "sag.png")
+    assert said == [{"terms": 3}, result]
     assert kind.shifted["weight"] == {"sag"}
 
 

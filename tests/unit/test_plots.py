@@ -7,17 +7,31 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
 from woundon.show.figures import symbol_text
-from woundon.show.plots import plot_nip, plot_outputs, plot_rollers, plot_wrapped
-from woundon.show.study_plots import plot_fit, plot_sweep
+from woundon.show.panels import Case, drawn
+from woundon.show.plots import output_panels
+from woundon.show.study_plots import plot_fit, plot_indices, plot_sweep
 
 NODES = 25
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    """Close what was not saved: it is pyplot's."""
+    yield
+    plt.close("all")
+
+
+def plot_outputs(result: Any) -> Any:
+    """Draw a result of any kind as one is drawn whose kind does not say how."""
+    return drawn(output_panels(result), [Case(result)])
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +72,7 @@ def curves(axes: Any) -> dict[str, np.ndarray]:
 
 
 def test_panels_show_the_results_in_the_units_of_their_labels(nip):
-    tractions, slips, zones, tension = plot_nip(nip).axes
+    tractions, slips, zones, tension = nip.plot().axes
     assert tractions.get_ylabel() == "Tangential traction $q$ [kPa]"
     assert slips.get_ylabel() == "Relative slip speed $v$ [%]"
     assert tension.get_ylabel() == "Web tension $T$ [N/m]"
@@ -83,18 +97,18 @@ def highest(axes: Any) -> dict[str, float]:
 
 def test_bounds_are_those_of_the_pressure_on_the_face(nip, wrapped):
     p = 1e-3 * nip.peak_pressure
-    bounds = highest(plot_nip(nip).axes[0])
+    bounds = highest(nip.plot().axes[0])
     assert bounds == pytest.approx({r"$\pm\mu^{+}p$": 0.19 * p, r"$\pm\mu^{-}p$": 0.2 * p})
     own = wrapped.in_nip
     on_roll, on_drum = wrapped.roll_pressure[own].max(), wrapped.pressure[own].max()
-    bounds = highest(plot_wrapped(wrapped).axes[0])
+    bounds = highest(wrapped.plot().axes[0])
     assert bounds == pytest.approx(
         {r"$\pm\mu^{+}p^{+}$": 0.19e-3 * on_roll, r"$\pm\mu^{-}p^{-}$": 0.2e-3 * on_drum}
     )
 
 
 def test_zone_bars_cover_the_contact(nip):
-    zones = plot_nip(nip).axes[2]
+    zones = nip.plot().axes[2]
     assert [text.get_text() for text in zones.get_yticklabels()] == ["drum", "roll"][::-1]
     for row in (0, 1):
         bars = [bar for bar in zones.patches if round(bar.get_y() + bar.get_height() / 2) == row]
@@ -105,8 +119,8 @@ def test_zone_bars_cover_the_contact(nip):
 
 
 def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
-    figure = plot_wrapped(wrapped)
-    tractions, tension, slips, pressure = figure.axes[:4]
+    figure = wrapped.plot()
+    tractions, slips, _, tension, pressure = figure.axes[:5]
     own, a = wrapped.in_nip, wrapped.half_width
     for axes in (tractions, slips):  # the nip's nodes, no others
         assert all(len(data) == wrapped.nodes for data in curves(axes).values())
@@ -118,7 +132,7 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
     np.testing.assert_allclose(on_roll[:, 0], np.degrees(behind))
     np.testing.assert_allclose(on_roll[:, 1], wrapped.web_tension[own.stop :])
     assert on_roll[-1, 1] == wrapped.wound_on_tension
-    assert f"WOT {wrapped.wound_on_tension:.5g}" in curves(tension)
+    assert f"WOT {wrapped.wound_on_tension:.5g} N/m" in curves(tension)
     assert curves(tension)["end of slip"][0][0] == pytest.approx(np.degrees(wrapped.slip_angle))
     on_drum = curves(tension)["$T$ on drum"]
     before = (-a - wrapped.x[: own.start]) / 0.0762
@@ -135,7 +149,7 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
 
 def test_without_any_wrap_the_nip_alone_is_drawn():
     result = wo.solve(wo.NipProblem.example().wrapped(roll_wrap=0.0), nodes=NODES)
-    assert len(result.plot().axes) == len(plot_nip(wo.solve(result.problem.confined())).axes)
+    assert len(result.plot().axes) == len(wo.solve(result.problem.confined()).plot().axes)
 
 
 # ---- two rollers
@@ -155,7 +169,7 @@ def test_without_any_wrap_the_nip_alone_is_drawn():
 )
 def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, name):
     result = wo.solve(wo.RollerProblem.example().replace(**changes), nodes=NODES)
-    tractions, slips, zones = plot_rollers(result).axes
+    tractions, slips, zones = result.plot().axes
     assert tractions.get_ylabel() == "Pressure $p$, traction $q$ [MPa]"
     lines = tractions.get_lines()
     assert [line.get_label() for line in lines] == ["$p$", "$q$ on upper roller", name, name]
@@ -177,7 +191,7 @@ def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, na
 def test_rollers_without_a_closed_form_are_drawn_alone():
     braked = wo.RollerProblem.example().replace(lower=wo.HalfPlane(radius=0.2, material=SOFT))
     result = wo.solve(braked, nodes=NODES)
-    assert set(curves(plot_rollers(result).axes[0])) == {"$p$", "$q$ on upper roller"}
+    assert set(curves(result.plot().axes[0])) == {"$p$", "$q$ on upper roller"}
 
 
 # ---- any kind
@@ -202,14 +216,19 @@ def test_the_default_draws_every_array_once(results):
             np.testing.assert_allclose(line.get_xdata(), 1e3 * x.value)
             np.testing.assert_allclose(line.get_ydata(), place.quantity.shown(place.value))
             unit = place.quantity.display
-            assert line.axes.get_ylabel() == (f"[{unit}]" if unit else "")
+            said = " ".join(line.axes.get_ylabel().split())
+            alone = len(line.axes.get_lines()) == 1
+            due = f"{place.quantity.meaning} " if alone else ""
+            assert said.replace("> 0", ">\N{NO-BREAK SPACE}0") == (
+                f"{due}[{unit}]".replace("> 0", ">\N{NO-BREAK SPACE}0") if unit else due.strip()
+            )
         assert figure.axes[-1].get_xlabel().endswith("[mm]")
 
 
 def test_a_result_without_arrays_cannot_be_drawn(nip, monkeypatch):
     monkeypatch.setattr("woundon.show.plots.quantities.walk", lambda result: iter(()))
     with pytest.raises(wo.InvalidProblem, match="a NipResult has no arrays to draw"):
-        plot_outputs(nip)
+        output_panels(nip)
 
 
 @pytest.mark.parametrize(
@@ -236,11 +255,18 @@ def test_nothing_is_covered_or_clipped(results):
     """Legends stand outside the data, no text leaves the figure, and none covers another."""
     figures = {name: result.plot() for name, result in results.items()}
     figures |= {f"{name} by default": plot_outputs(results[name]) for name in ("nip", "rollers")}
+    figures |= {
+        "two": wo.plot([results["nip"], results["wrapped_nip"]]),
+        "two wrapped": wo.plot([results["wrapped_nip"], results["soft cover"]]),
+        "two rollers": wo.plot([results["rollers"], results["free rolling"]]),
+        "chosen": results["wrapped_nip"].plot(panels=["wrap_tension", "curvature", "pressure"]),
+        "one": results["nip"].plot(panels="zones"),
+    }
     for name, figure in figures.items():
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
         width, height = canvas.get_width_height()
-        texts = []
+        texts = list(figure.legends)
         for axes in figure.axes:
             box = axes.get_tightbbox()
             assert min(box.x0, box.y0) >= 0, name
@@ -346,6 +372,38 @@ def test_the_legend_of_a_fit_is_short():
     labels = [text.get_text() for text in agreement.get_legend().get_texts()]
     assert labels == ["rig tension", "wound-on tension"]
     assert agreement.get_xlabel() == "measured [N/m]"
-    assert along.get_xlabel() == "web.thickness [µm]"
+    assert agreement.get_legend().get_window_extent().width < agreement.bbox.width
+    one = plt.figure().add_subplot()
+    assert plot_fit(fit, ax=one, panels="web.thickness") is one
+    assert one.get_xlabel() == along.get_xlabel() == "web.thickness [µm]"
+    with pytest.raises(
+        wo.InvalidProblem, match=r"must be agreement or web\.thickness; did you mean"
+    ):
+        plot_fit(fit, panels="thickness")
     assert along.get_ylabel() == "RMS of the fit [N/m]"
     np.testing.assert_allclose(along.get_lines()[0].get_xdata(), [10, 50, 90])
+
+
+def test_shares_of_variance_are_sorted_for_each_output():
+    names = ("nip_load", "roll_friction", "web_tension")
+    total = np.array([[0.2, 0.7, 0.1], [0.5, 0.1, 0.4]])
+    first = total - 0.05
+    indices = SimpleNamespace(
+        inputs=names, outputs=("nip_width", "peak_pressure"), first_order=first, total_order=total,
+        first_interval=np.array([first - 0.02, first + 0.03]),
+        total_interval=np.array([total - 0.02, total + 0.03]),
+    )  # fmt: skip
+    figure = plot_indices(indices)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
+        "alone (first order)", "with interactions (total)",
+    ]  # fmt: skip
+    for axes, shares, alone in zip(figure.axes, total, first, strict=True):
+        order = np.argsort(-shares)
+        said = [text.get_text() for text in axes.get_yticklabels()]
+        assert said == [names[j].replace("_", " ") for j in order]
+        assert axes.yaxis_inverted()  # the first stands on top
+        widths = [[bar.get_width() for bar in bars] for bars in axes.containers if len(bars) == 3
+                  and hasattr(bars[0], "get_width")]  # fmt: skip
+        np.testing.assert_allclose(widths, [alone[order], shares[order]])
+    (one,) = plot_indices(indices, panels="peak_pressure").axes
+    assert one.get_title(loc="left") == "peak pressure"

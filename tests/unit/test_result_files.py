@@ -14,7 +14,7 @@ import xarray
 
 import woundon as wo
 from woundon import kinds
-from woundon.io import result_files
+from woundon.io import result_files, seals
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
 from woundon.results import Residuals, Zone
@@ -89,7 +89,7 @@ def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
     for name in ("scheme", "iterations", "extrapolation", "series_error"):
         del record["fields"][name]
-    (tmp_path / "nip.json").write_text(json.dumps(record))
+    (tmp_path / "nip.json").write_text(sealed(record))
     loaded = wo.load_result(tmp_path / "nip.json")
     assert (loaded.scheme, loaded.iterations, loaded.extrapolation) == ("graded", 0, 0.0)
     np.testing.assert_array_equal(loaded.pressure, solved("nip").pressure)
@@ -98,13 +98,13 @@ def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
 def test_what_is_not_known_is_told_and_left_out(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
     record["fields"]["temperature"] = 300.0
-    (tmp_path / "nip.json").write_text(json.dumps(record))
+    (tmp_path / "nip.json").write_text(sealed(record))
     with pytest.warns(UserWarning, match="not known to this version of woundon.*: temperature"):
         loaded = wo.load_result(tmp_path / "nip.json")
     assert loaded == solved("nip")
     data = solved("nip").to_xarray()
     data["temperature"] = ((), 300.0)
-    data.to_netcdf(tmp_path / "nip.nc", engine="scipy")
+    (tmp_path / "nip.nc").write_bytes(sealed_netcdf(data))
     with pytest.warns(UserWarning, match="left out: temperature"):
         assert wo.load_result(tmp_path / "nip.nc") == solved("nip")
 
@@ -152,8 +152,8 @@ def test_static_rollers_slip_by_a_length(solved, name, unit):
 def test_csv_has_units_in_its_header(solved, tmp_path, name):
     result = solved(name)
     result.save(tmp_path / "result.csv")
-    with open(tmp_path / "result.csv", encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(file)
+    lines = (tmp_path / "result.csv").read_text("utf-8").splitlines()
+    header, *rows = csv.reader(line for line in lines if not line.startswith("#"))
     assert {"x [m]", "slip_x [m]", "pressure [Pa]"} <= set(header)
     table = np.array(rows, dtype=float)
     for place in outputs(result):
@@ -172,7 +172,7 @@ def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
 
     record = json.loads((tmp_path / "a.json").read_text(), parse_constant=refuse)
     assert (record["format"], record["schema"], record["kind"]) == (
-        "woundon-result", 2, "wrapped_nip",
+        "woundon-result", 3, "wrapped_nip",
     )  # fmt: skip
     assert record["errors"] == {"wound_on_tension": None}
     told = record["fields"] | record["outputs"]
@@ -204,6 +204,7 @@ class SpringResult(wo.Result):
     bare: np.ndarray
     word: str = "stiff"
     pair: tuple[int, ...] = (1, 2)
+    parts: tuple[tuple[float, str], ...] = ((0.5, "a"), (np.nan, "b"))
     helper: Any = None
 
     @property
@@ -340,10 +341,10 @@ def test_a_file_that_cannot_be_read_is_refused_as_a_case_is(tmp_path):
 
 def test_a_later_schema_and_an_unknown_kind_are_told(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
-    path.write_text(json.dumps(record | {"schema": 3}))
-    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 1 and 2"):
+    path.write_text(sealed(record | {"schema": 4}))
+    with pytest.raises(wo.InvalidProblem, match=r"schema: 4 is unknown; .* reads 1 to 3"):
         wo.load_result(path)
-    path.write_text(json.dumps(record | {"kind": "nap"}))
+    path.write_text(sealed(record | {"kind": "nap"}))
     with pytest.raises(wo.InvalidProblem, match="'nap' is no kind of problem; did you mean 'nip'"):
         wo.load_result(path)
 
@@ -382,8 +383,18 @@ DAMAGE: list[tuple[str, Any, str]] = [
 ]
 
 
+def sealed(record: dict[str, Any]) -> str:
+    """Return a record as JSON, sealed as if woundon had written it."""
+    return json.dumps(record | {"sha256": seals.of_record(record)})
+
+
+def sealed_netcdf(data: xarray.Dataset) -> bytes:
+    data = data.assign_attrs(sha256=seals.BLANK)
+    return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
+
+
 def damaged(result: Any, place: str, value: Any) -> str:
-    """Return a result's record with one part changed, or missing (...)."""
+    """Return a result's record with one part changed, or missing (...), sealed anew."""
     record = json.loads(result_files.to_json(result))
     *heads, last = place.split(".")
     inner = record
@@ -394,7 +405,7 @@ def damaged(result: Any, place: str, value: Any) -> str:
         del inner[key]
     else:
         inner[key] = value
-    return json.dumps(record)
+    return sealed(record)
 
 
 @pytest.mark.parametrize(("place", "value", "said"), DAMAGE)
@@ -432,6 +443,169 @@ def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, valu
     path.write_text(damaged(solved(name), place, value))
     with pytest.raises(wo.InvalidProblem, match="does not hold what it says"):
         wo.load_result(path, verify=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "value", "said"),
+    [
+        ("nip", "outputs.peak_pressure", 9999.0, "peak_pressure: 9999.0, but the arrays give "),
+        ("nip", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
+        ("nip", "fields.leading_roll", 0.9, "leading_roll: 0.9, but the arrays give -0.13"),
+        ("nip_thesis", "fields.trailing_roll", 0.9, "trailing_roll: 0.9, but the arrays"),
+        ("wrapped", "outputs.wound_on_tension", None, "wound_on_tension: nan, but the arrays"),
+        ("wrapped", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
+        ("wrapped", "fields.dual", 0.9, "dual: 0.9, but the arrays give "),
+        ("rolling", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
+        ("static", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
+    ],
+)
+def test_verifying_compares_scalars_with_the_arrays(solved, tmp_path, name, place, value, said):
+    path = tmp_path / "result.json"
+    path.write_text(damaged(solved(name), place, value))
+    wo.load_result(path)
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path, verify=True)
+    assert f"does not hold what it says: {said}" in str(refusal.value)
+
+
+# ---- the seal -----------------------------------------------------------------------------------
+
+CHANGED = (
+    "sha256: its content has changed since it was saved; load a copy that is as it was saved, "
+    "or solve the problem again"
+)
+GONE = "sha256: missing; the file was not written by result.save, or has changed since"
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        ("fields.nip_induced_tension", 9999.0),
+        ("problem.nip_load", 3503.0),
+        ("fields.roll_zone.3", 7),
+        ("residuals.stick", 1.0),
+        ("residuals.stick", None),
+        ("units.pressure", "kPa"),
+        ("outputs.peak_pressure", 1.0),
+        ("version", "0.3"),
+        ("warnings", ["all is well"]),
+        ("fields.iterations", ...),
+        ("sha256", "0" * 64),
+        ("sha256", 3),
+    ],
+)
+def test_an_edited_json_file_is_refused_and_told_what_to_do(solved, tmp_path, place, value):
+    path, record = tmp_path / "nip.json", json.loads(damaged(solved("nip"), place, value))
+    as_saved = json.loads(result_files.to_json(solved("nip")))["sha256"]
+    record["sha256"] = value if place == "sha256" else as_saved
+    path.write_text(json.dumps(record))
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert str(refusal.value) == f"{path}: {CHANGED}"
+
+
+def test_json_may_be_laid_out_anew(solved, tmp_path):
+    solved("wrapped").save(tmp_path / "a.json")
+    record, path = json.loads((tmp_path / "a.json").read_text()), tmp_path / "b.json"
+    turned = dict(reversed(record.items()))
+    for text in (json.dumps(record), json.dumps(turned, indent=4).replace("\n", "\r\n")):
+        path.write_bytes(text.encode())
+        assert wo.load_result(path) == solved("wrapped")
+
+
+def test_a_damaged_netcdf_file_is_refused_before_it_is_taken_apart(solved, tmp_path, monkeypatch):
+    path = tmp_path / "nip.nc"
+    solved("nip").save(path)
+    content = path.read_bytes()
+    # not the seal's own head: without it a file has no seal, and is taken apart to be told so
+    head = content.index(b"\0\0\0\x06sha256")
+    places = [k for k in range(4, len(content), 37) if not head <= k < head + 20]
+    monkeypatch.setattr(xarray, "open_dataset", lambda *_, **__: pytest.fail("taken apart"))
+    for place in places:
+        flipped = bytearray(content)
+        flipped[place] ^= 1
+        path.write_bytes(flipped)
+        with pytest.raises(wo.InvalidProblem) as refusal:
+            wo.load_result(path)
+        assert str(refusal.value) == f"{path}: {CHANGED}"
+    assert len(places) > 200
+
+
+def test_a_file_that_lost_its_seal_is_refused(solved, tmp_path):
+    record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "a"
+    del record["sha256"]
+    path.write_text(json.dumps(record))
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert str(refusal.value) == f"{path}: {GONE}"
+    solved("nip").to_xarray().to_netcdf(path, engine="scipy")
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert str(refusal.value) == f"{path}: {GONE}"
+
+
+def unsealed(result: Any, ending: str, place: str = "", value: Any = None) -> bytes:
+    """Return a file of schema 2: as now, without a seal."""
+    if ending == "nc":
+        return bytes(result.to_xarray().assign_attrs(schema=2).to_netcdf(engine="scipy"))
+    record = json.loads(damaged(result, place or "version", value or wo.__version__))
+    del record["sha256"]
+    return json.dumps(record | {"schema": 2}).encode()
+
+
+@pytest.mark.parametrize("ending", ["nc", "json"])
+@pytest.mark.parametrize("name", CASES)
+def test_a_file_from_before_there_were_seals_loads(solved, tmp_path, name, ending):
+    path = tmp_path / "old"
+    path.write_bytes(unsealed(solved(name), ending))
+    assert wo.load_result(path) == solved(name)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "said"),
+    [
+        ("fields.nip_induced_tension", 9999.0, "does not hold what it says: laws are not"),
+        ("problem.nip_load", 3503.0, "does not hold what it says: laws are not"),
+        ("outputs.peak_pressure", 1.0, "peak_pressure: 1.0, but the arrays give "),
+        ("units.pressure", "kPa", "pressure: is in 'kPa'; must be in 'Pa'"),
+        ("units.half_width", 3, "half_width: is in 3; must be in 'm'"),
+        ("units", [], "is no result saved by woundon, or damaged"),
+        ("outputs", 3, "is no result saved by woundon, or damaged"),
+        ("outputs.peak_pressure", "high", "peak_pressure: 'high' is not a finite number"),
+    ],
+)
+def test_a_file_without_a_seal_is_always_verified(solved, tmp_path, place, value, said):
+    path = tmp_path / "old.json"
+    path.write_bytes(unsealed(solved("nip"), "json", place, value))
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert said in str(refusal.value)
+    old = json.loads((OLD / "nip.json").read_text()) | {"nip_induced_tension": 9999.0}
+    path.write_text(json.dumps(old))
+    with pytest.raises(wo.InvalidProblem, match="does not hold what it says"):
+        wo.load_result(path)
+
+
+def test_units_of_netcdf_are_checked(solved, tmp_path):
+    data = solved("nip").to_xarray()
+    data["pressure"].attrs["units"] = "seconds"  # which xarray would take for a time
+    (tmp_path / "nip.nc").write_bytes(sealed_netcdf(data))
+    with pytest.raises(wo.InvalidProblem, match=r"pressure: is in 'seconds'; must be in 'Pa'"):
+        wo.load_result(tmp_path / "nip.nc")
+
+
+def test_a_table_and_another_programs_json_are_no_results(solved, tmp_path):
+    path = tmp_path / "nip.csv"
+    solved("nip").save(path)
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.load_result(path)
+    assert str(refusal.value) == (
+        f"{path}: is a table for spreadsheets; load the .nc or .json file of the result"
+    )
+    path = tmp_path / "manifest.json"
+    path.write_text('{"format": "woundon-study", "sha256": "0"}')
+    with pytest.raises(wo.InvalidProblem, match="is no result saved by woundon, or damaged"):
+        wo.load_result(path)
 
 
 def test_zones_are_zones(solved):

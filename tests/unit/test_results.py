@@ -108,6 +108,20 @@ def _other_load(problem: Any) -> dict[str, float]:
     return {"load": 88e3} if isinstance(problem, wo.RollerProblem) else {"nip_load": 3000.0}
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_equal_results_are_one_in_a_set(results, kind: str) -> None:  # type: ignore[no-untyped-def]
+    result = results[kind]
+    again = wo.solve(result.problem.replace(), nodes=33)
+    assert again is not result
+    assert again == result
+    signed = result.replace(pressure=np.copysign(result.pressure, -1.0) * (result.pressure == 0)
+                            + result.pressure)  # fmt: skip
+    assert signed == result
+    assert {result, again, signed, pickle.loads(pickle.dumps(result))} == {result}
+    other = result.replace(offset=1.0)
+    assert len({result, other}) == 2
+
+
 def test_nan_is_equal_to_nan(results) -> None:  # type: ignore[no-untyped-def]
     rollers = results["rollers"]
     assert math.isnan(rollers.shift)  # rolling

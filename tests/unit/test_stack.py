@@ -239,7 +239,7 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
             "radial: a modulus of 90000000 without pressure is out of range; must be < "
             "tangential/poissons_ratio^2 = 33800000 [Pa]",
         ),
-        (lambda: stack(radial="soft"), "radial: 'soft' is not a number; must be >= 0.001"),
+        (lambda: stack(radial="soft"), "radial: 'soft' is not a number"),
         (lambda: stack(radial={"K1": 1e4}), "radial.K2: missing; must be > 0"),
         (
             lambda: wo.HalfPlane(radius=0.1, material=stack()),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.contact.schemes import Graded
 from woundon.elasticity.layers import stacked_compliance
 from woundon.io.case_files import make_problem, read_case, to_toml
 from woundon.problems.graded import _peak, graded_layers, wound_kernels
@@ -150,11 +151,57 @@ def test_the_estimate_is_smooth_in_the_parameters() -> None:
 
 
 def test_peak_of_a_half_ellipse() -> None:
-    from woundon.contact.schemes import Graded
+    x = Graded().mesh(257).columns
+    peak, growth = _peak(x, 3e5 * np.sqrt(1 - x**2))
+    assert peak == pytest.approx(3e5, rel=1e-4)
+    assert growth @ (3e5 * np.sqrt(1 - x**2)) == pytest.approx(1)  # of the first degree
+    assert _peak(x, np.zeros(x.size))[0] == 0.0
 
-    mesh = Graded().mesh(257)
-    assert _peak(mesh, 3e5 * np.sqrt(1 - mesh.columns**2)) == pytest.approx(3e5, rel=1e-4)
-    assert _peak(mesh, np.zeros(0)) == 0.0
+
+def test_the_estimate_answers_with_its_tangent() -> None:
+    mesh, body, a = Graded().mesh(25), roll(hardening="estimate"), 2e-3
+    rng = np.random.default_rng(3)
+    p = 5e5 * np.sqrt(1 - mesh.columns**2) * (1 + 0.2 * mesh.columns)
+    q = rng.normal(0, 1e5, p.size)
+    response = body.respond(mesh, a, wo.Tractions(p, q))
+
+    def told(p: np.ndarray, q: np.ndarray) -> list[np.ndarray]:
+        """Slope, strain and displacements by the matrices about these loads themselves."""
+        own = body.respond(mesh, a, wo.Tractions(p, q))
+        v_p, v_q, w_p, w_q = own.gradients
+        (n_p, n_q), (t_p, t_q), rest = own.normal(), own.tangent(), own.rest()
+        return [
+            own.slope + v_p @ p + v_q @ q, own.strain + w_p @ p + w_q @ q,
+            rest[0] + n_p @ p + n_q @ q, rest[1] + t_p @ p + t_q @ q,
+        ]  # fmt: skip
+
+    peak, _ = _peak(mesh.columns, p)
+    linear = cylinder(200e3 + 0.3 * peak, 200e3).respond(mesh, a)
+    np.testing.assert_allclose(told(p, q)[0], linear.gradients[0] @ p + linear.gradients[1] @ q,
+                               rtol=1e-11, atol=1e-11 * 1e-3)  # fmt: skip
+    dp, dq = rng.normal(0, 1e5, (2, p.size))
+    step = 1e-3
+    up, down = told(p + step * dp, q + step * dq), told(p - step * dp, q - step * dq)
+    v_p, v_q, w_p, w_q = response.gradients
+    maps = [(v_p, v_q), (w_p, w_q), response.normal(), response.tangent()]
+    made = [by_p @ dp + by_q @ dq for by_p, by_q in maps]
+    for plus, minus, tangent in zip(up, down, made, strict=True):
+        by_differences = (plus - minus) / (2 * step)
+        # errors of both differences, 1e-4^2 and 1e-3^2 of a changing modulus
+        assert np.max(np.abs(by_differences - tangent)) < 1e-6 * np.max(np.abs(tangent))
+
+
+def test_sensitivities_of_the_estimate() -> None:
+    problem = EXAMPLE.replace(roll=roll(hardening="estimate"))
+    result = wo.solve(problem, nodes=49)
+    for name, value in (("roll.stack.radial.K2", 127.0), ("roll.pressure", 200e3)):
+        up, down = (
+            wo.solve(problem.replace(**{name: value * (1 + 1e-3 * sign)}), nodes=49, start=result)
+            for sign in (1, -1)
+        )
+        by_differences = (up.half_width - down.half_width) / (2e-3 * value)
+        slope = result.sensitivity(name).derivative("half_width", name)
+        assert slope == pytest.approx(by_differences, rel=1e-4), name
 
 
 def test_what_is_no_full_answer_says_so() -> None:

@@ -7,18 +7,21 @@ and the material axes are straight: minimise
     int [A_rr e_r^2 + 2 A_rt e_r e_t + A_tt e_t^2 + G g^2]/2 r dr dtheta - int (q u - p v) R dtheta
     e_r = v_r,   e_t = (v + u_theta)/r,   g = v_theta/r + u_r - u/r,     u = v = 0 at the core
 
-with v outward and u along theta.  A patch |theta| < beta carries a pressure or a traction of the
-shape cos^2; by symmetry half the circle is enough.  Biquadratic elements converge in L2 with the
-third power of the element size for displacements and the second for strains.
+with v outward and u along theta.  Layers have their own moduli; an open bore has neither tractions
+nor, on average, displacements as a whole, which multipliers hold.  A patch |theta| < beta carries a
+pressure or a traction of the shape cos^2; by symmetry half the circle is enough.  Biquadratic
+elements converge in L2 with the third power of the element size for displacements and the second
+for strains.
 """
 
 from __future__ import annotations
 
-from math import log2, pi
+from math import log, log2, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from scipy import sparse
 from scipy.integrate import quad
 from skfem import (
     Basis,
@@ -33,14 +36,52 @@ from skfem import (
 )
 from skfem.helpers import grad
 
-from woundon.elasticity.cylinder import sequences, surface_kernels
+from woundon.elasticity.cylinder import surface_kernels
 from woundon.elasticity.kernels import Kernel
+from woundon.elasticity.layers import stacked_compliance
 
 Array = np.ndarray
 
 R, R0 = 1.0, 0.5
 STIFFNESS = (2.0, 9.0, 1.0, 1.5)  # A_rr, A_tt, A_rt, G: moderately anisotropic
 BETA = 0.3
+LINES = R - (R - R0) * np.linspace(1, 0, 5) ** 1.5  # radii between elements
+
+
+class Tube(NamedTuple):
+    """Layers, outermost first: their inner radii, on lines between elements, and stiffness."""
+
+    inner: tuple[float, ...]
+    stiffness: tuple[tuple[float, float, float, float], ...]
+    free: bool
+
+    def moduli(self, r: Array) -> list[Array]:
+        """Return A_rr, A_tt, A_rt, G at radii."""
+        where = [r > inner for inner in self.inner]
+        return [np.select(where, values) for values in zip(*self.stiffness, strict=True)]
+
+    def compliance(self, n: Array) -> Array:
+        """Return R Y_n by the program."""
+        radii = (R, *self.inner)
+        layers = (
+            (log(outer / inner), *stiffness)
+            for outer, inner, stiffness in zip(radii, self.inner, self.stiffness, strict=False)
+        )
+        return R * stacked_compliance(n, tuple(layers), self.free)
+
+
+TUBES = {
+    "one layer": Tube((R0,), (STIFFNESS,), False),
+    "two layers, open bore": Tube((float(LINES[3]), R0), (STIFFNESS, (12.0, 8.0, 3.0, 5.0)), True),
+}
+tubes = pytest.mark.parametrize("tube", TUBES.values(), ids=TUBES)
+
+
+class Zeroth(NamedTuple):
+    """Compliances of a constant pressure and a constant traction around."""
+
+    gamma_1: float
+    chi_2: float
 
 
 class Surface(NamedTuple):
@@ -62,13 +103,15 @@ def patch_harmonics(n: Array) -> Array:
     return np.sin(n * BETA) / pi * (1 / n - 0.5 / (n + w) - 0.5 / (n - w))
 
 
-def series(load: str, theta: Array) -> Surface:
+def series(load: str, theta: Array, tube: Tube = TUBES["one layer"]) -> Surface:
     """Return the surface by the program's sequences (thesis eq. 59)."""
     # coefficients fall as n^-3 and the sequences as 1/n: beyond 1500 the strain has 1e-7 left
     n = np.arange(1, 1501)
     c, c0 = patch_harmonics(n), BETA / (2 * pi)
-    gamma_1, gamma_2, chi_1, chi_2 = sequences(n, R, R0, *STIFFNESS)
-    zero = sequences(np.array(0), R, R0, *STIFFNESS)
+    (gamma_1, gamma_2), (chi_1, chi_2) = (
+        tube.compliance(n) * np.array([[1, -1], [-1, 1]])[..., None]
+    )
+    zero = Zeroth(*np.diag(tube.compliance(np.array(0))))
     cos, sin = np.cos(np.outer(theta, n)), np.sin(np.outer(theta, n))
     if load == "pressure":
         v = -zero.gamma_1 * c0 - cos @ (gamma_1 * c)
@@ -77,11 +120,10 @@ def series(load: str, theta: Array) -> Surface:
     return Surface(v, zero.chi_2 * c0 + cos @ (chi_2 * c), (v - sin @ (n * chi_2 * c)) / R)
 
 
-@BilinearForm
-def energy(u: Any, w: Any, x: Any) -> Any:
+def energy_density(u: Any, w: Any, x: Any, tube: Tube) -> Any:
     """Twice the elastic energy's density; component 0 is v, 1 is u; x = (theta, r)."""
-    A_rr, A_tt, A_rt, G = STIFFNESS
     r = x.x[1]
+    A_rr, A_tt, A_rt, G = tube.moduli(r)
 
     def strains(a: Any) -> tuple[Any, Any, Any]:
         d = grad(a)
@@ -101,41 +143,52 @@ def mesh(level: int) -> MeshQuad:
             np.linspace(3 * BETA, pi, 6)[1:],
         )
     )
-    r = R - (R - R0) * np.linspace(1, 0, 5) ** 1.5
+    r = LINES
     for _ in range(level):
         theta, r = (np.sort(np.append(s, (s[1:] + s[:-1]) / 2)) for s in (theta, r))
     return MeshQuad.init_tensor(theta, r)
 
 
-def finite_elements(load: str, level: int) -> tuple[FacetBasis, Array]:
+def finite_elements(load: str, level: int, tube: Tube) -> tuple[FacetBasis, Array]:
     """Return the surface's facet basis and the solved displacements."""
     basis = Basis(mesh(level), ElementVector(ElementQuad2()), intorder=5)
-    surface = FacetBasis(
-        basis.mesh,
-        basis.elem,
-        facets=basis.mesh.facets_satisfying(lambda x: x[1] > R - 1e-9),
-        intorder=9,
-    )
+
+    def side(at: float) -> FacetBasis:
+        facets = basis.mesh.facets_satisfying(lambda x: np.abs(x[1] - at) < 1e-9)
+        return FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=9)
+
+    surface = side(R)
 
     @LinearForm
     def work(w: Any, x: Any) -> Any:
         return patch(x.x[0]) * R * (-w[0] if load == "pressure" else w[1])
 
+    stiffness = BilinearForm(lambda u, w, x: energy_density(u, w, x, tube)).assemble(basis)
+    forces = work.assemble(surface)
     # pressure is even in theta: u = 0 on the axis; traction along theta: v = 0 there
     odd = "u^2" if load == "pressure" else "u^1"
-    core = basis.get_dofs(lambda x: x[1] < R0 + 1e-9).all()
-    axis = basis.get_dofs(lambda x: (x[0] < 1e-9) | (x[0] > pi - 1e-9)).all([odd])
-    fixed = np.union1d(core, axis)
-    return surface, solve(*condense(energy.assemble(basis), work.assemble(surface), D=fixed))
+    fixed = basis.get_dofs(lambda x: (x[0] < 1e-9) | (x[0] > pi - 1e-9)).all([odd])
+    if not tube.free:
+        core = basis.get_dofs(lambda x: x[1] < R0 + 1e-9).all()
+        return surface, solve(*condense(stiffness, forces, D=np.union1d(core, fixed)))
+    # a shift along the axis; or one across it, and a turn
+    motions = {
+        "pressure": [lambda w, x: w[0] * np.cos(x.x[0]) - w[1] * np.sin(x.x[0])],
+        "traction": [lambda w, x: w[0] * np.sin(x.x[0]) + w[1] * np.cos(x.x[0]), lambda w, x: w[1]],
+    }[load]
+    held = sparse.csr_matrix([LinearForm(motion).assemble(side(R0)) for motion in motions])
+    whole = sparse.bmat([[stiffness, held.T], [held, None]]).tocsr()
+    right = np.append(forces, np.zeros(len(motions)))
+    return surface, solve(*condense(whole, right, D=fixed))[: forces.size]
 
 
-def errors(load: str, level: int) -> Array:
+def errors(load: str, level: int, tube: Tube) -> Array:
     """Return the relative L2 errors on the surface of v, u and the strain."""
-    basis, solution = finite_elements(load, level)
+    basis, solution = finite_elements(load, level, tube)
     field = basis.interpolate(solution)
     found = Surface(field[0], field[1], (field[0] + grad(field)[1][0]) / R)
     theta = basis.global_coordinates()[0]
-    exact = [e.reshape(theta.shape) for e in series(load, theta.ravel())]
+    exact = [e.reshape(theta.shape) for e in series(load, theta.ravel(), tube)]
     return np.array(
         [
             np.sqrt(((f - e) ** 2 * basis.dx).sum() / (e**2 * basis.dx).sum())
@@ -145,16 +198,18 @@ def errors(load: str, level: int) -> Array:
 
 
 @pytest.mark.parametrize("load", ["pressure", "traction"])
-def test_elements_converge_to_the_series(load: str) -> None:
+@tubes
+def test_elements_converge_to_the_series(load: str, tube: Tube) -> None:
     """Halving the elements divides displacement errors by 8 and strain errors by 4."""
-    coarse, middle, fine = (errors(load, level) for level in (1, 2, 3))
-    # what the order leaves on this mesh: measured 5e-6 and 6e-4
-    assert np.all(fine[:2] < 1e-5)
+    coarse, middle, fine = (errors(load, level, tube) for level in (1, 2, 3))
+    # what the order leaves on this mesh: measured 5e-6 to 1.7e-5 and 6e-4
+    assert np.all(fine[:2] < 3e-5)
     assert fine[2] < 1e-3
     for quantity, order in zip(range(3), (3, 3, 2), strict=True):
         last = log2(middle[quantity] / fine[quantity])
-        # the measured orders, 2.95 to 3.04 and 1.94 to 1.95, still approach theirs
-        assert last == pytest.approx(order, abs=0.12), (quantity, coarse, middle, fine)
+        # the measured orders, 2.95 to 3.22 (a tube's bending, at first) and 1.92 to 1.95, still
+        # approach theirs
+        assert order - 0.12 < last < order + 0.3, (quantity, coarse, middle, fine)
 
 
 def convolved(kernel: Kernel, at: float) -> float:

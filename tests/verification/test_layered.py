@@ -300,3 +300,104 @@ def test_short_kernels_by_their_second_integral() -> None:
         smooth, twice = (mesh.grid.integrate(kernel, 5e-3, rank=rank) for rank in (190, 1000))
         # polynomials leave the kink at t = 0, falling with their rank
         assert difference(twice, smooth) < 2e-7, name
+
+
+# ---- layers in all that is done with bodies -----------------------------------------------------
+
+SHELL = (0.02, wo.material("steel"))
+THREE = EXAMPLE.replace(
+    drum=drum((0.015, RUBBER), (0.005, RUBBER.replace(youngs_modulus=60e6)), SHELL, core="free")
+)
+
+
+def test_sensitivities_reach_into_every_layer() -> None:
+    result = wo.solve(THREE, nodes=49)
+    told = result.sensitivity()
+    names = [
+        "drum.radius", "drum.layers.0.thickness", "drum.layers.0.material.youngs_modulus",
+        "drum.layers.0.material.poissons_ratio", "drum.layers.1.thickness",
+        "drum.layers.1.material.youngs_modulus", "drum.layers.2.thickness",
+    ]  # fmt: skip
+    assert set(names) <= set(told.parameters)
+    for name in names:
+        value = float(told.fields[told.parameters.index(name)])
+        up, down = (
+            wo.solve(THREE.replace(**{name: value * (1 + sign * 1e-3)}), nodes=49, start=result)
+            for sign in (1, -1)
+        )
+        by_differences = (up.half_width - down.half_width) / (2e-3 * value)
+        # the error of differences, and what loads met to 3e-9 leave of a small change
+        left = 1e-8 * result.half_width / (2e-3 * value)
+        found = told.derivative("half_width", name)
+        assert found == pytest.approx(by_differences, rel=1e-4, abs=left), name
+
+
+def test_a_layer_is_swept_and_fitted() -> None:
+    name = "drum.layers.0.thickness"
+    table = wo.sweep(THREE, over={name: [0.01, 0.015]}, outputs=["half_width"], nodes=33)
+    widths = np.asarray(table["half_width"])
+    assert widths[1] > widths[0]
+    measured = {"nip_load": [3000.0, 3502.0], "half_width": [0.0, widths[1]]}
+    measured["half_width"][0] = wo.solve(
+        THREE.replace(nip_load=3000.0, **{name: 0.015}), nodes=33
+    ).half_width
+    fitted = wo.fit(
+        THREE, measured, {name: (5e-3, 30e-3)}, starts=1, profiles=False, nodes=33
+    )  # fmt: skip
+    assert fitted.estimates[0] == pytest.approx(0.015, rel=1e-4)
+
+
+def test_five_hundred_different_layers() -> None:
+    felt = wo.Orthotropic(radial=5e6, tangential=50e6, cross=1e6, shear=3e6)
+    plies = [(4e-5 * (1 + k % 3), (RUBBER, felt)[k % 2]) for k in range(499)]
+    result = wo.solve(EXAMPLE.replace(drum=drum((1e-6, felt), *plies, SHELL)))
+    assert result.residuals.largest <= 1e-8
+    # between two plies as one: their stiffness in series and in parallel bound them
+    one = [
+        wo.solve(EXAMPLE.replace(drum=drum((0.04, m), SHELL))).half_width for m in (RUBBER, felt)
+    ]
+    assert min(one) < result.half_width < max(one)
+
+
+def test_layers_between_rollers() -> None:
+    pair = wo.RollerProblem(
+        upper=drum((0.015, RUBBER), SHELL, core="free"), lower=wo.Rigid(radius=0.2), load=5e3,
+        friction=0.3, tangential_load=300.0,
+    )  # fmt: skip
+    rolling, static = (
+        wo.solve(pair.replace(motion=motion), nodes=49) for motion in ("rolling", "static")
+    )
+    assert max(rolling.residuals.largest, static.residuals.largest) <= 1e-8
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (
+            lambda: drum((0.2, RUBBER), (0.05, RUBBER)),
+            "layers: a thickness of 0.25 in all is out of range; must be >= radius / 2000 = 0.00012"
+            " and < radius = 0.24 [m]",
+        ),
+        (lambda: drum((1e-6, RUBBER)), "layers: a thickness of 1e-06 in all is out of range; must"),
+        (lambda: drum(), "layers: 0 values; must be at least 1"),
+        (lambda: drum((0.01, RUBBER), core="open"), "core: 'open' is unknown; must be 'rigid' or"),
+        (
+            lambda: THREE.replace(**{"drum.layers.1.thickness": -1e-3}),
+            "drum.layers.1.thickness: -0.001 is out of range; must be >= 1e-09 and <= 50 [m]",
+        ),
+        (
+            lambda: THREE.replace(**{"drum.layers.3.thickness": 1e-3}),
+            "drum.layers.3.thickness: layers has no item '3'; known: 0 to 2",
+        ),
+        (
+            lambda: wo.Layered(radius=0.2, layers=[{"thickness": 0.01, "material": "steal"}]),
+            "layers.0.material: 'steal' is no named material; did you mean 'steel'?",
+        ),
+        (lambda: wo.Layered(radius=0.2, layers="thick"), "layers: 'thick' is not a list"),
+    ],
+)  # fmt: skip
+def test_refused_with_one_line(make: Any, told: str) -> None:
+    with pytest.raises(wo.InvalidProblem) as report:
+        make()
+    assert str(report.value).startswith(told)
+    assert "\n" not in str(report.value)

@@ -22,6 +22,7 @@ from typing import Protocol
 import numpy as np
 
 __all__ = [
+    "HIGHEST_RANK",
     "Grid",
     "KernelParts",
     "cosine_grid",
@@ -215,7 +216,7 @@ class Grid:
             int k(a (y - s)) psi_m(s) a ds at each point y.
         """
         if rank > self.highest_rank and kernel.twice is not None:
-            return self._by_second_integral(kernel.twice, scale, rows)
+            return self.by_second_integral(kernel.twice, scale, rows)
         rank = min(rank, HIGHEST_RANK)
         out = np.zeros((self.points[rows].size, self.unknowns))
         if kernel.inverse:
@@ -233,10 +234,10 @@ class Grid:
             out += scale * (at_points[rows] @ (core @ moments))
         return out
 
-    def _by_second_integral(
-        self, twice: Callable[[Array], Array], scale: float, rows: slice
+    def by_second_integral(
+        self, twice: Callable[[Array], Array], scale: float, rows: slice = slice(None)
     ) -> Array:
-        """Integrate a kernel k = K'' against the hats by differences of K, however short k is."""
+        """Integrate a kernel k = K'' against the inner hats by differences of K, exactly."""
         t = scale * (self.points[rows, None] - self.nodes)
         rise = np.diff(twice(t), axis=1) / (scale * self.cells)
         return np.diff(rise, axis=1)

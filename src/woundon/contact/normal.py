@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack
+
+from . import lapack
 
 __all__ = ["solve_normal"]
 

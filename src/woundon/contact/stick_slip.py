@@ -37,7 +37,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
+
+from . import lapack
 
 __all__ = ["Ending", "StickSlip", "StickSlipSolution", "keep_one_stuck", "solve_stick_slip"]
 

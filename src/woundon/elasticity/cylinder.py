@@ -36,6 +36,7 @@ Array = np.ndarray
 Stiffness = tuple[float, float, float, float]  # A_rr, A_tt, A_rt, G
 
 MAX_TERMS = 1 << 18
+MAX_LAYERED_TERMS = 1 << 16  # waves down to a ten-thousandth of the radius
 TOLERANCE = 1e-12  # of the sums, relative to their leading term
 HIGHEST_POWER = 6  # of 1/n, summed in closed form
 DIRECT = 2048  # so many harmonics are each computed
@@ -218,6 +219,8 @@ def _spectrum(layers: Layers, free: bool) -> Spectrum:
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
     J = _closed_powers(tail)
     decay, N = _decay(depth, stiffness), _terms(depth, tail, J, stiffness)
+    if len(layers) > 1:
+        N = min(N, MAX_LAYERED_TERMS)
     n = np.arange(N + 1.0)
     if len(layers) == 1 or N <= DIRECT:
         Y = stacked_compliance(n, layers, free)

@@ -115,8 +115,10 @@ class HarmonicSum:
         return Kernel(delta=delta, log=log_, smooth=self, twice=self.twice)
 
     def twice(self, t: Array) -> Array:
-        """Return the second integral of the whole sum at the arc lengths t [m], |t| <= pi R."""
-        return self._integrated(t) + self.scale * self.mean / 2 * t * t
+        """Return the second integral of the whole sum at the arc lengths t [m], of any size."""
+        around = 2 * pi * self.radius
+        short = t - around * np.rint(t / around)
+        return self._integrated(short) + self.scale * self.mean / 2 * t * t
 
     @cached_property
     def _integrated(self) -> HarmonicSum:

@@ -28,8 +28,11 @@ __all__ = ["apply_settings", "load_case", "make_problem", "read_case", "template
 
 LARGEST = 10_000_000  # bytes; a case file has some hundreds, a wound roll's tables some thousands
 DEEPEST = 20  # tables in tables
+MOST_NAMES = 5000  # a thousand layers
 
 _BARE = re.compile(r"[\w.-]+\s*=\s*[\d.+-]+\s*[^\W\d_].*")  # nip_load = 3.5 kN/m
+_NAME = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
+_LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}\.[ \t]*){{{DEEPEST}}}")  # a.a.a.a...
 
 Faults = list[tuple[str, str]]
 
@@ -75,28 +78,42 @@ def read_case(path: str | Path) -> dict[str, Any]:
     try:
         # Windows editors put a mark before the first byte of UTF-8
         text = content.decode("utf-8-sig")
+        if _LONG_KEY.search(text):  # tomllib takes the square of its length
+            raise RecursionError
         case = tomllib.loads(text)
     except UnicodeDecodeError as fault:
         why = f"is no UTF-8 text, from byte {fault.start}; save it as UTF-8"
         raise InvalidProblem.at(str(path), why) from None
     except RecursionError:
-        raise InvalidProblem.at(str(path), "is no case file: nested too deeply") from None
+        raise InvalidProblem.at(str(path), "is no case file: it is nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
         why = f"is no valid TOML: {fault}{_line_at_fault(text, str(fault))}"
         raise InvalidProblem.at(str(path), why) from None
     except ValueError:  # Python's limit on the digits of a whole number
-        raise InvalidProblem.at(str(path), "has a number of thousands of digits") from None
-    if _too_deep(case):
-        raise InvalidProblem.at(str(path), "is no case file: nested too deeply")
+        text = "is no case file: it has a number of thousands of digits"
+        raise InvalidProblem.at(str(path), text) from None
+    if unlike := _unlike_a_case(case):
+        raise InvalidProblem.at(str(path), f"is no case file: {unlike}")
     if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
         raise InvalidProblem.at(str(path), text)
     return dict(with_columns(case, Path(path).parent))
 
 
-def _too_deep(part: Any, levels: int = DEEPEST) -> bool:
-    inner = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
-    return levels < 0 or any(_too_deep(value, levels - 1) for value in inner)
+def _unlike_a_case(case: Mapping[str, Any]) -> str:
+    """Return what no case file is like, '' if this may be one."""
+    inner: list[Any] = [case]
+    names = 0
+    for _ in range(DEEPEST):
+        names += sum(len(part) for part in inner if isinstance(part, dict))
+        values = [value for part in inner
+                  for value in (part.values() if isinstance(part, dict) else part)]  # fmt: skip
+        if any(isinstance(value, int) and value.bit_length() > 10_000 for value in values):
+            return "it has a number of thousands of digits"
+        inner = [value for value in values if isinstance(value, (dict, list))]
+    if inner:
+        return "it is nested too deeply"
+    return f"it has {names} names" if names > MOST_NAMES else ""
 
 
 def _line_at_fault(text: str, fault: str) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
 
 from .. import kinds
-from ..errors import InvalidProblem, one_of
+from ..errors import one_of
 from ..problems.fields import Description, Family, Problem, bounds
 from ..problems.materials import MATERIALS
 from ..quantities import Quantity, quantity_of
@@ -51,15 +51,10 @@ def template(kind: str = "wrapped_nip") -> str:
     InvalidProblem
         For an unknown kind, or one that has no example.
     """
-    chosen = kinds.named(kind.replace("-", "_"))
-    try:
-        return to_toml(chosen.problem.example(), comments=True)
-    except NotImplementedError:
-        text = f"{chosen.name!r} has no example to start from"
-        raise InvalidProblem.at("kind", text) from None
+    return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
 
 
-def to_toml(problem: Problem, comments: bool = False) -> str:
+def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
     """Return the case file of a problem; reading it gives an equal problem.
 
     Parameters
@@ -69,6 +64,8 @@ def to_toml(problem: Problem, comments: bool = False) -> str:
     comments : bool
         Say how to run it, and of each field its symbol, meaning, unit and ranges; a material that
         has a name is written by it where it first occurs.
+    under : str
+        The table of another file that is to hold the case: it gets no head of its own.
 
     Returns
     -------
@@ -76,7 +73,10 @@ def to_toml(problem: Problem, comments: bool = False) -> str:
         Numbers as texts with units where that reads well and is exact, else in SI.
     """
     sections = list(_Writer(comments).problem(problem))
-    lines = [*_header(problem), ""] if comments else []
+    lines = [*_header(problem), ""] if comments and not under else []
+    if under:
+        first, *others = (section.under(under) for section in sections)
+        sections = [first._replace(rows=first.rows[1:]), *others]  # without the schema
     keys = max(len(row.key) for section in sections for row in section.rows)
     values = max(min(len(row.value), 24) for section in sections for row in section.rows)
     for section in sections:
@@ -117,6 +117,12 @@ class Section(NamedTuple):
     header: str
     rows: list[Row]
     comment: str = ""
+
+    def under(self, table: str) -> Section:
+        """Return the same section as a part of a table."""
+        path = ".".join(filter(None, (table, self.header.strip("[]"))))
+        item = self.header.startswith("[[")
+        return self._replace(header=f"[[{path}]]" if item else f"[{path}]")
 
     def lines(self, keys: int, values: int) -> list[str]:
         """Return the section's lines and an empty one."""

@@ -22,10 +22,12 @@ from ..errors import InvalidProblem, NotConverged
 from ..quantities import scalar_outputs, value_of
 from ..results import Residuals, Result, Zone
 
-__all__ = ["FORMAT", "SCHEMA", "Record", "from_record", "plain", "saved_fields", "to_record"]
+__all__ = [
+    "FORMAT", "SCHEMA", "Record", "from_record", "number", "plain", "saved_fields", "to_record",
+]  # fmt: skip
 
 FORMAT = "woundon-result"
-SCHEMA = 2
+SCHEMA = 3  # 2: as 3, without a seal
 
 Array = np.ndarray
 Record = dict[str, Any]
@@ -102,7 +104,7 @@ def from_record(record: Record) -> Result:
         problem = kind.problem(**record["problem"])
         values = dict(_restored_fields(kind.result, record["fields"], record["dimensions"]))
         told = _told(record["residuals"])
-        errors = {name: _number(v, f"errors.{name}", True) for name, v in record["errors"].items()}
+        errors = {name: number(v, f"errors.{name}", True) for name, v in record["errors"].items()}
         notes = tuple(str(text) for text in record["warnings"])
         result = kind.result(
             problem=problem, residuals=Residuals(**told), errors=errors, warnings=notes, **values
@@ -155,14 +157,24 @@ def _restored(value: Any, hint: Any, name: str, free: bool) -> Any:
     if own is np.ndarray:
         return _zones(value, name) if Zone in marks else _array(value, name, free)
     if own is float:
-        return _number(value, name, free)
+        return number(value, name, free)
     if own in (int, str) and type(value) is not own:
         word = "a whole number" if own is int else "a word"
         raise InvalidProblem.at(name, f"{value!r:.40} is out of place; must be {word}")
-    return tuple(value) if isinstance(value, list) else value
+    return _items(value, own)
 
 
-def _number(value: Any, name: str, free: bool) -> float:
+def _items(value: Any, hint: Any) -> Any:
+    """Return lists as the tuples that they were, and null among floats as nan."""
+    if not isinstance(value, list):
+        return nan if value is None and hint is float else value
+    inner = get_args(hint) or (Any,)
+    hints = inner if len(inner) == len(value) and ... not in inner else inner[:1] * len(value)
+    return tuple(map(_items, value, hints))
+
+
+def number(value: Any, name: str, free: bool) -> float:
+    """Return a number as a record has it, null as nan where it may be; refuse all else."""
     if value is None and free:
         return nan
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
@@ -190,7 +202,7 @@ def _zones(values: Any, name: str) -> Array:
 
 
 def _told(residuals: Mapping[str, Any]) -> dict[str, float]:
-    return {str(law): _number(value, f"residuals.{law}", False) for law, value in residuals.items()}
+    return {str(law): number(value, f"residuals.{law}", False) for law, value in residuals.items()}
 
 
 def _accepted(result: Result) -> Result:

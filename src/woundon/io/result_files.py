@@ -1,4 +1,4 @@
-"""Results to files and back: netCDF (labelled, for xarray), JSON (complete), CSV (the arrays).
+"""Results to files and back: netCDF (labelled, for xarray), JSON (complete), CSV (to look at).
 
 What is kept of a result is its record (:mod:`.records`); labels and units come from the quantities,
 so that a new field, output or kind needs no change here.
@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import kinds
+from .. import __version__, kinds
 from ..errors import InvalidProblem, NotConverged
-from ..quantities import Quantity, outputs
+from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
 from ..results import Result
-from . import results_0_1
+from . import results_0_1, seals
 from .files import read_whole, write_whole
-from .records import FORMAT, SCHEMA, Record, from_record, plain, saved_fields, to_record
+from .records import FORMAT, SCHEMA, Record, from_record, number, plain, saved_fields, to_record
 
 if TYPE_CHECKING:
     import xarray
@@ -37,6 +37,9 @@ LARGEST = 1_000_000_000  # bytes
 def save_result(result: Result, path: str | Path) -> None:
     """Write a result to ``.nc``, ``.json`` or ``.csv``, by the path's ending.
 
+    netCDF and JSON hold all of it and a ``sha256``, by which a change is found when it is loaded;
+    CSV is for spreadsheets, and is not loaded again.
+
     Raises
     ------
     InvalidProblem
@@ -48,27 +51,36 @@ def save_result(result: Result, path: str | Path) -> None:
 
 
 def load_result(path: str | Path, verify: bool = False) -> Any:
-    """Return the result saved in a netCDF or JSON file, of this version or of 0.1.
+    """Return the result saved in a netCDF or JSON file, of this version or of an earlier one.
+
+    A file tells by its ``sha256`` whether it is as it was saved.  One of an earlier version, which
+    has none, is always verified.
 
     Parameters
     ----------
     path : path
     verify : bool
-        Measure the certificate anew, from the problem and the arrays.
+        Measure the certificate anew, from the problem and the arrays, and compare with them what
+        else the file tells.
 
     Raises
     ------
     InvalidProblem
-        If the file cannot be read, is no saved result or damaged, or its certificate does not hold.
+        If the file cannot be read, is no saved result, damaged or changed, or its certificate does
+        not hold; as of a case file.
     """
     content = read_whole(path, LARGEST)
+    if Path(path).suffix == ".csv":
+        text = "is a table for spreadsheets; load the .nc or .json file of the result"
+        raise InvalidProblem.at(str(path), text)
     try:
-        record = _read(content)
+        record, sealed = _read(content)
         result = from_record(record)
         if record["schema"] == 1:
             result = results_0_1.completed(result)
-        if verify:
-            _verify(result)
+        _check_units(record, result)
+        if verify or not sealed:
+            _verify(record, result)
     except InvalidProblem as fault:
         raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
     return result
@@ -92,23 +104,31 @@ def writer_for(path: str | Path) -> Callable[[Result], bytes]:
 # ---- reading ------------------------------------------------------------------------------------
 
 
-def _read(content: bytes) -> Record:
-    """Return the record in a file's content, that of 0.1 as this version would have written it."""
+def _read(content: bytes) -> tuple[Record, bool]:
+    """Return the record in a file's content, as this version has it, and whether it is sealed."""
     try:
-        record = _record_of_netcdf(content) if content[:3] == b"CDF" else _record_of_json(content)
-        if record["format"] != FORMAT:
-            raise KeyError("format")
+        if content[:3] == b"CDF":
+            sealed = seals.check_bytes(content)
+            record = _record_of_netcdf(content)
+        else:
+            record = _record_of_json(content)
+            sealed = seals.check_record(record)
         schema = record["schema"]
         if schema == 1:
             record = results_0_1.upgraded(record)
+        if not all(isinstance(record.get(part, {}), dict) for part in ("units", "outputs")):
+            raise TypeError("no table")
     except InvalidProblem:
         raise
     except Exception:  # whatever damage makes the readers of JSON and netCDF raise
         raise InvalidProblem("is no result saved by woundon, or damaged") from None
-    if schema not in (1, SCHEMA):
-        text = f"{schema!r} is unknown; this version of woundon reads 1 and {SCHEMA}"
+    if schema not in (1, 2, SCHEMA):
+        text = f"{schema!r} is unknown; this version of woundon reads 1 to {SCHEMA}"
         raise InvalidProblem.at("schema", text)
-    return record
+    if schema == SCHEMA and not sealed:
+        text = "missing; the file was not written by result.save, or has changed since"
+        raise InvalidProblem.at(seals.NAME, text)
+    return record, sealed
 
 
 def _record_of_json(content: bytes) -> Record:
@@ -116,13 +136,20 @@ def _record_of_json(content: bytes) -> Record:
         raise ValueError(f"{word} is no JSON")
 
     record = json.loads(content, parse_constant=refuse)
-    if not isinstance(record, dict):
-        raise TypeError("no record")
-    return record
+    if record["format"] != FORMAT:
+        raise ValueError("another format")
+    return dict(record)
 
 
-def _verify(result: Result) -> None:
-    """Measure the certificate anew.
+def _check_units(record: Record, result: Result) -> None:
+    for name, quantity in _quantities(result).items():
+        unit = record.get("units", {}).get(name, quantity.unit)
+        if unit != quantity.unit:
+            raise InvalidProblem.at(name, f"is in {unit!r:.40}; must be in {quantity.unit!r}")
+
+
+def _verify(record: Record, result: Result) -> None:
+    """Measure the certificate anew, and compare outputs with what the fields give.
 
     Raises
     ------
@@ -132,12 +159,23 @@ def _verify(result: Result) -> None:
     try:
         with np.errstate(all="ignore"):
             result.replace(residuals=result.certified()).checked()
-    except NotConverged as fault:
-        raise InvalidProblem(f"does not hold what it says: {fault}") from None
+            _check_scalars(record, result)
     except NotImplementedError as fault:
         raise InvalidProblem(str(fault)) from None
-    except (ArithmeticError, LookupError, TypeError, ValueError) as fault:
+    except (NotConverged, ArithmeticError, LookupError, TypeError, ValueError) as fault:
         raise InvalidProblem(f"does not hold what it says: {fault}") from None
+
+
+def _check_scalars(record: Record, result: Result) -> None:
+    """Compare scalars and told outputs with what the arrays give."""
+    told = record.get("outputs", {})
+    due = {name: (number(told[name], name, True), value_of(result, name), 0.0)
+           for name in scalar_outputs(result) if name in told}  # fmt: skip
+    due |= {name: (getattr(result, name), *given) for name, given in result.recomputed().items()}
+    for name, (one, other, within) in due.items():
+        # other versions of NumPy may add up in another order
+        if not np.isclose(one, other, rtol=1e-9, atol=within, equal_nan=True):
+            raise InvalidProblem.at(name, f"{one!r:.40}, but the arrays give {other!r}")
 
 
 # ---- JSON ---------------------------------------------------------------------------------------
@@ -152,6 +190,7 @@ def to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
     if sensitivity is not None:
         record["sensitivity"] = _sensitivity_record(sensitivity)
     record["units"] = {name: quantity.unit for name, quantity in _quantities(result).items()}
+    record[seals.NAME] = seals.of_record(record)
     return json.dumps(record, indent=1, allow_nan=False) + "\n"
 
 
@@ -179,17 +218,47 @@ def _quantities(result: Result) -> dict[str, Quantity]:
 
 
 def _csv(result: Result) -> bytes:
-    """Return the arrays along the first of them, a column each."""
+    """Return all single numbers as comments, ``# name [unit],value``, then the arrays in columns.
+
+    Fields of the problem come first, then outputs and their estimated errors.  The arrays are those
+    along the first of them; ``pandas.read_csv(path, comment="#")`` reads them.
+    """
     known = _quantities(result)
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([f"# woundon {__version__}", kinds.of(result).name])
+    for place in walk(result.problem):
+        if place.value is not None:
+            _told(table, place.path, place.quantity, place.value)
+    for name, quantity in scalar_outputs(result).items():
+        _told(table, name, quantity, value_of(result, name))
+    for name, error in result.errors.items():
+        if f"{name}_error" not in known:
+            _told(table, f"{name}_error", known.get(name), error)
+    for note in result.warnings:
+        table.writerow(["# warning", note])
     arrays = {f.name: value for f in saved_fields(type(result))
               if isinstance(value := getattr(result, f.name), np.ndarray)}  # fmt: skip
     first = next(iter(arrays.values()), np.empty(0))
     columns = {name: array for name, array in arrays.items() if array.shape == first.shape[:1]}
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(f"{name} [{known[name].unit}]" if name in known else name for name in columns)
-    table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
+    told = [_in_table(name, known.get(name), array) for name, array in columns.items()]
+    table.writerow(header for header, _ in told)
+    table.writerows(zip(*(array.tolist() for _, array in told), strict=True))
     return text.getvalue().encode("utf-8")
+
+
+def _told(table: Any, name: str, quantity: Quantity | None, value: Any) -> None:
+    """Write a single number, or word, as a comment."""
+    header, shown = _in_table(name, quantity, value)
+    table.writerow([f"# {header}", shown])
+
+
+def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
+    """Return a column's header, with its unit, and its values in that unit."""
+    if quantity is None:
+        return name, value
+    unit, shown = quantity.in_table(value)
+    return f"{name} [{unit}]", shown
 
 
 # ---- netCDF -------------------------------------------------------------------------------------
@@ -243,20 +312,28 @@ def _error(quantity: Quantity | None) -> dict[str, str]:
 
 def _netcdf(result: Result) -> bytes:
     # the classic format: read everywhere, written by SciPy alone, the same bytes every time
-    return bytes(to_dataset(result).to_netcdf(engine="scipy"))
+    data = to_dataset(result).assign_attrs({seals.NAME: seals.BLANK})
+    return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
 
 
 def _record_of_netcdf(content: bytes) -> Record:
     import xarray
 
-    with xarray.open_dataset(io.BytesIO(content), engine="scipy") as data:
+    # units of time are units like others
+    with xarray.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False) as data:
         values = {str(name): _null(v.values.tolist()) for name, v in data.variables.items()}
         dimensions = {str(name): list(v.dims) for name, v in data.variables.items()}
+        units = {str(name): v.attrs["units"] for name, v in data.variables.items()
+                 if "units" in v.attrs}  # fmt: skip
         attributes = {str(name): _item(value) for name, value in data.attrs.items()}
+    if attributes["format"] != FORMAT:
+        raise ValueError("another format")
+    attributes.pop(seals.NAME, None)
     heads = ("format", "schema", "version", "kind")
     record: Record = {name: attributes.pop(name) for name in heads}
     record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
     record["residuals"] = dict(zip(values.pop("law"), values.pop("residual"), strict=True))
+    record["units"] = units
     if record["schema"] == 1:
         return record | values | attributes
     cls = kinds.named(str(record["kind"])).result
@@ -270,6 +347,7 @@ def _record_of_netcdf(content: bytes) -> Record:
     return record | {
         "fields": told,
         "dimensions": dimensions,
+        "outputs": {name: values[name] for name in known - set(told) if name in values},
         "errors": {name: values[of] for name, of in errors.items()},
     }
 

@@ -49,6 +49,7 @@ def upgraded(record: Record) -> Record:
         "problem": problem,
         "fields": told,
         "dimensions": {name: ["x"] for name, value in told.items() if isinstance(value, list)},
+        "units": record.get("units", {}),
         "errors": {_TOLD[kind]: error} if error else {},  # 0: only one grid was solved
     }
 

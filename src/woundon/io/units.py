@@ -1,7 +1,8 @@
 """Units at the edge: text such as "66 um", "3.38 GPa" or "17 pli" to SI, and back.
 
-Pint does the arithmetic, over definitions of our own: a general registry with free prefixes reads
-"17 pli" as a tiny length and "min" as a milli-inch.  Here a unit is known or refused.
+Over definitions of our own: a general registry with free prefixes reads "17 pli" as a tiny length
+and "min" as a milli-inch.  Here a unit is known or refused.  What is left to do is to multiply
+exact fractions, which is quicker done here than a library of units is imported.
 """
 
 from __future__ import annotations
@@ -11,25 +12,25 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import cache, lru_cache
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 
-__all__ = ["known_units", "parse", "written"]
+__all__ = ["factor", "is_unit", "known_units", "parse", "written"]
 
-# one line a unit, in Pint's notation; names are exact: no free prefixes, no plurals, no aliases
+# one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
-m = [length]
-s = [time]
-rad = [angle]
+m
+s
+rad
+kg
 deg = 0.017453292519943295 rad
-kg = [mass]
-percent = 0.01
+% = 0.01
 um = 1e-6 m
 mm = 1e-3 m
 cm = 1e-2 m
 km = 1e3 m
-inch = 0.0254 m
+in = 0.0254 m
 ft = 0.3048 m
 mil = 2.54e-5 m
 min = 60 s
@@ -47,17 +48,16 @@ kPa = 1e3 Pa
 MPa = 1e6 Pa
 GPa = 1e9 Pa
 bar = 1e5 Pa
-psi = lbf / inch**2
+psi = lbf / in**2
 ksi = 1e3 psi
-pli = lbf / inch
+pli = lbf / in
 gsm = g / m**2
 fpm = ft / min
 """
 
-# spellings that Pint's grammar or Python's keywords keep us from defining
+# other spellings of the same
 _SPELLINGS = {
-    "in": "inch",
-    "%": "percent",
+    "inch": "in",
     "\N{DEGREE SIGN}": "deg",
     "\N{MICRO SIGN}m": "um",
     "\N{GREEK SMALL LETTER MU}m": "um",
@@ -96,27 +96,70 @@ _EXAMPLES = {
 }
 
 _NAME = r"[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%\N{DEGREE SIGN}]+"
-_FACTOR = rf"{_NAME}(?:(?:\*\*|\^)?-?\d|[\N{{SUPERSCRIPT TWO}}\N{{SUPERSCRIPT THREE}}])?"
+_POWER = r"(?:(?:\*\*|\^)?-?\d|[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])"
+_FACTOR = f"{_NAME}{_POWER}?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
+_TERMS = re.compile(rf"([*/\N{{MIDDLE DOT}}]?)\s*({_NAME})({_POWER}?)")
+_RAISED = str.maketrans("\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}", "23", "*^")
 _LONGEST = 60
+
+
+class _Unit(NamedTuple):
+    """How many of SI's base units it is, and the powers of these by name."""
+
+    factor: Fraction
+    powers: dict[str, int]
+
+
+@cache
+def _definitions() -> dict[str, _Unit]:
+    """Return all units by name."""
+    known: dict[str, _Unit] = {}
+    for line in _DEFINITIONS.strip().splitlines():
+        name, _, text = line.partition(" = ")
+        number, *units = text.split(" ", 1)
+        if not text:
+            known[name] = _Unit(Fraction(1), {name: 1})
+        elif number[0].isdecimal():
+            factor, powers = _product("".join(units), known)
+            known[name] = _Unit(Fraction(number) * factor, powers)
+        else:
+            known[name] = _product(text, known)
+    return known | {name: known[of] for name, of in _SPELLINGS.items()}
+
+
+def _product(text: str, known: dict[str, _Unit]) -> _Unit:
+    """Return the unit that a text of our grammar writes."""
+    factor, powers = Fraction(1), dict[str, int]()
+    for sign, name, written_power in _TERMS.findall(text):
+        power = int(written_power.translate(_RAISED) or 1) * (-1 if sign == "/" else 1)
+        factor *= known[name].factor ** power
+        for base, times in known[name].powers.items():
+            powers[base] = powers.get(base, 0) + times * power
+    return _Unit(factor, {base: times for base, times in powers.items() if times})
 
 
 @cache
 def known_units() -> tuple[str, ...]:
     """Return the names of all units that are understood."""
-    names = [line.split(" = ")[0] for line in _DEFINITIONS.strip().splitlines()]
-    return tuple(sorted({*names, *_SPELLINGS} - {"percent"}))
+    return tuple(sorted(_definitions()))
 
 
-@cache
-def _registry() -> Any:
-    import pint
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit that is understood."""
+    return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
 
-    # exact fractions: "66 um" is 66e-6 to the last bit, not 6.599999999999999e-05
-    registry: Any = pint.UnitRegistry(None, non_int_type=Fraction)
-    registry.load_definitions(_DEFINITIONS.strip().splitlines())
-    return registry
+
+def factor(text: str, unit: str, field: str) -> Fraction:
+    """Return how many of an SI ``unit`` the unit written as ``text`` is, exactly.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is unknown or of another dimension.
+    """
+    return _factor(text, unit, field, text)
 
 
 def parse(value: str | float, unit: str, field: str = "value") -> float:
@@ -215,7 +258,6 @@ def _as_float(value: float, unit: str, field: str) -> float:
 
 def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     """Return how many of ``unit`` the unit written as ``text`` is."""
-    # checked by our own grammar first: Pint's would evaluate "m**9**9**9" and accept "N//m"
     if not _UNIT.fullmatch(text):
         raise _fault(field, value, f"has the unreadable unit {text!r}", unit)
     for name in re.findall(_NAME, text):
@@ -229,12 +271,8 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
 
 @lru_cache(maxsize=256)
 def _converted(text: str, unit: str) -> Fraction | None:
-    registry = _registry()
-    given = registry.parse_units(_spelled_for_pint(text))
-    due = registry.parse_units("" if unit == "1" else unit)
-    if given.dimensionality != due.dimensionality:
-        return None
-    return Fraction(registry.convert(Fraction(1), given, due))
+    given, due = (_product(words, _definitions()) for words in (text, unit))
+    return given.factor / due.factor if given.powers == due.powers else None
 
 
 def _nearest(name: str) -> str:
@@ -245,13 +283,6 @@ def _nearest(name: str) -> str:
         return f"; did you mean {full!r}?"
     same = [known for known in known_units() if known.lower() == word]
     return f"; did you mean {same[0]!r}?" if same else did_you_mean(name, known_units())
-
-
-def _spelled_for_pint(text: str) -> str:
-    """Return ``text`` with "m2" as "m**2" and the spellings that Pint cannot read replaced."""
-    named = re.sub(_NAME, lambda match: _SPELLINGS.get(match[0], match[0]), text)
-    powers = re.sub(r"([a-zA-Z])(-?\d)", r"\1**\2", named)
-    return powers.replace("\N{MIDDLE DOT}", "*")
 
 
 def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 import numpy as np
 
 from .. import kinds
+from ..problems.nip import NipProblem
 from ..quantities import length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 
@@ -165,6 +166,7 @@ class NipResult(WindingNipResult):
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
 
+    problem: NipProblem
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
     extrapolation: Annotated[
         float, line_load("dNIT", "part of it that extrapolates the integral of the tractions")
@@ -234,6 +236,11 @@ class NipResult(WindingNipResult):
         from .certificate import certificate, matrices_of
 
         return certificate(self, matrices_of(self))
+
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.nip.solve:recomputed")(self)
+        return told
 
     def sensitivity(self, *parameters: str) -> Sensitivity:
         """Return exact derivatives of the main outputs with respect to fields of the problem.

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..contact.grid import Grid
 from ..contact.response import Response, Tractions
+from ..contact.schemes import interpolation_rank
 from ..errors import InvalidProblem
 from .equations import web_compliance
 
@@ -65,7 +66,11 @@ class _Outside:
         far = np.abs(straight) > pi * radius if curvature else np.zeros(straight.shape, dtype=bool)
         short = straight - np.where(far, np.sign(straight) * 2 * pi * radius, 0.0)
 
+        too_short = interpolation_rank(kernels.length, a) > self.grid.highest_rank
+
         def whole(kernel: Any) -> Array:
+            if too_short and kernel.twice is not None:
+                return self.grid.by_second_integral(kernel.twice, a)
             out = self.grid.integrate(replace(kernel, smooth=None), a)
             if kernel.smooth is not None:
                 values = kernel.smooth(short)

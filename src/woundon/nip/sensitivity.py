@@ -21,19 +21,24 @@ The matrices are :class:`~.equations.NipMatrices`, those of the solution and of 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
+from .. import kinds
 from ..contact.response import Response
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..quantities import walk
+from ..results import ReadOnly
 from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
 from .equations import NipMatrices, web_compliance
 from .result import NipResult
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
 
 __all__ = ["Sensitivity", "continuous_fields", "nip_sensitivity"]
 
@@ -43,11 +48,12 @@ OUTPUTS = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width
 STEP = 1e-7
 # an equilibrium inside a body is known to 1e-11
 STEP_OF_TANGENTS = 1e-5
+MOST_TOLD = 3  # parameters in one line
 NEAR_CHANGE = 1e-6  # margin of a node's law, relative, below which a zone change is announced
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivity(ReadOnly):
     """First derivatives of a nip's outputs at one problem.
 
     Attributes
@@ -86,6 +92,45 @@ class Sensitivity:
         """
         values = np.where(self.values == 0, np.nan, self.values)
         return self.derivatives * self.fields / values[:, None]
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return derivatives [SI] and elasticities along ``output`` and ``parameter``."""
+        import xarray
+
+        dims = ("output", "parameter")
+        tables = {
+            "derivative": (dims, self.derivatives, {"long_name": "d output / d parameter, SI"}),
+            "elasticity": (dims, self.elasticities, {"units": "1"}),
+        }
+        told = {"value": ("output", self.values), "field": ("parameter", self.fields)}
+        places = {"output": list(self.outputs), "parameter": list(self.parameters)}
+        return xarray.Dataset(tables, places | told, {"zone_change": self.zone_change})
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each parameter: its value [SI] and the outputs' elasticities [1]."""
+        import pandas as pd
+
+        columns = {"value": self.fields, **dict(zip(self.outputs, self.elasticities, strict=True))}
+        return pd.DataFrame(columns, index=pd.Index(self.parameters, name="parameter"))
+
+    def __str__(self) -> str:
+        text: str = kinds.fetch("woundon.show.report:sensitivity_text")(self)
+        return text
+
+    def __repr__(self) -> str:
+        first = self.sorted()
+        told = [f"{name} {value:+.2f}" for name, value in
+                zip(first.parameters[:MOST_TOLD], first.elasticities[0], strict=False)]  # fmt: skip
+        return (f"Sensitivity({self.outputs[0]}: {', '.join(told)} of {len(self.parameters)} "
+                f"parameters; {len(self.outputs)} outputs)")  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        head = "Elasticities: percent of output per percent of parameter"
+        remarks = [f"At a zone change: {self.zone_change}"] if self.zone_change else []
+        html: str = kinds.fetch("woundon.show.html:table_html")(
+            head, self.sorted().to_dataframe(), remarks
+        )
+        return html
 
     def sorted(self) -> Sensitivity:
         """Return the same, the parameters of the largest elasticity of the first output first."""
@@ -126,12 +171,8 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     Raises
     ------
     InvalidProblem
-        For a name that is no continuous field, or a body whose modulus is estimated.
+        For a name that is no continuous field.
     """
-    for name in ("roll", "drum"):
-        if not getattr(result.problem, name).consistent:
-            text = "has a modulus that is estimated: its sensitivities are not available"
-            raise InvalidProblem.at(name, text)
     known = continuous_fields(result.problem)
     names = parameters or tuple(known)
     known |= _items(result.problem)
@@ -139,8 +180,8 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
         if name not in known:
             raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
     equations = _Differential(result)
-    factor = lu_factor(equations.jacobian().T)
-    adjoint = lu_solve(factor, equations.output_gradients().T)  # (unknowns, outputs)
+    # (unknowns, outputs)
+    adjoint = np.linalg.solve(equations.jacobian().T, equations.output_gradients().T)
     derivatives = np.empty((len(OUTPUTS), len(names)))
     for k, name in enumerate(names):
         change, explicit = equations.changes(name, known[name])

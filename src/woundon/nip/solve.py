@@ -15,11 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
@@ -30,12 +31,12 @@ from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
-from .certificate import certificate
+from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, web_compliance
 from .result import NipResult
 from .validity import nip_warnings
 
-__all__ = ["NipContact", "check_options", "slip_ratios", "solve_nip"]
+__all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
 
 Array = np.ndarray
 
@@ -69,9 +70,10 @@ def solve_nip(
         Number M of nodes, 7 to 4000.  By default 65, doubled up to 257 until the estimated error
         of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
-        Refine until the estimated error of NIT is below ``rtol`` times the larger of |NIT| and 1 %
-        of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then fitted to the zones, and
-        NIT is extrapolated from them (``extrapolation``); the arrays are those of the finest.
+        In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
+        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then
+        fitted to the zones, and NIT is extrapolated from them (``extrapolation``); the arrays are
+        those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
@@ -132,6 +134,7 @@ def check_options(
         tolerance("rtol", rtol, 1e-10, 0.1)
         if not chosen.refines:
             raise InvalidProblem.at("rtol", f"{rtol!r} is not admissible with scheme {scheme!r}")
+    nodes_or_rtol(nodes, rtol)
     return chosen.nodes if nodes is None else whole_number("nodes", nodes, 7, 4000)
 
 
@@ -279,3 +282,34 @@ def _whole(level: Level) -> float:
     """Return the integral of q+ + q-, the NIT of this mesh [N/m]."""
     weights, q = level.equations.matrices.weights, level.state.traction
     return float(weights @ (q[: weights.size] + q[weights.size :]))
+
+
+# ---- from a result's arrays ---------------------------------------------------------------------
+
+
+def recomputed(result: NipResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    problem, inside = result.problem, slice(1, -1)
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, pressure=result.pressure[inside],
+        traction=np.concatenate([result.roll_traction[inside], result.drum_traction[inside]]),
+        shift=result.offset / problem.contact_radius,
+    )  # fmt: skip
+    behind = web_compliance(problem.web).c12 * float(result.web_tension[-1])
+    delta = approach(problem, matrices_of(result), state, behind)
+    slips = slip_ratios(problem, vars(result), sub_cell=scheme_of(result.scheme).refines)
+    # meshes are fitted before they are extrapolated, and then leave thousandths at most
+    beyond = 0.02 * problem.roll_friction * problem.nip_load
+    return {"extrapolation": (0.0, beyond), **told_by(delta, slips, result.x)}
+
+
+def told_by(delta: float, slips: Mapping[str, float], x: Array) -> dict[str, tuple[float, float]]:
+    """Return approach and slip ratios with how exactly the arrays give them, at any version.
+
+    0.1 placed borders half-way between nodes, and summed the series of the approach less far.
+    """
+    cell = float(np.max(np.diff(x))) / float(x[-1] - x[0])
+    return {
+        "approach": (delta, 1e-5 * abs(delta)),
+        **{name: (value, cell) for name, value in slips.items()},
+    }

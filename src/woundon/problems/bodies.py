@@ -19,14 +19,17 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..contact.response import Response
 from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
-from ..elasticity.layers import Layers
 from ..errors import InvalidProblem
 from ..quantities import length
 from .fields import Description, Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from ..contact.response import ContactGrid, Tractions
+    from ..elasticity.layers import Layers as Stacked
+    from .fields import Given
 
 __all__ = [
     "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
@@ -55,8 +58,6 @@ class Body(Family):
         Whether the surface does not deform at all.
     linear : bool
         Whether the response is the same about every state.
-    consistent : bool
-        Whether its matrices are the derivative of its response; sensitivities need that.
     confined_only : bool
         Whether it is good only for nips whose web is held at the trailing edge.
     caution : str
@@ -66,7 +67,6 @@ class Body(Family):
     radius: Radius
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
-    consistent: ClassVar[bool] = True
     confined_only: ClassVar[bool] = False
     caution: ClassVar[str] = ""
 
@@ -118,7 +118,10 @@ class Body(Family):
         return self if self.linear else None
 
 
-AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
+if TYPE_CHECKING:
+    AnyBody = Given[Body, Body | Mapping[str, Any]]
+else:
+    AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
 
 
 class Rigid(Body):
@@ -241,6 +244,12 @@ class Layer(Description):
     material: AnyMaterial
 
 
+if TYPE_CHECKING:
+    Layers = Given[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
+else:
+    Layers = tuple[Layer, ...]
+
+
 class Layered(KernelBody):
     """An elastic cylinder of layers, as a covered shell or a core under a wound roll.
 
@@ -261,9 +270,7 @@ class Layered(KernelBody):
         For layers that are thicker than the radius, or thinner than R/2000 together.
     """
 
-    layers: Annotated[
-        tuple[Layer, ...], Field(min_length=1, max_length=5000, description="outermost first")
-    ]
+    layers: Annotated[Layers, Field(min_length=1, max_length=5000, description="outermost first")]
     core: Literal["rigid", "free"] = "rigid"
 
     @model_validator(mode="after")
@@ -288,7 +295,7 @@ class Layered(KernelBody):
         return self.layers[0].material
 
     @cached_property
-    def _stack(self) -> Layers:
+    def _stack(self) -> Stacked:
         """The layers by the logarithms of their radii's ratios, and their stiffness."""
         outside, made = self.radius, []
         for layer in self.layers:
@@ -325,12 +332,11 @@ class ContactProblem(Problem):
     ----------
     pair : (str, str)
         Names of the fields that hold body 1 and body 2.
-    admits_estimates : bool
-        Whether a body may be in it that is good for a web held at the trailing edge only.
     """
 
     pair: ClassVar[tuple[str, str]]
-    admits_estimates: ClassVar[bool] = False
+    # whether bodies may be in it that are good for a web held at the trailing edge only
+    _admits_estimates: ClassVar[bool] = False
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -367,7 +373,7 @@ class ContactProblem(Problem):
     @model_validator(mode="after")
     def _admits(self) -> Self:
         for name, body in zip(self.pair, self.bodies, strict=True):
-            if body.confined_only and not self.admits_estimates:
+            if body.confined_only and not self._admits_estimates:
                 text = "'estimate' is for a nip without wraps only; must be 'direct' or 'frozen'"
                 raise InvalidProblem.at(f"{name}.hardening", text)
         return self

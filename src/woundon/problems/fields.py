@@ -12,10 +12,24 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import FrozenInstanceError
+from importlib import import_module
+from inspect import Signature
 from math import inf, pi
 from numbers import Real
 from reprlib import Repr
-from typing import Annotated, Any, ClassVar, NoReturn, Self, get_args
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Generic,
+    NoReturn,
+    Self,
+    TypeVar,
+    dataclass_transform,
+    get_args,
+    overload,
+)
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_serializer
 from pydantic.fields import FieldInfo
@@ -53,13 +67,69 @@ def _listed(value: Any) -> Any:
 
 
 Number = Annotated[float, BeforeValidator(_number)]
-Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
+
+if TYPE_CHECKING:
+    Read = TypeVar("Read")
+    Write = TypeVar("Write")
+
+    class Given(Generic[Read, Write]):
+        """For type checkers: a field that is given as more than what it is read as."""
+
+        @overload
+        def __get__(self, instance: None, owner: Any) -> Self: ...
+        @overload
+        def __get__(self, instance: object, owner: Any) -> Read: ...
+        def __get__(self, instance: Any, owner: Any) -> Any: ...
+        def __set__(self, instance: Any, value: Write) -> None: ...
+
+    Numbers = Given[tuple[float, ...], Iterable[float]]
+else:
+    Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
 
 
-class Description(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+# not frozen_default: a frozen field could not be given as more than what it is read as (Given)
+@dataclass_transform(kw_only_default=True)
+class Described(ModelMetaclass):
+    """How classes of descriptions show themselves to help(), dir() and editors.
+
+    By their fields and their own methods; pydantic's are of no use to who describes a nip.
+    """
+
+    @property
+    def __doc__(cls) -> str:  # type: ignore[override]  # noqa: N805
+        return str(_help_texts().documentation(cls))
+
+    @property
+    def __signature__(cls) -> Signature:  # noqa: N805
+        made: Signature = _help_texts().signature(cls)
+        return made
+
+    @__signature__.setter
+    def __signature__(cls, value: Any) -> None:  # noqa: N805
+        pass  # pydantic's, with all its marks
+
+    def __dir__(cls) -> list[str]:  # noqa: N805
+        names = set(super().__dir__()) - set(dir(BaseModel))
+        return sorted(name for name in names if not name.startswith(("_", "model_")))
+
+
+def _help_texts() -> Any:
+    return import_module("woundon.problems.help_texts")  # which knows the descriptions
+
+
+class Description(BaseModel, metaclass=Described):
     """An immutable, validated description; unknown names and values out of range are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*dir(type(self)), *type(self).model_fields})
 
     def __init__(self, /, **fields: Any) -> None:
         try:
@@ -80,7 +150,9 @@ class Description(BaseModel):
     def replace(self, /, **changes: Any) -> Self:
         """Return a variant with some fields changed; nested ones by dotted name, lists by number.
 
-        >>> problem.replace(nip_load=5e3, **{"web.thickness": 57e-6})  # doctest: +SKIP
+        A value is SI, or a text with its unit.
+
+        >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
 
         Raises
         ------
@@ -99,7 +171,10 @@ class Description(BaseModel):
             elif dot:
                 faults.append((path, "no field is named behind the dot"))
             else:
-                fields[head] = value
+                try:
+                    fields[head] = self._in_si(head, value)
+                except InvalidProblem as fault:
+                    faults += fault.faults
         for head, inner in nested.items():
             try:
                 fields[head] = _changed(fields[head], head, inner)
@@ -108,6 +183,20 @@ class Description(BaseModel):
         if faults:
             raise InvalidProblem(faults)
         return type(self)(**fields)
+
+    def _repr_html_(self) -> str:
+        # what comes later on the way of the data is found by name
+        html: str = import_module("woundon.show.html").description_html(self)
+        return html
+
+    @classmethod
+    def _in_si(cls, name: str, value: Any) -> Any:
+        """Return a field's value, a text with a unit as a number in SI."""
+        quantity = quantity_of(cls.model_fields[name])
+        if quantity is None or not isinstance(value, str):
+            return value
+        # io comes later on the data's way, hence by name
+        return import_module("woundon.io.units").parse(value, quantity.unit, name)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""
@@ -242,9 +331,14 @@ def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem
             kind = NoSteadyState if isinstance(inner, NoSteadyState) else kind
         elif item["type"] == "extra_forbidden":
             faults.append((path, no_such_field(str(name), model)))
-        elif path not in dict(faults):
+        elif path not in dict(faults) and not _counts_faults(item):
             faults.append((path, _fault(item, model.model_fields[str(name)])))
     return kind(faults)
+
+
+def _counts_faults(item: Any) -> bool:
+    """Tell whether a list is called too short for the items of it that are at fault."""
+    return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
 
 
 def _fault(item: Any, field: FieldInfo) -> str:
@@ -253,7 +347,7 @@ def _fault(item: Any, field: FieldInfo) -> str:
     if kind == "missing":
         return f"missing; must be {admissible(field)}"
     if kind == "not_a_number":
-        hint = " (units are read in case files only)" if isinstance(value, str) else ""
+        hint = " (units are read in case files and by replace)" if isinstance(value, str) else ""
         return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"

@@ -13,13 +13,18 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import sqrt
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import pure, stress
 from .fields import Family, Number, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .fields import Given
 
 __all__ = [
     "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Solid", "Stiffness",
@@ -60,7 +65,10 @@ class Material(Solid, abstract=True):
 
 
 # a material itself, a table of its fields, or the name of one
-AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.made)]
+if TYPE_CHECKING:
+    AnyMaterial = Given[Material, Material | str | Mapping[str, Any]]
+else:
+    AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.made)]
 
 # softer than any solid, and soft enough for numbers without dimension around 1
 SOFTEST = 1e-3

@@ -112,7 +112,7 @@ class NipProblem(WindingNip):
         If |F| >= mu- P: the web would slide on the whole drum.
     """
 
-    admits_estimates: ClassVar[bool] = True
+    _admits_estimates: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

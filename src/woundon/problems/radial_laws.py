@@ -20,6 +20,8 @@ from .materials import SOFTEST, STIFFEST
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
+    from .fields import Given
+
 # SciPy is imported where it is used: problems are read and written without it
 
 __all__ = ["AnyLaw", "Constant", "Pfeiffer", "Polynomial", "PowerLaw", "RadialLaw", "StackTest"]
@@ -191,7 +193,7 @@ class Pfeiffer(RadialLaw):
     def _strain(self, P: Array) -> Array:
         return np.log1p(P / self.K1) / self.K2
 
-    def pressure_at(self, strain: Array | float) -> Array:
+    def pressure_at(self, strain: float | Array) -> Any:
         """Return P at which F(P) is ``strain`` [Pa], in closed form."""
         wanted = np.asarray(strain, dtype=float)
         return self._beyond(wanted, self.K1 * np.expm1(np.clip(self.K2 * wanted, 0.0, 600.0)))[()]
@@ -465,4 +467,7 @@ def _law(value: Any) -> Any:
         raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
 
 
-AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]
+if TYPE_CHECKING:
+    AnyLaw = Given[RadialLaw, RadialLaw | float | Mapping[str, Any]]
+else:
+    AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
@@ -12,6 +12,9 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length
 from .fields import Description, Number, Numbers, shown
+
+if TYPE_CHECKING:
+    from .fields import Given
 
 __all__ = ["Profile", "Schedule", "at_radius", "values_of"]
 
@@ -58,7 +61,10 @@ def _made(value: Any) -> Any:
 
 
 # a number throughout, or a profile
-Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
+if TYPE_CHECKING:
+    Schedule = Given[float | Profile, float | Profile | Mapping[str, Any]]
+else:
+    Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
 
 
 def at_radius(schedule: float | Profile, r: Array) -> Array:

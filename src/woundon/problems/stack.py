@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import inf
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
@@ -26,6 +26,11 @@ from ..quantities import pure, stress
 from .fields import Number, shown
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
 from .radial_laws import AnyLaw
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .fields import Given
 
 __all__ = ["AnyStack", "Stack"]
 
@@ -124,4 +129,7 @@ class Stack(Solid):
         return steep * self.shear_modulus(P, wound)
 
 
-AnyStack = Annotated[Stack, BeforeValidator(Stack.made)]
+if TYPE_CHECKING:
+    AnyStack = Given[Stack, Stack | Mapping[str, Any]]
+else:
+    AnyStack = Annotated[Stack, BeforeValidator(Stack.made)]

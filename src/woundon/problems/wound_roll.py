@@ -78,11 +78,6 @@ class WoundRoll(Body):
         return self.hardening == "frozen"
 
     @property
-    def consistent(self) -> bool:  # type: ignore[override]
-        """Whether the matrices are the derivative of the response."""
-        return self.hardening != "estimate"
-
-    @property
     def confined_only(self) -> bool:  # type: ignore[override]
         """Whether only nips without wraps can have it."""
         return self.hardening == "estimate"

@@ -46,7 +46,8 @@ def certificate(result: RollerResult, made: Matrices) -> Residuals:
     asked = result.tangential_load
     if problem.creepage is None:
         asked = problem.tangential_load or 0.0
-    given = problem.creepage is not None
+    # creepage is found, where it is not given
+    astray = 0.0 if problem.creepage is None else abs(result.creepage - problem.creepage)
     return Residuals(
         indentation=largest(np.abs(made.indentation(p, q, shift))) / made.top,
         positive_pressure=positive_pressure(result.pressure),
@@ -54,7 +55,7 @@ def certificate(result: RollerResult, made: Matrices) -> Residuals:
         slip_speed=largest(np.abs(result.slip - np.concatenate([v[:1], v, v[-1:]]))) / scale,
         load_equilibrium=abs(integral(result.pressure, x) / problem.load - 1),
         force_equilibrium=max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
-        creepage=abs(result.creepage - problem.creepage) / made.top if given else 0.0,
+        creepage=astray / made.top,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
         **within(problem, made.responses),
     )

@@ -9,6 +9,8 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from .. import kinds
+from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 
@@ -47,6 +49,7 @@ class RollerResult(Result):
 
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"creepage", "shift", "traction_error"})
 
+    problem: RollerProblem
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
@@ -116,3 +119,10 @@ class RollerResult(Result):
         from .certificate import certificate, matrices_of
 
         return certificate(self, matrices_of(self))
+
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.rollers.solve:recomputed")(
+            self
+        )
+        return told

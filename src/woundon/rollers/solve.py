@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import nan
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import Ladder, Level, Tolerance
 from ..contact.response import padded
 from ..contact.schemes import Graded
@@ -21,13 +22,14 @@ from ..problems.rollers import RollerProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
-from .certificate import certificate
+from .certificate import certificate, matrices_of
 from .equations import RollerEquations
 from .result import RollerResult
 
-__all__ = ["check_options", "solve_rollers"]
+__all__ = ["check_options", "recomputed", "solve_rollers"]
 
 Array = np.ndarray
+NODES = 101
 MOST_NODES = 1700  # of the meshes that rtol asks for
 FINE = Tolerance(load=1e-11, balance=1e-9)
 COARSE = Tolerance(load=1e-6, balance=1e-4)
@@ -35,7 +37,7 @@ COARSE = Tolerance(load=1e-6, balance=1e-4)
 
 @one_thread
 def solve_rollers(
-    problem: RollerProblem, *, nodes: int = 101, rtol: float | None = None
+    problem: RollerProblem, *, nodes: int = NODES, rtol: float | None = None
 ) -> RollerResult:
     """Solve two rollers in contact: pressure, traction, stick and slip.
 
@@ -45,8 +47,8 @@ def solve_rollers(
     nodes : int
         Number of nodes, 7 to 4000; a few more where short zones ask for them.
     rtol : float, optional
-        Double the nodes until the estimated relative error of the traction (L2) is below; 1e-8 to
-        0.1.
+        In place of nodes: double them until the estimated relative error of the traction (L2) is
+        below; 1e-8 to 0.1.
 
     Returns
     -------
@@ -74,7 +76,7 @@ def solve_rollers(
     return result.checked()
 
 
-def check_options(*, nodes: Any = 101, rtol: Any = None) -> None:
+def check_options(*, nodes: Any = NODES, rtol: Any = None) -> None:
     """Check the options of :func:`solve_rollers`.
 
     Raises
@@ -85,6 +87,7 @@ def check_options(*, nodes: Any = 101, rtol: Any = None) -> None:
     whole_number("nodes", nodes, 7, 4000)
     if rtol is not None:
         tolerance("rtol", rtol, 1e-8, 0.1)
+    nodes_or_rtol(None if nodes == NODES else nodes, rtol)
 
 
 class RollerContact(PairContact):
@@ -154,3 +157,13 @@ def _traction_change(coarse: Level, fine: Level) -> float:
     other = np.interp(x, old_x, old_q)
     whole = float(np.trapezoid(q**2, x))
     return float(np.sqrt(np.trapezoid((q - other) ** 2, x) / whole)) if whole else 0.0
+
+
+def recomputed(result: RollerResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, pressure=result.pressure[1:-1],
+        traction=result.traction[1:-1], shift=result.offset / result.problem.contact_radius,
+    )  # fmt: skip
+    delta = approach(result.problem, matrices_of(result), state)
+    return {"approach": (delta, 1e-5 * abs(delta))}  # 0.1 summed its series less far

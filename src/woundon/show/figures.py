@@ -1,16 +1,20 @@
 """What all figures share: style, labels from quantities, legends, strips of zones, saving.
 
-Figures are made without pyplot, so that any number may be drawn in any thread, and are saved with
-fixed metadata: the same result gives the same bytes.
+A figure that is to be saved is made without pyplot, so that any number may be drawn in any thread,
+and with fixed metadata: the same result gives the same bytes.  One that is to be seen is pyplot's
+(:class:`Picture`).
 """
 
 from __future__ import annotations
 
 import re
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import Any, NoReturn, Self
 
 import matplotlib as mpl
 import numpy as np
@@ -21,13 +25,15 @@ from matplotlib.patches import Patch
 from .. import quantities
 from ..contact.zones import zone_runs
 from ..errors import InvalidProblem
+from ..io.files import write_whole
 from ..quantities import Quantity
 from ..results import Result
 from .parts import ZoneStrips
 
 __all__ = [
-    "COLOURS", "axis_label", "check_format", "draw_zones", "legend_above", "letter", "quantity_of",
-    "save_figure", "shown", "style", "symbol_text", "unit_of", "wrapped_text",
+    "COLOURS", "Picture", "along_contact", "axis_label", "check_format", "draw_zones",
+    "legend_above", "letter", "quantity_of", "save_figure", "shown", "style", "symbol_text",
+    "unit_of", "wrapped_text",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -59,9 +65,40 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-def style() -> AbstractContextManager[None]:
-    """Return the context in which figures are made: woundon's style, the global one untouched."""
-    return mpl.rc_context(_STYLE)
+@contextmanager
+def style() -> Iterator[None]:
+    """Make figures in woundon's style, and leave the global one as it was."""
+    # not rc_context: it would take back what pyplot sets when a notebook first loads it
+    before = {name: mpl.rcParams[name] for name in _STYLE}
+    mpl.rcParams.update(_STYLE)
+    try:
+        yield
+    finally:
+        mpl.rcParams.update(before)
+
+
+class Picture(Figure):
+    """A figure that a notebook shows once, wherever it stands in a cell."""
+
+    @classmethod
+    def new(cls, size: tuple[float, float], registered: bool) -> Self:
+        """Return an empty one [inches].
+
+        A registered one is pyplot's: a notebook shows it when the cell ends, in a script
+        ``plt.show()`` does.
+        """
+        if not registered:
+            return cls(figsize=size, layout="constrained")
+        from matplotlib import pyplot as plt
+
+        return plt.figure(figsize=size, layout="constrained", FigureClass=cls)  # type: ignore[return-value]
+
+    def _ipython_display_(self) -> NoReturn:
+        """Leave it to IPython, but in a notebook take care that the cell's end shows it no more."""
+        if "inline" in mpl.get_backend():
+            import_module("matplotlib_inline.backend_inline")  # now IPython knows figures
+            import_module("matplotlib.pyplot").close(self)
+        raise NotImplementedError  # so IPython shows it as it shows any figure
 
 
 # ---- saving -------------------------------------------------------------------------------------
@@ -93,11 +130,13 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> 
     InvalidProblem
         For an ending other than .png, .svg, .pdf.
     OSError
-        If the file cannot be written.
+        If the file cannot be written; the one that was there stays as it was.
     """
     ending = check_format(path)
+    drawn = BytesIO()
     with style():
-        figure.savefig(path, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+        figure.savefig(drawn, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+    write_whole(path, drawn.getvalue())
 
 
 # ---- labels from quantities ---------------------------------------------------------------------
@@ -153,6 +192,14 @@ def wrapped_text(text: str, width: int = 44) -> str:
 # ---- panels -------------------------------------------------------------------------------------
 
 
+def along_contact(axes: Axes, results: Sequence[Any], contact: str) -> None:
+    """Label x, and let it run from edge to edge of the widest contact."""
+    x = quantity_of(results[0], "x")
+    axes.set_xlabel(axis_label(f"Position along the {contact} $x$", x))
+    edge = 1.03 * x.shown(max(result.half_width for result in results))
+    axes.set_xlim(-edge, edge)
+
+
 def letter(axes: Axes, text: str) -> None:
     """Number a panel, above it on the right."""
     axes.set_title(f"({text})", loc="right", fontsize=9)
@@ -166,22 +213,39 @@ def legend_above(axes: Axes, handles: list[Any]) -> None:
     )  # fmt: skip
 
 
-def draw_zones(axes: Axes, strips: ZoneStrips, x: Quantity) -> None:
-    """Draw zones as bars along x, the first face on top, with a legend above."""
-    rows = range(len(strips.faces))[::-1]
-    for row, zones in zip(rows, strips.faces.values(), strict=True):
-        for zone, left, right in zone_runs(x.shown(strips.x), zones):
+def draw_zones(
+    axes: Axes, strips: Sequence[ZoneStrips], x: Quantity, colours: Sequence[str | None] = (None,)
+) -> list[Patch]:
+    """Draw zones as bars along x, the first face on top; return the handles of the legend.
+
+    Parameters
+    ----------
+    axes : Axes
+    strips : sequence of ZoneStrips
+        Of each case, below each other.
+    x : Quantity
+        What runs along x.
+    colours : sequence of str or None
+        Of the names of each case's faces.
+    """
+    told = [(face, zones, strip, colour) for strip, colour in zip(strips, colours, strict=True)
+            for face, zones in strip.faces.items()]  # fmt: skip
+    rows = range(len(told))[::-1]
+    for row, (_, zones, strip, _) in zip(rows, told, strict=True):
+        for zone, left, right in zone_runs(x.shown(strip.x), zones):
             axes.barh(
                 row, right - left, left=left, height=0.7, color=_ZONES[zone],
                 hatch=_ZONE_HATCH[zone], edgecolor="#666666", linewidth=0.6,
             )  # fmt: skip
-    axes.set_yticks(list(rows), list(strips.faces))
+    axes.set_yticks(list(rows), [face for face, *_ in told])
+    for text, (*_, colour) in zip(axes.get_yticklabels(), told, strict=True):
+        if colour is not None:
+            text.set_color(colour)
     axes.set_ylim(-0.55, len(rows) - 0.45)
     axes.grid(visible=False)
     axes.tick_params(axis="y", length=0)
-    words = {0: "stick", 1: f"slip, {strips.faster}", -1: f"slip, {strips.slower}"}
-    patches = [
+    words = {0: "stick", 1: f"slip, {strips[0].faster}", -1: f"slip, {strips[0].slower}"}
+    return [
         Patch(facecolor=_ZONES[zone], hatch=_ZONE_HATCH[zone], edgecolor="#666666", label=word)
         for zone, word in words.items()
     ]
-    legend_above(axes, patches)

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from ..nip.sensitivity import Sensitivity
 
 __all__ = [
-    "nip_report", "outputs_report", "print_report", "print_sensitivity", "report_parts",
-    "report_text", "roller_report", "wrapped_report",
+    "field_rows", "nip_report", "outputs_report", "print_report", "print_sensitivity",
+    "report_parts", "report_text", "roller_report", "sensitivity_text", "wrapped_report",
 ]  # fmt: skip
 
 
@@ -320,12 +320,12 @@ def outputs_report(result: Result) -> list[Part]:
         if name != "residual" and name not in errors
     )
     return [
-        Section(f"{title}: problem", tuple(_fields(result.problem))),
+        Section(f"{title}: problem", tuple(field_rows(result.problem))),
         Section(f"{title}: result", tuple(rows)),
     ]
 
 
-def _fields(problem: Description, under: str = "") -> Iterator[Row]:
+def field_rows(problem: Description, under: str = "") -> Iterator[Row]:
     """Yield every field of a description, nested ones by dotted name."""
     for name in type(problem).model_fields:
         value = getattr(problem, name)
@@ -334,7 +334,7 @@ def _fields(problem: Description, under: str = "") -> Iterator[Row]:
         inner += [(f"{under}{name}", value)] if isinstance(value, Description) else []
         for path, part in inner:
             yield Row(path, "", type(part).__name__)
-            yield from _fields(part, f"{path}.")
+            yield from field_rows(part, f"{path}.")
         if not inner and value is not None:
             yield _field(problem, name, value, under)
 
@@ -349,6 +349,13 @@ def _field(problem: Description, name: str, value: Any, under: str) -> Row:
 
 
 # ---- sensitivities ------------------------------------------------------------------------------
+
+
+def sensitivity_text(sensitivity: Sensitivity) -> str:
+    """Return elasticities as plain text, as the command line prints them."""
+    paper = StringIO()
+    print_sensitivity(sensitivity, Console(file=paper, width=WIDTH, color_system=None))
+    return paper.getvalue().strip("\n")
 
 
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:

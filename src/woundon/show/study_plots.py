@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,10 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..quantities import Quantity
-from .figures import COLOURS, axis_label, save_figure, style, unit_of, wrapped_text
+from .figures import COLOURS, Picture, axis_label, save_figure, style, unit_of, wrapped_text
+from .panels import Case, Panel, drawn
 
 if TYPE_CHECKING:
     from ..studies.fit import FitResult
+    from ..studies.profiles import Profile
     from ..studies.sobol import SobolIndices
     from ..studies.table import Table
 
@@ -39,16 +43,17 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
     table : Table
     output : str
     path : path, optional
-        Where to save.
+        Where to save; without it the figure is pyplot's.
     """
     with style():
-        figure = _grid_figure(table, output) if table.design.gridded else _scatter(table, output)
+        draw = _grid_figure if table.design.gridded else _scatter
+        figure = draw(table, output, path is None)
     if path is not None:
         save_figure(figure, path)
     return figure
 
 
-def _grid_figure(table: Table, output: str) -> Figure:
+def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
     design = table.design
     flat, text = _scaled(table.quantities.get(output), output, table.outputs[output])
     values = flat.reshape(design.shape)
@@ -64,7 +69,7 @@ def _grid_figure(table: Table, output: str) -> Figure:
     while values.ndim < 3:
         values = values[..., None]
     panels = _spread(values.shape[2], _MOST_PANELS)
-    figure = Figure(figsize=(3.4 * len(panels) + 1.6, 3.6), layout="constrained")
+    figure = Picture.new((3.4 * len(panels) + 1.6, 3.6), registered)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for panel, k in zip(axes, panels, strict=True):
         _curves(panel, table, drawn, values[:, :, k])
@@ -100,11 +105,11 @@ def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
     axes.set_xlabel(text)
 
 
-def _scatter(table: Table, output: str) -> Figure:
+def _scatter(table: Table, output: str, registered: bool) -> Figure:
     columns = [c for c in table.design.columns if c.numeric]
     wide = min(len(columns), 3)
     rows = -(-len(columns) // max(wide, 1))
-    figure = Figure(figsize=(2.9 * wide + 0.6, 2.6 * rows + 0.4), layout="constrained")
+    figure = Picture.new((2.9 * wide + 0.6, 2.6 * rows + 0.4), registered)
     panels = figure.subplots(rows, wide, sharey=True, squeeze=False)
     for axes in panels.flat[len(columns) :]:
         axes.set_visible(False)
@@ -121,37 +126,39 @@ def _scatter(table: Table, output: str) -> Figure:
     return figure
 
 
-def plot_fit(fit: FitResult, path: str | Path | None = None) -> Figure:
-    """Draw fitted against measured values, and the profile of each parameter.
+def plot_fit(
+    fit: FitResult, path: str | Path | None = None, ax: Axes | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Any:  # fmt: skip
+    """Draw fitted against measured values ("agreement"), and the profile of each parameter.
 
     Parameters
     ----------
     fit : FitResult
-    path : path, optional
-        Where to save.
+    path, ax, panels
+        As of :func:`~woundon.show.panels.drawn`; a profile's panel has its parameter's name.
     """
-    with style():
-        count = 1 + len(fit.profiles)
-        figure = Figure(figsize=(3.1 * count + 0.4, 3.3), layout="constrained")
-        panels = figure.subplots(1, count, squeeze=False)[0]
-        _draw_agreement(panels[0], fit)
-        told = "others refitted" if len(fit.profiles) > 1 else "profile"
-        rms, text = _rms(fit)
-        for axes, profile in zip(panels[1:], fit.profiles, strict=True):
-            quantity = fit.quantities.get(profile.name)
-            at, along = _scaled(quantity, profile.name, profile.values, words=False)
-            axes.plot(at, rms * profile.rms, ".-", color=COLOURS[0], label=told)
-            axes.axhline(
-                rms * profile.rms_limit, color=COLOURS[1], linestyle="--", label="95 % limit"
-            )
-            if _logarithmic(at):
-                _log_axis(axes.xaxis)
-            axes.set_xlabel(along)
-            axes.set_ylabel(text)
-            axes.legend()
-    if path is not None:
-        save_figure(figure, path)
-    return figure
+    known = {"agreement": Panel(_draw_agreement, "agreement", 3.3, 3.2)}
+    for profile in fit.profiles:
+        draw = partial(_draw_profile, profile)
+        known[profile.name] = Panel(draw, profile.name, 3.1, 3.2)
+    return drawn(known, [Case(fit)], path, ax, panels, lettered=False)
+
+
+def _draw_profile(profile: Profile, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    fit = cases[0].result
+    told = "others refitted" if len(fit.profiles) > 1 else "profile"
+    rms, text = _rms(fit)
+    quantity = fit.quantities.get(profile.name)
+    at, along = _scaled(quantity, profile.name, profile.values, words=False)
+    axes.plot(at, rms * profile.rms, ".-", color=COLOURS[0], label=told)
+    axes.axhline(rms * profile.rms_limit, color=COLOURS[1], linestyle="--", label="95 % limit")
+    if _logarithmic(at):
+        _log_axis(axes.xaxis)
+    axes.set_xlabel(along)
+    axes.set_ylabel(text)
+    axes.legend()
+    return []
 
 
 def _rms(fit: FitResult) -> tuple[float, str]:
@@ -162,7 +169,8 @@ def _rms(fit: FitResult) -> tuple[float, str]:
     return float(quantity.shown(1.0)), axis_label("RMS of the fit", quantity)
 
 
-def _draw_agreement(axes: Axes, fit: FitResult) -> None:
+def _draw_agreement(axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    fit = cases[0].result
     outputs = list(dict.fromkeys(fit.row_outputs))
     units, ends = [], []
     for place, output in enumerate(outputs):
@@ -183,6 +191,7 @@ def _draw_agreement(axes: Axes, fit: FitResult) -> None:
     axes.set_xlabel(f"measured{unit}")
     axes.set_ylabel(f"fitted{unit}")
     axes.legend()
+    return []
 
 
 def _short_name(quantity: Quantity | None, name: str) -> str:
@@ -191,37 +200,48 @@ def _short_name(quantity: Quantity | None, name: str) -> str:
     return meaning if 0 < len(meaning) <= _LONG_NAME else name.replace("_", " ")
 
 
-def plot_indices(indices: SobolIndices, path: str | Path | None = None) -> Figure:
+def plot_indices(
+    indices: SobolIndices, path: str | Path | None = None, ax: Axes | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Any:  # fmt: skip
     """Draw first and total order of every input as bars with their intervals, a panel an output.
+
+    The input that explains most, with its interactions, stands on top.
 
     Parameters
     ----------
     indices : SobolIndices
-    path : path, optional
-        Where to save.
+    path, ax, panels
+        As of :func:`~woundon.show.panels.drawn`; a panel has its output's name.
     """
-    count, at = len(indices.outputs), np.arange(len(indices.inputs))
-    with style():
-        figure = Figure(figsize=(6.3, (0.42 * at.size + 1.0) * count + 0.3), layout="constrained")
-        for k, axes in enumerate(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]):
-            for shift, label, value, ends in (
-                (-0.2, "alone (first order)", indices.first_order, indices.first_interval),
-                (0.2, "with interactions (total)", indices.total_order, indices.total_interval),
-            ):
-                reach = np.abs(ends[:, k] - value[k])
-                axes.barh(
-                    at + shift, value[k], height=0.38, xerr=reach, label=label,
-                    color=COLOURS[0 if shift < 0 else 4], error_kw={"linewidth": 0.9},
-                )  # fmt: skip
-            axes.set_yticks(at, [name.replace("_", " ") for name in indices.inputs])
-            axes.invert_yaxis()
-            axes.set_title(indices.outputs[k].replace("_", " "), fontsize=9, loc="left")
-        axes.set_xlabel("share of the variance")
-        handles, texts = axes.get_legend_handles_labels()
-        figure.legend(handles, texts, loc="outside lower center", ncols=2)
-    if path is not None:
-        save_figure(figure, path)
-    return figure
+    height = 0.42 * len(indices.inputs) + 1.0
+    known = {
+        output: Panel(partial(_draw_shares, k), "shares", height=height, legend="below")
+        for k, output in enumerate(indices.outputs)
+    }
+    return drawn(known, [Case(indices)], path, ax, panels, lettered=False)
+
+
+def _draw_shares(k: int, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Draw the bars of an output."""
+    indices = cases[0].result
+    order = np.argsort(-indices.total_order[k], kind="stable")
+    at, handles = np.arange(order.size), []
+    for shift, label, values, ends in (
+        (-0.2, "alone (first order)", indices.first_order, indices.first_interval),
+        (0.2, "with interactions (total)", indices.total_order, indices.total_interval),
+    ):
+        value = values[k, order]
+        bars = axes.barh(
+            at + shift, value, height=0.38, xerr=np.abs(ends[:, k, order] - value), label=label,
+            color=COLOURS[0 if shift < 0 else 4], error_kw={"linewidth": 0.9},
+        )  # fmt: skip
+        handles.append(bars)
+    axes.set_yticks(at, [indices.inputs[j].replace("_", " ") for j in order])
+    axes.invert_yaxis()
+    axes.set_title(indices.outputs[k].replace("_", " "), fontsize=9, loc="left")
+    axes.set_xlabel("share of the variance")
+    return handles
 
 
 def _spread(count: int, most: int) -> list[int]:

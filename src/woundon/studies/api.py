@@ -8,40 +8,44 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
+from ..io.units import parse
 from ..problems.fields import Problem, shown
-from ..quantities import Quantity
-from .design import make_design
+from ..quantities import Quantity, scalar_outputs
+from .design import Design, make_design
 from .engine import Progress, run_study
 from .fit import FitResult, fit_parameters
 from .kind_model import (
     KindModel,
-    column_quantity,
+    columns_of,
     field_quantity,
     get_field,
+    kind_of,
+    made,
     measurable,
     model_of,
     options_of,
+    replaced,
 )
-from .measured import Measured, read_measured
+from .measured import Measured, read_cases, read_measured
 from .model import quantities_of
 from .predict import Parameter, Predictor
 from .runners import runner_for
 from .sobol import SobolIndices, saltelli_design, sobol_indices_of
-from .table import Table
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["fit", "global_sensitivity", "sweep", "sweep_table"]
+__all__ = ["fit", "global_sensitivity", "study_of", "sweep"]
 
 FIT_NODES = 65
 
 
 def sweep(
     problem: Problem,
-    over: Mapping[str, Any],
+    over: Any,
     outputs: Sequence[str] | None = None,
     *,
+    columns: Mapping[str, str | None] | None = None,
     design: str = "grid",
     samples: int | None = None,
     seed: int = 0,
@@ -52,7 +56,9 @@ def sweep(
     resume: bool = False,
     chunk: int | None = None,
     progress: bool | Progress = False,
-    **options: Any,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> xarray.Dataset:
     """Solve a problem of any kind for many values of its fields.
 
@@ -61,12 +67,16 @@ def sweep(
     problem : Problem
         What is not varied: :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
         :class:`~woundon.RollerProblem`, ...
-    over : mapping
-        Dotted name of any field, ``"drum.layers.0.thickness"``, -> its values, SI; for a drawn
-        design (low, high) or (low, high, "log").  Values may be bodies or names of materials too.
+    over : mapping, path or pandas.DataFrame
+        Dotted name of any field, ``"drum.layers.0.thickness"``, -> its values, SI or texts with
+        units; for a drawn design (low, high) or (low, high, "log").  Values may be bodies or names
+        of materials too.  Or a table with a case a row: a CSV or Excel file with units in its
+        header, such as a study writes, or a DataFrame (SI where its columns name no unit).
     outputs : sequence of str
         Any scalar of the result, or ``"errors.<output>"`` for its estimated error; by default the
         nip-induced tension of a nip, the wound-on tension of a wrapped one.
+    columns : mapping
+        Header in the table -> name here, maybe with its unit; None for a column to leave out.
     design : {"grid", "table", "latin-hypercube", "sobol"}
         All combinations (default); row by row; drawn.
     samples, seed : int
@@ -83,8 +93,10 @@ def sweep(
         Cases that are solved in a row, each from the state of the one before.
     progress : bool or callable
         Show rate and time left, or call with (cases done, cases in all).
-    options
-        Of the kind's solver: ``nodes``, ``rtol``, ...
+    nodes, rtol : int, float
+        Of the kind's solver: the nodes of the grid, or the error until which it is refined.
+    options : mapping
+        What else the kind's solver takes, e.g. ``{"scheme": "thesis"}``.
 
     Returns
     -------
@@ -95,33 +107,60 @@ def sweep(
     Raises
     ------
     InvalidProblem
-        For a name that does not exist, or a folder that holds another study.
+        For a name that does not exist, a folder that holds another study or in which another
+        process is at work, or values of which none is admissible.
+    NotConverged
+        If no case at all was solved, with the reasons; carries the dataset.
+    OSError
+        If ``out`` cannot be written, e.g. on a full disk; what was written stays valid.
+
+    Warns
+    -----
+    UserWarning
+        If parts in ``out`` were damaged and are solved again, or a process died at work in it.
     """
-    return sweep_table(
-        problem, over, outputs, design=design, samples=samples, seed=seed, tie=tie,
-        workers=workers, scheduler=scheduler, options=options, out=out, resume=resume, chunk=chunk,
-        progress=progress,
-    ).to_dataset()  # fmt: skip
+    model, cases = study_of(
+        problem, over, outputs, columns=columns, design=design, samples=samples, seed=seed, tie=tie,
+        options=_options(nodes, rtol, options),
+    )  # fmt: skip
+    table = run_study(
+        model, cases, runner_for(workers, scheduler),
+        out=out, resume=resume, chunk=chunk, progress=progress,
+    )  # fmt: skip
+    return table.refused_if_all_failed().to_dataset()
 
 
-def sweep_table(
+def study_of(
     problem: Problem,
-    over: Mapping[str, Any],
+    over: Any,
     outputs: Sequence[str] | None = None,
     *,
+    columns: Mapping[str, str | None] | None = None,
     design: str = "grid",
     samples: int | None = None,
     seed: int = 0,
     tie: Mapping[str, str] | None = None,
-    workers: int | None = None,
-    scheduler: str | None = None,
     options: Mapping[str, Any] | None = None,
-    **storing: Any,
-) -> Table:
-    """Return the table of :func:`sweep`; ``storing`` goes to :func:`~.engine.run_study`."""
-    model = _varied(problem, over, outputs, tie, options or {})
-    cases = make_design(over, design, samples, seed)
-    return run_study(model, cases, runner_for(workers, scheduler), **storing)
+) -> tuple[KindModel, Design]:
+    """Return model and cases of a :func:`sweep`: what :func:`~.engine.run_study` takes."""
+    if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
+        over, design = _cases(problem, over, columns, design), "table"
+    return (
+        _varied(problem, over, outputs, tie, options or {}),
+        make_design(_in_si(problem, over), design, samples, seed),
+    )
+
+
+def _cases(
+    problem: Problem, data: Any, columns: Mapping[str, str | None] | None, design: str
+) -> dict[str, list[Any]]:
+    """Return the cases of a table, row by row."""
+    if design not in ("grid", "table"):
+        raise InvalidProblem.at("design", f"{design!r} is drawn; a table has its cases already")
+    outputs = scalar_outputs(kind_of(problem).result)
+    outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
+    inputs = columns_of(problem)
+    return read_cases(data, inputs, outputs, lambda *given: made(problem, *given), columns)
 
 
 def _varied(
@@ -132,6 +171,32 @@ def _varied(
     model = model_of(problem, outputs, tie, options)
     model.check_varied(over if isinstance(over, Mapping) else ())
     return model
+
+
+def _options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return all options of the solver that are given."""
+    named = {name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None}
+    for name in named.keys() & (options or {}).keys():
+        raise InvalidProblem.at(name, "is given twice, also among the options")
+    return {**named, **(options or {})}
+
+
+def _in_si(problem: Problem, over: Any) -> Any:
+    """Return values, ranges or bounds by field with their texts with units in SI."""
+    if not isinstance(over, Mapping):
+        return over
+    return {name: _numbers(problem, name, given) for name, given in over.items()}
+
+
+def _numbers(problem: Problem, name: str, given: Any) -> Any:
+    if isinstance(given, str) or not hasattr(given, "__len__"):
+        return given
+    texts = [isinstance(value, str) and value != "log" for value in given]
+    quantity = field_quantity(problem, name) if any(texts) else None
+    if quantity is None:
+        return given
+    values = zip(given, texts, strict=True)
+    return [parse(value, quantity.unit, name) if text else value for value, text in values]
 
 
 def global_sensitivity(
@@ -147,7 +212,9 @@ def global_sensitivity(
     out: str | Path | None = None,
     resume: bool = False,
     progress: bool | Progress = False,
-    **options: Any,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> SobolIndices:
     """Return how much of each output's variance the ranges of inputs explain (Sobol's indices).
 
@@ -156,11 +223,12 @@ def global_sensitivity(
     problem : Problem
         Of any kind.
     over : mapping
-        Dotted name -> range (low, high), or (low, high, "log") for one even in the logarithm.
+        Dotted name -> range (low, high), or (low, high, "log") for one even in the logarithm; in SI
+        or texts with units.
     outputs : sequence of str
     samples : int
         Base samples, a power of 2; samples * (inputs + 2) cases are solved.
-    seed, tie, workers, scheduler, out, resume, progress, options
+    seed, tie, workers, scheduler, out, resume, progress, nodes, rtol, options
         As of :func:`sweep`.
 
     Raises
@@ -168,9 +236,10 @@ def global_sensitivity(
     InvalidProblem
         Also if a case of the ranges cannot be solved: the indices need every one.
     """
-    model = _varied(problem, over, outputs, tie, options)
+    model = _varied(problem, over, outputs, tie, _options(nodes, rtol, options))
+    cases = saltelli_design(_in_si(problem, over), samples, seed)
     table = run_study(
-        model, saltelli_design(over, samples, seed), runner_for(workers, scheduler),
+        model, cases, runner_for(workers, scheduler),
         out=out, resume=resume, progress=progress,
     )  # fmt: skip
     return sobol_indices_of(table, samples, seed)
@@ -179,14 +248,16 @@ def global_sensitivity(
 def fit(
     problem: Problem,
     measured: Any,
-    vary: Mapping[str, tuple[float, float] | None] | Sequence[str],
+    vary: Mapping[str, tuple[float | str, float | str] | None] | Sequence[str],
     *,
     tie: Mapping[str, str] | None = None,
     columns: Mapping[str, str | None] | None = None,
     starts: int = 6,
     seed: int = 0,
     profiles: bool = True,
-    **options: Any,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> FitResult:
     """Fit fields of a problem of any kind to measured data by least squares.
 
@@ -196,23 +267,24 @@ def fit(
         Everything that is neither measured nor fitted.  Wound-on tensions are fitted by
         ``problem.wrapped(...)``; a nip alone has ``tension_behind_nip``.
     measured : path, mapping or pandas.DataFrame
-        CSV or Excel file with units in its header, or columns by name: inputs ("nip_load [kN/m]"),
-        outputs ("wound_on_tension [N/m]"), and standard deviations of these
-        ("wound_on_tension +- [N/m]").
+        CSV or Excel file with units in its header, or columns by name, SI where they name no unit:
+        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of
+        these ("wound_on_tension +- [N/m]").
     vary : mapping or sequence of str
-        Dotted name -> bounds (low, high) in SI; without bounds, a tenth to ten times the value.
+        Dotted name -> bounds (low, high), SI or texts with units; without bounds, a tenth to ten
+        times the value.
     tie : mapping of str to str
         Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
     columns : mapping
-        Name in the data -> name here, None for a column to leave out.
+        Header in the data -> name here, maybe with its unit; None for a column to leave out.
     starts, seed : int
         Starting points: the problem as it is, the others drawn.
     profiles : bool
         Find profile-likelihood intervals.
-    options
-        Of the kind's solver; 65 nodes by default where it would choose their number itself.  Leave
-        ``rtol`` out: on one grid the outputs are continuous in the parameters, between grids they
-        jump by the discretisation's error.
+    nodes, rtol, options
+        As of :func:`sweep`; 65 nodes by default where the solver would choose their number itself.
+        Leave ``rtol`` out: on one grid the outputs are continuous in the parameters, between grids
+        they jump by the discretisation's error.
 
     Returns
     -------
@@ -226,11 +298,12 @@ def fit(
     NotConverged
         If no start can be solved.
     """
-    data = read_measured(
-        measured, measurable(problem), lambda name: column_quantity(problem, name), columns
-    )
-    model = model_of(problem, tuple(data.outputs), tie, _on_one_grid(problem, options))
-    parameters = tuple(_parameter(problem, name, bounds) for name, bounds in _bounds(vary).items())
+    outputs = measurable(problem)
+    data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
+    given = _on_one_grid(problem, _options(nodes, rtol, options))
+    model = model_of(problem, tuple(data.outputs), tie, given)
+    bounds = _in_si(problem, _bounds(vary))
+    parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
     for parameter in parameters:
         _check_bounds(problem, parameter)
@@ -293,13 +366,13 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
 def _check_rows(problem: Problem, data: Measured) -> None:
     """Refuse inputs that a field does not admit; what no steady state carries is the fit's."""
     columns = [values.tolist() for values in data.inputs.values()]
-    for number, row in enumerate(zip(*columns, strict=True), 1):
+    for number, *row in zip(data.numbers, *columns, strict=bool(columns)):
         try:
             problem.replace(**dict(zip(data.inputs, row, strict=True)))
         except NoSteadyState:
             continue
         except InvalidProblem as fault:
-            raise fault.under(f"measured: row {number}") from None
+            raise fault.under(f"{data.where}: row {number}") from None
 
 
 def _one_unit(quantities: Mapping[str, Quantity], data: Measured) -> None:

@@ -10,6 +10,7 @@ import click
 
 from .. import kinds
 from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
 from ..io.files import check_writable
 
 if TYPE_CHECKING:
@@ -38,20 +39,26 @@ def _running(command: Any) -> Any:
 @_running
 @click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
 @click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Write and draw an input or output in another unit; repeatable.",
+)  # fmt: skip
+@click.option(
     "--export", "exports", multiple=True, type=click.Choice([e[1:] for e in _EXPORTS]),
     default=("nc", "csv"), show_default=True, help="File formats of the result; repeatable.",
 )  # fmt: skip
 def sweep(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    chunk: int | None, exports: tuple[str, ...],
+    chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
     DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
     on with --resume.
     """
-    from .api import sweep_table
+    from .api import study_of
+    from .engine import run_study
     from .export import check_export, export
+    from .runners import runner_for
     from .studyfile import load_study
 
     told = load_study(study)
@@ -59,11 +66,15 @@ def sweep(
     for target in targets:
         check_export(target)
     began = time.perf_counter()
-    table = _stoppable(
-        sweep_table, told.problem, told.over, told.outputs, tie=told.tie, **told.design,
-        options=told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
-        chunk=chunk, progress=True,
-    )  # fmt: skip
+    with units_of(chosen):
+        model, cases = study_of(
+            told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
+            **told.design, options=told.options,
+        )  # fmt: skip
+        table = _stoppable(
+            run_study, model, cases, runner_for(workers, scheduler),
+            out=out, resume=resume, chunk=chunk, progress=True,
+        )  # fmt: skip
     seconds = time.perf_counter() - began
     for target in targets:
         export(table, target)
@@ -76,9 +87,20 @@ def sweep(
 
 
 def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
-    """Run; after Ctrl-C say how to go on."""
+    """Run, warnings in a line each; after Ctrl-C say how to go on."""
+    import warnings
+
+    from ..errors import ValidityWarning
+
+    def show(message: Warning | str, *where: Any) -> None:
+        click.secho(f"warning: {message}", fg="yellow", err=True)
+
     try:
-        return run(*args, **kwargs)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
+            warnings.showwarning = show  # type: ignore[assignment]
+            return run(*args, **kwargs)
     except KeyboardInterrupt:
         text = f"stopped; what was solved is in {kwargs['out']}, --resume goes on from there"
         click.echo(text, err=True)
@@ -102,9 +124,9 @@ def _summary(table: Table, seconds: float) -> int:
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
             about = table.quantities[name]
-            unit = "" if about.unit == "1" else f" {about.unit}"
-            low, high = np.nanmin(values), np.nanmax(values)
-            click.echo(f"{about.meaning}: {low:.5g} to {high:.5g}{unit}")
+            unit, shown = about.in_table(values)
+            range_of = f"{np.nanmin(shown):.5g} to {np.nanmax(shown):.5g}"
+            click.echo(f"{about.meaning}: {range_of}{'' if unit == '1' else f' {unit}'}")
     return 3 if failed == size else 0
 
 
@@ -133,7 +155,7 @@ def sensitivity(
         drawn["samples"] = samples
     indices = _stoppable(
         global_sensitivity, told.problem, told.over, told.outputs, tie=told.tie, **drawn,
-        **told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
+        options=told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
         progress=True,
     )  # fmt: skip
     for line in indices.lines():
@@ -157,9 +179,13 @@ def sensitivity(
 )  # fmt: skip
 @click.option(
     "--column", "columns", multiple=True, metavar="COLUMN=NAME",
-    help="What a column of the data is, e.g. measured=rig_tension; without name: leave it out.",
+    help="What a column of the data is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: not used.",
 )  # fmt: skip
 @click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
+@click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Tell and draw an input or output in another unit; repeatable.",
+)  # fmt: skip
 @click.option("--starts", type=click.IntRange(1), default=6, show_default=True)
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--no-profiles", is_flag=True, help="Leave out the profile-likelihood intervals.")
@@ -168,8 +194,8 @@ def sensitivity(
 @click.option("--plot", type=_PATH, help="Draw to .png, .svg or .pdf.")
 def fit(
     case: Path, data: Path, varied: tuple[str, ...], ties: tuple[str, ...],
-    columns: tuple[str, ...], settings: tuple[str, ...], starts: int, nodes: int | None,
-    no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
+    columns: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], starts: int,
+    nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header).
 
@@ -181,16 +207,18 @@ def fit(
 
     problem = load_case(case, settings)
     if plot:
-        kinds.fetch("woundon.show.plots:check_format")(plot)
+        kinds.fetch("woundon.show.figures:check_format")(plot)
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     for path in filter(None, (save, plot)):
         check_writable(path)
-    found = fit_problem(
-        problem, data, dict(_varied(problem, text) for text in varied),
-        tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
-        columns={name: of or None for name, of in map(_pair, columns)}, profiles=not no_profiles,
-    )  # fmt: skip
+    with units_of(chosen):
+        found = fit_problem(
+            problem, data, dict(_varied(problem, text) for text in varied),
+            tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
+            columns={name: of or None for name, of in map(_pair, columns)},
+            profiles=not no_profiles,
+        )  # fmt: skip
     if save:
         save.write_text(found.to_json(), encoding="utf-8")
     if plot:

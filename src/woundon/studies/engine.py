@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from pathlib import Path
 
 from ..errors import InvalidProblem
@@ -11,7 +12,7 @@ from .design import Design
 from .evaluate import Chunk
 from .model import Model, quantities_of
 from .runners import Runner
-from .store import Store
+from .store import Store, opened
 from .table import Table
 
 __all__ = ["Progress", "run_study"]
@@ -48,35 +49,50 @@ def run_study(
     Raises
     ------
     InvalidProblem
-        For a name the model does not know, or a folder that holds another study.
+        For a name the model does not know, or a folder that holds another study or in which another
+        process is at work.
+    OSError
+        If ``out`` cannot be written; what was written stays valid.
     KeyboardInterrupt
         After Ctrl-C; finished chunks are in ``out``.
+
+    Warns
+    -----
+    UserWarning
+        If parts in ``out`` were damaged, or a process died at work in it.
     """
+    if resume and out is None:
+        raise InvalidProblem.at("resume", "needs out, the folder of the study to go on with")
     for name in set(design.names) & set(model.outputs):
         raise InvalidProblem.at(name, "is varied, so it cannot be an output too")
     quantities = quantities_of(model, (*design.names, *model.outputs))
     record = model.record()
     table = Table.empty(design, model.outputs, quantities, record)
-    store, done = None, set[int]()
+    cases = design.chunks(chunk)
+    storing: AbstractContextManager[Store | None] = nullcontext()
     if out is not None:
-        store = Store(out, design, model.outputs, record, chunk=chunk, resume=resume)
-        done = store.done()
-        for block in store.blocks():
-            table.put(block)
-    chunks = [
-        Chunk(number, cases, design.inputs(cases))
-        for number, cases in enumerate(design.chunks(chunk))
-        if number not in done
-    ]
-    left = sum(len(c.cases) for c in chunks)
-    told = _told(progress, design.size - left, design.size)
-    # closed: that ends the workers here, not whenever garbage is collected
-    with told as tell, closing(runner.solved(model, chunks)) as blocks:
-        for block in blocks:
-            if store is not None:
-                store.write(block)
-            table.put(block)
-            tell(len(block.cases))
+        about = {"chunk": chunk, **record}
+        storing = opened(out, design, cases, model.outputs, about, resume=resume)
+    with storing as store:
+        if store is not None:
+            for text in store.told:
+                warnings.warn(text, UserWarning, stacklevel=3)
+            for block in store.blocks():
+                table.put(block)
+        chunks = [
+            Chunk(number, rows, design.inputs(rows))
+            for number, rows in enumerate(cases)
+            if store is None or number not in store.kept
+        ]
+        left = sum(len(c.cases) for c in chunks)
+        told = _told(progress, design.size - left, design.size)
+        # closed: that ends the workers here, not whenever garbage is collected
+        with told as tell, closing(runner.solved(model, chunks)) as blocks:
+            for block in blocks:
+                if store is not None:
+                    store.write(block)
+                table.put(block)
+                tell(len(block.cases))
     return table
 
 

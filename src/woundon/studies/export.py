@@ -6,15 +6,14 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
+
+import numpy as np
 
 from ..errors import InvalidProblem
-from .measured import need_openpyxl
+from ..io.sheets import need_openpyxl, write_workbook
 from .store import write_parquet
 from .table import Table
-
-if TYPE_CHECKING:
-    import pandas
 
 __all__ = ["check_export", "export"]
 
@@ -53,12 +52,27 @@ def check_export(path: str | Path) -> Callable[[Table, Path], None]:
     return _WRITERS[ending]
 
 
-def _frame(table: Table) -> pandas.DataFrame:
-    """Return the table with units in its header."""
-    import pandas
+def _columns(table: Table) -> dict[str, Any]:
+    """Return the columns as files for people have them, units in the header.
 
-    header = {name: f"{name} [{about.unit}]" for name, about in table.quantities.items()}
-    return pandas.DataFrame(table.columns()).rename(columns=header)
+    Bodies are written as JSON, so that the file can be read as the cases of another study.
+    """
+    things = {column.name: column for column in table.design.columns if not column.numeric}
+    told: dict[str, Any] = {}
+    for name, values in table.columns().items():
+        unit, shown = (
+            table.quantities[name].in_table(values) if name in table.quantities else ("", values)
+        )
+        told[f"{name} [{unit}]" if unit else name] = shown
+    cases = np.arange(table.design.size)
+    told |= {name: [_text(thing) for thing in table.design.inputs(cases)[name]] for name in things}
+    return told
+
+
+def _text(thing: Any) -> str:
+    if hasattr(thing, "model_dump"):
+        return json.dumps(thing.model_dump(mode="json"))
+    return str(thing)
 
 
 def _netcdf(table: Table, path: Path) -> None:
@@ -67,22 +81,24 @@ def _netcdf(table: Table, path: Path) -> None:
 
 
 def _csv(table: Table, path: Path) -> None:
-    _frame(table).to_csv(path, index=False, na_rep="nan", lineterminator="\n")
+    import pandas
+
+    frame = pandas.DataFrame(_columns(table))
+    frame.to_csv(path, index=False, na_rep="nan", lineterminator="\n")
 
 
 def _excel(table: Table, path: Path) -> None:
-    import pandas
-
     if table.design.size + 1 > EXCEL_ROWS:
         raise InvalidProblem(
             [(str(path), f"{table.design.size} cases are more than an Excel sheet's rows")]
         )
+    columns = {header: np.asarray(values).tolist() for header, values in _columns(table).items()}
     record = {"design": table.design.kind, **table.record}
-    about = {k: v if isinstance(v, str) else json.dumps(v) for k, v in record.items()}
-    with pandas.ExcelWriter(path, engine="openpyxl") as book:
-        # Excel knows no nan: a failed case has empty cells
-        _frame(table).to_excel(book, sheet_name="study", index=False, freeze_panes=(1, 0))
-        pandas.Series(about).to_excel(book, sheet_name="about", header=False)
+    about = ((k, v if isinstance(v, str) else json.dumps(v)) for k, v in record.items())
+    write_workbook(path, {
+        "study": [list(columns), *zip(*columns.values(), strict=True)],
+        "about": [("what", "is"), *about],
+    })  # fmt: skip
 
 
 def _parquet(table: Table, path: Path) -> None:

@@ -16,16 +16,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged
 from ..quantities import Quantity
+from ..results import ReadOnly
 from . import fitreport
 from .predict import Parameter, Predictor
 from .profiles import Profile, profile_of, threshold
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
 
 __all__ = ["FitResult", "fit_parameters"]
 
@@ -33,8 +38,8 @@ Array = np.ndarray
 SAME_MINIMUM = 1e-3  # relative difference of S
 
 
-@dataclass(frozen=True, eq=False)
-class FitResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FitResult(ReadOnly):
     """A fit and its evidence; m measured values, p parameters.
 
     Attributes
@@ -106,13 +111,49 @@ class FitResult:
         """Return the fit as lines of text."""
         return fitreport.lines(self)
 
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        return fitreport.line(self)
+
+    def _repr_html_(self) -> str:
+        head, *_ = self.lines()
+        html: str = kinds.fetch("woundon.show.html:table_html")(
+            head, self.to_dataframe(), fitreport.remarks(self)
+        )
+        return html
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each parameter: estimate, standard error, 95 % interval, unit [SI]."""
+        return fitreport.to_frame(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return parameters along ``parameter`` and measured values along ``measurement`` [SI]."""
+        return fitreport.to_dataset(self)
+
     def to_json(self) -> str:
         """Return the fit as JSON."""
         return fitreport.to_json(self)
 
-    def plot(self, path: Any = None) -> Any:
-        """Draw fitted against measured values, and the profiles."""
-        return kinds.fetch("woundon.show.study_plots:plot_fit")(self, path)
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw fitted against measured values ("agreement"), and the profile of each parameter.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook shows the figure, and in a script ``plt.show()`` does.
+        ax : matplotlib.axes.Axes, optional
+            Into which one panel is drawn.
+        panels : str or sequence of str, optional
+            Which to draw: "agreement", names of parameters.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return kinds.fetch("woundon.show.study_plots:plot_fit")(self, path, ax, panels)
 
 
 def fit_parameters(

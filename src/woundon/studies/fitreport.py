@@ -1,19 +1,24 @@
-"""A fit in words and as JSON."""
+"""A fit in words, as tables, and as JSON."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from math import expm1, isfinite, log
+from math import expm1, isfinite, log, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
     from .fit import FitResult
     from .profiles import Profile
 
-__all__ = ["lines", "to_json"]
+__all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
+
+MOST_TOLD = 3  # parameters in one line
 
 
 def lines(fit: FitResult) -> list[str]:
@@ -22,46 +27,115 @@ def lines(fit: FitResult) -> list[str]:
     m, p = fit.measured.size, len(fit.names)
     head = (
         f"{m} measured values, {p} fitted {'parameter' if p == 1 else 'parameters'}, "
-        f"RMS {fit.rms:.4g}{unit}; {fit.reached} of {fit.starts} starts ended here"
+        f"RMS {_rms(fit, fit.rms):.4g}{unit}; {fit.reached} of {fit.starts} starts ended here"
     )
-    return [head, *_estimates(fit), *_minima(fit, unit), *_trade_offs(fit, unit)]
+    return [head, *_estimates(fit), *remarks(fit)]
+
+
+def line(fit: FitResult) -> str:
+    """Return the fit as one line of text."""
+    shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, fit.estimates, strict=True))
+    told = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_TOLD]]
+    more = len(fit.names) - MOST_TOLD
+    told += [f"{more} more"] if more > 0 else []
+    rms = f"RMS {_rms(fit, fit.rms):.4g}{_rms_unit(fit)} of {fit.measured.size} measured values"
+    return f"FitResult({', '.join(told)}; {rms})"
+
+
+def remarks(fit: FitResult) -> list[str]:
+    """Return what is to be said beside the estimates: other minima, what trades off."""
+    unit = _rms_unit(fit)
+    return [*_minima(fit, unit), *_trade_offs(fit, unit)]
+
+
+def to_frame(fit: FitResult) -> pd.DataFrame:
+    """Return a row for each parameter, SI units; the interval is open where it has no end."""
+    import pandas as pd
+
+    intervals = {profile.name: (profile.low, profile.high) for profile in fit.profiles}
+    ends = [intervals.get(name, (nan, nan)) for name in fit.names]
+    columns = {
+        "estimate": fit.estimates,
+        "standard_error": fit.standard_errors,
+        "low": [low for low, _ in ends],
+        "high": [high for _, high in ends],
+        "unit": [_unit(fit, name) for name in fit.names],
+    }
+    frame = pd.DataFrame(columns, index=pd.Index(fit.names, name="parameter"))
+    frame.attrs["long_names"] = {"low": "low end of the 95 % profile interval",
+                                 "high": "high end of the 95 % profile interval"}  # fmt: skip
+    return frame
+
+
+def to_dataset(fit: FitResult) -> xarray.Dataset:
+    """Return parameters and their covariance, measured and fitted values; SI units."""
+    outputs = list(fit.row_outputs)
+    units = [_unit(fit, name) for name in outputs]
+    table = to_frame(fit).to_xarray()
+    both = ("parameter", "parameter_2")
+    rms_unit = "standard deviations" if fit.weighted else units[0]
+    return table.set_coords("unit").assign(
+        covariance=(both, fit.covariance), correlation=(both, fit.correlation),
+        measured=("measurement", fit.measured), fitted=("measurement", fit.fitted),
+    ).assign_coords(
+        parameter_2=list(fit.names), output=("measurement", outputs),
+        row=("measurement", list(fit.row_numbers)), output_unit=("measurement", units),
+    ).assign_attrs(rms=fit.rms, rms_unit=rms_unit)  # fmt: skip
+
+
+def _unit(fit: FitResult, name: str) -> str:
+    """Return the SI unit of a parameter or an output, '' of a pure number."""
+    unit = fit.quantities[name].unit if name in fit.quantities else ""
+    return "" if unit == "1" else unit
 
 
 def _rms_unit(fit: FitResult) -> str:
     if fit.weighted:
         return " standard deviations"
-    quantity = fit.quantities.get(fit.row_outputs[0])
-    return "" if quantity is None or quantity.unit == "1" else f" {quantity.unit}"
+    unit, _ = _in_table(fit, fit.row_outputs[0], 1.0)
+    return f" {unit}" if unit else ""
+
+
+def _rms(fit: FitResult, value: float) -> float:
+    """Return a root mean square in the unit that is told with it."""
+    return value if fit.weighted else float(_in_table(fit, fit.row_outputs[0], value)[1])
+
+
+def _in_table(fit: FitResult, name: str, value: Any) -> tuple[str, Any]:
+    """Return unit, empty for a pure number, and value: in SI, or as somebody chose."""
+    about = fit.quantities.get(name)
+    unit, shown = about.in_table(value) if about else ("", value)
+    return "" if unit == "1" else unit, shown
 
 
 def _estimates(fit: FitResult) -> Iterator[str]:
     profiles = {profile.name: profile for profile in fit.profiles}
     width = max(map(len, fit.names))
     for k, name in enumerate(fit.names):
-        unit = fit.quantities[name].unit if name in fit.quantities else ""
-        value, error = fit.estimates[k], fit.standard_errors[k]
-        text = f"{name:<{width}}  {value:.4g} {unit if unit != '1' else ''}".rstrip()
+        unit, value = _in_table(fit, name, fit.estimates[k])
+        _, error = _in_table(fit, name, fit.standard_errors[k])
+        text = f"{name:<{width}}  {value:.4g} {unit}".rstrip()
         if isfinite(error):
             text += f", standard error {error:.2g}"
             text += f" ({error / abs(value):.0%})" if value else ""
         if name in profiles:
-            text += f"; 95 % profile interval {_interval(profiles[name])}"
+            text += f"; 95 % profile interval {_interval(fit, profiles[name])}"
         if name in fit.at_bound:
             text += "; at its bound: widen the bounds, or the data do not determine it"
         yield text
 
 
-def _interval(profile: Profile) -> str:
-    low = f"{profile.low:.4g}" if isfinite(profile.low) else "open"
-    high = f"{profile.high:.4g}" if isfinite(profile.high) else "open"
-    return f"{low} to {high}"
+def _interval(fit: FitResult, profile: Profile) -> str:
+    ends = (_in_table(fit, profile.name, end)[1] for end in (profile.low, profile.high))
+    return " to ".join(f"{end:.4g}" if isfinite(end) else "open" for end in ends)
 
 
 def _minima(fit: FitResult, unit: str) -> Iterator[str]:
     m = fit.measured.size
     for S, values in fit.minima[fit.reached : fit.reached + 1]:
-        where = ", ".join(f"{n} {v:.4g}" for n, v in zip(fit.names, values, strict=True))
-        yield f"the next minimum has RMS {(S / m) ** 0.5:.4g}{unit} at {where}"
+        told = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
+        where = ", ".join(f"{name} {value:.4g} {of}".rstrip() for name, of, value in told)
+        yield f"the next minimum has RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {where}"
 
 
 def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
@@ -73,11 +147,11 @@ def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
             if abs(r) > 0.9:
                 yield f"correlation of {fit.names[k]} and {fit.names[j]}: {r:.4f}"
     if p == 1:
-        change = f"{fit.effects[0]:.3g}{unit} (RMS)"
+        change = f"{_rms(fit, fit.effects[0]):.3g}{unit} (RMS)"
         yield f"+10 % of {fit.names[0]} changes the fitted values by {change}"
         return
     leading = int(np.argmax(np.abs(fit.direction)))
-    alone = fit.effects[leading]
+    alone, joint = (_rms(fit, effect) for effect in (fit.effects[leading], fit.joint_effect))
     moves = [
         f"{name} {expm1(log(1.1) * part):+.1%}"
         for name, part in zip(fit.names, fit.direction, strict=True)
@@ -85,9 +159,9 @@ def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
     ]
     told = (
         f"{' with '.join(moves)} together change the fitted values by "
-        f"{fit.joint_effect:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {alone:.3g}{unit}"
+        f"{joint:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {alone:.3g}{unit}"
     )
-    if fit.joint_effect < 0.2 * alone:
+    if joint < 0.2 * alone:
         told = f"nearly a trade-off: {told}"
     yield f"{told}; condition number {fit.condition:.3g}"
 

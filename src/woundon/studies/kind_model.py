@@ -17,13 +17,13 @@ import numpy as np
 from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean
-from ..problems.fields import Description, Problem, no_such_field
-from ..quantities import Quantity, find, scalar_outputs, value_of
+from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
+from ..quantities import Quantity, find, members_of, scalar_outputs, value_of, walk
 from .model import Answer
 
 __all__ = [
-    "KindModel", "column_quantity", "field_quantity", "get_field", "measurable", "model_of",
-    "options_of",
+    "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable",
+    "model_of", "options_of", "replaced",
 ]  # fmt: skip
 
 _ERROR = "errors."  # of an output: "errors.half_width"
@@ -212,15 +212,16 @@ def model_of(
         For what is no problem, and as of :meth:`KindModel.checked`.
     """
     if outputs is None:
-        outputs = _kind_of(problem).result.MAIN
+        outputs = kind_of(problem).result.MAIN
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     given = {name: value for name, value in options.items() if value is not None}
     return KindModel(problem, names, given, dict(tie or {})).checked()
 
 
-def _kind_of(problem: Any) -> kinds.Kind:
+def kind_of(problem: Any) -> kinds.Kind:
+    """Return the kind of a problem; refuse what is none, a result or the class itself."""
     kind = kinds.of(problem)
-    check_type("problem", problem, kind.problem)  # not a result, nor the class itself
+    check_type("problem", problem, kind.problem)
     return kind
 
 
@@ -234,7 +235,7 @@ def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
 def options_of(problem: Problem) -> dict[str, Any]:
     """Return the options of a problem's solver by name, with what it takes by default."""
     own = {"start", *type(problem).model_fields}
-    keywords = _keywords(_kind_of(problem).solver)
+    keywords = _keywords(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in own}
 
 
@@ -284,7 +285,7 @@ def measurable(problem: Problem) -> dict[str, Quantity]:
 
     What the problem itself gives, such as the tangential load of rollers, is an input.
     """
-    known = scalar_outputs(_kind_of(problem).result)
+    known = scalar_outputs(kind_of(problem).result)
     fields = type(problem).model_fields
     return {
         name: quantity
@@ -293,34 +294,54 @@ def measurable(problem: Problem) -> dict[str, Quantity]:
     }
 
 
-def column_quantity(problem: Problem, name: str) -> Quantity | None:
-    """Return what a column of measured inputs holds.
+def columns_of(problem: Problem) -> dict[str, Quantity | None]:
+    """Return all that a column of inputs may hold, None for what is not a number.
+
+    By dotted name, ``*`` for the number of a list's item; fields that only other bodies and
+    materials have are among them, and so are these themselves.
+    """
+    known: dict[str, Quantity | None] = {}
+    for place in walk(type(problem)):
+        heads = place.path.split(".")[:-1]
+        known |= {".".join(heads[:k]): None for k in range(1, len(heads) + 1)}
+        known[place.path] = known.get(place.path) or place.quantity
+    return known
+
+
+def made(problem: Problem, path: str, table: Any) -> Any:
+    """Return the body, material or other description that a table of its fields tells of.
 
     Raises
     ------
     InvalidProblem
-        For what is no field, with what was meant among fields and outputs.
+        For what is no such table, and whatever the description finds at fault.
     """
-    if name in _replaced(problem):
-        raise InvalidProblem.at(name, _no_output(problem, name))
-    try:
-        return field_quantity(problem, name)
-    except InvalidProblem as fault:
-        hint = did_you_mean(name, measurable(problem)).lstrip("; ")
-        text = f"{fault.faults[0][1]}; among the outputs: {hint}"
-        raise InvalidProblem.at(name, text) from None
+    models: list[Any] = [
+        model for place in find(problem, path) for model in members_of(place.field.annotation)
+    ]
+    if not models or not isinstance(table, dict):
+        raise InvalidProblem(f"{table!r} is not a table of fields")
+    fields = dict(table)
+    if "kind" in fields and "kind" not in models[0].model_fields:
+        kind = fields.pop("kind")
+        known = {model.member_name(): model for model in models if hasattr(model, "member_name")}
+        if kind not in known:
+            raise InvalidProblem.at("kind", not_one_of(kind, known))
+        return known[kind](**fields)
+    return best_match(fields, models)(**fields)
 
 
-def _replaced(problem: Problem) -> Mapping[str, str]:
-    replaced: Mapping[str, str] = kinds.of(problem).result.REPLACED
-    return replaced
+def replaced(problem: Problem) -> Mapping[str, str]:
+    """Return names of outputs that people may look for in vain, with what there is instead."""
+    names: Mapping[str, str] = kinds.of(problem).result.REPLACED
+    return names
 
 
 def _no_output(problem: Problem, name: str) -> str:
     """Return why a name is no output: what there is in its place, or what was meant."""
-    replaced = _replaced(problem)
-    if name in replaced:
-        return f"no such output: {replaced[name]}"
+    instead = replaced(problem)
+    if name in instead:
+        return f"no such output: {instead[name]}"
     return f"no scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
 
 

@@ -1,34 +1,29 @@
-"""Measured data from CSV or Excel, units in the header, to SI columns of known names.
+"""Tables that people make in spreadsheets: measured data of a fit, the cases of a sweep.
 
     nip_load [kN/m], web_tension [N/m], wound_on_tension [N/m], wound_on_tension +- [N/m]
 
-A column's name is that of an input or an output of the model; "+-" (or "±") holds an output's
-standard deviations.  Semicolons between and commas within numbers are read too, lines that open
-with # are left out.
+A column's name is that of an input or an output of the model, however it is written; "+-" (or "±")
+holds an output's standard deviations (:mod:`woundon.io.tables`).
 """
 
 from __future__ import annotations
 
-import csv
-import re
-from collections.abc import Callable, Mapping
+import json
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..io.units import parse
+from ..io.sheets import Sheet, read_sheet
+from ..io.tables import Column, Names, decimal_sign, match_columns, numbers, tell
 from ..quantities import Quantity
 
-__all__ = ["Measured", "need_openpyxl", "read_measured"]
+__all__ = ["BESIDE", "Measured", "read_cases", "read_measured"]
 
 Array = np.ndarray
-_HEADER = re.compile(r"\s*([^\[\(]*?)\s*(?:[\[\(]\s*(.*?)\s*[\]\)])?\s*")
-_DEVIATION = re.compile(r"(.*?)\s*(?:\+-|\N{PLUS-MINUS SIGN}|\+/-)")
+BESIDE = ("case", "failure", "warnings")  # what tables of studies hold beside inputs and outputs
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,159 +38,130 @@ class Measured:
         What was measured; nan where it was not.
     deviations : mapping of str to (rows,) array
         Standard deviations of the outputs that have them.
+    where : str
+        The file, for error texts.
+    numbers : sequence of int
+        Of the rows, as a spreadsheet shows them.
     """
 
     inputs: Mapping[str, Array]
     outputs: Mapping[str, Array]
     deviations: Mapping[str, Array]
+    where: str = "measured"
+    numbers: Sequence[int] = ()
 
 
 def read_measured(
     data: Any,
+    inputs: Mapping[str, Quantity | None],
     outputs: Mapping[str, Quantity],
-    quantity: Callable[[str], Quantity | None],
     columns: Mapping[str, str | None] | None = None,
+    replaced: Mapping[str, str] | None = None,
 ) -> Measured:
     """Return measured data.
 
     Parameters
     ----------
     data : path, mapping or pandas.DataFrame
-        ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name ends in a [unit].
-    outputs : mapping of str to Quantity
-        The outputs that a column may hold; every other column is an input.
-    quantity : callable
-        Name of an input -> what it is, None if it is not a number; raises InvalidProblem if there
-        is no such input.
+        ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name has a unit.
+    inputs, outputs : mapping of str to Quantity
+        What a column may hold; an input that is no number is None.
     columns : mapping, optional
-        Name in the data -> name of the model, None for a column to leave out.
+        Header in the data -> name of the model, maybe with its unit; None for one to leave out.
+    replaced : mapping of str to str, optional
+        Names that people may look for in vain, with what there is instead.
 
     Raises
     ------
     InvalidProblem
-        Naming the file's column or row at fault.
+        Naming all the file's columns, or rows, at fault.
     """
-    if hasattr(data, "items"):
-        where, table = "measured", {str(name): list(values) for name, values in data.items()}
-    else:
-        where, table = str(data), _read(Path(data))
+    sheet = read_sheet(data, "measured")
+    instead = replaced or {}
+    names = Names({**dict.fromkeys((*BESIDE, *instead)), **inputs, **outputs})
+    matched = [c for c in match_columns(sheet, names, columns) if c.name not in BESIDE]
     found: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
-    renames = dict(columns or {})
-    for header, cells in table.items():
-        match = _HEADER.fullmatch(header)
-        name, unit = match.groups() if match else (header, None)
-        target = renames.pop(name, name)
-        if target is None:
-            continue
-        kind, target, of = _role(target, outputs, quantity, where)
-        if target in found[kind]:
-            raise InvalidProblem([(where, f"two columns are {target}")])
-        gap = kind != "inputs"
-        found[kind][target] = _si(cells, unit, of, f"{where}: {name}", gap)
-    _check(found, renames, where)
-    return Measured(**found)
+    faults: list[tuple[str, str]] = []
+    sign = decimal_sign(sheet)
+    for column in matched:
+        if column.name in instead:
+            text = f"{column.name}: no such output: {instead[column.name]}"
+            raise InvalidProblem.at(sheet.where, text)
+        output = column.name in outputs
+        kind = "deviations" if column.deviation else "outputs" if output else "inputs"
+        quantity = names.quantity(column.name)
+        values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign)
+        found[kind][column.name] = values
+    tell(faults)
+    _check(found, sheet.where)
+    return Measured(**found, where=sheet.where, numbers=sheet.numbers)
 
 
-def _role(
-    name: str, outputs: Mapping[str, Quantity], quantity: Callable[[str], Quantity | None],
-    where: str,
-) -> tuple[str, str, Quantity | None]:  # fmt: skip
-    """Tell what a column is: kind, name in the model, quantity."""
-    match = _DEVIATION.fullmatch(name)
-    plain = match.group(1) if match else name
-    if plain in outputs:
-        return "deviations" if match else "outputs", plain, outputs[plain]
-    try:
-        return "inputs", plain, quantity(plain)
-    except InvalidProblem as fault:
-        raise InvalidProblem.at(f"{where}: {plain}", fault.faults[0][1]) from None
-
-
-def _check(found: dict[str, dict[str, Array]], renames: dict[str, Any], where: str) -> None:
-    for name in renames:
-        raise InvalidProblem([(where, f"has no column {name!r}")])
+def _check(found: dict[str, dict[str, Array]], where: str) -> None:
     if not found["outputs"]:
-        raise InvalidProblem([(where, "has no column that is an output of the model")])
-    sizes = {len(column) for kind in found.values() for column in kind.values()}
-    if len(sizes) > 1:
-        raise InvalidProblem([(where, f"columns differ in length: {sorted(sizes)}")])
+        raise InvalidProblem.at(where, "has no column that is an output of the model")
     for name, deviation in found["deviations"].items():
         known = np.isfinite(found["outputs"].get(name, deviation))
         if name not in found["outputs"] or not np.all(deviation[known] > 0):
             text = f"the standard deviations of {name} must be > 0 wherever it was measured"
-            raise InvalidProblem([(where, text)])
+            raise InvalidProblem.at(where, text)
 
 
-def _si(cells: list[Any], unit: str | None, of: Quantity | None, where: str, gap: bool) -> Array:
-    """Return a column in SI; an empty cell, or nan, is nan where a ``gap`` is allowed."""
-    if of is None:
-        raise InvalidProblem([(where, "is not a number, so it cannot be a column")])
-    factor = parse(f"1 {unit}", of.unit, where) if unit and unit != "1" else 1.0
-    values = np.full(len(cells), np.nan)
-    for row, cell in enumerate(cells):
-        text = cell.strip().replace(",", ".") if isinstance(cell, str) else cell
-        if gap and (text in (None, "") or (isinstance(text, float) and text != text)):
-            continue
-        try:
-            values[row] = factor * float(text)
-        except (TypeError, ValueError):
-            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is not a number")]) from None
-        if not np.isfinite(values[row]):
-            raise InvalidProblem([(where, f"row {row + 1}: {cell!r} is not a finite number")])
-    return values
+def read_cases(
+    data: Any,
+    inputs: Mapping[str, Quantity | None],
+    outputs: Mapping[str, Quantity],
+    made: Callable[[str, Any], Any],
+    columns: Mapping[str, str | None] | None = None,
+) -> dict[str, list[Any]]:
+    """Return the cases of a sweep: a value of each input a row, in SI.
 
-
-def _read(path: Path) -> dict[str, list[Any]]:
-    """Return a file's columns by header; an empty cell is ''."""
-    try:
-        header, *rows = _excel_rows(path) if path.suffix == ".xlsx" else _csv_rows(path)
-    except OSError as fault:
-        raise InvalidProblem([(str(path), f"cannot be read: {fault.strerror}")]) from None
-    if not rows:
-        raise InvalidProblem([(str(path), "holds no header with rows below it")])
-    for number, row in enumerate(rows, 1):
-        if len(row) != len(header):
-            text = f"row {number} has {len(row)} cells, the header {len(header)}"
-            raise InvalidProblem([(str(path), text)])
-    names = [str(cell).strip() for cell in header]
-    if len(set(names)) < len(names):
-        raise InvalidProblem([(str(path), "two columns have the same header")])
-    return {name: list(cells) for name, *cells in zip(names, *rows, strict=True) if name}
-
-
-def _csv_rows(path: Path) -> list[list[Any]]:
-    """Return a file's lines as cells.
-
-    By the standard library: pandas.read_csv would fill short rows up, and take the first column
-    for an index where a row is longer than the header.
+    Parameters
+    ----------
+    data, inputs, outputs, columns
+        As of :func:`read_measured`; outputs, and what else a study's table holds, are left out.
+    made : callable
+        (name, table) -> body or material, of a cell that holds one as JSON.
     """
-    try:
-        text = path.read_text("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        raise InvalidProblem([(str(path), f"is not UTF-8 text, from byte {fault.start}")]) from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    between = next((sign for sign in ";\t" if sign in "".join(lines[:1])), ",")
-    return list(csv.reader(lines, delimiter=between, skipinitialspace=True)) or [[]]
+    sheet = read_sheet(data, "over")
+    names = Names({**dict.fromkeys(BESIDE), **outputs, **inputs})
+    faults: list[tuple[str, str]] = []
+    over: dict[str, list[Any]] = {}
+    sign = decimal_sign(sheet)
+    matched = match_columns(sheet, names, columns)
+    # what is both, the creepage of rollers, was found where a study wrote the table, else given
+    written = any(column.name in BESIDE for column in matched)
+    for column in matched:
+        quantity = names.quantity(column.name)
+        if column.name in outputs and (written or column.name not in inputs):
+            continue
+        if column.deviation or column.name in BESIDE:
+            continue
+        if quantity is not None:
+            values = numbers(sheet, column, quantity, faults, gaps=False, sign=sign)
+            over[column.name] = values.tolist()
+        else:
+            over[column.name] = _things(sheet, column, made, faults)
+    tell(faults)
+    if not over:
+        raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
+    return over
 
 
-def _excel_rows(path: Path) -> list[list[Any]]:
-    """Return the rows of the first sheet that are not empty."""
-    import pandas
-
-    need_openpyxl()
-    try:
-        table = pandas.read_excel(
-            path, header=None, dtype=object, keep_default_na=False, engine="openpyxl"
-        )
-    except (KeyError, ValueError, EOFError, BadZipFile) as fault:
-        raise InvalidProblem([(str(path), f"is not an Excel file: {fault}")]) from None
-    # nan is a formula that ended in an error
-    table = table.where(table.notna(), "#N/A")
-    return table[(table != "").any(axis=1)].to_numpy().tolist() or [[]]
-
-
-def need_openpyxl() -> None:
-    """Say how to install what pandas reads and writes Excel with, where it is missing."""
-    if find_spec("openpyxl") is None:
-        text = "Excel files need openpyxl: pip install 'woundon[excel]'"
-        raise InvalidProblem([("xlsx", text)])
+def _things(
+    sheet: Sheet, column: Column, made: Callable[[str, Any], Any], faults: list[tuple[str, str]]
+) -> list[Any]:
+    """Return what is no number: words, names of materials, bodies as JSON."""
+    things: list[Any] = []
+    for number, cell in zip(sheet.numbers, column.cells, strict=True):
+        thing = cell.strip() if isinstance(cell, str) else cell
+        try:
+            if thing in ("", None):
+                raise InvalidProblem("the cell is empty")
+            if isinstance(thing, str) and thing.startswith("{"):
+                thing = made(column.name, json.loads(thing))
+        except (InvalidProblem, ValueError) as fault:
+            told = str(fault).replace("\n", "; ")
+            faults.append((sheet.where, f"row {number}, column {column.header!r}: {told}"))
+        things.append(thing)
+    return things

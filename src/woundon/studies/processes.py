@@ -167,19 +167,20 @@ class _Crew:
 
 
 def _serve(pipe: Any, work: Callable[[Any], Any]) -> None:
-    """Answer what comes through the pipe."""
+    """Answer what comes through the pipe, until nobody is at its other end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    pipe.send("ready")
-    while True:
-        item = pipe.recv()
-        try:
-            message = ForkingPickler.dumps((None, work(item)))
-        except Exception as fault:
-            fault.add_note(f"In a worker process:\n{format_exc()}")
-            message = ForkingPickler.dumps((fault, None))
-        sys.stdout.flush()
-        pipe.send_bytes(message)
+    with suppress(EOFError, OSError):
+        pipe.send("ready")
+        while True:
+            item = pipe.recv()
+            try:
+                message = ForkingPickler.dumps((None, work(item)))
+            except Exception as fault:
+                fault.add_note(f"In a worker process:\n{format_exc()}")
+                message = ForkingPickler.dumps((fault, None))
+            sys.stdout.flush()
+            pipe.send_bytes(message)
 
 
 def _end_with_parent() -> None:

@@ -33,6 +33,13 @@ class _Rate(ProgressColumn):
         return Text(f"{rate} {unit}")
 
 
+class _Channel(Console):
+    """The error channel; a study goes on where nobody reads it any more."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True  # rich would end the program
+
+
 @contextmanager
 def bar(
     done: int, size: int, label: str = "solving", unit: str = "cases/s"
@@ -48,7 +55,7 @@ def bar(
     unit : str
         Of the rate: ".../s" or ".../min".
     """
-    console = Console(stderr=True)
+    console = _Channel(stderr=True)
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _Rate(),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),

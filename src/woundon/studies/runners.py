@@ -124,9 +124,9 @@ class DaskRunner:
             ) from None
         todo, running = deque(chunks), dict[Future[Block], Chunk]()
         ahead = 4 * max(1, sum(client.nthreads().values()))
-        with client, client.get_executor(pure=False) as pool:
-            while todo or running:
-                while todo and len(running) < ahead:
+        with stoppable(FINISHING) as stopped, client, client.get_executor(pure=False) as pool:
+            while running or (todo and not stopped()):
+                while todo and len(running) < ahead and not stopped():
                     chunk = todo.popleft()
                     running[pool.submit(solve_chunk, model, chunk)] = chunk
                 for future in wait(running, return_when=FIRST_COMPLETED).done:

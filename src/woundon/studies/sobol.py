@@ -15,20 +15,23 @@ import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem
+from ..results import ReadOnly
 from .design import Column, Design, Range
 from .table import Table, failures
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
 __all__ = ["SobolIndices", "saltelli_design", "sobol_indices_of"]
 
 Array = np.ndarray
 RESAMPLES = 200
+MOST_TOLD = 3  # inputs in one line
 
 
-@dataclass(frozen=True, eq=False)
-class SobolIndices:
+@dataclass(frozen=True, eq=False, repr=False)
+class SobolIndices(ReadOnly):
     """Share of each output's variance that each input explains, with 95 % intervals.
 
     Attributes
@@ -52,7 +55,7 @@ class SobolIndices:
     total_interval: Array
     table: Table
 
-    def to_dataset(self) -> xarray.Dataset:
+    def to_xarray(self) -> xarray.Dataset:
         """Return the indices as an xarray Dataset along ``output`` and ``input``."""
         import xarray
 
@@ -67,6 +70,40 @@ class SobolIndices:
             {"output": list(self.outputs), "input": list(self.inputs), "end": ["low", "high"]},
         )
 
+    to_dataset = to_xarray  # its name in 0.1
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each output and input: the indices and their 95 % intervals [1]."""
+        import pandas as pd
+
+        index = pd.MultiIndex.from_product([self.outputs, self.inputs], names=["output", "input"])
+        columns = {
+            "first_order": self.first_order,
+            "first_low": self.first_interval[0],
+            "first_high": self.first_interval[1],
+            "total_order": self.total_order,
+            "total_low": self.total_interval[0],
+            "total_high": self.total_interval[1],
+        }
+        return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index=index)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        order = np.argsort(-self.total_order[0])[:MOST_TOLD]
+        told = ", ".join(f"{self.inputs[j]} {self.total_order[0, j]:.2f}" for j in order)
+        more = f"; {len(self.outputs)} outputs" if len(self.outputs) > 1 else ""
+        return f"SobolIndices({self.outputs[0]}: {told} of {len(self.inputs)} inputs{more})"
+
+    def _repr_html_(self) -> str:
+        head = "Share of the variance, alone (first order) and with interactions (total)"
+        strongest = [k * len(self.inputs) + j for k in range(len(self.outputs))
+                     for j in np.argsort(-self.total_order[k])]  # fmt: skip
+        table = self.to_dataframe().iloc[strongest]
+        html: str = kinds.fetch("woundon.show.html:table_html")(head, table, ())
+        return html
+
     def lines(self) -> list[str]:
         """Return the indices as lines of text, by output, the strongest input first."""
         out = []
@@ -80,9 +117,24 @@ class SobolIndices:
                 )
         return out
 
-    def plot(self, path: Any = None) -> Any:
-        """Draw the indices as bars."""
-        return kinds.fetch("woundon.show.study_plots:plot_indices")(self, path)
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw the indices as bars, the input that explains most on top.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook shows the figure, and in a script ``plt.show()`` does.
+        ax : matplotlib.axes.Axes, optional
+            Into which one output's panel is drawn.
+        panels : str or sequence of str, optional
+            Outputs to draw.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return kinds.fetch("woundon.show.study_plots:plot_indices")(self, path, ax, panels)
 
 
 def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:

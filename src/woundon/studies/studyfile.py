@@ -19,7 +19,7 @@ from .kind_model import field_quantity
 __all__ = ["StudyFile", "load_study"]
 
 SCHEMA = 1
-_KNOWN = ("schema", "case", "outputs", "over", "tie", "design", "solver")
+_KNOWN = ("schema", "case", "outputs", "over", "columns", "tie", "design", "solver")
 _SPACING = ("linear", "log")
 
 
@@ -30,10 +30,12 @@ class StudyFile:
     Attributes
     ----------
     problem : Problem
-    over : mapping
-        Field -> values, or range (low, high[, "log"]) of a drawn design.
+    over : mapping or path
+        Field -> values, or range (low, high[, "log"]) of a drawn design; or the table of cases.
     outputs : tuple of str, optional
         None where the file does not say: the kind's own.
+    columns : mapping, optional
+        Header in the table -> name, None for a column to leave out.
     tie : mapping
     design : mapping
         Keywords ``design``, ``samples``, ``seed`` of :func:`~woundon.studies.api.sweep`.
@@ -42,8 +44,9 @@ class StudyFile:
     """
 
     problem: Problem
-    over: Mapping[str, Any]
+    over: Mapping[str, Any] | Path
     outputs: tuple[str, ...] | None = None
+    columns: Mapping[str, str | None] | None = None
     tie: Mapping[str, str] = field(default_factory=dict)
     design: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -73,14 +76,31 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
     problem = _base(told.get("case"), path.parent)
     design = _design(_table(told, "design"))
     drawn = ranges or design.get("design", "grid") not in ("grid", "table")
-    over = {
-        name: _values(problem, name, given, drawn)
-        for name, given in _flat(_table(told, "over")).items()
-    }
+    over: Mapping[str, Any] | Path
+    if isinstance(told.get("over"), str) and not drawn:
+        over = path.parent / told["over"]
+    else:
+        over = {
+            name: _values(problem, name, given, drawn)
+            for name, given in _flat(_table(told, "over")).items()
+        }
     return StudyFile(
-        problem, over, _outputs(told.get("outputs")),
+        problem, over, _outputs(told.get("outputs")), _columns(told),
         _table(told, "tie"), design, _table(told, "solver"),
     )  # fmt: skip
+
+
+def _columns(told: Mapping[str, Any]) -> dict[str, str | None] | None:
+    """Return what the columns of the table of cases are; an empty name leaves one out."""
+    if "columns" not in told:
+        return None
+    columns = _table(told, "columns")
+    if not isinstance(told.get("over"), str):
+        raise InvalidProblem.at("columns", "there is no table; write over = 'FILE'")
+    for header, name in columns.items():
+        if not isinstance(name, str):
+            raise InvalidProblem.at(f"columns.{header}", f"{name!r} is not a name, as text")
+    return {header: name or None for header, name in columns.items()}
 
 
 def _base(case: Any, folder: Path) -> Problem:

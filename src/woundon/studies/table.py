@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
+from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..quantities import Quantity
 from .design import Design
 from .evaluate import Block
@@ -26,7 +27,10 @@ TEXTS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+_REFUSALS = tuple(f"{kind.__name__}: " for kind in (InvalidProblem, NoSteadyState))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Table:
     """Every case of a study.
 
@@ -72,6 +76,26 @@ class Table:
         """Numbers of the failed cases."""
         return np.nonzero(self.failure != "")[0]
 
+    def refused_if_all_failed(self) -> Table:
+        """Return itself.
+
+        Raises
+        ------
+        InvalidProblem, NotConverged
+            If no case at all was solved, with the reasons, by how many cases have them; the former
+            if all were refused before they were solved.
+        """
+        if self.failed.size < self.design.size:
+            return self
+        reasons = failures(self.failure)
+        others = self.design.size - sum(count for _, count in reasons)
+        told = [f"{count} x {reason}" for reason, count in reasons]
+        told += [f"{others} x others"] if others else []
+        text = f"none of the {self.design.size} cases was solved: {'; '.join(told)}"
+        if all(reason.startswith(_REFUSALS) for reason in self.failure):
+            raise InvalidProblem.at("over", text)
+        raise NotConverged(text, self.to_dataset())
+
     def columns(self) -> dict[str, Array]:
         """Return all columns: case, inputs, outputs, failure, warnings."""
         cases = np.arange(self.design.size)
@@ -82,6 +106,10 @@ class Table:
             "failure": self.failure,
             "warnings": self.warnings,
         }
+
+    def __repr__(self) -> str:
+        return (f"Table({self.design.size} cases of {', '.join(self.design.names)}; "
+                f"{', '.join(self.outputs)}; {self.failed.size} failed)")  # fmt: skip
 
     def to_dataset(self) -> xarray.Dataset:
         """Return an xarray Dataset: a dimension for each axis of a grid, or ``case``.

@@ -32,8 +32,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lapack
 
+from ..contact import lapack
 from ..contact.response import Tractions
 from ..contact.stick_slip import StickSlip, StickSlipSolution
 from ..elasticity.strip import Compliance

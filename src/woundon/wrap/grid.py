@@ -18,7 +18,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..contact.grid import Grid
+from ..contact.grid import HIGHEST_RANK, Grid
 from ..contact.schemes import interpolation_rank
 from ..elasticity.kernels import Kernel
 from ..errors import InvalidProblem
@@ -216,8 +216,11 @@ class Influence:
             values[needed] = kernel.smooth(near)
             values[far] += kernel.singular(across[0]) - kernel.singular(across[1])
             out += values @ self._hats_at_points
-        if self.nip is not None:
-            rank = interpolation_rank(self.length, self.scale)
+        rank = interpolation_rank(self.length, self.scale)
+        most = HIGHEST_RANK if self.nip is None else self.nip.highest_rank
+        if rank > most and kernel.twice is not None:  # too short for Gauss's rule
+            out[:, 1:-1] = self.grid.by_second_integral(kernel.twice, self.scale)
+        elif self.nip is not None:
             own = slice(0, self.rows.size)
             out[self.rows, self.columns] = self.nip.integrate(kernel, self.scale, own, rank)
         return out

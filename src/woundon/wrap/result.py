@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import kinds
 from ..nip.result import NipResult, WindingNipResult
+from ..problems.nip import WrappedNipProblem
 from ..quantities import Quantity, angle, line_load, strain, stress
 from ..results import Residuals, Zone
 
@@ -48,6 +49,7 @@ class WrappedNipResult(WindingNipResult):
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"roll_slip", "drum_slip", "roll_strain"})
 
+    problem: WrappedNipProblem
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
     curvature: Annotated[
@@ -147,3 +149,8 @@ class WrappedNipResult(WindingNipResult):
         from .certificate import certificate, equations_of
 
         return certificate(self, equations_of(self))
+
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.wrap.solve:recomputed")(self)
+        return told

@@ -12,27 +12,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
-from ..nip.solve import slip_ratios
+from ..nip.solve import slip_ratios, told_by
 from ..nip.validity import nip_warnings
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, roll_strain
+from .certificate import certificate, equations_of, roll_strain
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
 from .result import WrappedNipResult
 
-__all__ = ["check_options", "solve_wrapped_nip"]
+__all__ = ["check_options", "recomputed", "solve_wrapped_nip"]
 
 Array = np.ndarray
 
@@ -68,8 +69,8 @@ def solve_wrapped_nip(
     wrap_nodes : int, optional
         Number of cells on each arc, 12 to 2048; by default 3/4 of those in the nip.
     rtol : float, optional
-        Double the nodes until the estimated error of the wound-on tension is below rtol of it,
-        1e-6 to 0.1.
+        In place of nodes: double them until the estimated error of the wound-on tension is below
+        rtol of it, 1e-6 to 0.1.
     roll_wrap, drum_wrap, wrap_friction, winding_force
         Of a NipProblem only: the wraps that it is given, by default half a turn on the roll, and
         the force on nip and drum wrap together; see
@@ -158,6 +159,7 @@ def check_options(
     count = NODES if nodes is None else whole_number("nodes", nodes, 17, 1025)
     if rtol is not None:
         tolerance("rtol", rtol, 1e-6, 0.1)
+    nodes_or_rtol(nodes, rtol)
     if wrap_nodes is None:
         return count, 3 * (count - 1) // 4
     return count, whole_number("wrap_nodes", wrap_nodes, 12, 2048)
@@ -322,3 +324,17 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     ):
         v += face.normal_p @ p[own] + face.normal_q @ q[own] + face.sunk
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
+
+
+def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+    equations, problem = equations_of(result), result.problem
+    state: Any = SimpleNamespace(  # as much of one as the approach asks for
+        half_width=result.half_width, shift=result.offset / problem.contact_radius,
+        tension=result.web_tension,
+        roll_pressure=result.roll_pressure, roll_traction=result.roll_traction,
+        drum_pressure=result.pressure, drum_traction=result.drum_traction,
+    )  # fmt: skip
+    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
+    own = _in_nip(arrays, equations.grid)
+    return told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])

@@ -1,0 +1,513 @@
+"""What becomes of studies whose folder is damaged, whose process is killed, whose disk is full.
+
+    python benchmarks/hostile_studies.py                    all of it, half an hour
+    python benchmarks/hostile_studies.py damage --trials 500
+    python benchmarks/hostile_studies.py killed together full --trials 50 --seed 7
+
+damage     one to three faults are put into a finished study: parts and manifest cut, overwritten,
+           edited, exchanged, taken from another study or replaced by something that is no file.
+           Resumed, it is refused in one line, or its table is bit for bit what it was.
+killed     `woundon sweep`, with one worker or two, is killed (kill -9) at a random moment, and so
+           is every second resume; resumed once more, its table is compared.
+together   the same with two processes on one folder.
+stopped    Ctrl-C at a random moment, soon a second one: no process is left.
+full       the same on a file system of random size, which is then made larger (a tmpfs where it may
+           be mounted, else a limit on the size of files).
+
+Every trial has its own seed, printed where it fails; --seed N --trials 1 repeats it.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import json
+import multiprocessing
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import woundon as wo
+from woundon import cli
+from woundon.quantities import Quantity, pure
+from woundon.studies.design import make_design
+from woundon.studies.engine import run_study
+from woundon.studies.model import Answer
+from woundon.studies.runners import Here
+from woundon.studies.table import Table
+
+# ---- damage: a model that answers at once -------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Wave:
+    """y = sin a + slope b; fails at some a, warns at others."""
+
+    slope: float = 1.0
+    outputs: tuple[str, ...] = ("y", "z")
+    free_inputs: frozenset[str] = frozenset()
+
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        a, b = inputs["a"], inputs["b"]
+        if a == 3:
+            raise ZeroDivisionError("a is 3")
+        told = "a is large" if a > 7 else ""
+        return Answer((float(np.sin(a)) + self.slope * b, a / 3), told, None)
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> None:
+        return None
+
+    def quantity(self, name: str) -> Quantity | None:
+        return None if name == "word" else pure(name, name)
+
+    def record(self) -> dict[str, Any]:
+        return {"slope": self.slope}
+
+
+DESIGN = make_design({"a": range(10), "b": [0.1, 0.7], "word": ["one", "two"]})
+
+
+def table_of(out: Path | None, slope: float = 1.0, **how: Any) -> Table:
+    return run_study(Wave(slope), DESIGN, Here(), out=out, chunk=4, **how)
+
+
+def same(one: Table, other: Table) -> bool:
+    """Tell whether two tables are equal to the last bit."""
+    numbers = all(
+        one.outputs[name].tobytes() == other.outputs[name].tobytes() for name in one.outputs
+    )
+    texts = (one.failure.tolist(), one.warnings.tolist())
+    return numbers and texts == (other.failure.tolist(), other.warnings.tolist())
+
+
+Fault = Callable[[Path, Path, random.Random], None]  # study, another study, dice
+
+
+def _part(study: Path, dice: random.Random) -> Path:
+    """Return a part, or what is left of one."""
+    return dice.choice(sorted((study / "parts").iterdir()))
+
+
+def _any_file(study: Path, dice: random.Random) -> Path:
+    return dice.choice([study / "manifest.json", _part(study, dice)])
+
+
+def _content(path: Path) -> bytes:
+    return path.read_bytes() if path.is_file() else b"nothing"
+
+
+def _put(path: Path, content: bytes) -> None:
+    if path.is_dir() and not path.is_symlink():
+        path.rmdir()
+    else:
+        path.unlink(missing_ok=True)
+    path.write_bytes(content)
+
+
+def cut(study: Path, other: Path, dice: random.Random) -> None:
+    path = _any_file(study, dice)
+    content = _content(path)
+    _put(path, content[: dice.choice([0, dice.randrange(len(content) + 1)])])
+
+
+def flipped(study: Path, other: Path, dice: random.Random) -> None:
+    path = _any_file(study, dice)
+    content = bytearray(_content(path))
+    for _ in range(dice.choice([1, 1, 8])):
+        if content:
+            content[dice.randrange(len(content))] ^= 1 << dice.randrange(8)
+    _put(path, bytes(content))
+
+
+def overwritten(study: Path, other: Path, dice: random.Random) -> None:
+    path = _any_file(study, dice)
+    content = dice.choice([b"", b"PAR1", b"{}", b"null", b"[" * 20_000, b"9" * 5000, b"\xff\xfe"])
+    _put(path, content or dice.randbytes(dice.randrange(5000)))
+
+
+def swapped(study: Path, other: Path, dice: random.Random) -> None:
+    """Exchange what two parts hold."""
+    one, two = _part(study, dice), _part(study, dice)
+    first, second = _content(one), _content(two)
+    _put(one, second)
+    _put(two, first)
+
+
+def renamed(study: Path, other: Path, dice: random.Random) -> None:
+    """Give a part another chunk's number."""
+    path = _part(study, dice)
+    number = dice.choice(["000000", "000003", "000099", "1", "-1", "x", "0" * 5000])
+    target = path.with_name(f"{number}-{path.name.partition('-')[2]}"[-120:])
+    os.replace(path, target if not target.is_dir() else path)
+
+
+def foreign(study: Path, other: Path, dice: random.Random) -> None:
+    """Take a part of another study of the same cases, under its name or under that of this one."""
+    path = _part(other, dice)
+    number = path.name.partition("-")[0]
+    names = [path.name, *(p.name for p in (study / "parts").glob(f"{number}-*"))]
+    _put(study / "parts" / dice.choice(names), path.read_bytes())
+
+
+def edited(study: Path, other: Path, dice: random.Random) -> None:
+    """Change a number with the tools that parts are meant to be read with."""
+    import duckdb
+
+    path, aside = _part(study, dice), study / "aside.parquet"
+    change = dice.choice(
+        ["y + 1 AS y", "NULL::DOUBLE AS y", "0.0 AS b", '0 AS "case"', "'' AS failure"]
+    )
+    try:
+        with duckdb.connect() as connection:
+            connection.execute(
+                f"COPY (SELECT * REPLACE ({change}) FROM read_parquet('{path}')) "
+                f"TO '{aside}' (FORMAT parquet)"
+            )
+        os.replace(aside, path)
+    except (duckdb.Error, OSError):  # damaged before
+        aside.unlink(missing_ok=True)
+
+
+def manifest_edited(study: Path, other: Path, dice: random.Random) -> None:
+    path = study / "manifest.json"
+    try:
+        told = json.loads(path.read_bytes())
+        name = dice.choice(sorted(told))
+        told[name] = dice.choice([None, 2, "two", [], {}, float("nan"), told["design"]])
+    except (ValueError, LookupError, TypeError, OSError, RecursionError):
+        return
+    _put(path, json.dumps(told).encode("utf-8"))
+
+
+def manifest_foreign(study: Path, other: Path, dice: random.Random) -> None:
+    _put(study / "manifest.json", (other / "manifest.json").read_bytes())
+
+
+def missing(study: Path, other: Path, dice: random.Random) -> None:
+    path = _any_file(study, dice)
+    _put(path, b"")
+    path.unlink()
+
+
+def no_file(study: Path, other: Path, dice: random.Random) -> None:
+    """Put a folder, a pipe, a link to nowhere, to itself or to a device in a file's place."""
+    path = _any_file(study, dice)
+    _put(path, b"")
+    path.unlink()
+    kind = dice.choice(["folder", "pipe", "/dev/zero", "/nowhere", path.name])
+    if kind == "folder":
+        path.mkdir()
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(kind)
+
+
+def litter(study: Path, other: Path, dice: random.Random) -> None:
+    """Leave what processes leave: half-written files, an owner's note."""
+    (study / "parts" / f".{'0' * 6}-abc.parquet.7-7.part").write_bytes(b"half")
+    (study / ".owner.json").write_bytes(dice.choice([b"", b"{}", b"[" * 20_000, b'{"host": 7}']))
+
+
+FAULTS: tuple[Fault, ...] = (
+    cut, flipped, overwritten, swapped, renamed, foreign, edited, manifest_edited,
+    manifest_foreign, missing, no_file, litter,
+)  # fmt: skip
+
+
+class Wrong(Exception):
+    """Something was accepted that is wrong, or refused in another way than in one line."""
+
+
+def damage(seed: int, folder: Path) -> str:
+    """Damage a study, resume it; return what came of it."""
+    dice, study, other = random.Random(seed), folder / "study", folder / "other"
+    whole = table_of(study)
+    table_of(other, slope=2.0)
+    faults = [dice.choice(FAULTS) for _ in range(dice.choice([1, 1, 2, 3]))]
+    for fault in faults:
+        fault(study, other, dice)
+    names = " and ".join(fault.__name__ for fault in faults)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        try:
+            resumed = table_of(study, resume=True)
+        except (wo.InvalidProblem, OSError) as refusal:
+            if "\n" in str(refusal):
+                raise Wrong(f"{names}: refused in several lines: {refusal}") from None
+            return "refused in one line"
+        if not same(whole, resumed):
+            raise Wrong(f"{names}: accepted, and the table differs")
+        first = len(told)
+        if not same(whole, table_of(study, resume=True)) or len(told) > first:
+            raise Wrong(f"{names}: is not repaired")
+    return "repaired, the table is the same, told" if told else "the table is the same"
+
+
+# ---- kill -9 and full disks: the command, on nips -----------------------------------------------
+
+CASE = """
+schema = 1
+outputs = ["nip_induced_tension", "half_width"]
+[over]
+nip_load = { from = "1 kN/m", to = "4 kN/m", count = 120 }
+[solver]
+nodes = 17
+[case]
+roll_friction = 0.3
+drum_friction = 0.3
+nip_load = 2000
+winding_force = 0
+web_tension = 200
+[case.web]
+thickness = "66 um"
+material = "newsprint"
+[case.roll]
+radius = "0.5 m"
+material = "newsprint"
+[case.drum]
+radius = "0.5 m"
+"""
+
+
+HEAVY = [
+    "woundon.studies.commands", "woundon.studies.api", "woundon.nip.solve", "woundon.nip.result",
+    "woundon.show.study_plots", "woundon.studies.export", "duckdb", "filelock", "pandas", "xarray",
+    "matplotlib.backends.backend_agg", "rich.progress", "scipy.optimize",
+]  # fmt: skip
+FORKS = multiprocessing.get_context("forkserver")
+FORKS.set_forkserver_preload(HEAVY)  # imported once, not in every trial
+
+
+class Command:
+    """``woundon sweep`` in a process and a group of its own; with ``largest`` no file is larger."""
+
+    def __init__(self, folder: Path, out: Path, workers: int, largest: int = 0) -> None:
+        study = folder / "study.toml"
+        study.write_text(CASE, encoding="utf-8")
+        self.complaints = folder / f"complaints-{time.time_ns()}.txt"
+        self.arguments = (
+            "sweep", str(study), "--out", str(out), "--chunk", "3", "--export", "csv",
+            "--workers", str(workers), "--resume",
+        )  # fmt: skip
+        self.process: Any = FORKS.Process(
+            target=_woundon, args=(self.arguments, self.complaints, largest)
+        )
+        self.process.start()
+
+    def kill(self) -> None:
+        self.process.kill()
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C: a terminal tells the whole group."""
+        while not self.ended(0):
+            try:
+                os.killpg(self.process.pid, signal.SIGINT)
+                return
+            except ProcessLookupError:  # it has not made its group yet
+                time.sleep(0.01)
+
+    def ended(self, patience: float) -> bool:
+        self.process.join(patience)
+        return self.process.exitcode is not None
+
+    def end(self) -> tuple[int, str]:
+        """Wait; return the exit code, and what was complained of, which must be no traceback."""
+        if not self.ended(300):
+            self.kill()
+            raise Wrong("does not end")
+        said = self.complaints.read_text("utf-8") if self.complaints.exists() else ""
+        if "Traceback" in said:
+            raise Wrong(said)
+        return self.process.exitcode, said
+
+
+def _woundon(arguments: Sequence[str], complaints: Path, largest: int) -> None:
+    """Run the command line in a process that was made for it."""
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for name, descriptor in ((os.devnull, 1), (complaints, 2)):
+        os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT), descriptor)
+    sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+    if largest:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
+    sys.exit(cli.main(arguments))
+
+
+def _finished(folder: Path, out: Path) -> bytes:
+    """Resume the study to its end; return its table."""
+    code, said = Command(folder, out, workers=1).end()
+    if code:
+        raise Wrong(f"does not resume: {said}")
+    return (out / "study.csv").read_bytes()
+
+
+class Undisturbed:
+    """The table that every trial is compared with, and how long it takes."""
+
+    def __init__(self, folder: Path) -> None:
+        self.table = _finished(folder, folder / "whole")
+        began = time.monotonic()  # the first had to import everything
+        self.compare(folder, folder / "again")
+        self.seconds = time.monotonic() - began
+
+    def moment(self, dice: random.Random) -> None:
+        """Wait for a random part of what the study takes; two workers take longer to start."""
+        time.sleep(dice.uniform(0, 1.3 * self.seconds))
+
+    def compare(self, folder: Path, out: Path) -> None:
+        if _finished(folder, out) != self.table:
+            raise Wrong("the table differs")
+
+
+def killed(seed: int, folder: Path, whole: Undisturbed) -> str:
+    dice, out, count = random.Random(seed), folder / "out", 0
+    while count == 0 or dice.random() < 0.5:
+        command = Command(folder, out, dice.choice([1, 2]))
+        whole.moment(dice)
+        command.kill()
+        command.end()
+        count += 1
+    parts = len(list((out / "parts").glob("*.parquet"))) if out.exists() else 0
+    whole.compare(folder, out)
+    return "killed before its first part" if not parts else "killed, resumed, the table is the same"
+
+
+def together(seed: int, folder: Path, whole: Undisturbed) -> str:
+    dice, out = random.Random(seed), folder / "out"
+    commands = []
+    for _ in range(2):
+        commands.append(Command(folder, out, dice.choice([1, 2])))
+        time.sleep(dice.choice([0, dice.uniform(0, whole.seconds / 2)]))
+    whole.moment(dice)
+    dice.shuffle(commands)
+    for command in commands:
+        command.kill()
+        time.sleep(dice.choice([0, dice.uniform(0, 0.3)]))
+    said = [command.end()[1] for command in commands]
+    whole.compare(folder, out)
+    refused = sum("is at work in it" in text for text in said)
+    return f"{refused} of two refused, the table is the same"
+
+
+def _empty(group: int, patience: float = 5.0) -> bool:
+    """Tell whether all processes of a group have ended, within some time; end those that have not.
+
+    The standard library's tracker of resources ends a moment after the process that it belongs to.
+    """
+    limit = time.monotonic() + patience
+    try:
+        while time.monotonic() < limit:
+            os.killpg(group, 0)
+            time.sleep(0.02)
+        os.killpg(group, signal.SIGKILL)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def stopped(seed: int, folder: Path, whole: Undisturbed) -> str:
+    dice, out = random.Random(seed), folder / "out"
+    command, pressed = Command(folder, out, dice.choice([1, 2])), 0
+    whole.moment(dice)
+    for patience in (dice.uniform(0, 1), 10):
+        if not command.ended(0):
+            command.interrupt()
+            pressed += not command.ended(patience) or pressed == 0
+    if not command.ended(0):
+        command.kill()
+        raise Wrong("two Ctrl-C do not stop it")
+    if not _empty(command.process.pid):
+        raise Wrong("processes were left")
+    command.end()
+    whole.compare(folder, out)
+    times = {0: "finished before", 1: "stopped by one Ctrl-C", 2: "stopped by two"}[pressed]
+    return f"{times}, resumed, the table is the same"
+
+
+def full(seed: int, folder: Path, whole: Undisturbed) -> str:
+    dice, disk = random.Random(seed), folder / "disk"
+    disk.mkdir()
+    size = dice.randrange(4096, 200_000)
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(disk)], capture_output=True
+    )
+    try:
+        limited = {} if mounted.returncode == 0 else {"largest": dice.randrange(1, 3000)}
+        command = Command(folder, disk / "out", dice.choice([1, 2]), **limited)
+        if dice.random() < 0.5:
+            whole.moment(dice)
+            command.kill()
+        code, said = command.end()
+        ended = "killed" if code == -signal.SIGKILL else "in one line"
+        if code == 2 and said.strip().splitlines()[-1].count("error:") != 1:
+            raise Wrong(said)
+        if mounted.returncode == 0:
+            subprocess.run(["mount", "-o", "remount,size=64m", str(disk)], check=True)
+        whole.compare(folder, disk / "out")
+        if code == 0:
+            return "the disk was large enough"
+        return f"ended {ended}, resumed, the table is the same"
+    finally:
+        if mounted.returncode == 0:
+            subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+CAMPAIGNS: dict[str, Callable[..., str]] = {
+    "damage": damage, "killed": killed, "together": together, "stopped": stopped, "full": full,
+}  # fmt: skip
+TRIALS = {"damage": 500}
+
+
+def campaign(name: str, trials: int, seed: int) -> Counter[str]:
+    """Run the trials of one campaign; return how they ended."""
+    ends: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as top:
+        given = [] if name == "damage" else [Undisturbed(Path(top))]
+        for number in range(seed, seed + trials):
+            folder = Path(top) / str(number)
+            folder.mkdir()
+            try:
+                ends[CAMPAIGNS[name](number, folder, *given)] += 1
+            except Exception as fault:  # whatever comes out is a finding
+                ends[f"WRONG, seed {number}: {type(fault).__name__}: {fault}"] += 1
+            shutil.rmtree(folder)
+    return ends
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("campaigns", nargs="*", choices=[[], *CAMPAIGNS], default=list(CAMPAIGNS))
+    parser.add_argument("--trials", type=int, help="500 damaged folders, 50 of the others")
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+    wrong = 0
+    for name in args.campaigns:
+        trials = args.trials or TRIALS.get(name, 50)
+        print(f"{name}: {trials} trials, seeds {args.seed} to {args.seed + trials - 1}", flush=True)
+        for end, count in sorted(campaign(name, trials, args.seed).items()):
+            wrong += end.startswith("WRONG")
+            print(f"  {count:4d}  {end}", flush=True)
+    sys.exit(wrong > 0)
+
+
+if __name__ == "__main__":
+    main()

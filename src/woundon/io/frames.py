@@ -1,0 +1,34 @@
+"""Results as tables of pandas."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..quantities import outputs, value_of
+from ..results import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["to_frame"]
+
+
+def to_frame(result: Result) -> pd.DataFrame:
+    """Return a result's arrays along the first of them as columns; its numbers if it has none.
+
+    SI units; the attributes ``units`` and ``long_names`` tell them by column.
+    """
+    import numpy as np
+    import pandas as pd
+
+    known = {p.path: p.quantity for p in outputs(result) if p.quantity is not None}
+    values = {name: value_of(result, name) for name in known}
+    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+    long = next((array.shape[:1] for array in arrays.values()), None)
+    columns = {name: array for name, array in arrays.items() if array.shape == long}
+    frame = pd.DataFrame(columns) if columns else pd.DataFrame([values])
+    frame.attrs = {
+        "units": {name: known[name].unit for name in frame},
+        "long_names": {name: known[name].meaning for name in frame},
+    }
+    return frame

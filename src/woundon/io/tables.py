@@ -1,0 +1,328 @@
+"""Columns of a table to names of the model and numbers in SI.
+
+    nip_load [kN/m]    Nip load (kN/m)    nip load, kN/m    NIP LOAD kN/m    P [kN/m]
+
+are all the input ``nip_load``.  Behind an output's name "+-" (or "±") says that the column holds
+its standard deviations.  Whatever is at fault, columns and cells, is told at once.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InvalidProblem, nearest, one_of
+from ..quantities import Quantity, pattern
+from .sheets import Sheet
+from .units import factor, is_unit, parse
+
+__all__ = ["Column", "Names", "decimal_sign", "match_columns", "numbers", "tell"]
+
+Array = np.ndarray
+Faults = list[tuple[str, str]]
+
+MOST_TOLD = 10  # faulty cells of a table
+NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # how pure numbers are headed
+_BETWEEN = re.compile(r"[\s_.\-]+")
+_BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
+_SEPARATOR = re.compile(r"\s*,\s*|\s+/\s+|\s+in\s+|[\s_]+")
+_DEVIATION = re.compile(r"\s*(?:\+/?-|\N{PLUS-MINUS SIGN})\s*")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+_COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
+
+_HELP = (
+    "say what a column is in columns: {{{0!r}: 'NAME [UNIT]'}} in Python, [columns] in a study "
+    "file, --column {1!r} on the command line; an empty name leaves it out"
+)
+
+
+class Names:
+    """Names that a column may have, found however they are written.
+
+    Parameters
+    ----------
+    known : mapping of str to Quantity
+        Dotted names, ``*`` for the number of an item; None for what is not a number.
+    """
+
+    def __init__(self, known: Mapping[str, Quantity | None]) -> None:
+        self.known = known
+        self._by_key: dict[str, list[str]] = {}
+        self._by_symbol: dict[str, list[str]] = {}
+        for name, quantity in known.items():
+            self._by_key.setdefault(_key(name), []).append(name)
+            if quantity is not None:
+                self._by_symbol.setdefault(quantity.symbol, []).append(name)
+
+    def find(self, text: str) -> list[str]:
+        """Return the names that a text may mean: without regard to case, spaces and underscores.
+
+        A symbol means what alone has it, and is taken to the letter.
+        """
+        numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
+        found = self._by_key.get(_key(text)) or self._by_symbol.get(text.strip(), [])
+        return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in found]
+
+    def quantity(self, name: str) -> Quantity | None:
+        """Return what a found name is."""
+        return self.known[pattern(name)]
+
+    def nearest(self, text: str) -> str:
+        """Return the name that a text is most like, '' if it is like none."""
+        return nearest("_".join(_BETWEEN.split(text)), self.known)
+
+
+def _key(text: str) -> str:
+    parts = _BETWEEN.split(text.strip())
+    return "".join("*" if part.isdigit() else part.casefold() for part in parts)
+
+
+class Column(NamedTuple):
+    """A column whose name is known: what its header says, and its cells."""
+
+    header: str
+    name: str
+    unit: str
+    deviation: bool
+    cells: list[Any]
+
+
+# ---- headers ------------------------------------------------------------------------------------
+
+
+def match_columns(
+    sheet: Sheet, names: Names, columns: Mapping[str, str | None] | None = None
+) -> list[Column]:
+    """Return the columns of a sheet by the names that their headers mean.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    names : Names
+    columns : mapping
+        Header, with or without its unit -> name, with or without a unit; None, or an empty name,
+        for a column to leave out.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming all columns that are of no known name, or of one that another column has.
+    """
+    faults: Faults = []
+    found: list[Column] = []
+    strange: list[str] = []
+    left = {_key(header): (header, target) for header, target in (columns or {}).items()}
+    for header, cells in sheet.columns.items():
+        target, unit = _renamed(header, left)
+        if target is None:
+            continue
+        try:
+            name, own, deviation = _meant(target, names)
+        except InvalidProblem as fault:
+            faults.append((sheet.where, f"column {header!r}: {fault}"))
+            strange.append(header)
+            continue
+        told = own or unit or sheet.units.get(header, "")
+        found.append(Column(header, name, told, deviation, cells))
+    if strange:
+        faults.append((sheet.where, _HELP.format(strange[0], f"{strange[0]}=NAME [UNIT]")))
+    faults += [(sheet.where, f"has no column {header!r}") for header, _ in left.values()]
+    faults += _twice(found, sheet.where)
+    if faults:
+        raise InvalidProblem(faults)
+    return found
+
+
+def _renamed(header: str, left: dict[str, tuple[str, str | None]]) -> tuple[str | None, str]:
+    """Return what a header is to be read as, and the unit that is left of it; used up by that."""
+    for text, unit in _splits(header):
+        if _key(text) in left:
+            return left.pop(_key(text))[1] or None, unit
+    return header, ""
+
+
+def _meant(text: str, names: Names) -> tuple[str, str, bool]:
+    """Return name, unit and whether it is of standard deviations.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is no known name, or more than one.
+    """
+    for deviation, told in ((False, text), (True, _DEVIATION.sub(" ", text).strip())):
+        if deviation and told == text:
+            break
+        for name, unit in _splits(told):
+            found = [] if _DEVIATION.search(unit) else names.find(name)
+            if found and unit and not is_unit(unit) and names.quantity(found[0]) is None:
+                continue  # "web tenson" is no web
+            if len(found) > 1:
+                raise InvalidProblem(f"may be {one_of(found)}; write which")
+            if found:
+                return found[0], _without_symbol(unit, names.quantity(found[0])), deviation
+    name = next((name for name, unit in _splits(text) if is_unit(unit)), text)
+    near = names.nearest(_DEVIATION.sub("", name))
+    raise InvalidProblem(f"no field or output{f'; did you mean {near!r}?' if near else ''}")
+
+
+def _without_symbol(unit: str, quantity: Quantity | None) -> str:
+    """Return the unit of "nip load P [kN/m]", whose name is followed by its symbol."""
+    if quantity is None:
+        return unit
+    return re.sub(rf"{re.escape(quantity.symbol)}(?![\w/*])[\s,]*", "", unit).strip("[]() ")
+
+
+def _splits(header: str) -> Iterator[tuple[str, str]]:
+    """Yield ways to take a header for a name and a unit, the longest name first."""
+    yield header, ""
+    match = _BRACKETS.fullmatch(header.strip())
+    if match:
+        yield match[1].strip(), match[2].strip()
+    for match in reversed(list(_SEPARATOR.finditer(header))):
+        yield header[: match.start()], header[match.end() :]
+
+
+def _twice(found: list[Column], where: str) -> Faults:
+    kinds = [(column.name, column.deviation) for column in found]
+    return [(where, f"two columns are {name}{' +-' * deviation}")
+            for name, deviation in dict.fromkeys(kinds)
+            if kinds.count((name, deviation)) > 1]  # fmt: skip
+
+
+# ---- cells --------------------------------------------------------------------------------------
+
+
+def numbers(
+    sheet: Sheet,
+    column: Column,
+    quantity: Quantity | None,
+    faults: Faults,
+    *,
+    gaps: bool,
+    sign: str,
+) -> Array:
+    """Return a column in SI; what is at fault is nan, and told.
+
+    Parameters
+    ----------
+    sheet, column : Sheet, Column
+    quantity : Quantity
+        What it holds; None for what is not a number.
+    faults : list
+        Of (where, text), for whatever is at fault in the column.
+    gaps : bool
+        Whether cells may be empty, or nan.
+    sign : str
+        The table's :func:`decimal_sign`.
+    """
+    values = np.full(len(column.cells), np.nan)
+    if quantity is None:
+        text = "is not a number, so it cannot be a column here"
+        faults.append((sheet.where, f"column {column.header!r}: {text}"))
+        return values
+    try:
+        scale = _scale(column, quantity, sheet.in_si)
+    except InvalidProblem as fault:
+        faults.append((sheet.where, f"column {column.header!r}: {fault}"))
+        return values
+    for row, cell in enumerate(column.cells):
+        if gaps and _missing(cell):
+            continue
+        try:
+            values[row] = _number(cell, scale, quantity.unit, sign)
+        except InvalidProblem as fault:
+            told = f"row {sheet.numbers[row]}, column {column.header!r}: {fault}"
+            faults.append((sheet.where, told))
+    return values
+
+
+def _scale(column: Column, quantity: Quantity, in_si: bool) -> Fraction | None:
+    """Return how many SI units the column's unit is; None where the cells must tell theirs."""
+    if column.unit in NO_UNIT:
+        if in_si or quantity.unit == "1":
+            return Fraction(1)
+        if all(_with_unit(cell) for cell in column.cells if not _missing(cell)):
+            return None
+        told = f"{column.name} [{quantity.unit}]"
+        raise InvalidProblem(
+            f"has no unit; write it into the header, as in {told!r}, into a row below the headers, "
+            f"or into columns, as in {{{column.header!r}: {told!r}}} or "
+            f"--column {f'{column.header}={told}'!r}"
+        )
+    return factor(column.unit, quantity.unit, "")
+
+
+def _missing(cell: Any) -> bool:
+    return cell is None or str(cell).strip() in ("", "nan", "<NA>")  # of pandas too
+
+
+def _with_unit(cell: Any) -> bool:
+    number = _NUMBER.match(cell.strip()) if isinstance(cell, str) else None
+    return number is not None and is_unit(cell.strip()[number.end() :].strip())
+
+
+def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
+    """Return a cell in SI.
+
+    Raises
+    ------
+    InvalidProblem
+        Without a field, saying what is wrong with the cell.
+    """
+    text = str(cell).strip()
+    if _missing(cell):
+        raise InvalidProblem("the cell is empty")
+    if isinstance(cell, str):
+        text = _with_point(text, sign)
+    try:
+        if _NUMBER.fullmatch(text) and scale is not None:
+            return float(Fraction(text) * scale)
+        if _with_unit(text):
+            return parse(text, unit)
+    except OverflowError:
+        text = "inf"
+    finite = " finite" if text in ("inf", "-inf") else ""
+    formula = "; open and save the file in a spreadsheet, which calculates its formulas"
+    hint = formula if text.startswith("=") else ""
+    raise InvalidProblem(f"{cell!r} is not a{finite} number{hint}")
+
+
+def _with_point(text: str, sign: str) -> str:
+    """Return a text with a decimal point, the other mark refused."""
+    if sign == "," and _COMMA.fullmatch(text) and text.count(",") == 1:
+        return text.replace(",", ".")
+    if "," in text:
+        hint = "write a decimal point, and no mark between thousands"
+        raise InvalidProblem(f"{text!r} is not a number; {hint}")
+    if sign == "," and "." in text:
+        raise InvalidProblem(f"{text!r} has a point where other cells have decimal commas")
+    return text
+
+
+def decimal_sign(sheet: Sheet) -> str:
+    """Return the decimal sign of a table's texts, "." or ",".
+
+    Between semicolons a comma is one, between commas it is none; elsewhere it is where one number
+    has a comma that cannot stand between thousands, so that "1,900" alone is refused.
+    """
+    if sheet.between == ",":
+        return "."
+    with_comma = [cell.strip() for cells in sheet.columns.values() for cell in cells
+                  if isinstance(cell, str) and _COMMA.fullmatch(cell.strip())]  # fmt: skip
+    unlike = with_comma if sheet.between == ";" else [
+        text for text in with_comma if not _THOUSANDS.fullmatch(text)
+    ]  # fmt: skip
+    return "," if unlike else "."
+
+
+def tell(faults: Faults) -> None:
+    """Raise InvalidProblem with the first faults of a table, if there are any."""
+    if not faults:
+        return
+    more = [(faults[0][0], f"{len(faults) - MOST_TOLD} more faults")]
+    raise InvalidProblem(faults[:MOST_TOLD] + more * (len(faults) > MOST_TOLD))

@@ -1,0 +1,73 @@
+"""What ``help`` says of a description: signature, text, and fields with units and ranges."""
+
+from __future__ import annotations
+
+from inspect import Parameter, Signature, cleandoc
+from textwrap import fill
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from ..quantities import quantity_of
+from .fields import Description, admissible
+
+__all__ = ["documentation", "signature"]
+
+WIDTH = 92
+
+
+def signature(model: type[Description]) -> Signature:
+    """Return the arguments that make a description, without pydantic's marks."""
+    return Signature([
+        Parameter(
+            name, Parameter.KEYWORD_ONLY, annotation=_word(field.annotation),
+            default=Parameter.empty if field.is_required() else field.default,
+        )
+        for name, field in model.model_fields.items()
+    ], return_annotation=None)  # fmt: skip
+
+
+def documentation(model: type[Description]) -> str:
+    """Return a description's own text, with a table of its fields before its sections."""
+    own, fields = cleandoc(vars(model)["__doc__"] or ""), model.model_fields
+    if not fields:
+        return own
+    width = max(map(len, fields)) + 2
+    rows = [
+        fill(f"{name:<{width}}{_told(field)}", WIDTH, initial_indent="    ",
+             subsequent_indent=" " * (width + 4), break_on_hyphens=False)
+        for name, field in fields.items()
+    ]  # fmt: skip
+    head, mark, sections = own.partition("\n\nParameters\n---")
+    return "\n".join([head, "", "Fields, SI units::", "", *rows]) + mark + sections
+
+
+def _told(field: FieldInfo) -> str:
+    """Return "P, nip load: >= 1e-12 and <= 1e+07 [N/m], usually 500 to 10000"."""
+    quantity = quantity_of(field)
+    if quantity is None:
+        about = f"{field.description}: " if field.description else ""
+        return about + admissible(field)
+    text = f"{quantity.symbol}, {quantity.meaning}: {admissible(field)}"
+    if quantity.typical:
+        low, high = quantity.typical
+        text += f", usually {low:g} to {high:g}"
+    return text
+
+
+def _word(annotation: Any) -> str:
+    """Return a type as it is written: "float | None"."""
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _word(parts[0])
+    if origin in (Union, UnionType):
+        return " | ".join(map(_word, parts))
+    if origin is Literal:
+        return f"Literal[{', '.join(map(repr, parts))}]"
+    if annotation in (NoneType, None):
+        return "None"
+    if annotation is Ellipsis:
+        return "..."
+    name = getattr(origin or annotation, "__name__", str(annotation))
+    return f"{name}[{', '.join(map(_word, parts))}]" if parts else name

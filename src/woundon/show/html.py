@@ -1,0 +1,107 @@
+"""Reports as HTML: tables that a notebook shows, in its own colours, light or dark.
+
+Every text is escaped.  There is no colour of a letter or a ground here; a table takes those of the
+page that it stands on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+from ..contact.zones import zone_runs
+from ..problems.fields import Description
+from .parts import Line, Part, Row, Section, ZoneStrips
+from .report import field_rows, report_parts
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ..results import Result
+
+__all__ = ["description_html", "parts_html", "result_html", "table_html"]
+
+LEFT = "text-align:left"
+RIGHT = "text-align:right"
+QUIET = "opacity:0.75"
+_ZONES = {-1: "#E69F00", 0: "#BBBBBB", 1: "#56B4E9"}
+
+
+def result_html(result: Result) -> str:
+    """Return the report of a result of any kind."""
+    return parts_html(report_parts(result))
+
+
+def description_html(description: Description) -> str:
+    """Return the fields of a problem, or of a part of one."""
+    rows = tuple(field_rows(description))
+    return parts_html([Section(type(description).__name__, rows)])
+
+
+def table_html(head: str, frame: pd.DataFrame, remarks: Iterable[str]) -> str:
+    """Return a table of numbers between its heading and what is to be said of it."""
+    table = frame.to_html(float_format="{:.4g}".format, na_rep="")
+    return _division([_paragraph(head), table, *map(_paragraph, remarks)])
+
+
+def parts_html(parts: Iterable[Part]) -> str:
+    """Return the parts of a report."""
+    return _division([_part(part) for part in parts])
+
+
+def _division(texts: Sequence[str]) -> str:
+    return "<div>\n{}\n</div>".format("\n".join(texts))
+
+
+def _part(part: Part) -> str:
+    if isinstance(part, Section):
+        return _section(part)
+    return _strips(part) if isinstance(part, ZoneStrips) else _line(part)
+
+
+def _paragraph(text: str, style: str = "") -> str:
+    return f'<p style="margin:0.3em 0;{style}">{escape(text)}</p>'
+
+
+def _line(line: Line) -> str:
+    loud = {"quiet": QUIET, "warning": "font-weight:bold", "bad": "font-weight:bold"}
+    return _paragraph(line.text, loud.get(line.tone, ""))
+
+
+def _section(section: Section) -> str:
+    caption = f'<caption style="{LEFT};font-weight:bold">{escape(section.title)}</caption>'
+    rows = "\n".join(map(_row, section.rows))
+    below = _paragraph(section.text, QUIET) if section.text else ""
+    return f"<table>{caption}<tbody>\n{rows}\n</tbody></table>{below}"
+
+
+def _row(row: Row) -> str:
+    error = f" ± {row.error_text}" if row.error_text else ""
+    cells = [
+        (row.meaning, LEFT), (row.symbol, LEFT), (row.value_text, RIGHT),
+        (f"{row.unit}{error}{row.note}", LEFT),
+    ]  # fmt: skip
+    return "<tr>{}</tr>".format("".join(f'<td style="{s}">{escape(c)}</td>' for c, s in cells))
+
+
+def _strips(part: ZoneStrips) -> str:
+    """Return bars along the contact; a face's name and what its zones are stand beside them."""
+    words = {0: "stick", 1: part.faster, -1: part.slower}
+    rows = []
+    for face, zones in part.faces.items():
+        long = part.x[-1] - part.x[0]
+        bars = "".join(
+            f'<span title="{escape(words[zone])}" style="display:inline-block;height:1em;'
+            f'background:{_ZONES[zone]};width:{100 * (right - left) / long:.2f}%"></span>'
+            for zone, left, right in zone_runs(part.x, zones)
+        )
+        bar = f'<td style="width:30em;font-size:0.9em;white-space:nowrap">{bars}</td>'
+        rows.append(f'<tr><td style="{LEFT}">{escape(face)}</td>{bar}</tr>')
+    key = " &emsp; ".join(
+        f'<span style="display:inline-block;width:1em;height:0.8em;background:{_ZONES[zone]}">'
+        f"</span> {escape(word)}" for zone, word in words.items()
+    )  # fmt: skip
+    caption = f'<caption style="{LEFT};font-weight:bold">Zones, leading edge on the left</caption>'
+    table = f"<table>{caption}<tbody>\n{''.join(rows)}\n</tbody></table>"
+    return f'{table}<p style="margin:0.3em 0">{key}</p>'

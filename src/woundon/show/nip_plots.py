@@ -1,0 +1,232 @@
+"""The panels of a winding nip, alone and with its wraps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..nip.result import NipResult, WindingNipResult
+from ..wrap.result import WrappedNipResult
+from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
+from .panels import NEUTRAL, Case, Panel
+from .parts import nip_zones
+
+__all__ = ["draw_slips", "nip_panels", "wrapped_panels"]
+
+Array = np.ndarray
+Cases = Sequence[Case]
+Handles = list[Any]
+
+ROLL, DRUM, TENSION = COLOURS[0], COLOURS[1], NEUTRAL
+ROLL_BOUND, DRUM_BOUND = "#DDDDDD", "#B5B5B5"
+
+
+# ---- the nip ------------------------------------------------------------------------------------
+
+
+def nip_panels(result: NipResult) -> dict[str, Panel]:
+    """Return the panels of a nip (thesis Fig. 15).
+
+    - tractions: q+ and q- over the shaded bounds +-mu+ p and +-mu- p [kPa]
+    - slips: v+ and v- [%], and the web tension [N/m] on the right
+    - zones: at roll and drum
+    - pressure, tension: alone, if asked for
+    """
+    return dict(NIP)
+
+
+def draw_tractions(axes: Axes, cases: Cases) -> Handles:
+    """Draw q+ and q- of nips along x; of one alone over its shaded friction bounds."""
+    handles: Handles = []
+    for case in cases:
+        result, own = case.result, case.result.in_nip
+        x = shown(result, "x")[own]
+        shades = _draw_bounds(axes, result) if case.alone else []
+        (roll,) = axes.plot(x, shown(result, "roll_traction")[own], color=case.or_own(ROLL))
+        (drum,) = axes.plot(x, shown(result, "drum_traction")[own], "--", color=case.or_own(DRUM))
+        roll.set_label("$q^{+}$ on roll")
+        drum.set_label("$q^{-}$ on drum")
+        handles = handles or [roll, drum, *shades]
+    quantity = quantity_of(cases[0].result, "roll_traction")
+    axes.set_ylabel(axis_label("Tangential traction $q$", quantity))
+    _along(axes, cases)
+    return handles
+
+
+def _draw_bounds(axes: Axes, result: WindingNipResult) -> Handles:
+    """Shade what friction allows, the narrower bound on top."""
+    problem, own = result.problem, result.in_nip
+    x, on_drum = shown(result, "x")[own], shown(result, "pressure")[own]
+    wrapped = isinstance(result, WrappedNipResult)
+    on_roll = shown(result, "roll_pressure")[own] if wrapped else on_drum
+    bounds = [
+        (problem.roll_friction, on_roll, ROLL_BOUND, "+"),
+        (problem.drum_friction, on_drum, DRUM_BOUND, "-"),
+    ]
+    shades: Handles = []
+    for mu, p, colour, sign in sorted(bounds, key=lambda bound: -bound[0]):
+        label = rf"$\pm\mu^{{{sign}}}p{f'^{{{sign}}}' if wrapped else ''}$"
+        shade = axes.fill_between(x, -mu * p, mu * p, color=colour, linewidth=0, label=label)
+        shades.append(shade)
+    return shades
+
+
+def draw_slips(axes: Axes, cases: Cases) -> Handles:
+    """Draw the slips v+ and v- of nips along x and, on the right, the web tension."""
+    handles: Handles = []
+    tension_axes = axes.twinx()
+    for case in cases:
+        result, own = case.result, case.result.in_nip
+        x, slip_x = shown(result, "x")[own], shown(result, "slip_x")[own]
+        (roll,) = axes.plot(slip_x, shown(result, "roll_slip")[own], color=case.or_own(ROLL))
+        (drum,) = axes.plot(slip_x, shown(result, "drum_slip")[own], "--", color=case.or_own(DRUM))
+        T = shown(result, "web_tension")[own]
+        (tension,) = tension_axes.plot(x, T, "-.", color=case.or_own(TENSION))
+        roll.set_label("$v^{+}$ at roll")
+        drum.set_label("$v^{-}$ at drum")
+        tension.set_label("$T$ (right axis)")
+        handles = handles or [roll, drum, tension]
+    one = cases[0].result
+    axes.set_ylabel(axis_label("Relative slip speed $v$", quantity_of(one, "roll_slip")))
+    tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(one, "web_tension")))
+    tension_axes.grid(visible=False)
+    _along(axes, cases)
+    return handles
+
+
+def _draw_pressure(axes: Axes, cases: Cases) -> Handles:
+    return _draw_one(axes, cases, "pressure", "Pressure $p$", DRUM)
+
+
+def _draw_tension(axes: Axes, cases: Cases) -> Handles:
+    return _draw_one(axes, cases, "web_tension", "Web tension $T$", TENSION)
+
+
+def _draw_one(axes: Axes, cases: Cases, name: str, words: str, colour: str) -> Handles:
+    """Draw one array between the edges of the nip."""
+    for case in cases:
+        own = case.result.in_nip
+        x, values = shown(case.result, "x")[own], shown(case.result, name)[own]
+        axes.plot(x, values, color=case.or_own(colour))
+    axes.set_ylabel(axis_label(words, quantity_of(cases[0].result, name)))
+    _along(axes, cases)
+    return []
+
+
+def _draw_nip_zones(axes: Axes, cases: Cases) -> Handles:
+    strips, colours = [nip_zones(case.result) for case in cases], [case.colour for case in cases]
+    handles = draw_zones(axes, strips, quantity_of(cases[0].result, "x"), colours)
+    _along(axes, cases)
+    return list(handles)
+
+
+def _along(axes: Axes, cases: Cases) -> None:
+    along_contact(axes, [case.result for case in cases], "nip")
+
+
+NIP = {
+    "tractions": Panel(draw_tractions, "nip"),
+    "slips": Panel(draw_slips, "nip", height=2.8),
+    "zones": Panel(_draw_nip_zones, "nip", height=0.5, strip=True),
+    "pressure": Panel(_draw_pressure, "nip", shown=False),
+    "tension": Panel(_draw_tension, "nip", shown=False),
+}
+
+
+# ---- the nip with its wraps ---------------------------------------------------------------------
+
+
+def wrapped_panels(result: WrappedNipResult) -> dict[str, Panel]:
+    """Return the panels of a nip with its wraps: those of a nip, then the web along the roll.
+
+    Over the distance from the nip as an angle [deg], on a logarithmic scale:
+
+    - wrap_tension: the web tension
+    - wrap_pressure: the pressure on the roll and |q+|/mu+, the pressure that its traction needs
+      [kPa]
+
+    Where the web is wrapped on the drum too, the same before the nip.
+    """
+    wrapped = result.problem.roll_wrap or result.problem.drum_wrap
+    return {**NIP, **WRAPS} if wrapped else dict(NIP)
+
+
+def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
+    """Draw the tension on roll and drum, over the angle from the nip."""
+    handles: Handles = []
+    for case in cases:
+        result = case.result
+        T, curves = shown(result, "web_tension"), []
+        for face, theta, own in _wraps(result):
+            line, label = ("-.", "$T$ on roll") if face == "roll" else (":", "$T$ on drum")
+            (curve,) = axes.plot(theta, T[own], line, color=case.or_own(TENSION), label=label)
+            curves.append(curve)
+        marks = _mark_wound_on(axes, result) if case.alone and result.problem.roll_wrap else []
+        handles = handles or [*curves, *marks]
+    axes.set_ylabel(axis_label("Web tension $T$", quantity_of(cases[0].result, "web_tension")))
+    _along_angle(axes, cases)
+    return handles
+
+
+def _mark_wound_on(axes: Axes, result: WrappedNipResult) -> Handles:
+    """Mark the wound-on tension, and where slip ends."""
+    wound = quantity_of(result, "wound_on_tension")
+    far = f"{wound.symbol} {wound.shown(result.wound_on_tension):.5g} {unit_of(wound)}"
+    marks: Handles = [
+        axes.axhline(result.wound_on_tension, color="#888888", linewidth=0.8, label=far)
+    ]
+    if result.slip_angle:
+        end = shown(result, "slip_angle")
+        marks.append(axes.axvline(end, color=ROLL, linewidth=0.8, label="end of slip"))
+    return marks
+
+
+def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
+    """Draw the pressure on roll and drum, and the one that the traction there needs."""
+    handles: Handles = []
+    for case in cases:
+        curves, result = [], case.result
+        for face, theta, own in _wraps(result):
+            roll = face == "roll"
+            sign, colour, lines = ("+", ROLL, "-:") if roll else ("-", DRUM, ("--", "-."))
+            friction = result.problem.friction_behind if roll else result.problem.drum_friction
+            present = shown(result, "roll_pressure" if roll else "pressure")[own]
+            needed = np.abs(shown(result, f"{face}_traction")[own]) / friction
+            needs = rf"$|q^{{{sign}}}|/\mu^{{{sign}}}$"
+            for values, line, label in zip(
+                (present, needed), lines, (f"$p^{{{sign}}}$", needs), strict=True
+            ):
+                curves += axes.plot(theta, values, line, color=case.or_own(colour), label=label)
+        handles = handles or curves
+    axes.set_ylabel(axis_label("Pressure $p$", quantity_of(cases[0].result, "pressure")))
+    _along_angle(axes, cases)
+    return handles
+
+
+def _wraps(result: WrappedNipResult) -> list[tuple[str, Array, slice]]:
+    """Return the faces on which the web is wrapped: angles from the nip [deg], nodes."""
+    problem, own, a = result.problem, result.in_nip, result.half_width
+    angle, x = quantity_of(result, "slip_angle"), result.x
+    found = []
+    if problem.roll_wrap:
+        behind = slice(own.stop, None)
+        found.append(("roll", angle.shown((x[behind] - a) / problem.roll.radius), behind))
+    if problem.drum_wrap:
+        before = slice(0, own.start)
+        found.append(("drum", angle.shown((-a - x[before]) / problem.drum.radius), before))
+    return found
+
+
+def _along_angle(axes: Axes, cases: Cases) -> None:
+    angle = quantity_of(cases[0].result, "slip_angle")
+    axes.set_xlabel(axis_label(r"Angle from the edge of the nip $\theta$", angle))
+    axes.set_xscale("log")
+
+
+WRAPS = {
+    "wrap_tension": Panel(_draw_wrap_tension, "wraps", width=6.1),
+    "wrap_pressure": Panel(_draw_wrap_pressure, "wraps", width=6.1, height=3.3),
+}

@@ -1,0 +1,117 @@
+"""The panels of two rollers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from .. import theories
+from ..errors import InvalidProblem
+from ..rollers.result import RollerResult
+from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown
+from .panels import NEUTRAL, Case, Panel
+from .parts import roller_zones
+
+__all__ = ["roller_panels"]
+
+Array = np.ndarray
+Cases = Sequence[Case]
+Handles = list[Any]
+
+
+def roller_panels(result: RollerResult) -> dict[str, Panel]:
+    """Return the panels of two rollers.
+
+    - tractions: p and q over the shaded bound +-mu p [MPa], beside them the closed forms that
+      apply: Carter's (rolling), Cattaneo's (static), or Bentall and Johnson's for dissimilar
+      rollers that roll freely without slip
+    - slip: a speed over the speed [%] in rolling, a length in static contact
+    - zones
+    """
+    return {
+        "tractions": Panel(_draw_roller_tractions, "contact"),
+        "slip": Panel(_draw_roller_slip, "contact", height=2.8),
+        "zones": Panel(_draw_roller_zones, "contact", height=0.3, strip=True),
+    }
+
+
+def _draw_roller_tractions(axes: Axes, cases: Cases) -> Handles:
+    handles: Handles = []
+    for case in cases:
+        result, mu = case.result, case.result.problem.friction
+        x, p, marks = shown(result, "x"), shown(result, "pressure"), []
+        if case.alone:
+            shade = axes.fill_between(x, -mu * p, mu * p, color="#DDDDDD", linewidth=0)
+            shade.set_label(r"$\pm\mu p$")
+            marks.append(shade)
+        (pressure,) = axes.plot(x, p, "-.", color=case.or_own(NEUTRAL), label="$p$")
+        (traction,) = axes.plot(x, shown(result, "traction"), color=case.or_own(COLOURS[0]))
+        traction.set_label("$q$ on upper roller")
+        marks += _draw_closed_forms(axes, result) if case.alone else []
+        handles = handles or [pressure, traction, *marks]
+    quantity = quantity_of(cases[0].result, "pressure")
+    axes.set_ylabel(axis_label("Pressure $p$, traction $q$", quantity))
+    _along(axes, cases)
+    return handles
+
+
+def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
+    """Mark p and q of the theory that applies; return its handle, none where none does."""
+    name, forms = _closed_forms(result)
+    inside = -np.cos(np.linspace(0, np.pi, 42)) * result.half_width
+    x, p = quantity_of(result, "x"), quantity_of(result, "pressure")
+    marks: Handles = []
+    for form in forms:
+        marks += axes.plot(
+            x.shown(inside), p.shown(form(inside)), "o", color=COLOURS[1], markersize=3.5,
+            fillstyle="none", markeredgewidth=0.8, label=name,
+        )  # fmt: skip
+    return marks[-1:]
+
+
+def _closed_forms(result: RollerResult) -> tuple[str, tuple[Callable[[Array], Array], ...]]:
+    """Return the name of the theory that applies with its p(x) and q(x); none where none does."""
+    problem = result.problem
+    known: list[tuple[str, Callable[..., Any]]] = [("Cattaneo", theories.cattaneo)]
+    if problem.motion == "rolling":
+        known = [("Carter", theories.carter)]
+        if problem.creepage is None and not problem.tangential_load:
+            known.append(("Bentall-Johnson, no slip", theories.bentall_johnson_stick))
+    for name, theory in known:
+        try:
+            found = theory(problem)
+        except InvalidProblem:  # not similar, or of no linear elastic material
+            continue
+        return name, (found.pressure, found.traction)
+    return "", ()
+
+
+def _draw_roller_slip(axes: Axes, cases: Cases) -> Handles:
+    one = cases[0].result
+    rolling = one.problem.motion == "rolling"
+    if any((case.result.problem.motion == "rolling") != rolling for case in cases):
+        text = "the slip of rolling rollers is a speed, of static ones a length; leave it out"
+        raise InvalidProblem.at("panels", text)
+    quantity = quantity_of(one, "creepage" if rolling else "shift")
+    for case in cases:
+        result = case.result
+        axes.plot(
+            shown(result, "slip_x"), quantity.shown(result.slip), color=case.or_own(COLOURS[0])
+        )
+    axes.set_ylabel(axis_label("Relative slip speed $v$" if rolling else "Slip $v$", quantity))
+    _along(axes, cases)
+    return []
+
+
+def _draw_roller_zones(axes: Axes, cases: Cases) -> Handles:
+    strips, colours = [roller_zones(c.result) for c in cases], [case.colour for case in cases]
+    handles = draw_zones(axes, strips, quantity_of(cases[0].result, "x"), colours)
+    _along(axes, cases)
+    return list(handles)
+
+
+def _along(axes: Axes, cases: Cases) -> None:
+    along_contact(axes, [case.result for case in cases], "contact")

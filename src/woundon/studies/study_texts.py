@@ -1,0 +1,101 @@
+"""A study file to start from, of any kind of problem: what ``woundon new --study`` prints."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import product
+from textwrap import fill
+
+from .. import kinds
+from ..errors import InvalidProblem
+from ..io.case_texts import SCHEMA, to_toml
+from ..io.units import written
+from ..problems.fields import Problem
+from ..quantities import Quantity, find, scalar_outputs
+from .kind_model import options_of
+
+__all__ = ["study_template"]
+
+_TEXT = """\
+# A study: the case below, solved for many values of its fields.
+#
+#   woundon sweep study.toml --out results             solve it; tables and figures are in results/
+#   woundon sweep study.toml --out results --resume    go on with it after an interruption
+
+schema  = {schema}
+outputs = {outputs}
+{others}
+
+# All combinations are solved: of ranges, spacing = "log" too, and of lists of values.  For the rows
+# of a table write over = "cases.csv" in place of this section (.xlsx too; units in its header).
+[over]
+{over}
+
+# [design]                      # cases that are drawn; the ranges above then have no count
+# kind    = "latin-hypercube"   # or "sobol"
+# samples = 64
+# seed    = 1
+
+# [tie]                         # fields that follow others
+# "FIELD" = "FIELD"
+
+[solver]
+# options: {options}
+
+# The case; any of its fields may be varied above, nested ones by dotted name.
+{case}"""
+
+
+def study_template(kind: str) -> str:
+    """Return the text of a study file that runs as it is, of the example of a kind of problem.
+
+    Raises
+    ------
+    InvalidProblem
+        For an unknown kind, or one that has no example.
+    """
+    chosen = kinds.named(kind.replace("-", "_"))
+    problem = chosen.example()
+    varied = dict(_varied(problem))
+    width = max(map(len, varied), default=0)
+    known = [name for name in scalar_outputs(chosen.result) if name not in varied]
+    outputs = [*chosen.result.MAIN] or known[:1]
+    others = [name for name in known if name not in outputs]
+    return _TEXT.format(
+        schema=SCHEMA, outputs=json.dumps(outputs),
+        others=fill(f"# or any of: {', '.join(others)}", 100, subsequent_indent="# "),
+        over="\n".join(f"{name:<{width}} = {values}" for name, values in varied.items()),
+        options=", ".join(options_of(problem)), case=to_toml(problem, comments=True, under="case"),
+    )  # fmt: skip
+
+
+def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
+    """Yield two loads, or other fields with a unit, and the values to try, as TOML."""
+    known = {name: find(problem, name)[0].quantity for name in type(problem).model_fields}
+    loads = {name: about for name, about in known.items() if about and getattr(problem, name)}
+    ranked = sorted(loads, key=lambda name: (loads[name].unit == "1", not loads[name].typical))
+    other = {name: (getattr(problem, name) / 2, getattr(problem, name)) for name in ranked[1:2]}
+    for name in ranked[:1]:
+        value = getattr(problem, name)
+        ends = [loads[name].typical, (value / 2, 2 * value), (value, value)]
+        low, high = next(
+            pair for pair in ends if pair and _admitted(problem, {name: pair, **other})
+        )
+        told = f"from = {_text(low, loads[name])}, to = {_text(high, loads[name])}"
+        yield name, f"{{ {told}, count = 5 }}"
+    for name, values in other.items():
+        yield name, f"[{', '.join(_text(value, loads[name]) for value in values)}]"
+
+
+def _admitted(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
+    try:
+        for corner in product(*values.values()):
+            problem.replace(**dict(zip(values, corner, strict=True)))
+    except InvalidProblem:
+        return False
+    return True
+
+
+def _text(value: float, quantity: Quantity) -> str:
+    return json.dumps(written(value, quantity.unit, quantity.shown_unit))

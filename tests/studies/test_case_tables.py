@@ -1,0 +1,182 @@
+"""Tables of cases: what a study writes is read as the cases of another, and so are people's own."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+from thesis_cases import paper_nip
+
+import woundon as wo
+from woundon import cli
+from woundon.studies.api import sweep_table
+from woundon.studies.export import export
+
+CASE = Path(__file__).with_name("nip_alone.toml")
+STEEL = wo.HalfPlane(radius=0.1, material=wo.material("steel"))
+OVER = {
+    "nip_load": [1000.0, 3502.123456789],
+    "drum": [wo.Rigid(radius=0.0762), STEEL],
+    "web.material": ["newsprint", "paper"],
+    "winding_force": [0.0, 500.0],  # too much for the lower load
+}
+OUTPUTS = ["nip_width", "errors.half_width"]
+QUICK = {"options": {"nodes": 9}, "workers": 1}
+SAME = 1e-8  # the cases are solved in another order, each to the solver's own tolerance
+
+
+@pytest.fixture(scope="module")
+def study():
+    return sweep_table(paper_nip(), OVER, OUTPUTS, **QUICK)
+
+
+@pytest.mark.parametrize("ending", ["csv", "xlsx"])
+def test_a_table_that_a_study_writes_is_read_as_cases(tmp_path: Path, study, ending: str):
+    if ending == "xlsx":
+        pytest.importorskip("openpyxl")
+    path = tmp_path / f"study.{ending}"
+    export(study, path)
+    again = sweep_table(paper_nip(), path, OUTPUTS, **QUICK)
+    assert again.design.kind == "table"
+    cases = np.arange(study.design.size)
+    one, two = study.design.inputs(cases), again.design.inputs(cases)
+    assert list(one) == list(two)
+    assert all(list(one[name]) == list(two[name]) for name in one)  # to the last bit
+    assert 0 < study.failed.size < study.design.size
+    for name, values in study.outputs.items():
+        assert again.outputs[name] == pytest.approx(values, rel=SAME, nan_ok=True)
+
+
+def test_an_excel_file_looks_like_a_table(tmp_path: Path, study):
+    openpyxl = pytest.importorskip("openpyxl")
+    with wo.units(nip_load="kN/m"):
+        table = sweep_table(paper_nip(), {"nip_load": [1e3]}, ["nip_width"], **QUICK)
+    export(table, tmp_path / "study.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "study.xlsx")
+    assert book.sheetnames == ["study", "about"]
+    for sheet in book:
+        assert sheet.freeze_panes == "A2"
+        assert all(cell.font.bold for cell in sheet[1])
+        assert not any(cell.font.bold for cell in sheet[2])
+    sheet = book["study"]
+    header = [cell.value for cell in sheet[1]]
+    assert header[:3] == ["case", "nip_load [kN/m]", "nip_width [m]"]
+    assert sheet["B2"].value == 1.0
+    for cell in sheet[1]:
+        assert sheet.column_dimensions[cell.column_letter].width > len(cell.value)
+
+
+def test_a_failed_case_is_an_empty_cell_of_excel(tmp_path: Path, study):
+    openpyxl = pytest.importorskip("openpyxl")
+    export(study, tmp_path / "study.xlsx")
+    sheet = openpyxl.load_workbook(tmp_path / "study.xlsx")["study"]
+    header, *rows = sheet.iter_rows(values_only=True)
+    at = header.index("nip_width [m]")
+    empty = [number for number, row in enumerate(rows) if row[at] is None]
+    assert empty == study.failed.tolist()
+
+
+def test_units_of_choice_reach_tables_and_come_back(tmp_path: Path, study):
+    with wo.units({"nip_load": "kN/m", "nip_width": "um"}):
+        table = sweep_table(paper_nip(), {"nip_load": [1e3, 2345.0]}, ["nip_width"], **QUICK)
+    export(table, tmp_path / "study.csv")
+    frame = pandas.read_csv(tmp_path / "study.csv")
+    assert frame["nip_load [kN/m]"].tolist() == [1.0, 2.345]
+    widths = [1e6 * width for width in table.outputs["nip_width"]]
+    assert frame["nip_width [um]"].tolist() == pytest.approx(widths, rel=1e-15)
+    again = sweep_table(paper_nip(), tmp_path / "study.csv", ["nip_width"], **QUICK)
+    assert again.design.inputs(np.arange(2))["nip_load"].tolist() == [1e3, 2345.0]
+
+
+def test_a_table_of_ones_own_from_a_study_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    (tmp_path / "cases.csv").write_text(
+        "Linienlast;Papier;Trommel;Nr;WOT N/m\n1,5;paper;\"{\"\"kind\"\": \"\"rigid\"\", "
+        "\"\"radius\"\": 0.1}\";A;650\n2,5;newsprint;\"{\"\"radius\"\": 0.2}\";B;\n", "utf-8",
+    )  # fmt: skip
+    study = tmp_path / "study.toml"
+    study.write_text(
+        f'schema = 1\ncase = "{CASE.as_posix()}"\nover = "cases.csv"\n'
+        '[columns]\nLinienlast = "nip_load [kN/m]"\nPapier = "web.material"\nTrommel = "drum"\n'
+        'Nr = ""\n"WOT" = ""\n[solver]\nnodes = 9\n',
+        encoding="utf-8",
+    )
+    out = tmp_path / "out"
+    command = ["sweep", str(study), "--out", str(out), "--workers", "1"]
+    assert cli.main([*command, "--unit", "nip_load=kN/m"]) == 0
+    said = capsys.readouterr().out
+    assert "2 cases" in said
+    rows = list(csv.DictReader((out / "study.csv").read_text("utf-8").splitlines()))
+    assert [row["nip_load [kN/m]"] for row in rows] == ["1.5", "2.5"]
+    assert [row["web.material"] for row in rows] == ["paper", "newsprint"]
+    case = wo.load_case(CASE).replace(
+        nip_load=1500.0, drum=wo.Rigid(radius=0.1), **{"web.material": wo.material("paper")}
+    )
+    single = wo.solve(case, nodes=9).nip_induced_tension
+    assert float(rows[0]["nip_induced_tension [N/m]"]) == pytest.approx(single, rel=SAME)
+
+
+def test_a_data_frame_is_a_table_of_cases():
+    frame = pandas.DataFrame({"Nip load kN/m": [1.0, 2.0], "web_tension": [300.0, 400.0]})
+    table = sweep_table(paper_nip(), frame, ["nip_width"], **QUICK)
+    inputs = table.design.inputs(np.arange(2))
+    assert inputs["nip_load"].tolist() == [1e3, 2e3]
+    assert inputs["web_tension"].tolist() == [300.0, 400.0]
+
+
+def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp_path: Path):
+    pair = wo.RollerProblem.example()
+    table = sweep_table(pair, {"load": [8e4, 9e4]}, ["creepage"], options={"nodes": 17}, workers=1)
+    export(table, tmp_path / "study.csv")
+    again = sweep_table(pair, tmp_path / "study.csv", options={"nodes": 17}, workers=1,
+                        outputs=["creepage"])  # fmt: skip
+    assert again.design.names == ("load",)
+    own = pandas.DataFrame({"load": [8e4], "creepage": [1e-4]})
+    free = pair.replace(tangential_load=None)
+    given = sweep_table(free, own, ["tangential_load"], options={"nodes": 17}, workers=1)
+    assert given.design.names == ("load", "creepage")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("half_width [m]\n1\n", "has no column that is an input of the model"),
+        ("nip load\n1\n", "column 'nip load': has no unit"),
+        ("nip_load [N/m],web.material\n1,\n", "row 2, column 'web.material': the cell is empty"),
+        ("drum\n{oops\n", "row 2, column 'drum': Expecting property name"),
+        ('drum\n"{""radius"": -1}"\n', "row 2, column 'drum': radius: -1 is out of range"),
+        ('drum\n"{""kind"": ""rigit""}"\n', "kind: 'rigit' is unknown; must be 'rigid'"),
+        ('nip_load [N/m],web_tension [N/m]\n"{}",1\n', "'{}' is not a number"),
+    ],
+)
+def test_bad_tables_of_cases_are_refused(tmp_path: Path, text: str, says: str):
+    (tmp_path / "cases.csv").write_text(text, "utf-8")
+    with pytest.raises(wo.InvalidProblem) as refusal:
+        wo.sweep(paper_nip(), tmp_path / "cases.csv")
+    assert says in str(refusal.value)
+
+
+def test_a_table_is_not_drawn_from():
+    with pytest.raises(wo.InvalidProblem, match="'sobol' is drawn; a table has its cases already"):
+        wo.sweep(paper_nip(), "cases.csv", design="sobol", samples=8)
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ('over = "none.csv"', "none.csv: cannot be read: No such file"),
+        ('over = "cases.csv"\n[columns]\nP = 5', "columns.P: 5 is not a name, as text"),
+        ("[over]\nnip_load = [1]\n[columns]\nP = 'nip_load'", "columns: there is no table; write"),
+        ('over = "cases.csv"\n[design]\nkind = "sobol"\nsamples = 8', "over"),
+    ],
+)
+def test_bad_study_files_with_tables_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], lines: str, says: str
+):
+    (tmp_path / "cases.csv").write_text("nip_load [N/m]\n1000\n", "utf-8")
+    study = tmp_path / "study.toml"
+    study.write_text(f'schema = 1\ncase = "{CASE.as_posix()}"\n{lines}\n', "utf-8")
+    assert cli.main(["sweep", str(study), "--out", str(tmp_path / "out")]) == 2
+    assert says in capsys.readouterr().err

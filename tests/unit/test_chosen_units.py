@@ -1,0 +1,106 @@
+"""Units of choice: in reports, figures and tables, and nowhere else."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pandas
+import pytest
+
+import woundon as wo
+from woundon import cli
+from woundon.quantities import find, output
+
+EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
+
+
+@pytest.fixture(scope="module")
+def nip():
+    return wo.solve(wo.NipProblem.example(), nodes=33)
+
+
+def line(text: str, meaning: str) -> str:
+    return next(" ".join(row.split()) for row in text.splitlines() if meaning in row)
+
+
+def test_reports_show_fields_and_outputs_with_their_errors(nip):
+    before = str(nip)
+    with wo.units({"nip_load": "kN/m"}, nip_width="um"):
+        told = str(nip)
+    assert line(told, "nip load") == "nip load P 3.502 kN/m"
+    error = 1e6 * nip.errors["nip_width"]
+    assert line(told, "nip width").startswith(f"nip width 2a {1e6 * nip.nip_width:.5g} um")
+    assert line(told, "nip width").endswith(f"± {error:.2g}")
+    assert str(nip) == before
+
+
+def test_figures_follow(nip):
+    with wo.units(x="um", web_tension="pli"):
+        axes = nip.plot().axes
+    texts = [a.get_xlabel() + a.get_ylabel() for a in axes]
+    assert any("[µm]" in text for text in texts)
+    assert any("[pli]" in text for text in texts)
+
+
+def test_choices_nest_and_are_taken_back():
+    with wo.units(nip_load="kN/m"):
+        with wo.units(half_width="um"):
+            assert find(wo.NipProblem, "nip_load")[0].quantity.display == "kN/m"
+            assert output(wo.NipResult, "half_width").quantity.display == "um"
+        assert output(wo.NipResult, "half_width").quantity.display == "mm"
+    assert find(wo.NipProblem, "nip_load")[0].quantity.display == "N/m"
+
+
+def test_files_for_programs_stay_si(nip, tmp_path: Path):
+    with wo.units(nip_load="kN/m", half_width="um"):
+        nip.save(tmp_path / "nip.json")
+        assert nip.to_xarray().half_width.attrs["units"] == "m"
+    assert wo.load_result(tmp_path / "nip.json") == nip
+
+
+@pytest.mark.parametrize(
+    ("chosen", "says"),
+    [
+        ({"nip_laod": "kN/m"}, "nip_laod: no field or output; did you mean 'nip_load'?"),
+        ({"nip_load": "mm"}, "nip_load: 'mm' has the wrong dimension; expected a value in N/m"),
+        ({"nip_load": "KN/m"}, "nip_load: 'KN/m' has the unknown unit 'KN'"),
+        ({"nip_load": "kN//m"}, "nip_load: 'kN//m' has the unreadable unit"),
+    ],
+)
+def test_bad_choices_are_refused(chosen, says):
+    with pytest.raises(wo.InvalidProblem) as refusal, wo.units(chosen):
+        pass
+    assert says in str(refusal.value)
+
+
+# ---- CSV of one result --------------------------------------------------------------------------
+
+
+def test_csv_holds_single_numbers_and_arrays(nip, tmp_path: Path):
+    path = tmp_path / "nip.csv"
+    with wo.units(nip_load="kN/m", x="um"):
+        nip.save(path)
+    frame = pandas.read_csv(path, comment="#")
+    assert frame["x [um]"].tolist() == pytest.approx(1e6 * nip.x, rel=1e-15)
+    assert frame["pressure [Pa]"].tolist() == nip.pressure.tolist()
+    lines = [row[2:] for row in path.read_text("utf-8").splitlines() if row.startswith("# ")]
+    told = dict(csv.reader(lines))
+    assert float(told["nip_load [kN/m]"]) == 3.502
+    assert float(told["web.material.shear [Pa]"]) == nip.problem.web.material.shear
+    assert float(told["nip_induced_tension [N/m]"]) == nip.nip_induced_tension
+    assert float(told["half_width_error [m]"]) == nip.errors["half_width"]
+    assert len(lines) == len(told)  # nothing is told twice
+
+
+def test_the_command_line_chooses_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    args = ["solve", EXAMPLE, "--nodes", "17", "--save", str(tmp_path / "a.csv")]
+    assert cli.main([*args, "--unit", "nip_load=kN/m", "--unit", 'wound_on_tension="pli"']) == 2
+    assert "wound_on_tension: '\"pli\"' has the unreadable unit" in capsys.readouterr().err
+    assert cli.main([*args, "--unit", "nip_load=kN/m", "--unit", "wound_on_tension = pli"]) == 0
+    said = capsys.readouterr().out
+    assert line(said, "nip load") == "nip load P 3.502 kN/m"
+    assert line(said, "wound-on tension, far behind the nip").endswith(" pli")
+    assert "# nip_load [kN/m],3.502\n" in (tmp_path / "a.csv").read_text("utf-8")
+    assert cli.main([*args, "--unit", "nip_load"]) == 2
+    assert "nip_load: must be written NAME=UNIT" in capsys.readouterr().err

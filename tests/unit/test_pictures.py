@@ -1,0 +1,277 @@
+"""Pictures appear: in a notebook, once each; in a script by plt.show(); none where they are saved.
+
+The notebook is run by a real kernel, the scripts by a Python of their own.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import nbclient
+import nbformat
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+
+import woundon as wo
+
+NODES = 17
+SOURCE = Path(wo.__file__).parents[1]
+
+# a backend that tells what is shown, as a window would be
+BACKEND = """
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backend_bases import FigureManagerBase
+from matplotlib import _pylab_helpers
+
+
+class FigureManager(FigureManagerBase):
+    @classmethod
+    def pyplot_show(cls, *, block=None):
+        print("shown", len(_pylab_helpers.Gcf.get_all_fig_managers()))
+
+
+class FigureCanvas(FigureCanvasAgg):
+    manager_class = FigureManager
+"""
+START = f"""
+import woundon as wo
+nip = wo.solve(wo.NipProblem.example(), nodes={NODES})
+other = wo.solve(wo.NipProblem.example().replace(nip_load=2000.0), nodes={NODES})
+"""
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def nips() -> list[wo.NipResult]:
+    problem = wo.NipProblem.example()
+    return [wo.solve(problem.replace(nip_load=P), nodes=NODES) for P in (2000.0, 4000.0)]
+
+
+# ---- notebooks
+
+
+def images(outputs: list[Any]) -> int:
+    return sum("image/png" in output.get("data", {}) for output in outputs)
+
+
+@pytest.mark.slow
+def test_a_notebook_shows_each_picture_once(tmp_path: Path) -> None:
+    cells = {
+        START: 0,
+        "nip.plot()": 1,  # the last line of the first cell that draws anything
+        "nip.plot();": 1,
+        "figure = nip.plot()": 1,  # as plt.subplots() does
+        "figure": 1,  # again, for it is asked for
+        "for result in (nip, other):\n    result.plot()": 2,
+        "display(nip.plot())\nprint('then')": 1,
+        "wo.plot([nip, other])": 1,
+        "nip.plot('saved.png');": 0,
+        "for result in (nip, other):\n    result.plot('saved.svg')": 0,
+        "nip.plot('saved.png')": 1,
+        "import matplotlib.pyplot as plt\nplt.show()\nprint(plt.get_fignums())": 0,
+        "axes = plt.subplots(1, 2)[1]\nnip.plot(ax=axes[0])\nother.plot(ax=axes[1])": 1,
+        "plt.show()": 0,
+        "nip.plot()\nplt.show()": 1,
+        "nip": 0,
+    }
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    env = {**os.environ, "PYTHONPATH": str(SOURCE)}
+    env.pop("MPLBACKEND", None)  # the kernel's own
+    place = {"metadata": {"path": str(tmp_path)}}
+    nbclient.NotebookClient(book, timeout=300, resources=place).execute(env=env)
+    assert {path.name for path in tmp_path.iterdir()} == {"saved.png", "saved.svg"}
+    shown = {cell.source: images(cell.outputs) for cell in book.cells}
+    assert shown == cells
+    assert book.cells[11].outputs[0].text == "[]\n"  # nothing is left open
+
+
+# ---- scripts
+
+
+def said(script: str, folder: Path, backend: str = "module://telling") -> str:
+    (folder / "telling.py").write_text(BACKEND, encoding="utf-8")
+    (folder / "script.py").write_text(START + script, encoding="utf-8")
+    env = {**os.environ, "PYTHONPATH": f"{SOURCE}{os.pathsep}{folder}", "MPLBACKEND": backend}
+    command = [sys.executable, "script.py"]
+    run = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+def test_a_script_shows_what_it_drew_and_did_not_save(tmp_path: Path) -> None:
+    script = """
+import matplotlib.pyplot as plt
+nip.plot()
+wo.plot([nip, other])
+for k in range(30):  # more than pyplot keeps open without a warning
+    nip.plot("saved.png", panels="zones")
+plt.show()
+"""
+    assert said(script, tmp_path) == "shown 2\n"
+
+
+def test_what_is_saved_needs_no_pyplot(tmp_path: Path) -> None:
+    script = """
+import sys
+nip.plot("saved.png")
+print("matplotlib.pyplot" in sys.modules)
+"""
+    # a window system that is not there, as of a worker or a service
+    assert said(script, tmp_path, "module://missing") == "False\n"
+
+
+def test_drawing_from_the_command_line_needs_no_pyplot(tmp_path: Path, monkeypatch) -> None:
+    script = """
+import sys
+from woundon.cli import main
+sys.stdout.write(str(main(["solve", "case.toml", "--plot", "case.png", "--nodes", "17"])))
+print("", "matplotlib.pyplot" in sys.modules)
+"""
+    from woundon.io.case_files import template
+
+    (tmp_path / "case.toml").write_text(template("nip"), encoding="utf-8")
+    assert said(script, tmp_path, "module://missing").splitlines()[-1] == "0 False"
+
+
+# ---- panels
+
+
+def test_one_panel_goes_into_the_users_axes(nips) -> None:
+    figure, axes = plt.subplots()
+    axes.set_title("mine")
+    assert nips[0].plot(ax=axes) is axes
+    assert axes.get_title() == "mine"
+    assert axes.get_ylabel() == "Tangential traction $q$ [kPa]"
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), 1e-3 * nips[0].roll_traction)
+    assert len(figure.axes) == 1
+    assert plt.get_fignums() == [figure.number]
+    again = plt.figure().add_subplot()
+    nips[0].plot(ax=again, panels="pressure")
+    np.testing.assert_allclose(again.get_lines()[0].get_ydata(), 1e-3 * nips[0].pressure)
+
+
+def test_a_legend_within_axes_is_covered_by_no_curve(nips) -> None:
+    figure, axes = plt.subplots()
+    nips[0].plot(ax=axes, panels="slips")
+    (twin,) = [other for other in figure.axes if other is not axes]
+    assert axes.get_legend() is not None
+    assert axes.get_zorder() > twin.get_zorder()
+
+
+def test_axes_are_saved_with_their_figure(nips, tmp_path: Path) -> None:
+    axes = mpl.figure.Figure(figsize=(2, 1)).add_subplot()
+    nips[0].plot(tmp_path / "mine.png", ax=axes)
+    height, width = plt.imread(tmp_path / "mine.png").shape[:2]
+    assert (width, height) == (400, 200)  # the user's figure at 200 dpi
+    assert plt.get_fignums() == []
+
+
+def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
+    above, below = nips[0].plot(panels=["slips", "tractions"]).axes[:2]
+    assert above.get_ylabel().startswith("Relative slip speed")
+    assert below.get_ylabel().startswith("Tangential traction")
+    assert not above.get_xlabel()
+    assert below.get_xlabel() == "Position along the nip $x$ [mm]"
+    assert above.get_title(loc="right") == "(a)"
+    (alone,) = nips[0].plot(panels="roll_zone").axes  # any array has a panel of its name
+    np.testing.assert_array_equal(alone.get_lines()[0].get_ydata(), nips[0].roll_zone)
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"panels": "tractons"}, "panels: 'tractons' is unknown; must be tractions, slips, "),
+        ({"panels": ["zones", "slip"]}, "roll_slip, drum_slip, roll_zone, drum_zone or "
+                                        "web_tension; did you mean 'slips'?"),
+        ({"panels": []}, "panels: none is chosen; must be tractions, "),
+        ({"ax": 3}, "ax: 3 is out of place; must be matplotlib's Axes"),
+        ({"path": "figure.gif"}, "figure.gif: the ending '.gif' names no format"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_drawn_is_told_with_the_choice(nips, asked, told: str) -> None:
+    with pytest.raises(wo.InvalidProblem) as fault:
+        nips[0].plot(**asked)
+    assert told in str(fault.value)
+    assert plt.get_fignums() == []
+
+
+def test_one_ax_takes_one_panel(nips) -> None:
+    axes = mpl.figure.Figure().add_subplot()
+    with pytest.raises(wo.InvalidProblem, match="2 are chosen for one ax; must be one"):
+        nips[0].plot(ax=axes, panels=["slips", "zones"])
+
+
+# ---- several results
+
+
+def names(legend: Any) -> list[str]:
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def test_several_results_are_told_apart_by_what_differs(nips) -> None:
+    figure = wo.plot(nips)
+    assert names(figure.legends[0]) == ["nip load = 2000 N/m", "nip load = 4000 N/m"]
+    tractions, _, zones = figure.axes[:3]
+    lines = tractions.get_lines()
+    for k, nip in enumerate(nips):
+        roll, drum = lines[2 * k : 2 * k + 2]
+        np.testing.assert_allclose(roll.get_ydata(), 1e-3 * nip.roll_traction)
+        np.testing.assert_allclose(drum.get_ydata(), 1e-3 * nip.drum_traction)
+        assert roll.get_color() == drum.get_color()
+    assert lines[0].get_color() != lines[2].get_color()
+    assert names(tractions.get_legend()) == ["$q^{+}$ on roll", "$q^{-}$ on drum"]
+    assert [text.get_text() for text in zones.get_yticklabels()] == ["roll", "drum"] * 2
+    assert zones.get_xlim()[1] == pytest.approx(1.03e3 * nips[1].half_width)
+
+
+def test_several_results_take_the_labels_given(nips) -> None:
+    axes = mpl.figure.Figure().add_subplot()
+    wo.plot(nips, ax=axes, panels="pressure", labels=["light", "heavy"])
+    assert names(axes.get_legend()) == ["light", "heavy"]
+    with pytest.raises(wo.InvalidProblem, match=r"labels: .* must be 2, one a result"):
+        wo.plot(nips, labels=["light"])
+    with pytest.raises(wo.InvalidProblem, match="labels: 'ab' must be 2, one a result"):
+        wo.plot(nips, labels="ab")
+
+
+def test_results_that_differ_in_much_are_numbered(nips) -> None:
+    many = nips[0].problem.replace(nip_load=3e3, web_tension=300.0, roll_friction=0.2)
+    figure = wo.plot([nips[0], wo.solve(many, nodes=NODES), nips[0]])
+    assert names(figure.legends[0]) == ["nip 1", "nip 2", "nip 3"]
+
+
+def test_kinds_share_the_panels_they_have_in_common(nips) -> None:
+    wrapped = wo.solve(nips[0].problem.wrapped(), nodes=NODES)
+    figure = wo.plot([nips[0], wrapped])
+    assert len(figure.axes) == 4  # the nip's three, and the tension on the right
+    assert names(figure.legends[0]) == ["nip", "wrapped nip"]
+    rollers = wo.solve(wo.RollerProblem.example(), nodes=NODES)
+    with pytest.raises(wo.InvalidProblem, match="results of nip and rollers have no panel in comm"):
+        wo.plot([nips[0], rollers])
+    static = wo.solve(rollers.problem.replace(motion="static"), nodes=NODES)
+    with pytest.raises(wo.InvalidProblem, match="rolling rollers is a speed, of static ones a"):
+        wo.plot([rollers, static])
+    assert names(wo.plot([rollers, static], panels="tractions").legends[0]) == [
+        "motion = rolling", "motion = static",
+    ]  # fmt: skip
+
+
+def test_nothing_to_draw_is_told() -> None:
+    with pytest.raises(wo.InvalidProblem, match="results: there is none to draw"):
+        wo.plot([])
+    for wrong in ("nip.nc", ["nip.nc"]):
+        with pytest.raises(
+            wo.InvalidProblem, match=r"results: 'nip\.nc' is out of place; must be a R"
+        ):
+            wo.plot(wrong)  # type: ignore[call-overload]

@@ -1,0 +1,285 @@
+"""What results say of themselves: printed, in one line, as HTML, as tables; read-only arrays."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from dataclasses import fields
+from html.parser import HTMLParser
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+
+import woundon as wo
+from woundon import cli, kinds, quantities
+from woundon.io.case_files import template
+from woundon.io.frames import to_frame
+from woundon.quantities import length
+from woundon.results import ReadOnly
+from woundon.show.html import parts_html
+from woundon.show.parts import Line, Section, row_of
+
+NODES = 17
+KINDS = [kind.name for kind in kinds.every()]
+STUDIES = ["fit", "sobol", "sensitivity"]
+BOUNDS = {"roll_friction": (0.1, 0.4), "roll.material.shear": (3e6, 3e7)}
+
+
+@pytest.fixture(scope="module")
+def told() -> dict[str, Any]:
+    """A result of every kind, and of every study."""
+    made: dict[str, Any] = {
+        kind.name: wo.solve(kind.problem.example(), nodes=NODES) for kind in kinds.every()
+    }
+    problem = wo.NipProblem.example()
+    loads = (1000.0, 2000.0, 3500.0, 5000.0)
+    rig = [wo.solve(problem.replace(nip_load=P), nodes=NODES).rig_tension for P in loads]
+    measured = np.add(rig, [3.0, -4.0, 2.0, -1.0])
+    data = {"nip_load [N/m]": loads, "rig_tension [N/m]": measured}
+    ranges = {"nip_load": (2e3, 3e3), "roll_friction": (0.15, 0.3)}
+    made["fit"] = wo.fit(problem, data, BOUNDS, nodes=NODES, starts=1)
+    made["sobol"] = wo.global_sensitivity(problem, ranges, samples=8, nodes=NODES, workers=1)
+    made["sensitivity"] = made["nip"].sensitivity()
+    return made
+
+
+class Page(HTMLParser):
+    """A page's tables and texts, its tags checked."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.cells: list[str] = []
+        self.texts: list[str] = []
+        self.tags: set[str] = set()
+        self.styles: list[str] = []
+        self.feed(html)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        self.open.append(tag)
+        self.tags.add(tag)
+        self.styles.append(dict(attrs).get("style", ""))
+        if tag in ("td", "th"):
+            self.cells.append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+        if "td" in self.open or "th" in self.open:
+            self.cells[-1] += data
+
+
+# ---- printed
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(template(kind.replace("_", "-")), encoding="utf-8")
+    assert cli.main(["solve", str(case), "--nodes", str(NODES)]) == 0
+    assert capsys.readouterr().out == f"{wo.solve(wo.load_case(case), nodes=NODES)}\n"
+
+
+def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(template("nip"), encoding="utf-8")
+    assert cli.main(["solve", str(case), "--nodes", str(NODES), "--sensitivity"]) == 0
+    result = wo.solve(wo.load_case(case), nodes=NODES)
+    assert capsys.readouterr().out == f"{result}\n\n{result.sensitivity()}\n"
+
+
+def test_a_printed_fit_is_the_commands(tmp_path, capsys) -> None:
+    case, data = tmp_path / "case.toml", tmp_path / "data.csv"
+    case.write_text(template("nip"), encoding="utf-8")
+    data.write_text("nip_load [N/m],rig_tension [N/m]\n1000,530\n3000,690\n", encoding="utf-8")
+    fitted = {"roll_friction": (0.1, 0.4)}
+    vary = ["--vary", "roll_friction=0.1:0.4", "--starts", "1", "--no-profiles"]
+    assert cli.main(["fit", str(case), str(data), *vary, "--nodes", str(NODES)]) == 0
+    fit = wo.fit(wo.load_case(case), data, fitted, starts=1, profiles=False, nodes=NODES)
+    assert capsys.readouterr().out == f"{fit}\n"
+
+
+# ---- in one line
+
+
+@pytest.mark.parametrize("name", KINDS + STUDIES)
+def test_one_line_says_what_it_is(told, name: str) -> None:
+    said = repr(told[name])
+    assert "\n" not in said
+    assert len(said) < 200
+    assert said.startswith(f"{type(told[name]).__name__}(")
+
+
+def test_one_line_has_the_main_numbers(told) -> None:
+    fit, sobol, slopes = (told[name] for name in STUDIES)
+    for number in (f"{fit.estimates[0]:.4g}", f"{fit.estimates[1]:.4g} Pa", f"RMS {fit.rms:.4g}"):
+        assert number in repr(fit)
+    assert f"nip_load {sobol.total_order[0, 0]:.2f}" in repr(sobol)
+    first = slopes.sorted()
+    assert f"{first.parameters[0]} {first.elasticities[0, 0]:+.2f}, " in repr(slopes)
+    cases = "32 cases of nip_load, roll_friction"
+    assert repr(sobol.table) == f"Table({cases}; nip_induced_tension; 0 failed)"
+
+
+def test_one_line_of_a_fit_of_many(told) -> None:
+    from dataclasses import replace
+
+    many = tuple(f"a.field.with.a.long.name.{k}" for k in range(11))
+    line = repr(replace(told["fit"], names=many, estimates=np.full(11, 1.2345e-7)))
+    assert "8 more; RMS" in line
+    assert len(line) < 200
+
+
+# ---- as HTML
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_notebook_gets_the_report_as_tables(told, kind: str) -> None:
+    page = Page(told[kind]._repr_html_())
+    assert {"table", "tr", "td"} <= page.tags
+    text = " ".join("".join(page.texts).split())
+    for line in str(told[kind]).splitlines():  # nothing that is printed is missing
+        if not set(line) & set("◀▶") and "·····" not in line:
+            for word in line.split():
+                assert word in text
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_notebook_gets_studies_as_tables(told, name: str) -> None:
+    page = Page(told[name]._repr_html_())
+    names = {
+        "fit": told["fit"].names, "sobol": told["sobol"].inputs,
+        "sensitivity": told["sensitivity"].parameters,
+    }[name]  # fmt: skip
+    assert set(names) <= set(page.cells)
+    fit = told["fit"]
+    if name == "fit":
+        assert f"{fit.estimates[0]:.4g}" in page.cells
+        assert any(fit.lines()[-1] in text for text in page.texts)
+    if name == "sobol":  # the strongest first
+        rows = [cell for cell in page.cells if cell in names]
+        order = np.argsort(-told["sobol"].total_order[0])
+        assert rows == [names[j] for j in order]
+
+
+def test_problems_and_their_parts_are_tables_too() -> None:
+    problem = wo.NipProblem.example()
+    page = Page(problem._repr_html_())
+    at = page.cells.index("nip load")
+    assert page.cells[at : at + 4] == ["nip load", "P", "3502", "N/m"]
+    assert "roll.material.shear" in page.cells
+    assert "thickness" in " ".join(Page(problem.web._repr_html_()).cells)
+
+
+def test_every_text_is_escaped() -> None:
+    evil = "<script>alert('&')</script>"
+    rows = (row_of(quantities.Quantity(evil, evil, evil), 1.0, note=evil),)
+    html = parts_html([Section(evil, rows, evil), Line(evil, "warning"), Line(evil)])
+    assert "<script" not in html
+    assert "".join(Page(html).texts).count(evil) == 8
+
+
+@pytest.mark.parametrize("name", KINDS + STUDIES)
+def test_it_takes_the_colours_of_the_page(told, name: str) -> None:
+    """Letters and grounds have no colour of their own, so dark pages are as readable as light."""
+    page = Page(told[name]._repr_html_())
+    coloured = [style for style in page.styles if "color" in style or "background" in style]
+    # the zones' bars alone, that hold no letters
+    assert all(style.startswith("display:inline-block") for style in coloured)
+    assert (len(coloured) > 0) == (name in KINDS)
+
+
+# ---- as tables
+
+
+@pytest.mark.parametrize("name", KINDS + STUDIES)
+def test_everything_is_had_as_tables(told, name: str) -> None:
+    assert isinstance(told[name].to_xarray(), xarray.Dataset)
+    frame = told[name].to_dataframe()
+    assert isinstance(frame, pd.DataFrame)
+    assert len(frame)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_frame_has_the_arrays_and_their_units(told, kind: str) -> None:
+    result = told[kind]
+    frame = result.to_dataframe()
+    known = {p.path: p.quantity for p in quantities.outputs(result)}
+    due = [n for n in known if isinstance(quantities.value_of(result, n), np.ndarray)]
+    assert list(frame) == due
+    for name in due:
+        np.testing.assert_array_equal(frame[name], getattr(result, name))
+        assert frame.attrs["units"][name] == known[name].unit
+        assert frame.attrs["long_names"][name] == known[name].meaning
+    frame["x"] += 1.0  # the user's own
+
+
+def test_a_result_without_arrays_is_a_row() -> None:
+    from dataclasses import dataclass
+
+    @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+    class Point(wo.Result):
+        depth: Annotated[float, length("d", "depth")]
+
+    frame = to_frame(Point(problem=None, residuals=wo.Residuals(law=0.0), depth=2.0))
+    assert frame.to_dict("records") == [{"depth": 2.0, "residual": 0.0}]
+    assert frame.attrs["units"] == {"depth": "m", "residual": "1"}
+
+
+def test_tables_of_studies_have_their_numbers(told) -> None:
+    fit, sobol, slopes = (told[name] for name in STUDIES)
+    frame, data = fit.to_dataframe(), fit.to_xarray()
+    assert frame.loc["roll.material.shear", "unit"] == "Pa"
+    assert frame.loc["roll.material.shear", "low"] == fit.profiles[1].low
+    assert data.estimate.sel(parameter="roll_friction") == fit.estimate("roll_friction")
+    np.testing.assert_array_equal(data.covariance, fit.covariance)
+    np.testing.assert_array_equal(data.measured, fit.measured)
+    assert list(data.output_unit.values) == ["N/m"] * 4
+    frame = sobol.to_dataframe()
+    at = ("nip_induced_tension", "roll_friction")
+    assert frame.loc[at, "total_order"] == sobol.total_order[0, 1]
+    assert frame.loc[at, "total_high"] == sobol.total_interval[1, 0, 1]
+    frame = slopes.to_dataframe()
+    column = slopes.elasticities[slopes.outputs.index("half_width")]
+    np.testing.assert_array_equal(frame["half_width"], column)
+    one = slopes.to_xarray().derivative.sel(output="nip_width", parameter="nip_load")
+    assert one == slopes.derivative("nip_width", "nip_load")
+
+
+# ---- read-only
+
+
+def arrays(thing: Any) -> list[np.ndarray]:
+    values = [getattr(thing, part.name) for part in fields(thing)]
+    return [value for value in values if isinstance(value, np.ndarray)]
+
+
+@pytest.mark.parametrize("name", KINDS + STUDIES)
+@pytest.mark.parametrize(
+    "made", [lambda r: r, copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))]
+)
+def test_no_array_can_be_written_to(told, name: str, made) -> None:
+    thing = made(told[name])
+    assert isinstance(thing, ReadOnly)
+    assert len(arrays(thing)) >= 3
+    for values in arrays(thing):
+        with pytest.raises(ValueError, match="read-only"):
+            values[...] = 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("ending", ["nc", "json"])
+def test_no_array_of_a_loaded_result_can_be_written_to(told, kind: str, ending, tmp_path) -> None:
+    told[kind].save(tmp_path / f"result.{ending}")
+    loaded = wo.load_result(tmp_path / f"result.{ending}")
+    assert len(arrays(loaded)) == len(arrays(told[kind]))
+    for values in arrays(loaded):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = values[1]

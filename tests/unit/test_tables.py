@@ -1,0 +1,276 @@
+"""Tables as people keep them: headers and numbers as spreadsheets write them, faults by place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+import woundon as wo
+from woundon.errors import InvalidProblem
+from woundon.io import sheets
+from woundon.studies.kind_model import columns_of, measurable
+from woundon.studies.measured import Measured, read_measured
+
+NIP = wo.WrappedNipProblem.example()
+
+
+def read(data, columns=None) -> Measured:
+    return read_measured(data, columns_of(NIP), measurable(NIP), columns)
+
+
+def written(folder: Path, text: str | bytes, name: str = "rig.csv", code: str = "utf-8") -> Path:
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode(code))
+    return path
+
+
+def faults(data, columns=None) -> list[str]:
+    with pytest.raises(InvalidProblem) as refusal:
+        read(data, columns)
+    return [text for _, text in refusal.value.faults]
+
+
+# ---- headers ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "nip_load [kN/m]", "nip_load kN/m", "nip load (kN/m)", "nip load [kN/m]", "nip load, kN/m",
+        "NIP LOAD [ kN / m ]", "Nip-load / (kN/m)", "nip load in kN/m", "nip_load_kN/m",
+        "P [kN/m]", "Nip load P [kN/m]", "  nip   load\n[kN/m] ",
+    ],
+)  # fmt: skip
+def test_a_header_is_matched_as_people_write_it(tmp_path: Path, header: str):
+    path = written(tmp_path, f'"{header}";WOT N/m\n1.9;650\n')
+    data = read(path)
+    assert data.inputs["nip_load"].tolist() == [1900.0]
+    assert data.outputs["wound_on_tension"].tolist() == [650.0]
+
+
+@pytest.mark.parametrize(
+    ("header", "name", "value"),
+    [
+        ("web thickness [um]", "web.thickness", 66e-6),
+        ("Web.Thickness \N{MICRO SIGN}m", "web.thickness", 66e-6),
+        ("2h, um", "web.thickness", 66e-6),
+        ("roll friction [%]", "roll_friction", 0.66),
+        ("mu+ [-]", "roll_friction", 66.0),
+        ("Roll friction", "roll_friction", 66.0),
+        ("web material poissons ratio", "web.material.poissons_ratio", 66.0),
+        ("T_in [N/m]", "web_tension", 66.0),
+    ],
+)
+def test_names_symbols_and_meanings_of_units(header: str, name: str, value: float):
+    data = read({header: [66], "wound_on_tension": [650.0]})
+    assert data.inputs[name].tolist() == [value]  # to the last bit: by exact fractions
+
+
+@pytest.mark.parametrize("header", ["WOT +- [N/m]", "WOT [N/m] ±", "± wound on tension, N/m"])
+def test_deviations_are_known_by_their_mark(header: str):
+    data = read({"WOT [N/m]": [650.0], header: [5.0]})
+    assert data.deviations["wound_on_tension"].tolist() == [5.0]
+
+
+def test_all_strange_columns_are_told_at_once_with_what_is_nearest(tmp_path: Path):
+    told = faults(written(tmp_path, "nip_lode [kN/m],web tenson,Bemerkung,WOT [N/m]\n1,2,Ann,3\n"))
+    assert told[:3] == [
+        "column 'nip_lode [kN/m]': no field or output; did you mean 'nip_load'?",
+        "column 'web tenson': no field or output; did you mean 'web_tension'?",
+        "column 'Bemerkung': no field or output",
+    ]
+    assert "{'nip_lode [kN/m]': 'NAME [UNIT]'} in Python, [columns] in a study file" in told[3]
+    assert len(told) == 4
+
+
+def test_a_symbol_that_several_fields_have_is_refused():
+    told = faults({"A_rr [MPa]": [27], "WOT": [650.0]})
+    several = "web.material.radial, roll.material.radial or drum.material.radial"
+    assert told[0] == f"column 'A_rr [MPa]': may be {several}; write which"
+
+
+def test_units_may_be_in_the_mapping(tmp_path: Path):
+    path = written(tmp_path, "Linienlast;Zug N/m;WOT;Bemerkung\n1,9;350;650;gut\n")
+    columns = {"linienlast": "nip_load [kN/m]", "Zug": "web_tension", "WOT": "WOT (N/m)",
+               "Bemerkung": None}  # fmt: skip
+    data = read(path, columns)
+    assert {name: values.tolist() for name, values in data.inputs.items()} == {
+        "nip_load": [1900.0], "web_tension": [350.0],
+    }  # fmt: skip
+    assert data.outputs["wound_on_tension"].tolist() == [650.0]
+
+
+def test_units_may_stand_in_a_row_of_their_own(tmp_path: Path):
+    data = read(written(tmp_path, "nip load,roll friction,WOT\n[kN/m],-,N/m\n1.9,0.2,650\n"))
+    assert data.inputs["nip_load"].tolist() == [1900.0]
+    assert list(data.numbers) == [3]
+
+
+def test_units_may_stand_in_the_cells(tmp_path: Path):
+    data = read(written(tmp_path, "nip load,WOT [N/m]\n1.9 kN/m,650\n1900 N/m,6.5 N/cm\n"))
+    assert data.inputs["nip_load"].tolist() == [1900.0, 1900.0]
+    assert data.outputs["wound_on_tension"].tolist() == [650.0, 650.0]
+
+
+def test_a_file_without_units_asks_for_them_and_columns_in_memory_are_si(tmp_path: Path):
+    told = faults(written(tmp_path, "nip load,roll friction,WOT\n1.9,0.2,650\n"))
+    assert [text.partition(";")[0] for text in told] == [
+        "column 'nip load': has no unit", "column 'WOT': has no unit",
+    ]  # fmt: skip
+    assert "write it into the header, as in 'nip_load [N/m]'" in told[0]
+    assert "--column 'nip load=nip_load [N/m]'" in told[0]
+    data = read({"nip load": [1.9], "WOT": [650.0]})
+    assert data.inputs["nip_load"].tolist() == [1.9]
+
+
+def test_a_wrong_or_unknown_unit_names_its_column():
+    told = faults({"nip_load [kg]": [1.0], "web_tension [kN/mm2]": [1.0], "WOT [n/m]": [1.0]})
+    assert told[0].startswith("column 'nip_load [kg]': 'kg' has the wrong dimension; expected a")
+    assert told[1].startswith("column 'web_tension [kN/mm2]': 'kN/mm2' has the wrong dimension")
+    assert told[2].startswith("column 'WOT [n/m]': 'n/m' has the unknown unit 'n'")
+
+
+# ---- text files ---------------------------------------------------------------------------------
+
+GERMAN = (
+    "Nip load kN/m;Web thickness µm;WOT ± N/m;WOT N/m\n1,9;66;5,5;650\n;;;\n2,5;57,5;6;700,25\n"
+)
+
+
+@pytest.mark.parametrize("code", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+@pytest.mark.parametrize("between", [";", "\t"])
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_text_as_european_excel_writes_it(tmp_path: Path, code, between, ending):
+    text = GERMAN.replace(";", between).replace("\n", ending)
+    data = read(written(tmp_path, text, code=code))
+    assert data.inputs["nip_load"].tolist() == [1900.0, 2500.0]
+    assert data.inputs["web.thickness"].tolist() == [66e-6, 57.5e-6]
+    assert data.outputs["wound_on_tension"].tolist() == [650.0, 700.25]
+    assert data.deviations["wound_on_tension"].tolist() == [5.5, 6.0]
+    assert list(data.numbers) == [2, 4]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sep=;\nnip_load [kN/m];WOT [N/m]\n1.9;650\n",
+        "Laboratory winder\n\nnip_load [kN/m],WOT [N/m]\n1.9,650\n",
+        '# the rig\'s "first" day\nnip_load [kN/m],WOT [N/m],,\n1.9,650,,\n,,,\n',
+        ",nip_load [kN/m],WOT [N/m]\n0,1.9,650\n",  # an index that has no header
+        'nip_load [kN/m],WOT [N/m],"warnings"\n1.9,650,"a; b; c"\n',
+    ],
+)
+def test_what_stands_around_a_table_is_left_out(tmp_path: Path, text: str):
+    data = read(written(tmp_path, text))
+    assert data.inputs["nip_load"].tolist() == [1900.0]
+    assert data.outputs["wound_on_tension"].tolist() == [650.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "cell", "why"),
+    [
+        ('nip_load [N/m],WOT [N/m]\n"1,900",650\n', "'1,900'", "no mark between thousands"),
+        ("nip_load [N/m]\tWOT [N/m]\n1,900\t650\n", "'1,900'", "no mark between thousands"),
+        ("nip_load [N/m];WOT [N/m]\n1.900,5;650\n", "'1.900,5'", "no mark between thousands"),
+        ("nip_load [N/m];WOT [N/m]\n1.900;650,5\n", "'1.900'", "a point where other cells have"),
+        ("nip_load [N/m];WOT [N/m]\n1_900;650\n", "'1_900'", "is not a number"),
+        ("nip_load [N/m];WOT [N/m]\n1e999;650\n", "'1e999'", "is not a finite number"),
+    ],
+)
+def test_a_number_that_may_mean_two_things_is_refused(tmp_path: Path, text, cell, why):
+    (told,) = faults(written(tmp_path, text))
+    assert told.startswith("row 2, column 'nip_load [N/m]': ")
+    assert cell in told
+    assert why in told
+
+
+def test_bad_cells_are_told_by_row_and_column_all_at_once(tmp_path: Path):
+    text = "Title\nnip_load [N/m],WOT [N/m]\n1,650\n\nx,700\n,y\n"
+    assert faults(written(tmp_path, text)) == [
+        "row 5, column 'nip_load [N/m]': 'x' is not a number",
+        "row 6, column 'nip_load [N/m]': the cell is empty",
+        "row 6, column 'WOT [N/m]': 'y' is not a number",
+    ]
+    many = "nip_load [N/m],WOT [N/m]\n" + "x,1\n" * 30
+    told = faults(written(tmp_path, many))
+    assert len(told) == 11
+    assert told[-1] == "20 more faults"
+
+
+@pytest.mark.parametrize("content", [b"PK\x03\x04....", b"\xd0\xcf\x11\xe0...."])
+def test_a_spreadsheet_by_another_name_is_told(tmp_path: Path, content: bytes):
+    assert faults(written(tmp_path, content)) == ["is no text; save it as .xlsx or .csv"]
+
+
+def test_a_file_that_is_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sheets, "LARGEST", 1000)
+    assert "is larger than 0.001 MB" in faults(written(tmp_path, "nip_load [N/m]\n" * 100))[0]
+
+
+# ---- in memory ----------------------------------------------------------------------------------
+
+
+def test_a_data_frame_has_gaps_where_pandas_has_none():
+    frame = pandas.DataFrame({
+        "Nip load kN/m": pandas.array([1.9, 2.5], "Float64"),
+        "wound_on_tension": pandas.array([650.0, None], "Float64"),
+    })  # fmt: skip
+    data = read(frame)
+    assert data.inputs["nip_load"].tolist() == [1900.0, 2500.0]
+    assert np.array_equal(data.outputs["wound_on_tension"], [650.0, np.nan], equal_nan=True)
+
+
+def test_truth_values_and_dates_are_no_numbers():
+    told = faults({"nip_load": [True, pandas.Timestamp("2024-05-01")], "WOT": [1.0, 2.0]})
+    assert told[0] == "row 1, column 'nip_load': True is not a number"
+    assert told[1].startswith("row 2, column 'nip_load': Timestamp(")
+
+
+# ---- Excel --------------------------------------------------------------------------------------
+
+
+def book(folder: Path, rows, *merged: str) -> Path:
+    openpyxl = pytest.importorskip("openpyxl")
+    made = openpyxl.Workbook()
+    for row in rows:
+        made.active.append(row)
+    for block in merged:
+        made.active.merge_cells(block)
+    made.save(folder / "rig.xlsx")
+    return folder / "rig.xlsx"
+
+
+def test_merged_cells_titles_and_blank_rows_of_excel(tmp_path: Path):
+    rows = [
+        ["Laboratory winder", None, None], [None, None, None],
+        ["nip load", "web tension", "WOT"], ["kN/m", "N/m", "N/m"],
+        [1.9, 350, 650], [2.5, None, None], [None, None, None], [3.1, 260, 700],
+    ]  # fmt: skip
+    data = read(book(tmp_path, rows, "A1:C1", "B5:B6"))
+    assert data.inputs["nip_load"].tolist() == [1900.0, 2500.0, 3100.0]
+    assert data.inputs["web_tension"].tolist() == [350.0, 350.0, 260.0]
+    assert np.array_equal(data.outputs["wound_on_tension"], [650, np.nan, 700], equal_nan=True)
+    assert list(data.numbers) == [5, 6, 8]
+
+
+def test_merged_headers_are_told(tmp_path: Path):
+    rows = [["loads [N/m]", None, "WOT [N/m]"], [1, 2, 3]]
+    told = faults(book(tmp_path, rows, "A1:B1"))
+    assert told == ["row 1: two columns have the same header 'loads [N/m]'"]
+
+
+def test_cells_of_excel_that_hold_no_number(tmp_path: Path):
+    rows = [["nip_load [N/m]", "WOT [N/m]"], [True, 1], ["=A1*2", 2], [3, "=B1"]]
+    told = faults(book(tmp_path, rows))
+    assert told[0] == "row 2, column 'nip_load [N/m]': True is not a number"
+    assert told[1].startswith("row 3, column 'nip_load [N/m]': '=A1*2' is not a number; open and")
+    assert told[2].startswith("row 4, column 'WOT [N/m]': '=B1' is not a number; open and save")
+
+
+def test_a_sheet_that_reaches_too_far_is_refused(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(sheets, "MOST_CELLS", 5)
+    rows = [["nip_load [N/m]", "WOT [N/m]"], [1, 2], [1, 2]]
+    assert faults(book(tmp_path, rows)) == ["has more than 5 cells"]
