@@ -30,7 +30,8 @@ FITTED = (3502.0, 350.0)
 def measured() -> pd.DataFrame:
     """Return the fifteen points."""
     path = files("woundon") / "data" / "wound_on_tension_newsprint.csv"
-    return pd.read_csv(path.open(), comment="#")
+    table = pd.read_csv(path.open(), comment="#")
+    return table.rename(columns=lambda name: name.partition(" [")[0])
 
 
 def nip(
