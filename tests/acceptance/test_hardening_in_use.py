@@ -141,6 +141,10 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
         ({"core_radius": 0.1}, "core_radius: 0.1 is out of range"),
         ({"hardening": "secant"}, "hardening"),
         ({"stack.radial.K1": 0.0}, "K1: 0 is out of range; must be > 0"),
+        (
+            {"stack.radial": wo.PowerLaw(E0=1e6, k=1e7, m=0.7), "stack.shear_exponent": 0.5},
+            "stack.shear_exponent: 0.5 is out of range; must be 0 with a radial law that sets in",
+        ),
     ],
 )
 def test_bad_input(fields: dict[str, Any], text: str) -> None:
