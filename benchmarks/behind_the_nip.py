@@ -110,6 +110,7 @@ def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
     """Solve a nip alone and wrapped."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", wo.ValidityWarning)
+        warnings.simplefilter("ignore", wo.ResolutionWarning)
         alone, wrapped = wo.solve(problem, nodes=nodes), wo.solve(problem.wrapped(), nodes=nodes)
     T_in = problem.web_tension
     return Compared(

@@ -29,6 +29,7 @@ import woundon as wo
 from woundon.nip.sensitivity import Sensitivity
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
+warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 NODES = 257
 SMALL, WIDE = 1e-5, 1e-2

@@ -100,7 +100,7 @@ class WoundRoll(Body):
     def compliance(self) -> float:
         """C of the half-plane that the wound surface is near a line load [1/Pa]."""
         wound = float(self.wound_pressure(self.radius))
-        return coefficients(*self.stack.tangent(wound, wound)).C
+        return coefficients(*self.stack.tangent(wound, wound)[:4]).C
 
     def stand_in(self, pressure: float) -> Cylinder:
         """Return the cylinder that is as stiff as the roll is under a pressure of the nip too.
@@ -109,7 +109,7 @@ class WoundRoll(Body):
         """
         wound = float(self.wound_pressure(self.radius))
         P = min(wound + pressure, ALMOST * self.stack.limit)
-        rr, tt, rt, shear = self.stack.tangent(P, wound)
+        rr, tt, rt, shear, _ = self.stack.tangent(P, wound)
         material = Orthotropic(radial=rr, tangential=tt, cross=rt, shear=shear)
         return Cylinder(radius=self.radius, core_radius=self.core_radius, material=material)
 
