@@ -36,7 +36,6 @@ import numpy as np
 from frozen_cases import MOMENTS, Case, Measured, frozen_cases, measured
 
 import woundon as wo
-from woundon.contact.loop import Tolerance
 
 __all__ = ["Difference", "differences", "kept", "program", "solved", "tightened"]
 
@@ -58,6 +57,8 @@ TIGHT = 1e-13
 @contextmanager
 def tightened(tight: float) -> Iterator[None]:
     """Meet all loads, and settle all that is linearised, to ``tight``."""
+    from woundon.contact.loop import Tolerance  # 0.1, which makes the reference, has none
+
     both = Tolerance(load=tight, balance=tight)
     with ExitStack() as changed:
         for module, names in TOLERANCES.items():
