@@ -46,6 +46,8 @@ CARTER = wo.RollerProblem(
     upper=STEEL, lower=STEEL, load=89e3, tangential_load=8.4e3, friction=0.5, motion="rolling"
 )
 
+NEWSPRINT_ROLL = wo.WoundRollProblem.example()
+
 
 class Baseline:
     """The dense solve that everything is measured by."""
@@ -186,6 +188,33 @@ def carter_table(baseline: Baseline) -> str:
     return text
 
 
+def wound_roll_table(baseline: Baseline) -> str:
+    """Return times and errors of wound rolls; errors by a solution to 1e-6."""
+    stress, rolls = 350 / 66e-6, {}
+    for laps, radius in ((1e3, 0.15), (1e5, 0.15), (1e5, 0.6)):
+        thin = (radius - NEWSPRINT_ROLL.core.radius) / laps
+        rolls[f"{laps:.0e} laps, {1e3 * radius:.0f} mm"] = NEWSPRINT_ROLL.replace(
+            radius=radius, web_thickness=thin, wound_on_tension=stress * thin
+        )
+    tapered = wo.Taper(start=350.0, taper=0.4)
+    rolls["newsprint, taper 40 %"] = NEWSPRINT_ROLL.replace(wound_on_tension=tapered)
+    r = np.geomspace(0.0445, 0.15, 400)
+    measured = wo.Profile(radius=r, value=350 * (r / 0.0445) ** -0.6)
+    rolls["newsprint, tension at 400 radii"] = NEWSPRINT_ROLL.replace(wound_on_tension=measured)
+    text = ("| roll | dense solves | stages | nodes | linear systems | error told | error |\n"
+            "|---|---|---|---|---|---|---|\n")  # fmt: skip
+    for name, roll in rolls.items():
+        result, fine = wo.solve(roll), wo.solve(roll, rtol=3e-6)
+        r = np.linspace(roll.core.radius, roll.radius, 2000)
+        known = fine.at_radius(r)["pressure"]
+        error = np.max(np.abs(result.at_radius(r)["pressure"] - known)) / known.max()
+        told = result.errors["peak_pressure"] / result.peak_pressure
+        ratio = baseline.ratio(lambda: wo.solve(roll), 9)  # noqa: B023
+        text += (f"| {name} | {ratio:.0f} | {result.stage_radius.size - 1} | {result.radius.size} "
+                 f"| {result.steps} | {told:.1e} | {error:.1e} |\n")  # fmt: skip
+    return text
+
+
 def import_table() -> str:
     """Compare what it takes to start, whole processes by their processor time."""
     case = str(Path(__file__).parents[1] / "examples" / "newsprint_table2.toml")
@@ -235,6 +264,7 @@ def main() -> int:
         "nip": lambda: nip_table(baseline),
         "published": lambda: published_table(baseline),
         "carter": lambda: carter_table(baseline),
+        "wound_roll": lambda: wound_roll_table(baseline),
         "imports": import_table,
     }
     for name in given.only or tables:

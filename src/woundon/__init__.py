@@ -9,6 +9,7 @@ __version__ = "0.2.0.dev0"
 
 _HOME = {
     "Body": "problems.bodies",
+    "Core": "problems.roll",
     "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
     "FitResult": "studies.fit",
@@ -41,11 +42,14 @@ _HOME = {
     "SobolIndices": "studies.sobol",
     "Stack": "problems.stack",
     "StackTest": "problems.radial_laws",
+    "Taper": "problems.schedules",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
     "WoundRoll": "problems.wound_roll",
+    "WoundRollProblem": "problems.roll",
+    "WoundRollResult": "roll.result",
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
@@ -59,6 +63,7 @@ _HOME = {
     "solve": "kinds",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
+    "solve_wound_roll": "roll.solve",
     "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
     "theories": "",
@@ -119,6 +124,7 @@ __all__ = [
     "solve",
     "solve_nip",
     "solve_rollers",
+    "solve_wound_roll",
     "solve_wrapped_nip",
     "sweep",
     "theories",
@@ -163,14 +169,19 @@ if TYPE_CHECKING:
     from .problems.radial_laws import Polynomial as Polynomial
     from .problems.radial_laws import PowerLaw as PowerLaw
     from .problems.radial_laws import StackTest as StackTest
+    from .problems.roll import Core as Core
+    from .problems.roll import WoundRollProblem as WoundRollProblem
     from .problems.rollers import RollerProblem as RollerProblem
     from .problems.schedules import Profile as Profile
+    from .problems.schedules import Taper as Taper
     from .problems.stack import Stack as Stack
     from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
     from .results import Result as Result
     from .results import Zone as Zone
+    from .roll.result import WoundRollResult as WoundRollResult
+    from .roll.solve import solve_wound_roll as solve_wound_roll
     from .rollers.result import RollerResult as RollerResult
     from .rollers.solve import solve_rollers as solve_rollers
     from .show.plots import plot as plot

@@ -200,6 +200,17 @@ register(
 )
 
 
+register(
+    "woundon.problems.roll:WoundRollProblem",
+    "woundon.roll.solve:solve_wound_roll",
+    "woundon.roll.result:WoundRollResult",
+    about="The stresses that winding leaves in a roll.",
+    report="woundon.show.wound_roll_report:wound_roll_report",
+    plot="woundon.show.wound_roll_plots:wound_roll_panels",
+    check="woundon.roll.solve:check_options",
+)
+
+
 @cache
 def _installed() -> Any:
     # looks through every package that is installed: once is enough

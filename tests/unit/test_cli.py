@@ -299,8 +299,9 @@ def test_help_lists_fields_outputs_and_options(kind, capsys: Capture):
         assert f" {place.path} {place.quantity.symbol}: " in said
     assert "--rtol FLOAT" in said
     assert ("--sensitivity" in said) == (kind.name == "nip")
-    # the friction's range: rollers may have none
-    assert ("(0 to 10)" if kind.name == "rollers" else "(1e-08 to 10)") in said
+    # the friction's range: rollers may have none, a roll has no friction at all
+    ranges = {"rollers": "(0 to 10)", "wound_roll": "(0.02 to 0.3)"}
+    assert ranges.get(kind.name, "(1e-08 to 10)") in said
 
 
 def test_options_are_those_of_the_solver_with_its_words(capsys: Capture):

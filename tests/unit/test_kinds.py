@@ -22,7 +22,10 @@ OWN = {
     "nip": (wo.NipProblem, wo.NipResult, wo.solve_nip),
     "wrapped_nip": (wo.WrappedNipProblem, wo.WrappedNipResult, wo.solve_wrapped_nip),
     "rollers": (wo.RollerProblem, wo.RollerResult, wo.solve_rollers),
+    "wound_roll": (wo.WoundRollProblem, wo.WoundRollResult, wo.solve_wound_roll),
 }
+# an option of each out of range
+WRONG = dict.fromkeys(OWN, ("nodes", 3)) | {"wound_roll": ("rtol", 3)}
 
 
 class HammockProblem(wo.Problem):
@@ -70,13 +73,14 @@ def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
     assert callable(kind.report)
     assert callable(kind.plot)
     assert callable(kind.check)
-    solved = wo.solve(problem.example(), nodes=33)
+    option, value = WRONG[name]
+    solved = wo.solve(problem.example(), **({"nodes": 33} if option == "nodes" else {}))
     assert type(solved) is result
     for thing in (problem, result, problem.example(), solved):
         assert kinds.of(thing) is kind
     # options are refused before anything is solved
-    with pytest.raises(wo.InvalidProblem, match="nodes: 3 is out of range"):
-        kind.check(nodes=3)
+    with pytest.raises(wo.InvalidProblem, match=f"{option}: 3 is out of range"):
+        kind.check(**{option: value})
 
 
 def test_the_order_is_that_of_definition(registry: Any) -> None:
@@ -100,13 +104,14 @@ def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) ->
         wo.solve(thing)
     text = str(fault.value)
     assert text.startswith(f"problem: {shown}")
-    assert "must be a NipProblem, WrappedNipProblem or RollerProblem" in text
+    known = "NipProblem, WrappedNipProblem, RollerProblem or WoundRollProblem"
+    assert f"must be a {known}" in text
 
 
 def test_a_misspelt_name_is_told_the_nearest(registry: Any) -> None:
     with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is not a kind .* mean 'rollers'\?"):
         kinds.named("roler")
-    with pytest.raises(wo.InvalidProblem, match="known: nip, rollers, wrapped_nip"):
+    with pytest.raises(wo.InvalidProblem, match="known: nip, rollers, wound_roll, wrapped_nip"):
         kinds.named("xyz")
 
 
@@ -147,7 +152,7 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     # what it did not bring is a default: it can be told and drawn
     assert "sag" in str(result)
     assert (kind.check, kind.neighbour, kind.shifted) == (None, None, {})
-    with pytest.raises(wo.InvalidProblem, match="RollerProblem or HammockProblem"):
+    with pytest.raises(wo.InvalidProblem, match="WoundRollProblem or HammockProblem"):
         wo.solve("hammock.toml")
 
 
@@ -178,7 +183,7 @@ def test_registered_again_it_is_the_later_one(registry: dict[str, kinds.Kind]) -
     kinds.register(HammockProblem, solve_hammock, HammockResult)
     kinds.register(HammockProblem, other, HammockResult)
     assert wo.solve(HAMMOCK).sag == 1.0
-    assert len(kinds.every()) == 4
+    assert len(kinds.every()) == 5
 
 
 def test_a_class_below_a_kinds_is_no_kind_of_its_own(registry: dict[str, kinds.Kind]) -> None:
@@ -207,7 +212,7 @@ def test_names_are_fetched_when_first_used(registry: dict[str, kinds.Kind]) -> N
 def test_kinds_are_known_without_loading_their_solvers() -> None:
     code = (
         "import sys, woundon as wo; from woundon import kinds;"
-        "assert [k.name for k in kinds.every()] == ['nip', 'wrapped_nip', 'rollers'];"
+        "assert [k.name for k in kinds.every()] == ['nip', 'wrapped_nip', 'rollers', 'wound_roll'];"
         "assert kinds.of(wo.NipProblem.example()).name == 'nip';"
         "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.wrap.solve')))"
     )

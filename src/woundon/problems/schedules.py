@@ -1,22 +1,24 @@
-"""Schedules over the radius of a roll: a number throughout, or a profile."""
+"""Schedules over the radius of a roll: a number throughout, a profile, or a taper."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import OF_FIELD, length
-from .fields import Description, Number, Numbers, shown
+from ..quantities import OF_FIELD, length, pure
+from .fields import Description, Number, Numbers, best_match, shown
 
 if TYPE_CHECKING:
     from .fields import Given
 
-__all__ = ["Profile", "Schedule", "at_radius", "values_of"]
+__all__ = [
+    "Curve", "Profile", "Schedule", "Taper", "WindingSchedule", "at_radius", "values_of",
+]  # fmt: skip
 
 Array = np.ndarray
 
@@ -56,8 +58,44 @@ class Profile(Description):
         return np.interp(r, self.radius, self.value)
 
 
+class Taper(Description):
+    """A value that falls from the core to the surface.
+
+    With t(r) = (r - rc)/(R - rc), from the core at rc to the roll's radius R:
+
+    - ``linear``: start (1 - taper t);
+    - ``hyperbolic``: start (1 - taper (1 - rc/r));
+    - ``constant_torque``: start rc/r, without a taper.
+
+    Parameters
+    ----------
+    start : float
+        At the core, in the unit of the field that has the schedule.
+    taper : float
+        Share by which it falls, 0 to 1; below 0 it rises.
+    law : "linear", "hyperbolic" or "constant_torque"
+    """
+
+    start: Annotated[Number, OF_FIELD, Field(description="value at the core")]
+    taper: Annotated[
+        Number, pure("k_T", "share by which it falls", (0.0, 0.7)), Field(ge=-10, le=1)
+    ] = 0.0
+    law: Literal["linear", "hyperbolic", "constant_torque"] = "linear"
+
+    @model_validator(mode="after")
+    def _one_taper(self) -> Self:
+        if self.law == "constant_torque" and self.taper:
+            text = f"{shown(self.taper)} is given, but law = 'constant_torque' has none"
+            raise InvalidProblem.at("taper", f"{text}; must be left out")
+        return self
+
+
 def _made(value: Any) -> Any:
     return Profile(**value) if isinstance(value, Mapping) else value
+
+
+def _made_winding(value: Any) -> Any:
+    return best_match(value, (Taper, Profile))(**value) if isinstance(value, Mapping) else value
 
 
 # a number throughout, or a profile
@@ -65,6 +103,60 @@ if TYPE_CHECKING:
     Schedule = Given[float | Profile, float | Profile | Mapping[str, Any]]
 else:
     Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
+# and of what a winder sets, a taper too
+if TYPE_CHECKING:
+    WindingSchedule = Given[float | Profile | Taper, float | Profile | Taper | Mapping[str, Any]]
+else:
+    WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_made_winding)]
+
+
+class Curve:
+    """A schedule between two radii: values, slopes, and where these jump (``kinks``, ``bends``).
+
+    Parameters
+    ----------
+    schedule : float, Profile or Taper
+    core, radius : float
+        [m].
+    scale : float
+        Of the values.
+    """
+
+    def __init__(
+        self, schedule: float | Profile | Taper, core: float, radius: float, scale: float = 1.0
+    ) -> None:
+        self.schedule, self.core, self.radius, self.scale = schedule, core, radius, scale
+        inner = schedule.radius if isinstance(schedule, Profile) else ()
+        self.kinks = np.array([r for r in inner if core < r < radius])
+        behind, before = (self.slope(self.kinks, side) for side in (-1, 1))
+        self.bends = self.kinks * np.abs(before - behind) / np.abs(self.at(self.kinks))
+
+    def at(self, r: Array) -> Array:
+        """Return the values at radii [m]."""
+        return self.scale * self._value_and_slope(r, 1)[0]
+
+    def slope(self, r: Array, side: int = 1) -> Array:
+        """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
+        return self.scale * self._value_and_slope(r, side)[1]
+
+    def _value_and_slope(self, r: Array, side: int) -> tuple[Array, Array]:
+        schedule, core = self.schedule, self.core
+        if isinstance(schedule, Profile):
+            x, y = np.asarray(schedule.radius), np.asarray(schedule.value)
+            steps = np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
+            # a node that stands on a kink may miss it by a rounding
+            nudged = r * (1 + side * 1e-12)
+            return schedule.at(r), steps[np.searchsorted(x, nudged)]
+        if not isinstance(schedule, Taper):
+            return np.full(np.shape(r), schedule), np.zeros(np.shape(r))
+        start, fall = schedule.start, schedule.start * schedule.taper
+        if schedule.law == "linear":
+            share = (r - core) / (self.radius - core)
+            slope = np.full(np.shape(r), -fall / (self.radius - core))
+            return start - fall * share, slope
+        if schedule.law == "hyperbolic":
+            return start - fall * (1 - core / r), -fall * core / r**2
+        return start * core / r, -start * core / r**2
 
 
 def at_radius(schedule: float | Profile, r: Array) -> Array:
@@ -72,8 +164,10 @@ def at_radius(schedule: float | Profile, r: Array) -> Array:
     return schedule.at(r) if isinstance(schedule, Profile) else np.full(np.shape(r), schedule)
 
 
-def values_of(schedule: float | Profile) -> dict[str, float]:
+def values_of(schedule: float | Profile | Taper) -> dict[str, float]:
     """Return the numbers that a schedule is made of, by what is added to its field's name."""
     if isinstance(schedule, Profile):
         return {f".value.{k}": value for k, value in enumerate(schedule.value)}
+    if isinstance(schedule, Taper):
+        return {".start": schedule.start}
     return {"": schedule}

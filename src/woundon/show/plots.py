@@ -123,7 +123,7 @@ def _labels(results: Sequence[Any]) -> list[str]:
                    *(_said(t[path]) for path in differ[:2] if path in t)])
         for word, t in zip(words, told, strict=True)
     ]  # fmt: skip
-    if len(differ) > 2 or len(set(texts)) < len(texts):
+    if len(differ) > 2 or len(set(texts)) < len(texts) or not all(texts):
         return [f"{word} {k}" for k, word in enumerate(words, 1)]
     return texts
 

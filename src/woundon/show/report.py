@@ -6,7 +6,7 @@ parts (:mod:`.parts`), found through :mod:`woundon.kinds`; warnings and certific
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from io import StringIO
 from math import isinf, isnan
@@ -45,7 +45,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "field_rows", "nip_report", "outputs_report", "print_report", "print_sensitivity",
-    "report_parts", "report_text", "roller_report", "sensitivity_text", "wrapped_report",
+    "report_parts", "report_text", "roller_report", "rows_of",
+    "sensitivity_text", "wrapped_report",
 ]  # fmt: skip
 
 
@@ -82,16 +83,18 @@ LEFT_OUT = frozenset({
 })  # fmt: skip
 
 
-def _rows(result: Result, names: list[str], **notes: str) -> tuple[Row, ...]:
+def rows_of(
+    result: Result, names: list[str], leave: Iterable[str] = LEFT_OUT, **notes: str
+) -> tuple[Row, ...]:
     """Return the rows of the outputs named, then of all that nobody here knows of.
 
-    ``notes`` stand behind the units, by name.
+    Those to ``leave`` are left out; ``notes`` stand behind the units, by name.
     """
     beside = {f"{name}_error" for name in result.errors}
     others = [
         name
         for name in quantities.scalar_outputs(result)
-        if name not in LEFT_OUT and name not in beside and name not in names
+        if name not in leave and name not in beside and name not in names
     ]
     return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
 
@@ -117,7 +120,7 @@ def nip_report(result: NipResult) -> list[Part]:
     return [
         _how(result),
         Section("Loads", _loads(result)),
-        Section(HELD, _rows(result, names + NIP, approach=_level(result)), BRACKETS),
+        Section(HELD, rows_of(result, names + NIP, approach=_level(result)), BRACKETS),
         nip_zones(result),
         *_other_theories(result),
     ]
@@ -173,7 +176,7 @@ def _wrapped_rows(result: WrappedNipResult) -> tuple[Row, ...]:
              "roll_wrap_traction", "slip_angle"]  # fmt: skip
     way = f", web {result.slip_zone.word}" if result.slip_zone else ""
     notes = {"approach": _level(result), "slip_angle": way}
-    return _rows(result, names + NIP, **notes)
+    return rows_of(result, names + NIP, **notes)
 
 
 def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
@@ -233,7 +236,7 @@ def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
     if not isnan(result.traction_error):
         names.append("traction_error")
     level = _up_to_a_constant(problem.upper, problem.lower)
-    return _rows(result, names, approach=level, shift=level)
+    return rows_of(result, names, approach=level, shift=level)
 
 
 # ---- other theories, where they apply -----------------------------------------------------------

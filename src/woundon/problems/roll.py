@@ -1,0 +1,224 @@
+"""The winding of a roll: core, web, stack and the tension of its laps."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ..errors import InvalidProblem
+from ..quantities import Quantity, length, line_load, strain, stress
+from .fields import Description, Number, Problem, shown
+from .materials import AnyMaterial, Isotropic
+from .radial_laws import Pfeiffer
+from .schedules import Curve, Profile, WindingSchedule, values_of
+from .stack import AnyStack, Stack
+
+__all__ = ["Core", "WoundRollProblem"]
+
+MOST_LAPS = 1e6
+FEWEST_LAPS = 10
+PER_KELVIN = 1e-2  # no solid expands more
+
+
+def _expansion(symbol: str, meaning: str) -> Quantity:
+    return Quantity(symbol, "1/K", meaning)
+
+
+class Core(Description):
+    """What a roll is wound on.
+
+    Parameters
+    ----------
+    radius : float
+        Outer radius r_c [m].
+    stiffness : float, optional
+        E_c [Pa]: its radius shrinks by r_c P/E_c under the pressure P.
+    inner_radius : float, optional
+        Of a tube [m], instead of the stiffness.
+    material : Isotropic, optional
+        Of the tube, in plane strain.
+
+    Raises
+    ------
+    InvalidProblem
+        Unless there is either a stiffness or a tube.
+    """
+
+    radius: Annotated[
+        Number, length("r_c", "outer radius of the core", typical=(0.02, 0.3)),
+        Field(gt=0, le=100),
+    ]  # fmt: skip
+    stiffness: Annotated[
+        Number | None,
+        stress("E_c", "stiffness of the core", "MPa", (1e8, 1e11)),
+        Field(gt=0, le=1e18),
+    ] = None
+    inner_radius: Annotated[Number | None, length("r_i", "inner radius of a tube"), Field(ge=0)] = (
+        None
+    )
+    material: AnyMaterial | None = None
+
+    @model_validator(mode="after")
+    def _one_stiffness(self) -> Self:
+        tube = self.inner_radius is not None or self.material is not None
+        if (self.stiffness is not None) == tube:
+            raise InvalidProblem.at(
+                "stiffness",
+                "is given beside a tube; must be one of the two" if tube
+                else "missing; must be > 0 [Pa], or a tube given by inner_radius and material",
+            )  # fmt: skip
+        if not tube:
+            return self
+        if self.inner_radius is None or not isinstance(self.material, Isotropic):
+            text = "missing; must be a tube's, with an isotropic material"
+            raise InvalidProblem.at(
+                "inner_radius" if self.inner_radius is None else "material", text
+            )
+        if self.inner_radius >= self.radius:
+            raise InvalidProblem.at(
+                "inner_radius",
+                f"{shown(self.inner_radius)} is out of range; must be >= 0 and < radius = "
+                f"{self.radius:.6g} [m]",
+            )
+        return self
+
+    @property
+    def effective_stiffness(self) -> float:
+        """E_c [Pa]: as given, or that of a thick tube in plane strain (Lame)."""
+        if self.stiffness is not None:
+            return self.stiffness
+        assert isinstance(self.material, Isotropic)
+        assert self.inner_radius is not None
+        E, nu = self.material.youngs_modulus, self.material.poissons_ratio
+        share = (self.inner_radius / self.radius) ** 2
+        return E / ((1 + nu) * ((1 + share) / (1 - share) - nu * 2 / (1 - share)))
+
+
+class WoundRollProblem(Problem):
+    """A roll as it is wound lap by lap: what pressures and stresses stay in it.
+
+    The laps are thin beside the radius, in plane strain, their law that of the stack; the tension
+    they are wound on with is given over the radius.
+
+    Parameters
+    ----------
+    core : Core
+    radius : float
+        R of the finished roll [m].
+    stack : Stack
+    web_thickness : float
+        2h [m].
+    wound_on_tension : float, Taper or Profile
+        WOT over the radius [N/m], > 0.
+    density : float, optional
+        Of the web [kg/m^3]; with it the result has the roll's mass.
+    temperature_change : float
+        Of the finished roll, core included [K].
+    tangential_expansion, radial_expansion, core_expansion : float
+        Coefficients of thermal expansion along the web, through the stack, of the core [1/K].
+    core_shrinkage : float
+        Share by which the free core of the finished roll gets smaller [1].
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault.
+    """
+
+    core: Core
+    radius: Annotated[
+        Number, length("R", "radius of the finished roll", typical=(0.1, 0.75)),
+        Field(gt=0, le=100),
+    ]  # fmt: skip
+    stack: AnyStack
+    web_thickness: Annotated[
+        Number, length("2h", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)
+    ]
+    wound_on_tension: Annotated[
+        WindingSchedule, line_load("WOT", "wound-on tension", (50.0, 1500.0))
+    ]
+    density: Annotated[
+        Number | None,
+        Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
+        Field(gt=0, le=3e4),
+    ] = None
+    temperature_change: Annotated[
+        Number, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
+        Field(ge=-1000, le=1000),
+    ] = 0.0  # fmt: skip
+    tangential_expansion: Annotated[
+        Number, _expansion("alpha_t", "thermal expansion along the web"),
+        Field(ge=-PER_KELVIN, le=PER_KELVIN),
+    ] = 0.0  # fmt: skip
+    radial_expansion: Annotated[
+        Number, _expansion("alpha_r", "thermal expansion through the stack"),
+        Field(ge=-PER_KELVIN, le=PER_KELVIN),
+    ] = 0.0  # fmt: skip
+    core_expansion: Annotated[
+        Number, _expansion("alpha_c", "thermal expansion of the core"),
+        Field(ge=-PER_KELVIN, le=PER_KELVIN),
+    ] = 0.0  # fmt: skip
+    core_shrinkage: Annotated[
+        Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _windable(self) -> Self:
+        core, radius = self.core.radius, self.radius
+        if core >= radius:
+            raise InvalidProblem.at(
+                "core.radius",
+                f"{shown(core)} is out of range; must be > 0 and < radius = {radius:.6g} [m]",
+            )
+        thinnest, thickest = ((radius - core) / laps for laps in (MOST_LAPS, FEWEST_LAPS))
+        if not thinnest <= self.web_thickness <= thickest:
+            raise InvalidProblem.at(
+                "web_thickness",
+                f"{shown(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
+                f"{thickest:.4g} [m]: {FEWEST_LAPS} to {MOST_LAPS:.0e} laps",
+            )
+        self._tension_is_positive()
+        return self
+
+    def _tension_is_positive(self) -> None:
+        schedule = self.wound_on_tension
+        if isinstance(schedule, Profile):
+            for k, edge, name in (
+                (0, self.core.radius, "core.radius"),
+                (-1, self.radius, "radius"),
+            ):
+                r = schedule.radius[k]
+                if (r > edge * (1 + 1e-9)) if k == 0 else (r < edge * (1 - 1e-9)):
+                    sign, k = ("<=", 0) if k == 0 else (">=", len(schedule.radius) - 1)
+                    raise InvalidProblem.at(
+                        f"wound_on_tension.radius.{k}",
+                        f"{shown(r)} is out of range; must be {sign} {name} = {edge:.6g} [m], "
+                        "for the whole roll is wound",
+                    )
+        for name, value in values_of(schedule).items():
+            if not 0 < value <= 1e6:
+                text = f"{shown(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
+                raise InvalidProblem.at(f"wound_on_tension{name}", text)
+        if not float(self.tension_curve.at(np.array([self.radius]))[0]) > 0:
+            raise InvalidProblem.at(
+                "wound_on_tension.taper",
+                "is out of range; must leave a tension > 0 [N/m] at the surface",
+            )
+
+    @property
+    def tension_curve(self) -> Curve:
+        """The wound-on stress T = WOT/2h over the radius [Pa]."""
+        return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return a newsprint roll of Table 2's web; the stack's K1 and K2 are illustrative."""
+        stack = Stack(
+            radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
+        )
+        return cls(
+            core=Core(radius=0.0445, stiffness=1e9), radius=0.15, stack=stack,
+            web_thickness=66e-6, wound_on_tension=350.0, density=680.0,
+        )  # fmt: skip

@@ -1,0 +1,1 @@
+"""The stresses that winding leaves in a roll."""

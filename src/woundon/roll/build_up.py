@@ -1,0 +1,322 @@
+"""The build-up of a roll: from the core to its surface, stage after stage.
+
+What a lap gets as its source depends on kappa alone (see :mod:`.equations`), a smooth function of
+where the surface is, but for kinks where the tension has one.  It is found like the solution of a
+differential equation by an implicit multistep method: from the stages behind, kappa is extrapolated
+to the next one; the roll is solved with that source, which tells kappa there; and so on until both
+agree (twice is mostly enough).  By how far the extrapolation was off, the step is chosen.  The cost
+does not know how many laps there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, log
+from typing import Protocol
+
+import numpy as np
+
+from .equations import CellSource, Solved, StageEquations, pressure_between
+
+__all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "kinks_of", "nodes_between", "wind"]
+
+Array = np.ndarray
+
+ORDER = 3  # of the polynomial through the last stages
+MOST_ROUNDS = 25  # of source and kappa on one stage
+AGREED = 0.02  # of the tolerance
+SETTLED = 0.1  # of what is agreed: the last stage is solved anew when the roll is finished
+WEAK = 0.3  # of the tolerance
+STRETCHED = 0.3  # of a step, lest the next one be tiny
+AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
+# Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
+DENSE, FELT = 0.1, 0.1
+LEAST_STEP = 1e-12  # of ln r
+# Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
+# implicit step errs several times less than an extrapolation
+COUNTED = 0.2
+
+
+class NotWoundError(ArithmeticError):
+    """A stage has no solution, or the steps became too small."""
+
+
+class Tension(Protocol):
+    """The stress that laps are wound on with."""
+
+    kinks: Array  # radii between core and surface at which its slope jumps [m]
+    bends: Array  # by how much, r |dT'|/T
+
+    def at(self, r: Array) -> Array:
+        """T [Pa]."""
+        ...
+
+    def slope(self, r: Array, side: int) -> Array:
+        """dT/dr [Pa/m], at a kink that of the side behind (-1) or before (1) it."""
+        ...
+
+
+class Growth:
+    """Kappa over x = ln r: polynomials through up to four stages, none across a kink.
+
+    Parameters
+    ----------
+    x, kappa : float
+        Of the core, where a roll begins.
+
+    Attributes
+    ----------
+    x, kappa : (J,) arrays
+        The stages.
+    through : (J,) int array
+        How many stages the polynomial that ends at each goes through.
+    """
+
+    def __init__(self, x: float, kappa: float) -> None:
+        self.x, self.kappa = np.array([x]), np.array([kappa])
+        self.through = np.array([1])
+        self.first = 0  # the stage behind which no polynomial reaches
+        self._pieces = np.zeros((ORDER + 1, 0))
+
+    @classmethod
+    def of(cls, x: Array, kappa: Array, through: Array) -> Growth:
+        """Return that of given stages; see the attributes."""
+        growth = cls(float(x[0]), float(kappa[0]))
+        for k in range(1, x.size):
+            growth.first = k + 1 - int(through[k])
+            growth = growth.then(float(x[k]), float(kappa[k]))
+        return growth
+
+    def begin_anew(self) -> None:
+        """Draw no polynomial across the last stage: there the tension has a kink."""
+        self.first = self.x.size - 1
+
+    def _behind(self) -> slice:
+        return slice(max(self.first, self.x.size - ORDER), None)
+
+    def extrapolated(self, x: float) -> float:
+        """Return what the polynomial through the last stages says of the next one."""
+        own = self._behind()
+        if self.x[own].size == 1:
+            return float(self.kappa[-1])
+        c = _through(self.x[own] - x, self.kappa[own])
+        return float(c[0])
+
+    def then(self, x: float, kappa: float) -> Growth:
+        """Return this with one more stage."""
+        more, own = Growth.__new__(Growth), self._behind()
+        more.x, more.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
+        more.first = self.first
+        more.through = np.append(self.through, more.x.size - own.start)
+        c = np.zeros((ORDER + 1, 1))
+        piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
+        c[: piece.size, 0] = piece
+        more._pieces = np.hstack([self._pieces, c])
+        return more
+
+    def __call__(self, x: Array) -> Array:
+        """Return kappa at any x."""
+        if not self._pieces.shape[1]:
+            return np.full(np.shape(x), self.kappa[0])
+        k = np.clip(np.searchsorted(self.x, x, side="left") - 1, 0, self._pieces.shape[1] - 1)
+        t, c = x - self.x[k], self._pieces[:, k]
+        return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
+
+
+def _through(x: Array, y: Array) -> Array:
+    """Return the ascending coefficients of the polynomial through a few points."""
+    scale = np.max(np.abs(x))
+    powers = np.vander(x / scale, increasing=True)
+    return np.asarray(np.linalg.solve(powers, y) / scale ** np.arange(x.size))
+
+
+@dataclass
+class BuildUp:
+    """A roll's history: kappa at every stage, and the pressure at the last one.
+
+    Attributes
+    ----------
+    growth : Growth
+    x : (n + 1,) array
+        ln r of the nodes of the last stage.
+    source : CellSource
+    solved : Solved
+    rejected : int
+        How many steps were too long.
+    """
+
+    growth: Growth
+    x: Array
+    source: CellSource
+    solved: Solved
+    rejected: int = 0
+
+    @property
+    def stages(self) -> int:
+        """How many there are."""
+        return self.growth.x.size - 1
+
+
+def nodes_between(
+    core: float, surface: float, cells: int, layer: float,
+    kinks: Array | None = None, felt: Array | None = None,
+) -> Array:  # fmt: skip
+    """Return ln r of nodes, dense at the core and at the surface, and at kinks that are felt.
+
+    Parameters
+    ----------
+    core, surface : float
+        Both ends.
+    cells : int
+        How many, about; more where there are kinks.
+    layer : float
+        How deep the layer below the surface is.
+    kinks, felt : (K,) arrays, optional
+        ln r of what are to be nodes, and how much the source changes there, relative.
+    """
+    length = surface - core
+    layer = min(layer, length)
+    steps = layer * np.expm1(np.log1p(length / layer) * np.linspace(0, 1, 2 * cells))
+    even = length * np.linspace(0, 1, 2 * cells)
+    x = np.unique(np.clip([core + steps, surface - steps, core + even], core, surface))
+    # density 1/(distance + layer) at both ends, and an even part as large as theirs
+    total = np.log1p(length / layer) * (x - core) / length
+    for end in (core, surface):
+        total += np.sign(x - end) * np.log1p(np.abs(x - end) / layer)
+    found = np.interp(np.linspace(total[0], total[-1], cells + 1), total, x)
+    found[0], found[-1] = core, surface
+    if kinks is None:
+        return found
+    own = (kinks > core + LEAST_STEP) & (kinks < surface - LEAST_STEP)
+    more = [kinks[own]]
+    if felt is not None:
+        ends = np.concatenate([[core], kinks[own], [surface]])
+        more += _beside(ends, np.round(cells * DENSE * np.minimum(1.0, felt[own] / FELT)), layer)
+    return np.unique(np.concatenate([found, *more]))
+
+
+def _beside(ends: Array, many: Array, layer: float) -> list[Array]:
+    """Return nodes on either side of kinks, half-way to the next; ``ends`` are kinks and ends."""
+    share = np.arange(1, int(many.max(initial=0)) + 1) / (many[:, None] + 1)
+    inside, kinks = share < 1, ends[1:-1, None]
+    nodes = []
+    for side, room in ((-1, np.diff(ends)[:-1]), (1, np.diff(ends)[1:])):
+        reach = room[:, None] / 2
+        depth = np.minimum(layer, reach)
+        nodes.append((kinks + side * depth * np.expm1(np.log1p(reach / depth) * share))[inside])
+    return nodes
+
+
+def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
+    """Return ln r of a tension's kinks, and how much the source changes there, relative.
+
+    Beyond the last stage as if laid there.
+    """
+    x = np.log(tension.kinks)
+    return x, tension.bends / (2 + growth(np.minimum(x, growth.x[-1])))
+
+
+def wind(
+    equations: StageEquations, tension: Tension, core: float, radius: float, *, tolerance: float,
+    cells: int, layer: float, told: Callable[[float], None] | None = None,
+) -> BuildUp:  # fmt: skip
+    """Wind a roll.
+
+    Parameters
+    ----------
+    equations : StageEquations
+    tension : Tension
+    core, radius : float
+        From where to where [m].
+    tolerance : float
+        Of kappa + 2, relative.
+    cells : int
+        Of each stage.
+    layer : float
+        Depth of the layer below the surface, of ln r.
+    told : callable, optional
+        Is called with each stage's radius [m].
+
+    Raises
+    ------
+    NotWoundError
+        Where a stage cannot be solved.
+    """
+    start, end, T_c = log(core), log(radius), float(tension.at(np.array([core]))[0])
+    growth, x, step, rejected = Growth(start, equations.core), start, 0.1 * layer, 0
+    kink = -np.inf
+    last: BuildUp | None = None
+    while x < end:
+        # a kink that changes the source by less than its tolerance is none
+        kinks, felt = kinks_of(tension, growth)
+        stop = float(np.append(kinks[(kinks > x) & (felt > WEAK * tolerance)], end)[0])
+        reach = min(step, stop - x)
+        surface = stop if stop - x - reach < STRETCHED * reach else x + reach
+        nodes = nodes_between(start, surface, cells, layer, kinks, felt)
+        guess = growth.extrapolated(surface)
+        found = _stage(
+            equations, tension, nodes, growth, guess, _moved(last, nodes, T_c), AGREED * tolerance
+        )  # fmt: skip
+        off = COUNTED * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess)) if found else np.inf
+        if found is None or off > tolerance:
+            rejected += 1
+            step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
+            if surface == stop:  # not stretched to there again
+                step = min(step, AGAIN * (stop - x))
+            if x == kink:  # felt
+                growth.begin_anew()
+                step, kink = min(step, layer), -np.inf
+            if step < LEAST_STEP:
+                raise NotWoundError(f"no stage beyond the radius {exp(x):.6g} m can be solved")
+            continue
+        last, growth = found, found.growth
+        step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
+        x, kink = surface, stop
+        if told is not None:
+            told(exp(x))
+    assert last is not None
+    last.rejected = rejected
+    return last
+
+
+def _factor(slack: float) -> float:
+    return float(0.8 * slack ** (1 / (ORDER + 0.5)))
+
+
+def _moved(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
+    """Return a first guess: the stage before, its surface moved to the new one."""
+    if last is None:
+        return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
+    share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
+    moved = nodes - (nodes[-1] - last.x[-1]) * share
+    return pressure_between(last.x, last.solved.P, last.solved.Q, moved)
+
+
+def _stage(
+    equations: StageEquations, tension: Tension, nodes: Array, behind: Growth, kappa: float,
+    guess: tuple[Array, Array], agreed: float,
+) -> BuildUp | None:  # fmt: skip
+    """Solve one stage together with its kappa; None where that fails."""
+    T_c = float(tension.at(np.exp(nodes[:1]))[0])
+    for _ in range(MOST_ROUNDS):
+        growth = behind.then(float(nodes[-1]), kappa)
+        source = cell_source(tension, growth, nodes)
+        solved = equations.solve(nodes, source, T_c, *guess, SETTLED * agreed)
+        if solved is None:
+            return None
+        change, kappa, guess = abs(solved.growth - kappa), solved.growth, solved[:2]
+        if change <= agreed * (2 + abs(kappa)):
+            return BuildUp(growth, nodes, source, solved)
+    return None
+
+
+def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
+    """Return C = -r T' - T (2 + kappa) in every cell."""
+
+    def source(x: Array, side: int) -> Array:
+        r = np.exp(x)
+        return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
+
+    middle = (nodes[1:] + nodes[:-1]) / 2
+    return CellSource(source(nodes[:-1], 1), source(middle, 1), source(nodes[1:], -1))

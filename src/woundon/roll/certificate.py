@@ -1,0 +1,87 @@
+"""The certificate of a wound roll: every law measured on the arrays that its result reports."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..contact.certificate import largest
+from ..results import Residuals
+from .build_up import Growth, cell_source
+from .equations import CellSource, StageEquations
+
+if TYPE_CHECKING:
+    from ..problems.roll import WoundRollProblem
+    from .result import WoundRollResult
+
+__all__ = ["certificate", "changes", "equations_of", "growth_of"]
+
+Array = np.ndarray
+
+
+def equations_of(problem: WoundRollProblem) -> StageEquations:
+    """Return the equations of a roll's stages."""
+    stack, E_c = problem.stack, problem.core.effective_stiffness
+    E_t, nu = stack.tangential, stack.poissons_ratio
+    return StageEquations(stack.radial.strain_at, stack.radial.modulus, E_t, E_t / E_c - 1 + nu)
+
+
+def growth_of(result: WoundRollResult) -> Growth:
+    """Return kappa over the radius through the stages of a result."""
+    return Growth.of(np.log(result.stage_radius), result.growth, result.stage_order)
+
+
+def changes(problem: WoundRollProblem) -> tuple[float, float]:
+    """Return what the finished roll's changes add to its source, and to the core's tension [Pa].
+
+    A lap's free strain alpha dT takes no part in its stress, so C gets E_t (alpha_t - alpha_r) dT;
+    a core that shrinks more than the laps lets these go.
+    """
+    E_t, dT = problem.stack.tangential, problem.temperature_change
+    along = problem.tangential_expansion
+    source = E_t * (along - problem.radial_expansion) * dT
+    core = E_t * ((problem.core_expansion - along) * dT - problem.core_shrinkage)
+    return source, core
+
+
+def certificate(result: WoundRollResult) -> Residuals:
+    """Measure every law of a result; stresses are counted in wound-on stresses at the core.
+
+    equilibrium
+        The collocated equations of :mod:`.equations` on the nodes.
+    core_condition, free_surface
+        Both ends.
+    frozen_source
+        That laps have the source they were laid with, and what the finished roll's changes add.
+    hoop_stress, displacement, lap_strain, radial_modulus
+        What follows of P and r P' by the law of the stack.
+    """
+    problem, stack = result.problem, result.problem.stack
+    curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
+    r, P, Q = result.radius, result.pressure, result.pressure_gradient
+    x, T = np.log(r), curve.at(r)
+    unit, more = float(T[0]), changes(problem)
+    growth = growth_of(result)
+    source = shifted(cell_source(curve, growth, x), more[0])
+    miss, _ = equations_of(problem).defects(x, source, unit + more[1], P, Q)
+    hoop = -(P + Q)
+    strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
+    told = np.append(source.left, source.right[-1])
+    return Residuals(
+        equilibrium=largest(np.abs(miss[1:-1])) / unit,
+        core_condition=abs(float(miss[0])) / unit,
+        free_surface=abs(float(miss[-1])) / unit,
+        frozen_source=largest(np.abs(result.source - told)) / largest(np.abs(told)),
+        hoop_stress=largest(np.abs(result.hoop_stress - hoop)) / unit,
+        lap_strain=largest(np.abs(result.lap_strain - strain)) * E_t / unit,
+        displacement=largest(np.abs(result.displacement / r - (strain - T / E_t))) * E_t / unit,
+        radial_modulus=largest(np.abs(result.radial_modulus / stack.radial.modulus(P) - 1)),
+        positive_pressure=largest(-P) / max(float(np.max(np.abs(P))), 1e-300),
+        roll=largest(np.abs(r[[0, -1]] / [problem.core.radius, result.stage_radius[-1]] - 1)),
+    )
+
+
+def shifted(source: CellSource, by: float) -> CellSource:
+    """Return a source with the same added everywhere."""
+    return CellSource(*(part + by for part in source))

@@ -1,0 +1,64 @@
+"""The published scheme: laps one by one, increments of pressure added up (Hakiel 1987).
+
+The increments p by a lap of thickness h, laid at s with the stress T, satisfy on the laps below
+
+    r^2 p'' + 3 r p' + (1 - E_t/E_r(P)) p = 0,    p = T h/s at s,    r_c p' = b p at the core,
+
+by central differences on the laps, with the moduli before that lap.  Then P += p.  Of order one in
+h: with groups of laps for laps it is far off; with the real ones their thickness is part of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lapack
+
+__all__ = ["wind_laps"]
+
+Array = np.ndarray
+
+
+def wind_laps(
+    modulus: Callable[[Array], Any], tangential: float, core: float, r: Array, T: Array
+) -> Array:
+    """Return the pressure below every lap, (n + 1,) [Pa], nil at the surface.
+
+    Parameters
+    ----------
+    modulus : callable
+        E_r(P) [Pa].
+    tangential : float
+        E_t [Pa].
+    core : float
+        b = E_t/E_c - 1 + nu.
+    r : (n + 1,) array
+        Inner radii of n laps, then the surface, even [m].
+    T : (n + 1,) array
+        Wound-on stress there [Pa].
+    """
+    h = float(r[1] - r[0])
+    P = np.zeros(r.size)
+    second = r**2 / h**2
+    below, above = second - 1.5 * r / h, second + 1.5 * r / h
+    for last in range(r.size - 1):
+        own = slice(0, last + 1)
+        diagonal = -2 * second[own] + 1 - tangential / modulus(P[own])
+        more = T[last] * h / r[last]
+        if last == 0:  # nothing below but the core
+            P[0] += more
+            continue
+        low, high = below[1 : last + 1].copy(), above[:last].copy()
+        # the core's condition by a node before it: p_1 - p_-1 = 2 h b p_0/r_c
+        diagonal[0] -= 2 * h * core / r[0] * below[0]
+        high[0] += below[0]
+        low[-1], diagonal[-1] = 0.0, 1.0
+        right = np.zeros(last + 1)
+        right[-1] = more
+        *_, p, info = lapack.dgtsv(low, diagonal, high, right, 1, 1, 1, 1)
+        if info != 0:
+            raise ArithmeticError("an increment has no solution")
+        P[own] += p
+    return P

@@ -1,0 +1,174 @@
+"""A wound roll: the pressure and the stresses that winding has left in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from .. import kinds
+from ..quantities import Quantity, length, pure, strain, stress
+from ..results import Residuals, Result
+
+__all__ = ["WoundRollResult"]
+
+Array = np.ndarray
+COMPARED = 1001  # radii of a share
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WoundRollResult(Result):
+    """The stresses in a wound roll, over its radius.
+
+    Attributes
+    ----------
+    problem : WoundRollProblem
+    radius : (M,) array
+        Where laps are laid, from the core to the surface [m].
+    pressure : (M,) array
+        P between the laps [Pa].
+    hoop_stress : (M,) array
+        sigma_t along the web, > 0 tension [Pa].
+    displacement : (M,) array
+        How far a lap has moved outward since it was laid [m].
+    lap_strain : (M,) array
+        eps_t of the laps, that of a web without stress being 0 [1].
+    radial_modulus : (M,) array
+        E_r(P), how hard the roll is [Pa].
+    source : (M,) array
+        C = r^2 P'' + 3 r P' + P - E_t F(P), frozen since the lap at r was laid [Pa].
+    pressure_gradient : (M,) array
+        r P' [Pa].
+    stage_radius, growth : (J,) arrays
+        Stages of the build-up [m], and kappa there: how a further lap's pressure grows below the
+        surface [1].
+    stage_order : (J,) int array
+        How many stages the polynomial of kappa goes through that ends at each.
+    surface_slope : float
+        -r P'/T - 1 at the surface, which is 0 but for the discretisation [1].
+    steps : int
+        Linear systems solved.
+    """
+
+    MAIN: ClassVar[tuple[str, ...]] = ("core_pressure", "mid_pressure", "least_hoop_stress")
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
+        "wound_on_tension": "it is the problem's: result.problem.wound_on_tension",
+    })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
+
+    radius: Annotated[Array, length("r", "radius")]
+    pressure: Annotated[Array, stress("P", "pressure between the laps")]
+    hoop_stress: Annotated[Array, stress("sigma_t", "stress along the web, > 0 tension")]
+    displacement: Annotated[Array, length("u", "outward displacement since the lap was laid", "um")]
+    lap_strain: Annotated[Array, strain("eps_t", "strain of the laps along the web")]
+    radial_modulus: Annotated[
+        Array, stress("E_r", "modulus through the stack, the roll's hardness", "MPa")
+    ]
+    source: Annotated[Array, stress("C", "source, frozen since the lap was laid", "MPa")]
+    pressure_gradient: Annotated[Array, stress("rP'", "radius times the slope of the pressure")]
+    stage_radius: Annotated[Array, length("s", "surface at the stages of the build-up")]
+    growth: Annotated[Array, pure("kappa", "growth below the surface of a further lap's pressure")]
+    stage_order: Annotated[
+        Array, pure("n_k", "stages that the growth's polynomial goes through"), int
+    ]
+    surface_slope: Annotated[
+        float, strain("e_s", "by how much the slope at the surface misses the tension")
+    ]
+    steps: Annotated[int, pure("n_it", "linear systems solved")] = 0
+
+    @property
+    def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
+        """P at the core [Pa]."""
+        return float(self.pressure[0])
+
+    @property
+    def peak_pressure(self) -> Annotated[float, stress("P_max", "largest pressure")]:
+        """Largest P [Pa]."""
+        return float(np.max(self.pressure))
+
+    @property
+    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure half-way to the surface")]:
+        """P half-way between core and surface [Pa]."""
+        return float(self.at_radius((self.radius[0] + self.radius[-1]) / 2)["pressure"])
+
+    @property
+    def least_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_min", "smallest stress along the web, < 0 compression")]:
+        """Smallest sigma_t [Pa]."""
+        return float(np.min(self.hoop_stress))
+
+    @property
+    def compressed_share(
+        self,
+    ) -> Annotated[float, strain("s_c", "share of the build-up with the web in compression")]:
+        """Share of the radii, core to surface, at which sigma_t < 0 [1]."""
+        r = np.linspace(self.radius[0], self.radius[-1], COMPARED)
+        return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
+
+    @property
+    def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
+        """Area of the roll's side over the web's thickness [m]."""
+        R, core = float(self.radius[-1]), float(self.radius[0])
+        return pi * (R**2 - core**2) / float(self.problem.web_thickness)
+
+    @property
+    def laps(self) -> Annotated[float, pure("n", "laps on the roll")]:
+        """How many laps there are [1]."""
+        return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
+
+    @property
+    def mass(
+        self,
+    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
+        """Of the web alone [kg/m]; nan where its density is not given."""
+        density = self.problem.density
+        if density is None:
+            return float("nan")
+        return self.length * float(self.problem.web_thickness) * float(density)
+
+    def at_radius(self, radius: Any) -> dict[str, Any]:
+        """Return pressure and hoop stress at any radii.
+
+        Parameters
+        ----------
+        radius : array_like
+            [m], from the core to the surface.
+
+        Returns
+        -------
+        dict
+            ``pressure`` and ``hoop_stress`` [Pa].
+
+        Raises
+        ------
+        InvalidProblem
+            For a radius outside the roll.
+        """
+        return dict(kinds.fetch("woundon.roll.stages:between")(self, radius))
+
+    def at(self, radius: float) -> WoundRollResult:
+        """Return the roll when its surface was at a radius: a stage of its build-up.
+
+        Parameters
+        ----------
+        radius : float
+            [m], > the core's, <= the finished roll's.
+
+        Raises
+        ------
+        InvalidProblem
+            For a radius outside the roll.
+        """
+        stage: WoundRollResult = kinds.fetch("woundon.roll.stages:at")(self, radius)
+        return stage
+
+    def certified(self) -> Residuals:
+        """Return the certificate measured anew, from the problem and the arrays held here."""
+        from .certificate import certificate
+
+        return certificate(self)

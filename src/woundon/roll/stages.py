@@ -1,0 +1,81 @@
+"""A wound roll at other radii than its nodes, and at other stages than the last."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidProblem, NotConverged
+from ..problems.fields import shown
+from ..problems.roll import WoundRollProblem
+from ..problems.schedules import Profile, Taper
+from .build_up import Growth, cell_source, kinks_of, nodes_between
+from .certificate import certificate, equations_of, growth_of
+from .equations import pressure_between
+from .result import WoundRollResult
+from .solve import finished, layer_of
+
+__all__ = ["at", "between"]
+
+
+def _inside(result: WoundRollResult, radius: Any) -> np.ndarray:
+    r = np.asarray(radius, dtype=float)
+    core, surface = float(result.radius[0]), float(result.radius[-1])
+    slack = 1e-12 * surface
+    wrong = r[~((core - slack <= r) & (r <= surface + slack))]
+    if wrong.size:
+        raise InvalidProblem.at(
+            "radius",
+            f"{shown(float(wrong.flat[0]))} is out of range; must be >= {core:.6g} and <= "
+            f"{surface:.6g} [m], on the roll",
+        )
+    return np.clip(r, core, surface)
+
+
+def between(result: WoundRollResult, radius: Any) -> dict[str, Any]:
+    """Return pressure and hoop stress at radii [m]; see :meth:`WoundRollResult.at_radius`."""
+    r = _inside(result, radius)
+    x = np.log(result.radius)
+    P, Q = pressure_between(x, result.pressure, result.pressure_gradient, np.log(r))
+    return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
+
+
+def at(result: WoundRollResult, radius: float) -> WoundRollResult:
+    """Return a stage of the build-up; see :meth:`WoundRollResult.at`."""
+    surface = float(_inside(result, radius))
+    problem, core = result.problem, result.problem.core.radius
+    if not surface > core * (1 + 1e-6):
+        text = f"{shown(surface)} is out of range; must be > {core:.6g} [m], the core's"
+        raise InvalidProblem.at("radius", text)
+    whole, x = growth_of(result), float(np.log(surface))
+    kept = whole.x < x - 1e-12
+    behind = Growth.of(whole.x[kept], whole.kappa[kept], whole.through[kept])
+    behind.first = int(kept.sum()) + 1 - int(whole.through[int(kept.sum())])
+    growth = behind.then(x, float(whole(np.array([x]))[0]))
+    # as it was wound: what changes the finished roll comes later
+    stage = problem.replace(
+        radius=surface, wound_on_tension=_until(problem, surface),
+        temperature_change=0.0, core_shrinkage=0.0,
+    )  # fmt: skip
+    curve, equations = stage.tension_curve, equations_of(stage)
+    cells = result.radius.size - 1
+    nodes = nodes_between(
+        float(np.log(core)), x, cells, layer_of(problem), *kinks_of(curve, growth)
+    )
+    T_c = float(curve.at(np.array([core]))[0])
+    guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
+    solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
+    if solved is None:
+        raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
+    found = finished(stage, nodes, growth, solved).replace(errors=result.errors)
+    return found.replace(residuals=certificate(found)).checked()
+
+
+def _until(problem: WoundRollProblem, surface: float) -> float | Profile | Taper:
+    """Return the tension's schedule as it is up to a radius: a linear taper falls by its share."""
+    schedule, core = problem.wound_on_tension, problem.core.radius
+    if not isinstance(schedule, Taper) or schedule.law != "linear":
+        return schedule
+    share = (surface - core) / (problem.radius - core)
+    return schedule.replace(taper=schedule.taper * share)

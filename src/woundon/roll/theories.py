@@ -1,0 +1,171 @@
+"""Wound rolls by other ways: closed forms, the published lap-by-lap scheme, and the inverse."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..arguments import check_type, whole_number
+from ..errors import InvalidProblem
+from ..problems.radial_laws import Constant, Pfeiffer
+from ..problems.roll import WoundRollProblem
+from .build_up import nodes_between
+from .certificate import equations_of
+from .lap_by_lap import wind_laps
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+__all__ = ["RollStresses", "constant_moduli", "lap_by_lap", "plateau_pressure"]
+
+Array = np.ndarray
+
+GAUSS = 20  # points on each cell of an integral
+
+
+class RollStresses(NamedTuple):
+    """Radii [m], pressure and hoop stress there [Pa]."""
+
+    radius: Array
+    pressure: Array
+    hoop_stress: Array
+
+
+def constant_moduli(problem: WoundRollProblem, radius: ArrayLike) -> RollStresses:
+    """Return a roll whose moduli do not depend on pressure, in closed form.
+
+    With g^2 = E_t/E_r and F(r) = (r/rc)^(g-1) + A (r/rc)^(-g-1), A by the core's condition::
+
+        P(r) = F(r) int_r^R T/(s F(s)) ds,    sigma_t = T - (F + r F') int_r^R T/(s F(s)) ds
+
+    what each lap adds to the roll below it, added up.  A temperature change, and a core that
+    shrinks, add the roots r^(+-g - 1) and a constant.
+
+    Parameters
+    ----------
+    problem : WoundRollProblem
+        With a number for ``stack.radial``.
+    radius : array_like
+        [m].
+
+    Raises
+    ------
+    InvalidProblem
+        For a stack that hardens.
+    """
+    check_type("problem", problem, WoundRollProblem)
+    stack = problem.stack
+    if not isinstance(stack.radial, Constant):
+        raise InvalidProblem.at("stack.radial", "hardens; must be a number, the constant modulus")
+    r = np.atleast_1d(np.asarray(radius, dtype=float))
+    core, R, E_t = problem.core.radius, problem.radius, stack.tangential
+    g, b = float(np.sqrt(E_t / stack.radial.modulus(0.0))), equations_of(problem).core
+    A = (g - 1 - b) / (g + 1 + b)
+
+    def shape(x: Array) -> tuple[Array, Array]:
+        """F and r F' over x = ln(r/rc), scaled by exp((1 - g) x) so that neither overflows."""
+        small = A * np.exp(-2 * g * x)
+        return 1 + small, (g - 1) - (g + 1) * small
+
+    # int_r^R T/(s F(s)) ds over x, scaled likewise: exp(-(g-1)(y - x)) decays
+    curve = problem.tension_curve
+    start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
+    grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks) - start
+    points, weights = np.polynomial.legendre.leggauss(GAUSS)
+    whole = np.empty(r.size)
+    for k, x in enumerate(np.log(r / core)):
+        ends = np.concatenate([[x], grid[grid > x]])
+        half = np.diff(ends)[:, None] / 2
+        y = ends[:-1, None] + half * (1 + points)
+        inner = curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / shape(y)[0]
+        whole[k] = float(np.sum(half * weights * inner)) if ends.size > 1 else 0.0
+    F, slope = shape(np.log(r / core))
+    P = F * whole
+    more = _changed(problem, g, b, r)
+    return RollStresses(r, P + more[0], curve.at(r) - (F + slope) * whole - more[0] - more[1])
+
+
+def _changed(problem: WoundRollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
+    """Return what changes of the finished roll add to P, and r times its slope."""
+    from .certificate import changes
+
+    source, at_core = changes(problem)
+    core, R = problem.core.radius, problem.radius
+    # r^2 P'' + 3 r P' + (1 - g^2) P = source: a constant (a logarithm where g = 1), and two powers
+    even = abs(g - 1) < 1e-9
+    whole = source * np.log(r / core) / 2 if even else np.full(r.shape, source / (1 - g**2))
+    slope = np.full(r.shape, source / 2) if even else np.zeros(r.shape)
+    ends = np.log(np.array([1.0, R / core]))
+    special = source * ends / 2 if even else np.full(2, source / (1 - g**2))
+    own = source / 2 if even else 0.0
+    grows, decays = g - 1, -g - 1
+    shrunk = (core / R) ** grows  # the growing power is counted from the surface
+    matrix = np.array([
+        [(grows - b) * shrunk, decays - b],
+        [1.0, (R / core) ** decays],
+    ])  # fmt: skip
+    c = np.linalg.solve(matrix, [-at_core - own + b * special[0], -special[1]])
+    up, down = c[0] * (r / R) ** grows, c[1] * (r / core) ** decays
+    return whole + up + down, slope + grows * up + decays * down
+
+
+def plateau_pressure(stack: object, tension: float) -> float:
+    """Return the pressure far from core and surface of a roll wound at constant tension.
+
+    The first integral of the equations below a surface, many thin laps deep::
+
+        T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
+
+    3 to 13 % low for real rolls, whose curvature it leaves out.  The hoop stress there is -P.
+
+    Parameters
+    ----------
+    stack : Stack
+        With Pfeiffer's law.
+    tension : float
+        Wound-on stress T [Pa].
+    """
+    law = getattr(stack, "radial", None)
+    if not isinstance(law, Pfeiffer):
+        raise InvalidProblem.at("stack.radial", "must be Pfeiffer's law, with K1 and K2")
+    wanted = tension**2 * law.K2 / (2 * stack.tangential)  # type: ignore[attr-defined]
+
+    def miss(P: float) -> float:
+        return float(P - law.K1 * np.log1p(P / law.K1) - wanted)
+
+    return float(brentq(miss, 0.0, 2 * wanted + 4 * np.sqrt(wanted * law.K1) + 1.0, xtol=1e-9))
+
+
+def lap_by_lap(problem: WoundRollProblem, groups: int | None = None) -> RollStresses:
+    """Return the roll by the published scheme, laps one by one (Hakiel 1987), of order one.
+
+    Parameters
+    ----------
+    problem : WoundRollProblem
+        Its finished roll's changes take no part.
+    groups : int, optional
+        How many groups of laps are laid for laps, 10 to 20 000; by default the laps themselves.
+
+    Returns
+    -------
+    RollStresses
+        At the inner face of each lap, then at the surface.
+
+    Raises
+    ------
+    InvalidProblem
+        For more than 20 000 laps, or groups out of range.
+    """
+    check_type("problem", problem, WoundRollProblem)
+    core, R = problem.core.radius, problem.radius
+    laps = round((R - core) / problem.web_thickness)
+    if groups is None and laps > 20_000:
+        raise InvalidProblem.at("groups", f"missing; must be given for {laps} laps, <= 20000")
+    count = max(laps, 2) if groups is None else whole_number("groups", groups, 10, 20_000)
+    r = core + (R - core) * np.arange(count + 1) / count
+    T = problem.tension_curve.at(r)
+    equations = equations_of(problem)
+    P = wind_laps(equations.modulus, equations.tangential, equations.core, r, T)
+    return RollStresses(r, P, -(P + r * np.gradient(P, r, edge_order=2)))

@@ -1,0 +1,112 @@
+"""The panels of a wound roll."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..problems.roll import WoundRollProblem
+from ..quantities import find
+from ..roll.result import WoundRollResult
+from .figures import COLOURS, axis_label, quantity_of, shown
+from .panels import NEUTRAL, Case, Panel
+
+__all__ = ["wound_roll_panels"]
+
+Cases = Sequence[Case]
+Handles = list[Any]
+POINTS = 801
+ABOVE = 5  # times the depth of the compression
+
+
+def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
+    """Return the panels of a wound roll, over the radius.
+
+    - pressure between the laps
+    - hoop_stress along the web, compression shaded; cut off above where there is any
+    - hardness: the modulus through the stack
+    - tension: the wound-on tension, on the stages of the build-up
+    - displacement outward since a lap was laid (if asked for)
+    """
+    return {
+        "pressure": Panel(OverRadius("pressure", "Pressure $P$"), "left", height=2.8),
+        "hardness": Panel(OverRadius("radial_modulus", "Hardness $E_r$"), "left", height=2.6),
+        "hoop_stress": Panel(_draw_hoop, "right", height=2.8),
+        "tension": Panel(_draw_tension, "right", height=2.6),
+        "displacement": Panel(
+            OverRadius("displacement", "Displacement $u$"), "left", height=2.6, shown=False
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class OverRadius:
+    """What draws an output over the radius."""
+
+    name: str
+    words: str
+
+    def __call__(self, axes: Axes, cases: Cases) -> Handles:
+        """Draw it."""
+        for case in cases:
+            x, y = shown(case.result, "radius"), shown(case.result, self.name)
+            axes.plot(x, y, color=case.or_own(COLOURS[0]))
+        axes.set_ylabel(axis_label(self.words, quantity_of(cases[0].result, self.name)))
+        _along(axes, cases)
+        if all((getattr(case.result, self.name) > -1e-9).all() for case in cases):
+            axes.set_ylim(bottom=0)
+        return []
+
+
+def _draw_hoop(axes: Axes, cases: Cases) -> Handles:
+    quantity, handles = quantity_of(cases[0].result, "hoop_stress"), []
+    axes.axhline(0, color=NEUTRAL, linewidth=0.8)
+    for case in cases:
+        result = case.result
+        # between the nodes too, which are few
+        r = np.linspace(result.radius[0], result.radius[-1], POINTS)
+        x = quantity_of(result, "radius").shown(r)
+        hoop = quantity.shown(result.at_radius(r)["hoop_stress"])
+        (line,) = axes.plot(x, hoop, color=case.or_own(COLOURS[0]), label=r"$\sigma_t$")
+        if case.alone:
+            handles = [line, *_compression(axes, x, hoop)]
+    axes.set_ylabel(axis_label(r"Hoop stress $\sigma_t$", quantity))
+    _along(axes, cases)
+    deepest = quantity.shown(min(case.result.least_hoop_stress for case in cases))
+    if deepest < 0:  # at both ends the web has its wound-on stress, many times what is inside
+        axes.set_ylim(1.3 * deepest, min(axes.get_ylim()[1], -ABOVE * deepest))
+    return handles
+
+
+def _compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
+    if not (hoop < 0).any():
+        return []
+    shade = axes.fill_between(x, np.minimum(hoop, 0), 0, color=COLOURS[1], alpha=0.2, linewidth=0)
+    shade.set_label("compression")
+    return [shade]
+
+
+def _draw_tension(axes: Axes, cases: Cases) -> Handles:
+    quantity = find(WoundRollProblem, "wound_on_tension")[0].quantity
+    assert quantity is not None
+    for case in cases:
+        problem, r = case.result.problem, case.result.stage_radius
+        r = np.unique(np.concatenate([r, problem.tension_curve.kinks]))
+        T = problem.tension_curve.at(r) * problem.web_thickness
+        x = quantity_of(case.result, "radius").shown(r)
+        axes.plot(x, quantity.shown(T), color=case.or_own(COLOURS[0]))
+    axes.set_ylabel(axis_label("Wound-on tension", quantity))
+    axes.set_ylim(bottom=0)
+    _along(axes, cases)
+    return []
+
+
+def _along(axes: Axes, cases: Cases) -> None:
+    quantity = quantity_of(cases[0].result, "radius")
+    ends = np.concatenate([case.result.radius[[0, -1]] for case in cases])
+    axes.set_xlabel(axis_label("Radius $r$", quantity))
+    axes.set_xlim(quantity.shown(float(ends.min())), quantity.shown(float(ends.max())))

@@ -1,0 +1,81 @@
+"""The report of a wound roll."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..problems.radial_laws import Pfeiffer
+from ..problems.schedules import Profile, Taper
+from ..quantities import find
+from ..roll.result import WoundRollResult
+from ..roll.theories import plateau_pressure
+from .parts import Line, Part, Row, Section, field_row, output_row
+from .report import rows_of
+
+__all__ = ["wound_roll_report"]
+
+LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # told otherwise
+NAMES = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length", "laps",
+         "mass", "surface_slope"]  # fmt: skip
+# of the finished roll, where they are not nil
+CHANGES = ("temperature_change", "core_shrinkage")
+
+
+def wound_roll_report(result: WoundRollResult) -> list[Part]:
+    """Return the report of a wound roll."""
+    problem, r, hoop = result.problem, result.radius, result.hoop_stress
+    stages, nodes = result.stage_radius.size - 1, r.size
+    how = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
+    changes = [field_row(problem, name) for name in CHANGES if getattr(problem, name)]
+    notes = {
+        "peak_pressure": _place(r, result.pressure, int(np.argmax(result.pressure))),
+        "least_hoop_stress": _place(r, hoop, int(np.argmin(hoop))),
+    }
+    return [
+        Line(how, "quiet"),
+        Section("Winding", (
+            field_row(problem.core, "radius"),
+            *(field_row(problem, name) for name in ("radius", "web_thickness")),
+            *_tension(result),
+        )),
+        Section("Wound roll", rows_of(result, NAMES, leave=LEFT_OUT, **notes), _compressed(result)),
+        *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
+        *_other_theories(result),
+    ]  # fmt: skip
+
+
+def _place(r: np.ndarray, values: np.ndarray, k: int) -> str:
+    return f", at r = {1e3 * r[k]:.4g} mm"
+
+
+def _tension(result: WoundRollResult) -> Iterator[Row]:
+    """Yield the wound-on tension: as given, or at core and surface."""
+    problem = result.problem
+    schedule = problem.wound_on_tension
+    if not isinstance(schedule, Taper | Profile):
+        yield field_row(problem, "wound_on_tension")
+        return
+    quantity = find(problem, "wound_on_tension")[0].quantity
+    assert quantity is not None
+    T = problem.tension_curve.at(result.radius[[0, -1]]) * problem.web_thickness
+    for where, value in zip(("core", "surface"), T.tolist(), strict=True):
+        yield Row(f"{quantity.meaning} at the {where}", quantity.symbol,
+                  quantity.shown(value), quantity.display)  # fmt: skip
+
+
+def _compressed(result: WoundRollResult) -> str:
+    """Say where the web is pressed along itself, which makes rolls buckle and star."""
+    share = result.compressed_share
+    return f"The web is in compression on {100 * share:.3g} % of the build-up." if share else ""
+
+
+def _other_theories(result: WoundRollResult) -> Iterator[Section]:
+    problem = result.problem
+    tension, law = problem.wound_on_tension, problem.stack.radial
+    if not isinstance(tension, float) or not isinstance(law, Pfeiffer):
+        return
+    plateau = plateau_pressure(problem.stack, tension / problem.web_thickness)
+    label = "plateau of thin laps, its curvature left out"
+    yield Section("Other theories", (output_row(result, "mid_pressure", plateau, meaning=label),))

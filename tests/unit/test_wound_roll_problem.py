@@ -1,0 +1,192 @@
+"""Wound rolls: what is refused, what a core is, and what a schedule says."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon import cli
+from woundon.io.case_texts import to_toml
+from woundon.problems.schedules import Curve
+
+ROLL = wo.WoundRollProblem.example()
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"radius": 0.04}, "core.radius: 0.0445 is out of range; must be > 0 and < radius"),
+        ({"wound_on_tension": -5.0}, "wound_on_tension: -5 is out of range; must be > 0"),
+        ({"wound_on_tension": float("nan")}, "wound_on_tension"),
+        ({"wound_on_tension": wo.Taper(start=350, taper=1.0)},
+         "wound_on_tension.taper: is out of range; must leave a tension > 0"),
+        ({"wound_on_tension": wo.Profile(radius=[0.05, 0.15], value=[300, 300])},
+         "wound_on_tension.radius.0: 0.05 is out of range; must be <= core.radius = 0.0445"),
+        ({"wound_on_tension": wo.Profile(radius=[0.04, 0.14], value=[300, 300])},
+         "wound_on_tension.radius.1: 0.14 is out of range; must be >= radius = 0.15"),
+        ({"web_thickness": 1e-8}, "web_thickness: 1e-08 is out of range; must be >="),
+        ({"web_thickness": 0.02}, "10 to 1e+06 laps"),
+        ({"core_shrinkage": 0.5}, "core_shrinkage: 0.5 is out of range"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_wound_is_refused(changes: dict, text: str):
+    with pytest.raises(wo.InvalidProblem) as fault:
+        ROLL.replace(**changes)
+    assert text in str(fault.value)
+    assert len(str(fault.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("core", "text"),
+    [
+        ({}, "stiffness: missing"),
+        ({"stiffness": 1e9, "inner_radius": 0.04}, "given beside a tube"),
+        ({"inner_radius": 0.04}, "material: missing"),
+        ({"inner_radius": 0.05, "material": "steel"}, "inner_radius: 0.05 is out of range"),
+    ],
+)
+def test_a_core_has_a_stiffness_or_is_a_tube(core: dict, text: str):
+    if core.get("material") == "steel":
+        core = core | {"material": wo.material("steel")}
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.Core(radius=0.0445, **core)
+    assert text in str(fault.value)
+
+
+def test_a_tube_shrinks_as_lame_says():
+    steel = wo.Isotropic(youngs_modulus=206e9, poissons_ratio=0.3)
+    solid = wo.Core(radius=0.05, inner_radius=0.0, material=steel).effective_stiffness
+    # plane strain: u/r = -(1 + nu)(1 - 2 nu) P/E of a full cylinder
+    assert solid == pytest.approx(206e9 / (1.3 * 0.4))
+    thin = wo.Core(radius=0.05, inner_radius=0.0499, material=steel).effective_stiffness
+    # a thin ring: E t/((1 - nu^2) r), to the ring's thickness
+    assert thin == pytest.approx(206e9 * 0.002 / (1 - 0.09), rel=4e-3)
+
+
+@pytest.mark.parametrize(
+    "schedule",
+    [
+        wo.Taper(start=300.0, taper=0.4),
+        wo.Taper(start=300.0, taper=0.4, law="hyperbolic"),
+        wo.Taper(start=300.0, law="constant_torque"),
+        wo.Profile(radius=[0.04, 0.1, 0.2], value=[300.0, 250.0, 100.0]),
+        300.0,
+    ],
+)
+def test_a_curve_s_slope_is_that_of_its_values(schedule: object):
+    curve = Curve(schedule, 0.05, 0.2, scale=2.0)
+    r = np.linspace(0.051, 0.199, 37)
+    differences = (curve.at(r + 1e-7) - curve.at(r - 1e-7)) / 2e-7
+    np.testing.assert_allclose(curve.slope(r), differences, rtol=1e-6, atol=1e-4)
+    assert curve.at(np.array([0.05]))[0] == pytest.approx(2 * (
+        schedule if isinstance(schedule, float) else getattr(schedule, "start", 291.6666666666667)
+    ))  # fmt: skip
+
+
+def test_a_profile_s_kinks_have_two_slopes():
+    curve = Curve(wo.Profile(radius=[0.04, 0.1, 0.2], value=[300.0, 240.0, 200.0]), 0.05, 0.2)
+    kink = np.array([0.1])
+    assert curve.kinks.tolist() == [0.1]
+    assert curve.slope(kink, -1)[0] == pytest.approx(-1000)
+    assert curve.slope(kink, 1)[0] == pytest.approx(-400)
+    assert curve.bends[0] == pytest.approx(0.1 * 600 / 240)
+
+
+def test_a_stack_that_ends_is_told():
+    """A measured law that ends at 100 kPa cannot carry a roll of 300 kPa."""
+    test = wo.StackTest(pressure=[0, 2e4, 5e4, 1e5], strain=[0, 0.03, 0.045, 0.058])
+    with pytest.raises(wo.NotConverged) as fault:
+        wo.solve(ROLL.replace(stack=ROLL.stack.replace(radial=test)))
+    assert "beyond the stack's law" in str(fault.value)
+
+
+def test_a_roll_that_comes_apart_is_told():
+    with pytest.raises(wo.NotConverged) as fault:
+        wo.solve(ROLL.replace(core_shrinkage=0.05))
+    assert "come apart" in str(fault.value)
+
+
+@pytest.fixture(scope="module")
+def result() -> wo.WoundRollResult:
+    return wo.solve(ROLL.replace(wound_on_tension=wo.Taper(start=400.0, taper=0.25)), rtol=1e-2)
+
+
+def test_case_file_round_trip(result, tmp_path):
+    case = tmp_path / "roll.toml"
+    case.write_text(to_toml(result.problem), encoding="utf-8")
+    assert wo.load_case(case) == result.problem
+
+
+@pytest.mark.parametrize("ending", ["nc", "json"])
+def test_result_file_round_trip(result, tmp_path, ending: str):
+    path = tmp_path / f"roll.{ending}"
+    result.save(path)
+    again = wo.load_result(path)
+    assert again == result
+    assert again.certified().largest < 1e-8
+    assert again.at(0.1).radius[-1] == 0.1  # the build-up is in the file
+
+
+def test_a_table_for_spreadsheets_has_the_roll(result, tmp_path):
+    path = tmp_path / "roll.csv"
+    result.save(path)
+    text = path.read_text(encoding="utf-8")
+    assert f"{float(result.pressure[3])!r}" in text
+    assert "wound_on_tension" in text
+
+
+def test_the_command_line_winds_a_new_case(tmp_path, capsys):
+    assert cli.main(["new", "--wound-roll"]) == 0
+    case = tmp_path / "roll.toml"
+    case.write_text(capsys.readouterr().out, encoding="utf-8")
+    assert wo.load_case(case) == ROLL
+    assert cli.main(["solve", str(case), "--set", "wound_on_tension=400 N/m", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["kind"] == "wound_roll"
+    assert cli.main(["solve", str(case), "--set", "core.radius=200 mm"]) == 2
+    assert "core.radius: 0.2 is out of range" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("field", "values", "rises"),
+    [
+        ("wound_on_tension", [300.0, 400.0], True),
+        ("core.stiffness", [1e8, 1e9], True),
+        ("stack.radial.K2", [40.0, 80.0], True),  # a steeper law stands more of the pressure
+        ("wound_on_tension.taper", [0.1, 0.5], False),
+    ],
+)
+def test_sweeps_over_nested_fields(result, field: str, values: list[float], rises: bool):
+    problem = result.problem if "taper" in field else ROLL
+    table = wo.sweep(problem, {field: values}, outputs=["mid_pressure", "core_pressure"], rtol=1e-2)
+    name = "core_pressure" if field == "core.stiffness" else "mid_pressure"
+    low, high = (float(value) for value in table[name].values)
+    assert (high > low) is rises
+
+
+def test_the_report_says_where_the_web_is_in_compression():
+    rows = {
+        line.split("  ")[0].strip(): line for line in str(wo.solve(ROLL, rtol=1e-2)).splitlines()
+    }
+    assert "kPa" in rows["pressure on the core"]
+    (least,) = [line for name, line in rows.items() if name.startswith("smallest stress")]
+    assert ", at r = " in least
+    assert any("in compression on 7" in line for line in rows.values())
+
+
+def test_the_picture_has_a_zero_line_and_shades_compression(result):
+    figure = result.plot(panels=["hoop_stress", "tension"])
+    hoop, tension = figure.axes
+    zero, curve = hoop.get_lines()
+    assert set(zero.get_ydata()) == {0}
+    assert curve.get_ydata().min() == pytest.approx(result.least_hoop_stress / 1e3, rel=1e-2)
+    (shade,) = hoop.collections
+    assert shade.get_paths()[0].vertices[:, 1].max() == 0
+    (schedule,) = tension.get_lines()
+    np.testing.assert_allclose(schedule.get_ydata()[[0, -1]], [400.0, 300.0])
+    two = wo.plot([result, wo.solve(ROLL, rtol=1e-2)])
+    assert len(two.axes) == 4
+    assert all(text.get_text() for text in two.legends[0].get_texts())

@@ -1,0 +1,285 @@
+"""Wound rolls: closed forms, a second discretisation, convergence, what winders know.
+
+The closed forms are those of constant moduli (``theories.constant_moduli``); their table is that of
+an independent derivation, which has four to five digits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import woundon as wo
+from woundon.roll.theories import constant_moduli, lap_by_lap, plateau_pressure
+
+RADII = np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
+TENSION = 200.0  # N/m on 100 um: 2 MPa
+
+
+def plain(radial: float, nu: float, core: float, tangential: float = 4e9, **more: object):
+    """A roll of constant moduli, 0.05 to 0.20 m."""
+    stack = wo.Stack(radial=radial, tangential=tangential, poissons_ratio=nu, shear=1e7)
+    return wo.WoundRollProblem(
+        core=wo.Core(radius=0.05, stiffness=core), radius=0.2, stack=stack, web_thickness=1e-4,
+        **{"wound_on_tension": TENSION, **more},
+    )  # fmt: skip
+
+
+STIFF = {"radial": 4e9, "nu": 0.3, "core": 1e12}
+PAPER = {"radial": 40e6, "nu": 0.01, "core": 20e9}
+SOFT_CORE = {"radial": 40e6, "nu": 0.01, "core": 0.2e9}
+NEWSPRINT = wo.WoundRollProblem.example()
+
+
+@pytest.mark.parametrize(
+    ("case", "pressures"),
+    [  # kPa, of an independent derivation
+        (STIFF, [3646.8, 2913.3, 2025.5, 1466.5, 583.2, 102.8]),
+        (PAPER, [350.25, 226.03, 222.18, 221.79, 205.54, 82.17]),
+        (SOFT_CORE, [167.43, 220.88, 222.16, 221.79, 205.54, 82.17]),
+    ],
+)
+def test_closed_form_of_constant_moduli(case: dict, pressures: list[float]):
+    problem = plain(**case)
+    exact = constant_moduli(problem, RADII)
+    # the table's digits
+    np.testing.assert_allclose(exact.pressure / 1e3, pressures, rtol=0, atol=0.06)
+    found = wo.solve(problem, rtol=1e-7).at_radius(RADII)
+    largest = exact.pressure.max()
+    assert np.max(np.abs(found["pressure"] - exact.pressure)) < 1e-6 * largest
+    # the slope between nodes is of order three only
+    assert np.max(np.abs(found["hoop_stress"] - exact.hoop_stress)) < 2e-6 * largest
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"wound_on_tension": wo.Taper(start=200.0, taper=0.4)},
+        {"wound_on_tension": wo.Taper(start=200.0, taper=0.5, law="hyperbolic")},
+        {"wound_on_tension": wo.Taper(start=200.0, law="constant_torque")},
+        {"wound_on_tension": wo.Profile(radius=[0.05, 0.1, 0.2], value=[200.0, 150.0, 160.0])},
+        {"temperature_change": -20.0, "tangential_expansion": 1e-5, "radial_expansion": 5e-5,
+         "core_expansion": 1.2e-5},
+        {"core_shrinkage": 1e-4},
+    ],
+    ids=["linear", "hyperbolic", "constant torque", "profile", "cooled", "core shrunk"],
+)  # fmt: skip
+@pytest.mark.parametrize("case", [STIFF, PAPER], ids=["stiff", "paper"])
+def test_schedules_and_changes_against_their_closed_forms(case: dict, more: dict):
+    problem = plain(**case, **more)
+    exact = constant_moduli(problem, RADII)
+    found = wo.solve(problem, rtol=3e-6).at_radius(RADII)
+    # told errors are estimates: where few stages do (a dozen here) up to three times too low
+    assert np.max(np.abs(found["pressure"] - exact.pressure)) < 1e-5 * exact.pressure.max()
+
+
+def test_newsprint_by_the_independent_value():
+    result = wo.solve(NEWSPRINT, rtol=1e-5)
+    middle = result.at_radius((0.0445 + 0.15) / 2)
+    # 316.79, 208.86 and -207.87 kPa: half of the last digit; the slope, of order three only between
+    # nodes, to 1e-4 of the largest pressure
+    assert result.core_pressure == pytest.approx(316.79e3, abs=6)
+    assert middle["pressure"] == pytest.approx(208.86e3, abs=6)
+    assert middle["hoop_stress"] == pytest.approx(-207.87e3, abs=1e-4 * 316.79e3)
+
+
+def test_told_errors_hold_and_fall_with_the_tolerance():
+    fine = wo.solve(NEWSPRINT, rtol=1e-6)
+    for rtol in (1e-2, 1e-3, 1e-4):
+        result = wo.solve(NEWSPRINT, rtol=rtol)
+        assert result.errors["peak_pressure"] <= rtol * result.peak_pressure
+        inside = np.linspace(0.0446, 0.1499, 300)
+        miss = np.abs(
+            result.at_radius(inside)["pressure"] - fine.at_radius(inside)["pressure"]
+        ).max()
+        assert miss <= 2 * result.errors["peak_pressure"]
+        assert abs(result.core_pressure - fine.core_pressure) <= 2 * result.errors["core_pressure"]
+        assert miss <= rtol * fine.peak_pressure
+
+
+def test_the_published_scheme_tends_to_the_same_roll_with_order_one():
+    """Twice as many laps halve what it misses; 1600 laps of real newsprint leave 3 %."""
+    thin = wo.solve(NEWSPRINT, rtol=1e-5)
+    misses = []
+    for groups in (1600, 3200, 6400):
+        laps = lap_by_lap(NEWSPRINT, groups)
+        inside = slice(1, -1)
+        exact = thin.at_radius(laps.radius[inside])["pressure"]
+        misses.append(np.max(np.abs(laps.pressure[inside] - exact)) / thin.peak_pressure)
+    assert 0.01 < misses[0] < 0.04
+    orders = np.log2(np.array(misses[:-1]) / misses[1:])
+    assert (np.abs(orders - 1) < 0.1).all()  # first order: 0.97 and 0.99 measured
+
+
+def test_the_surface_slope_comes_out_by_itself():
+    for rtol, most in ((1e-3, 1e-3), (1e-5, 1e-5)):
+        assert abs(wo.solve(NEWSPRINT, rtol=rtol).surface_slope) < most
+
+
+def test_a_stage_is_the_roll_wound_so_far():
+    """What is wound later does not change the source of what lies below."""
+    for problem in (NEWSPRINT, NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350, taper=0.3))):
+        stage = wo.solve(problem, rtol=1e-4).at(0.1)
+        short = wo.solve(stage.problem, rtol=1e-4)
+        assert stage.core_pressure == pytest.approx(short.core_pressure, rel=1e-4)
+        assert stage.residuals.largest < 1e-8
+        assert stage.radius[-1] == 0.1
+
+
+def test_the_plateau_under_constant_tension():
+    result = wo.solve(NEWSPRINT)
+    middle = result.at_radius(0.09)
+    low = plateau_pressure(NEWSPRINT.stack, 350 / 66e-6)
+    assert 0.87 < low / middle["pressure"] < 0.97  # 3 to 13 % low
+    assert middle["hoop_stress"] == pytest.approx(-middle["pressure"], rel=0.03)
+
+
+def test_a_tension_that_falls_keeps_the_web_in_tension():
+    """Hoop stress >= 0 needs P to fall like 1/r: newsprint's tension about like r^-0.6."""
+    r = np.geomspace(0.0445, 0.15, 40)
+    falls = wo.Profile(radius=r, value=350.0 * (r / 0.0445) ** -0.6)
+    tapered = wo.solve(NEWSPRINT.replace(wound_on_tension=falls), rtol=1e-2)
+    constant = wo.solve(NEWSPRINT, rtol=1e-2)
+    inside = np.linspace(0.07, 0.117, 30)  # away from the core's and the surface's layers
+    assert constant.at_radius(inside)["hoop_stress"].max() < -150e3
+    assert np.abs(tapered.at_radius(inside)["hoop_stress"]).max() < 25e3
+
+
+def sampled(points: int, noise: float = 0.0) -> wo.Profile:
+    """A tension that falls like r^-0.6, measured at so many radii."""
+    r = np.geomspace(0.0445, 0.15, points)
+    errors = 1 + noise * np.random.default_rng(1).normal(size=points)
+    return wo.Profile(radius=r, value=350.0 * (r / 0.0445) ** -0.6 * errors)
+
+
+def test_a_finely_sampled_tension_is_wound_like_the_curve():
+    """Slight kinks cost nodes but no stages: 400 points take about as many as a smooth taper."""
+    smooth = wo.solve(NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.5)))
+    fine = wo.solve(NEWSPRINT.replace(wound_on_tension=sampled(400)))
+    assert fine.stage_radius.size <= 1.5 * smooth.stage_radius.size
+    coarse = wo.solve(NEWSPRINT.replace(wound_on_tension=sampled(40)))
+    # chords of 40 points lie 1e-4 (0.03^2 0.6 1.6/8) above the curve
+    assert coarse.core_pressure == pytest.approx(fine.core_pressure, rel=2e-3)
+
+
+def test_strong_kinks_are_stages():
+    """A tension measured with 2 % noise; a finer solution agrees with what is told."""
+    problem = NEWSPRINT.replace(wound_on_tension=sampled(40, noise=0.02))
+    rough, fine = wo.solve(problem, rtol=1e-2), wo.solve(problem, rtol=3e-4)
+    r = np.linspace(0.0446, 0.1499, 300)
+    miss = np.abs(rough.at_radius(r)["pressure"] - fine.at_radius(r)["pressure"]).max()
+    assert miss <= rough.errors["peak_pressure"] + fine.errors["peak_pressure"]
+    assert rough.residuals.largest < 1e-8
+
+
+def test_a_last_step_that_was_too_long_is_not_tried_again():
+    """It was, for ever: stretched to the surface, shortened to what is stretched to there again."""
+    taper = wo.Taper(start=350.0, taper=0.15781990521327016)
+    result = wo.solve(NEWSPRINT.replace(radius=0.1, wound_on_tension=taper), rtol=1e-5)
+    assert result.core_pressure == pytest.approx(312180.3, abs=2)  # to 1e-6: 312180.51
+
+
+# ---- what every winder knows ------------------------------------------------------------------
+
+
+def core_pressure(**changes: object) -> float:
+    return wo.solve(NEWSPRINT.replace(**changes)).core_pressure
+
+
+def test_more_tension_makes_a_harder_roll():
+    assert core_pressure(wound_on_tension=400.0) > core_pressure() > core_pressure(
+        wound_on_tension=300.0
+    )  # fmt: skip
+
+
+def test_a_soft_core_takes_less_pressure():
+    """It gives way under the laps."""
+    assert core_pressure(**{"core.stiffness": 1e8}) < 0.7 * core_pressure()
+
+
+def test_a_taper_lowers_the_pressure_outside_more_than_at_the_core():
+    tapered = wo.solve(NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.3)))
+    plain_roll = wo.solve(NEWSPRINT)
+    outside = tapered.at_radius(0.13)["pressure"] / plain_roll.at_radius(0.13)["pressure"]
+    assert outside < 0.75
+    assert tapered.core_pressure / plain_roll.core_pressure > 0.95
+
+
+def test_cooling_a_roll_that_shrinks_through_its_stack_loosens_it():
+    """Radial shrinkage larger than the tangential: the laps let go of each other."""
+    cooled = core_pressure(
+        temperature_change=-20.0, radial_expansion=1e-4, tangential_expansion=1e-5,
+        core_expansion=1e-5,
+    )  # fmt: skip
+    assert cooled < 0.97 * core_pressure()
+
+
+# ---- properties -------------------------------------------------------------------------------
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    K1=st.floats(1e3, 1e5), K2=st.floats(10.0, 300.0), tension=st.floats(50.0, 1000.0),
+    core=st.floats(8.0, 11.0), build=st.floats(1.2, 8.0), taper=st.floats(0.0, 0.6),
+)  # fmt: skip
+def test_random_rolls_are_certified(
+    K1: float, K2: float, tension: float, core: float, build: float, taper: float
+):
+    problem = NEWSPRINT.replace(
+        stack=NEWSPRINT.stack.replace(radial=wo.Pfeiffer(K1=K1, K2=K2)),
+        wound_on_tension=wo.Taper(start=tension, taper=taper), radius=0.0445 * build,
+        **{"core.stiffness": 10.0**core},
+    )  # fmt: skip
+    result = wo.solve(problem)
+    assert result.residuals.largest <= 1e-8
+    assert result.errors["peak_pressure"] <= 1e-3 * result.peak_pressure
+    assert (result.pressure >= -1e-9 * result.peak_pressure).all()
+
+
+@pytest.mark.parametrize("scale", [0.01, 3.0, 100.0])
+def test_a_roll_scales_with_its_radii(scale: float):
+    """Nothing in the equations knows a length but the wound-on stress's web thickness."""
+    larger = NEWSPRINT.replace(
+        radius=0.15 * scale, web_thickness=66e-6 * scale, wound_on_tension=350.0 * scale,
+        **{"core.radius": 0.0445 * scale},
+    )  # fmt: skip
+    one, two = wo.solve(NEWSPRINT), wo.solve(larger)
+    np.testing.assert_allclose(two.pressure, one.pressure, rtol=0, atol=1e-8 * one.peak_pressure)
+
+
+def test_length_laps_and_mass():
+    result = wo.solve(NEWSPRINT)
+    area = np.pi * (0.15**2 - 0.0445**2)
+    assert result.length == pytest.approx(area / 66e-6)
+    assert result.laps == pytest.approx((0.15 - 0.0445) / 66e-6)
+    assert result.mass == pytest.approx(680 * area)
+
+
+def test_every_law_of_the_certificate_sees_its_fault():
+    result = wo.solve(NEWSPRINT)
+    assert result.certified().largest <= 1e-8
+    bent = {
+        "equilibrium": {"pressure": _bumped(result.pressure, 20)},
+        "core_condition": {"pressure_gradient": _bumped(result.pressure_gradient, 0)},
+        "free_surface": {"pressure": _bumped(result.pressure, -1, 1e-4 * result.peak_pressure)},
+        "frozen_source": {"source": _bumped(result.source, 20)},
+        "hoop_stress": {"hoop_stress": _bumped(result.hoop_stress, 20)},
+        "lap_strain": {"lap_strain": _bumped(result.lap_strain, 20)},
+        "displacement": {"displacement": _bumped(result.displacement, 20)},
+        "radial_modulus": {"radial_modulus": _bumped(result.radial_modulus, 20)},
+        "positive_pressure": {"pressure": _bumped(result.pressure, 20, -1e6)},
+        "roll": {"radius": _bumped(result.radius, -1)},
+    }
+    assert set(bent) == set(dict(result.residuals.items()))
+    for law, changes in bent.items():
+        assert dict(result.replace(**changes).certified().items())[law] > 1e-7, law
+    nothing = result.replace(pressure=np.full_like(result.pressure, np.nan)).certified()
+    assert not nothing.largest <= 1e-8
+
+
+def _bumped(values: np.ndarray, k: int, by: float | None = None) -> np.ndarray:
+    changed = values.copy()
+    changed[k] += 1e-4 * changed[k] if by is None else by
+    return changed
