@@ -472,7 +472,7 @@ def test_a_setting_that_the_template_shows_is_one():
 
 
 def test_an_unknown_kind_and_one_without_an_example_have_no_template(ramp):
-    with pytest.raises(wo.InvalidProblem, match=r"'rolers' is no kind.*did you mean 'rollers'"):
+    with pytest.raises(wo.InvalidProblem, match=r"'rolers' is not a kind.*did you mean 'rollers'"):
         template("rolers")
     with pytest.raises(wo.InvalidProblem, match="'ramp' has no example"):
         template("ramp")
