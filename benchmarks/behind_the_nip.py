@@ -18,17 +18,16 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import csv
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from math import degrees, exp, inf, pi
 
 import numpy as np
 from random_nips import random_nip
 
 import woundon as wo
+from jorkama2001.cases import measured_tensions
 
 __all__ = [
     "PAPERS", "Compared", "bracket_table", "case_table", "compared", "error_map", "error_table",
@@ -110,6 +109,7 @@ def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
     """Solve a nip alone and wrapped."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", wo.ValidityWarning)
+        warnings.simplefilter("ignore", wo.ResolutionWarning)
         alone, wrapped = wo.solve(problem, nodes=nodes), wo.solve(problem.wrapped(), nodes=nodes)
     T_in = problem.web_tension
     return Compared(
@@ -254,9 +254,7 @@ def slope_table() -> str:
     Measured: mean and standard deviation over the three tensions.  The web leaves the roll after a
     quarter turn.
     """
-    path = resources.files("woundon") / "data" / "wound_on_tension_newsprint.csv"
-    lines = (line for line in path.read_text("utf-8").splitlines() if not line.startswith("#"))
-    points = [{name: float(text) for name, text in row.items()} for row in csv.DictReader(lines)]
+    points = measured_tensions().to_dict("records")
     rows = []
     for P in sorted({point["nip_load"] for point in points}):
         own = [point for point in points if point["nip_load"] == P]

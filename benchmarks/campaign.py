@@ -32,6 +32,7 @@ from woundon.contact.stick_slip import Ending, solve_stick_slip
 from woundon.nip.equations import NipEquations
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
+warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 RESIDUAL = 1e-8
 NODES = 65  # of the compared cases; left free, different starts may choose different grids

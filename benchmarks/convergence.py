@@ -28,6 +28,7 @@ import woundon as wo
 from jorkama2001.cases import paper_nip
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
+warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 NIPS = {
     "hard drum": paper_nip(),

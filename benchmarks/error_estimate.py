@@ -27,6 +27,7 @@ from table_run import Row, run_table
 import woundon as wo
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
+warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 FINER, FINEST = 8, 1025
 WITHIN = 1.5  # estimates; asked of 95 % of the cases

@@ -36,7 +36,6 @@ import numpy as np
 from frozen_cases import MOMENTS, Case, Measured, frozen_cases, measured
 
 import woundon as wo
-from woundon.contact.loop import Tolerance
 
 __all__ = ["Difference", "differences", "kept", "program", "solved", "tightened"]
 
@@ -58,6 +57,8 @@ TIGHT = 1e-13
 @contextmanager
 def tightened(tight: float) -> Iterator[None]:
     """Meet all loads, and settle all that is linearised, to ``tight``."""
+    from woundon.contact.loop import Tolerance  # 0.1, which makes the reference, has none
+
     both = Tolerance(load=tight, balance=tight)
     with ExitStack() as changed:
         for module, names in TOLERANCES.items():
@@ -69,7 +70,7 @@ def tightened(tight: float) -> Iterator[None]:
 # quantity -> what was meant to change
 INTENDED = {
     "slip_ratios.*": "borders of the zones are found within a cell; they were half-way between",
-    "wound_on_tension": "of a plain nip: is tension_behind_nip, and compared under that name",
+    "nip *: wound_on_tension": "is tension_behind_nip, and compared under that name",
     "nip": "of a wrapped nip: is gone, for it invented a problem with a clipped force",
     "nip 17: nip_induced_tension_error": "a layer thinner than the coarsest cells: told exactly",
     # of 33 nodes: told by two grids alone, whose one change may be small by chance
@@ -78,6 +79,14 @@ INTENDED = {
         "told by two grids as that of a plain nip is",
     ),
     "sweep 5: approach": "rollers of less than 50 nodes: displacements as exact as a nip's, 1e-6",
+    **dict.fromkeys(
+        ("nip 16: warnings", "nip 17: warnings", "sweep 2: warnings"),
+        "a cover is told of by its own indentation, not the approach, most of which the roll takes",
+    ),
+    "nip 25: warnings": "1 N/m: a web as thick as a tenth of the nip is told of",
+    "rollers 13: warnings": "rollers tell where they leave the model, as nips do",
+    "rollers 14: warnings": "rollers tell where they leave the model, as nips do",
+    "wrap 20: *": "both wraps on covers: long cells are integrated by enough points, WOT by 2e-8",
     "fit 5: *": "no absolute bound on the gradient any more: it stopped before the minimum",
 }
 # and where neither nodes nor rtol are given a wrapped nip is refined until its told error is below
@@ -110,6 +119,8 @@ NOISE = (
     Noise(("wrap",), ("approach",), 1e-8, 3e-10),
     # a small shift, out of the even grid's equations for 200 nodes
     Noise(("nip",), ("offset",), 1e-8, 1e-10),
+    # the last terms of a sum less what is summed in closed form: rounding, where they have died out
+    Noise(("nip", "wrap"), ("series_error",), 2e-2, 2e-2),
     # forward differences of matrices known to 1e-14, by steps of 1e-7
     Noise(("sensitivity",), ("* by *",), 2e-6, 2e-6),
     # a fit stops at steps below 1e-8, or changes of S below 1e-10: 1e-5 standard errors of some %
@@ -174,7 +185,7 @@ def _reference() -> Mapping[str, Any]:
 def measure(case: Case, way: str = "own") -> Measured:
     """Solve a case; return its numbers."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", wo.ValidityWarning)
+        warnings.simplefilter("ignore", UserWarning)  # validity, resolution
         with program().tightened(TIGHT) if way == "tight" else nullcontext():
             return measured(case.kind, program().solved(case))
 
@@ -190,8 +201,6 @@ def differences(
         changed = next(
             (why for key, why in INTENDED.items() if any(fnmatch(n, key) for n in names)), ""
         )
-        if name == "wound_on_tension" and case.kind == "wrap":
-            changed = ""
         new = now.get(name, np.full(np.shape(old), np.nan))
         bound = _bound(case.kind, name, way)
         for label, a, b, floor in _numbers(case, name, old, new, before):

@@ -30,7 +30,8 @@ FITTED = (3502.0, 350.0)
 def measured() -> pd.DataFrame:
     """Return the fifteen points."""
     path = files("woundon") / "data" / "wound_on_tension_newsprint.csv"
-    return pd.read_csv(path.open(), comment="#")
+    table = pd.read_csv(path.open(), comment="#")
+    return table.rename(columns=lambda name: name.partition(" [")[0])
 
 
 def nip(
@@ -99,7 +100,10 @@ def fitted(
         told = [tension(P, T, exp(u[0]), Q, exp(u[1]), exponent, nodes) for P, T in cases]
         return np.array(told) - data["measured"].to_numpy()
 
-    found = least_squares(rest, start, diff_step=3e-3, xtol=1e-3, ftol=1e-3, max_nfev=8)
+    near = np.log([[0.3, 0.2], [3.0, 5.0]]) + start  # the bounds
+    found = least_squares(
+        rest, start, bounds=tuple(near), diff_step=3e-3, xtol=1e-3, ftol=1e-3, max_nfev=8
+    )
     return found.x, found.fun
 
 
@@ -107,12 +111,11 @@ def profile(nodes: int) -> None:
     """Print the full fits, over K1 + P0 and the exponent of G."""
     print("K1 + P0 [kPa]  exponent      K2   G [MPa]   RMS [N/m]")
     for exponent in (0.0, 0.5):
-        start = (log(20e6 / SUMS[0]), log(10e6))
-        for Q in SUMS:
+        for Q in (100e3, 200e3, 400e3, 10e3):
+            start = log(127.0 * (Q / 100e3) ** -0.4), log(10e6)
             x, rest = fitted(Q, exponent, nodes, start)
             row = f"{Q / 1e3:13.0f} {exponent:9.1f} {exp(x[0]):7.1f} {exp(x[1]) / 1e6:9.2f}"
             print(f"{row} {rms(rest):11.2f}", flush=True)
-            start = (x[0] - log(2.0), x[1])
 
 
 def main() -> None:

@@ -32,6 +32,7 @@ import woundon as wo
 from jorkama2001.cases import paper_nip
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
+warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 PAPER = wo.material("paper")
 COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))

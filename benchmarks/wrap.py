@@ -37,6 +37,7 @@ def milliseconds(solve: Callable[[], object]) -> float:
 def main() -> None:
     """Time paper and newsprint, hard and covered drums."""
     warnings.simplefilter("ignore", wo.ValidityWarning)
+    warnings.simplefilter("ignore", wo.ResolutionWarning)
     foam = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
     cases = {
         "paper, hard drum": paper_nip(),

@@ -1,6 +1,7 @@
 """Sphinx configuration; build with ``sphinx-build -W -b html docs docs/_build/html``.
 
-Needs no network: formulas become MathML, notebooks' cells run here, a failing cell fails the build.
+Needs no network, neither to build nor to read: formulas become MathML, set in a font that lies
+beside the pages.  Cells and examples run here; one that fails makes the build fail.
 """
 
 from __future__ import annotations
@@ -30,21 +31,39 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
-    "gallery",
+    "sphinx_gallery.gen_gallery",
+    "thesis_figures",
     "mathml",
     "sizes",
     "tables",
 ]
-exclude_patterns = ["_build", "tables", "requirements.in", "thesis/figures/summary.md"]
-source_suffix = {".md": "myst-nb"}
+exclude_patterns = ["_build", "tables", "thesis/figures/summary.md", "gallery/**/*.ipynb"]
+source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 
-myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
+myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 numfig = True  # equations are numbered by page: (3.1)
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True
+
+# the examples of the repository, run; each page offers its script and its notebook
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "subsection_order": [
+        f"../examples/{name}" for name in ("winder", "paper", "nip", "trust", "data")
+    ],
+    "within_subsection_order": "FileNameSortKey",
+    "download_all_examples": False,
+    "show_signature": False,
+    "write_computation_times": False,
+    "min_reported_time": 1000,
+    "remove_config_comments": True,
+    "matplotlib_animations": False,
+}
 
 autodoc_typehints = "none"  # the docstrings give types with units and shapes
 autodoc_member_order = "bysource"
@@ -58,8 +77,10 @@ html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["woundon.css"]
 html_show_sourcelink = False
-html_sidebars = {"*": []}  # pages of no section have no section to navigate in
+html_sidebars = {name: [] for name in ("index", "genindex", "py-modindex", "search")}
+html_context = {"default_mode": "auto"}  # light or dark, as the reader's system
 html_theme_options = {
+    "header_links_before_dropdown": 6,
     "show_prev_next": True,
     "navigation_with_keys": False,
     "secondary_sidebar_items": ["page-toc"],

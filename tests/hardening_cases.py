@@ -28,7 +28,7 @@ def roll(K1: float = 10e3, K2: float = 127.0, P0: float = 90e3, **stack: float) 
 
 def linear(roll: wo.WoundRoll, pressure: float) -> wo.Cylinder:
     """Return the linear cylinder as stiff as the stack under a pressure."""
-    rr, tt, rt, shear = roll.stack.tangent(pressure, roll.pressure)
+    rr, tt, rt, shear = roll.stack.tangent(pressure, roll.pressure)[:4]
     material = wo.Orthotropic(radial=rr, tangential=tt, cross=rt, shear=shear)
     return wo.Cylinder(radius=roll.radius, core_radius=roll.core_radius, material=material)
 

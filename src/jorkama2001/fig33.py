@@ -17,7 +17,7 @@ import woundon as wo
 from . import drawing
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
-from .nips import dataset, joined, options, solved, swept
+from .nips import dataset, joined, options, quiet, solved, swept
 from .verdicts import Verdict, grows, verdict
 
 __all__ = ["exhibits"]
@@ -34,7 +34,8 @@ def exhibits(scheme: str) -> list[Exhibit]:
     problem = paper_nip(nip_load=2000.0, winding_force=0.0)
     thesis, graded = (_converging(problem, name) for name in ("thesis", "graded"))
     data = joined("graded [1]", {0: thesis, 1: graded})
-    limit = wo.solve_nip(problem, rtol=1e-5)
+    with quiet():
+        limit = wo.solve_nip(problem, rtol=1e-5)
     verdicts = [*_errors(data, limit), _widths(), *_half_planes(), _terms(limit)]
     shown = 2 if scheme == "graded" else 1
     draw = lambda: _draw(data.isel(graded=slice(shown)))  # noqa: E731
@@ -46,7 +47,8 @@ def _converging(problem: wo.NipProblem, scheme: str) -> xr.Dataset:
     rows = []
     for M in NODES.tolist():
         begun = perf_counter()
-        result = wo.solve_nip(problem, **(options(scheme) | {"nodes": M}))
+        with quiet():
+            result = wo.solve_nip(problem, **(options(scheme) | {"nodes": M}))
         rows.append((result.nip_induced_tension, perf_counter() - begun))
     NIT, seconds = np.transpose(rows)
     data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [s]": seconds})

@@ -19,7 +19,7 @@ from .cases import ONE_PAPER
 from .zones import zone_lengths
 
 __all__ = [
-    "FINE", "OUTPUTS", "along_nip", "dataset", "joined", "options", "solved", "swept",
+    "FINE", "OUTPUTS", "along_nip", "dataset", "joined", "options", "quiet", "solved", "swept",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -74,16 +74,17 @@ def options(scheme: str, nodes: int = NODES) -> dict[str, Any]:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Leave out warnings: the thesis's soft covers leave the model's validity; the text says so."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", wo.ValidityWarning)
+        for category in (wo.ValidityWarning, wo.ResolutionWarning):
+            warnings.simplefilter("ignore", category)
         yield
 
 
 def solved(problem: wo.Problem, scheme: str = "graded", nodes: int = NODES) -> Any:
     """Solve a nip; a wrapped one, ``problem.wrapped()``, accurately only."""
-    with _quiet():
+    with quiet():
         return wo.solve(problem, **options(scheme, nodes))
 
 
@@ -114,7 +115,7 @@ def swept(
         If a nip cannot be solved.
     """
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
-    with _quiet():
+    with quiet():
         data = wo.sweep(
             problem, fields, outputs, tie=ONE_PAPER, workers=1, options=options(scheme, nodes)
         )

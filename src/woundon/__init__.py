@@ -32,6 +32,7 @@ _HOME = {
     "Profile": "problems.schedules",
     "Quantity": "quantities",
     "Residuals": "results",
+    "ResolutionWarning": "errors",
     "Response": "contact.response",
     "Result": "results",
     "Rigid": "problems.bodies",
@@ -94,6 +95,7 @@ __all__ = [
     "Profile",
     "Quantity",
     "Residuals",
+    "ResolutionWarning",
     "Response",
     "Result",
     "Rigid",
@@ -126,6 +128,7 @@ __all__ = [
     "solve_wrapped_nip",
     "sweep",
     "theories",
+    "units",
 ]  # fmt: skip
 
 if TYPE_CHECKING:
@@ -139,6 +142,7 @@ if TYPE_CHECKING:
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
+    from .errors import ResolutionWarning as ResolutionWarning
     from .errors import ValidityWarning as ValidityWarning
     from .io.case_files import load_case as load_case
     from .io.chosen_units import units as units

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+import sys
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any, Self
 
-__all__ = ["InvalidProblem", "NoSteadyState", "NotConverged", "ValidityWarning"]
+__all__ = [
+    "InvalidProblem", "NoSteadyState", "NotConverged", "ResolutionWarning", "ValidityWarning",
+    "unwarned", "warn",
+]  # fmt: skip
+
+RESOLUTION = "resolution: "  # how a warning on the grid begins
 
 MOST_LINES = 50
 LONGEST_LINE = 1000
@@ -69,6 +77,29 @@ class NotConverged(RuntimeError):
 
 class ValidityWarning(UserWarning):
     """A solved case lies where the linear, small-strain, plane model no longer holds."""
+
+
+class ResolutionWarning(UserWarning):
+    """The grid is too coarse for something that a solved case shows; more nodes mend it."""
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Issue a result's warnings, at the line outside this package that asked for it."""
+    own, frame, level = __name__.partition(".")[0], sys._getframe(), 1
+    while frame.f_back and str(frame.f_globals.get("__name__")).partition(".")[0] == own:
+        frame, level = frame.f_back, level + 1
+    for text in texts:
+        category = ResolutionWarning if text.startswith(RESOLUTION) else ValidityWarning
+        warnings.warn(text.removeprefix(RESOLUTION), category, stacklevel=level)
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """Issue no warnings of results: they are told in another way, or are another result's."""
+    with warnings.catch_warnings():
+        for category in (ValidityWarning, ResolutionWarning):
+            warnings.simplefilter("ignore", category)
+        yield
 
 
 def nearest(word: Any, known: Iterable[str]) -> str:

@@ -246,7 +246,7 @@ def named(name: str) -> Kind:
     """
     load_plugins()
     if name not in _KINDS:
-        text = f"{name!r} is no kind of problem{did_you_mean(name, _KINDS)}"
+        text = f"{name!r} is not a kind of problem{did_you_mean(name, _KINDS)}"
         raise InvalidProblem.at("kind", text)
     return _KINDS[name]
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, overload
 import numpy as np
 
 from . import kinds
-from .errors import NotConverged
+from .errors import RESOLUTION, NotConverged, warn
 from .quantities import Quantity, pure, scalar_outputs, value_of
 
 if TYPE_CHECKING:
@@ -38,6 +38,11 @@ class Zone(IntEnum):
     BACKWARD = -1
     STICK = 0
     FORWARD = 1
+
+    @property
+    def word(self) -> str:
+        """What the web, or the lower surface, is against the body: "slower", "stick", "faster"."""
+        return ("slower", "stick", "faster")[self + 1]
 
 
 class Residuals:
@@ -123,7 +128,8 @@ class Result(ReadOnly):
     errors : mapping of str to float
         Estimated discretisation errors by output, SI units; nan where it cannot be told.
     warnings : tuple of str
-        Where the solved case leaves the model's validity, with numbers.
+        Where the solved case leaves the model's validity, or the grid is too coarse for it, with
+        numbers; the latter begin with ``resolution:``.
     MAIN : tuple of str
         The outputs that a study gives where none is asked for.
     REPLACED : mapping of str to str
@@ -168,7 +174,14 @@ class Result(ReadOnly):
             told = ", ".join(broken) or "there is no certificate"
             if any(law.startswith("positive_pressure") for law in broken):
                 told += "; the surfaces part within the contact, which is taken for one piece"
-            raise NotConverged(f"laws are not satisfied to 1e-8: {told}", self)
+            outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
+            text = "; ".join((f"laws are not satisfied to 1e-8: {told}", *outside))
+            raise NotConverged(text, self)
+        return self
+
+    def warned(self) -> Self:
+        """Return itself, its warnings issued as Python's at the line that asked for the result."""
+        warn(self.warnings)
         return self
 
     def certified(self) -> Residuals:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from . import kinds
-from .errors import InvalidProblem, one_of
+from .errors import InvalidProblem, one_of, unwarned
 from .io.files import check_writable
 from .kinds import Kind
 
@@ -258,13 +258,7 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
 
 
 def _solved(problem: Any, options: Mapping[str, Any]) -> Any:
-    import warnings
-
-    from .errors import ValidityWarning
-
-    with warnings.catch_warnings():
-        # the result carries them too, and the report shows them
-        warnings.simplefilter("ignore", ValidityWarning)
+    with unwarned():  # the report shows them
         return kinds.solve(problem, **options)
 
 

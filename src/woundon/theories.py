@@ -67,7 +67,7 @@ def _compliance(body: Body, name: str) -> half_plane.Coefficients:
     if body.rigid:
         return half_plane.Coefficients(0.0, 0.0, 0.0)
     if body.surface_material is None:
-        text = f"a {type(body).__name__} is of no linear elastic material, as this theory asks for"
+        text = f"this theory needs a linear elastic material, and a {type(body).__name__} has none"
         raise InvalidProblem.at(name, text)
     return half_plane.coefficients(*body.surface_material.stiffness)
 
@@ -170,8 +170,8 @@ def jalkanen(problem: WindingNip, approach: float) -> float:
     """
     check_type("problem", problem, *_NIPS)
     t, R = problem.web.thickness, problem.roll.radius
-    A_rr, A_tt, A_rt, _ = problem.web.material.stiffness
-    E_t = 1 / strip.compliance(A_rr, A_tt, A_rt).c11
+    A_rr, A_tt, A_rt, _, D = problem.web.material.stiffness
+    E_t = 1 / strip.compliance(A_rr, A_tt, A_rt, D).c11
     return E_t * t * approach / R
 
 
@@ -267,7 +267,7 @@ def carter(problem: RollerProblem) -> PartialSlip:
     Raises
     ------
     InvalidProblem
-        If the bodies are not similar (A1 = A2), or the contact is static.
+        If the bodies are not similar (A1 = A2), without friction, or if the contact is static.
 
     Source: Carter 1926; Johnson, Contact Mechanics, sec. 8.3.
     """
@@ -296,7 +296,7 @@ def cattaneo(problem: RollerProblem) -> PartialSlip:
     Raises
     ------
     InvalidProblem
-        If the bodies are not similar (A1 = A2), or the contact is rolling.
+        If the bodies are not similar (A1 = A2), without friction, or if the contact is rolling.
 
     Source: Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, sec. 7.2.
     """
@@ -315,6 +315,10 @@ def _similar(problem: RollerProblem) -> _Pair:
     if abs(pair.D) > 1e-9 * pair.C:
         mismatch = f"(A1 - A2)/(C1 + C2) = {pair.D / pair.C:.3g}, must be 0"
         raise InvalidProblem([("lower", f"not elastically similar to upper: {mismatch}")])
+    if not problem.friction:
+        raise InvalidProblem.at(
+            "friction", "0 is out of range; must be > 0: nothing sticks, use hertz"
+        )
     return pair
 
 

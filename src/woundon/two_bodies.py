@@ -12,7 +12,7 @@ no web, is the business of the rooms above.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -27,7 +27,7 @@ from .errors import InvalidProblem
 from .problems.bodies import ContactProblem, half_width_guess
 
 __all__ = [
-    "About", "Matrices", "PairContact", "PairEquations", "PairState", "approach",
+    "About", "Matrices", "PairContact", "PairEquations", "PairState", "approach", "far_outside",
     "frictionless_load", "mesh_of", "within",
 ]  # fmt: skip
 
@@ -190,6 +190,20 @@ def frictionless_load(problem: Any, mesh: Mesh, a: float) -> float:
     return float(a * mesh.grid.weights @ pressure)
 
 
+def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
+    """Yield which bodies a load presses by more than their own stiffness, and what to change."""
+    p = load / (2 * half_width_guess(load, *problem.bodies))
+    for name, body in zip(problem.pair, problem.bodies, strict=True):
+        if body.surface_material is not None:
+            modulus = min(body.surface_material.stiffness[:2])
+            if p > modulus:
+                yield (
+                    f"this is far outside the model: a mean pressure of about {p:.2g} Pa is more "
+                    f"than the {name}'s stiffness, {modulus:.2g} Pa; take a smaller load or a "
+                    f"stiffer {name}"
+                )
+
+
 def approach(problem: ContactProblem, made: Matrices, state: PairState, v: float = 0.0) -> float:
     """Return the mutual approach -delta > 0, from the indentation (82) at the trailing edge [m].
 
@@ -243,10 +257,32 @@ class PairContact:
         """What the pressure must carry [N/m]."""
         raise NotImplementedError
 
+    def __post_init__(self) -> None:
+        for name, body in zip(self.problem.pair, self.problem.bodies, strict=True):
+            if body.unresolved:
+                raise InvalidProblem.at(name, body.unresolved)
+
     @property
     def widest(self) -> float:
-        """The smaller radius [m]."""
-        return float(min(body.radius for body in self.problem.bodies))
+        """The smaller radius, or what a body's response is resolved for [m]."""
+        return float(min(min(body.radius, body.widest) for body in self.problem.bodies))
+
+    @property
+    def beyond(self) -> str:
+        """What is wrong with a wider one, and what to change."""
+        named = zip(self.problem.pair, self.problem.bodies, strict=True)
+        name, body = min(named, key=lambda pair: min(pair[1].radius, pair[1].widest))
+        if body.radius <= body.widest:
+            return "the load is too large, or the bodies are too soft"
+        return (
+            f"beyond, the elastic layer of the {name}, {body.thickness:.3g} m, is too thin for so "
+            f"wide a contact: take a smaller load, a thicker or stiffer layer, or a Rigid {name}"
+        )
+
+    @property
+    def outside(self) -> str:
+        """What of the problem lies far outside the model, and what to change; '' where nothing."""
+        return "; ".join(far_outside(self.problem, self.load))
 
     @property
     def settles_apart(self) -> bool:

@@ -134,12 +134,6 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
         wo.solve_nip(nip(body), nodes=17)
 
 
-def test_a_stack_torn_beside_the_nip_is_refused() -> None:
-    """K1 + P0 of 0.6 kPa under a nip of 0.5 MPa: beside it the pressure falls by more."""
-    with pytest.raises(wo.InvalidProblem, match="beside the load its stack is torn"):
-        wo.solve_nip(nip(roll(K1=300.0, P0=300.0, K2=5000.0)), nodes=17)
-
-
 @pytest.mark.parametrize(
     ("fields", "text"),
     [
@@ -147,6 +141,10 @@ def test_a_stack_torn_beside_the_nip_is_refused() -> None:
         ({"core_radius": 0.1}, "core_radius: 0.1 is out of range"),
         ({"hardening": "secant"}, "hardening"),
         ({"stack.radial.K1": 0.0}, "K1: 0 is out of range; must be > 0"),
+        (
+            {"stack.radial": wo.PowerLaw(E0=1e6, k=1e7, m=0.7), "stack.shear_exponent": 0.5},
+            "stack.shear_exponent: 0.5 is out of range; must be 0 with a radial law that sets in",
+        ),
     ],
 )
 def test_bad_input(fields: dict[str, Any], text: str) -> None:
@@ -165,3 +163,24 @@ def test_random_hardening_nips_are_certified_or_refused() -> None:
         assert result.residuals.largest <= 1e-8
         solved += 1
     assert solved >= 3
+
+
+# ---- the newsprint experiment -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), (303.8, 10e3)])
+def test_one_fitted_number_meets_the_measured_tensions(K2: float, total: float) -> None:
+    """A sample of benchmarks/hardening_newsprint.py, whose RMS over all points is 10.5 and 14.2.
+
+    K2 is fitted to the point (3502, 350), measured 700 N/m; an independent program has K2 of 127
+    and 306.
+    """
+    from hardening_newsprint import nip as winder
+
+    points = {(3502.0, 350.0): 700.0, (350.0, 350.0): 410.0, (5837.0, 350.0): 815.0}
+    misses = [
+        wo.solve(winder(P, T, K2, total), nodes=33).wound_on_tension - measured
+        for (P, T), measured in points.items()
+    ]
+    assert abs(misses[0]) < 2.5  # the mesh leaves 1 to 2
+    assert np.max(np.abs(misses)) < 25.0  # the scatter of the data is 10

@@ -54,7 +54,7 @@ class SpringsResult(Result):
     def sensitivity(self, *names: str) -> Any:
         """Exact derivatives of the end alone; the colour of springs has none."""
         if any(name.endswith("colour") for name in names):
-            raise InvalidProblem.at("colour", "no continuous field")
+            raise InvalidProblem.at("colour", "not a continuous field")
         return _Sensitivity(("end",), names, np.array([[self._slope(name) for name in names]]))
 
     def _slope(self, name: str) -> float:

@@ -61,7 +61,7 @@ def test_by_default_a_study_gives_what_the_kind_is_about():
     loads = {"nip_load": [1e3]}
     assert "nip_induced_tension" in wo.sweep(paper_nip(), loads, nodes=9, workers=1)
     assert "wound_on_tension" in wo.sweep(paper_nip().wrapped(), loads, nodes=17, workers=1)
-    with pytest.raises(wo.InvalidProblem, match="none is asked for; known: creepage, shift, "):
+    with pytest.raises(wo.InvalidProblem, match="none is given; known: creepage, shift, "):
         wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
 
 
@@ -203,8 +203,8 @@ def test_schemes_are_recorded_though_they_are_objects():
         ({"nip_load": [1e3]}, None, {"roll_wrap": 1.0}, r"use problem.replace\(roll_wrap=...\)"),
         ({"nip_load": [1e3]}, None, {"start": 1}, "start: no such option; known: nodes, rtol"),
         ({"nip_load": [1e3]}, None, {"scheme": "thesis"}, "scheme: no such option"),
-        ({"nip_load": [1e3]}, "pressure", {}, "pressure: no scalar output; did you mean 'peak_pr"),
-        ({"nip_load": [1e3]}, "errors.with", {}, "errors.with: no scalar output"),
+        ({"nip_load": [1e3]}, "pressure", {}, "pressure: not a scalar output; did you mean"),
+        ({"nip_load": [1e3]}, "errors.with", {}, "errors.with: not a scalar output"),
         ({"P": [1e3]}, None, {}, "P: no such field; did you mean 'nip_load'"),
         ({"wrap.roll_wrap": [1.0]}, None, {}, "did you mean 'roll_wrap'"),
     ],
@@ -318,7 +318,7 @@ def row_slope(row) -> float:
         ({"springs.stiffness": [1.0]}, None, "no item 'stiffness' in this list"),
         ({"springs.0.stifness": [1.0]}, None, "stifness: no such field; did you mean 'stiffness'"),
         ({"force": [1.0]}, "strain", "strain: no such output: springs have an extension"),
-        ({"force": [1.0]}, "extent", "extent: no scalar output; did you mean 'extension'"),
+        ({"force": [1.0]}, "extent", "extent: not a scalar output; did you mean 'extension'"),
     ],
 )
 def test_bad_studies_of_another_kind_are_refused(row, over, outputs, says):

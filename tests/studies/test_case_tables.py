@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas
@@ -12,8 +13,11 @@ from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon import cli
-from woundon.studies.api import sweep_table
+from woundon.studies.api import study_of
+from woundon.studies.engine import run_study
 from woundon.studies.export import export
+from woundon.studies.runners import runner_for
+from woundon.studies.table import Table
 
 CASE = Path(__file__).with_name("nip_alone.toml")
 STEEL = wo.HalfPlane(radius=0.1, material=wo.material("steel"))
@@ -24,8 +28,13 @@ OVER = {
     "winding_force": [0.0, 500.0],  # too much for the lower load
 }
 OUTPUTS = ["nip_width", "errors.half_width"]
-QUICK = {"options": {"nodes": 9}, "workers": 1}
+QUICK = {"nodes": 9}
 SAME = 1e-8  # the cases are solved in another order, each to the solver's own tolerance
+
+
+def sweep_table(problem: Any, *given: Any, workers: int = 1, **options: Any) -> Table:
+    """Solve a study; return its table."""
+    return run_study(*study_of(problem, *given, **options), runner_for(workers, None))
 
 
 @pytest.fixture(scope="module")
@@ -128,14 +137,13 @@ def test_a_data_frame_is_a_table_of_cases():
 
 def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp_path: Path):
     pair = wo.RollerProblem.example()
-    table = sweep_table(pair, {"load": [8e4, 9e4]}, ["creepage"], options={"nodes": 17}, workers=1)
+    table = sweep_table(pair, {"load": [8e4, 9e4]}, ["creepage"], nodes=17)
     export(table, tmp_path / "study.csv")
-    again = sweep_table(pair, tmp_path / "study.csv", options={"nodes": 17}, workers=1,
-                        outputs=["creepage"])  # fmt: skip
+    again = sweep_table(pair, tmp_path / "study.csv", ["creepage"], nodes=17)
     assert again.design.names == ("load",)
     own = pandas.DataFrame({"load": [8e4], "creepage": [1e-4]})
     free = pair.replace(tangential_load=None)
-    given = sweep_table(free, own, ["tangential_load"], options={"nodes": 17}, workers=1)
+    given = sweep_table(free, own, ["tangential_load"], nodes=17)
     assert given.design.names == ("load", "creepage")
 
 

@@ -300,7 +300,7 @@ def test_example_studies_load(name: str):
         ('"4 kN/m"', '"4 mm"', "over.nip_load.to"),
         ('["0 N/m", "300 N/m"]', '"0 N/m"', "is not a set of values; write a list"),
         ("count = 3", 'count = 3, spacing = "cubic"', "must be linear or log"),
-        ('"1 kN/m"', '"-1 kN/m", spacing = "log"', "a log spacing must lie above 0"),
+        ('"1 kN/m"', '"-1 kN/m", spacing = "log"', "a logarithmic range must lie above 0"),
         ("nip_load =", "nip_lode =", "nip_lode: no such field; did you mean 'nip_load'"),
         ('["nip_induced_tension"]', "7", "outputs: 7 is not a list of names"),
         ("[solver]", '[design]\nkind = "hypercube"\n[solver]', "design.kind: 'hypercube'"),

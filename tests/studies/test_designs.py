@@ -85,7 +85,7 @@ def test_saltelli_design_swaps_one_column_at_a_time():
         ({"a": 3.0}, "grid", None, "a: 3.0 is not a list of values"),
         ({"a": [1.0, "steel"]}, "grid", None, "do not mix"),
         ({"a": [1.0]}, "gird", None, "did you mean 'grid'"),
-        ({"a": [1.0]}, "grid", 8, "samples: 8 has no meaning in a grid"),
+        ({"a": [1.0]}, "grid", 8, "samples: 8 has no meaning in a grid design"),
         ({"a": [1.0], "b": [1.0, 2.0]}, "table", None, "differ in length"),
         ({"a": (1.0, 2.0)}, "sobol", 6, "samples: 6 is not a power of 2, as Sobol points ask for"),
         ({"a": (1.0, 2.0)}, "latin-hypercube", None, "samples: None is not a number of cases"),

@@ -304,7 +304,9 @@ def test_parquet_holds_the_same(tmp_path: Path, table):
 
 
 def test_other_endings_are_refused(tmp_path: Path, table):
-    with pytest.raises(wo.InvalidProblem, match=r"ending '\.txt' names no format; must be \.nc"):
+    with pytest.raises(
+        wo.InvalidProblem, match=r"ending '\.txt' is not a known format; must be \.nc"
+    ):
         export(table, tmp_path / "study.txt")
 
 

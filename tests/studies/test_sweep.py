@@ -170,8 +170,8 @@ def test_progress_is_told():
     [
         ({"nip_lode": [1.0]}, "half_width", {}, "nip_lode: no such field; did you mean 'nip_load'"),
         ({"roll.material.sheer": [1.0]}, "half_width", {}, "did you mean 'shear'"),
-        ({"nip_load": [1e3]}, "half_with", {}, "half_with: no scalar output; did you mean"),
-        ({"nip_load": [1e3]}, (), {}, "outputs: none is asked for"),
+        ({"nip_load": [1e3]}, "half_with", {}, "half_with: not a scalar output; did you mean"),
+        ({"nip_load": [1e3]}, (), {}, "outputs: none is given"),
         ({"nip_load": [1e3]}, "half_width", {"options": {"node": 17}}, "node: no such option; d"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "options": {"nodes": 9}}, "given twice"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "is given beside rtol"),

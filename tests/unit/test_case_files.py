@@ -194,10 +194,11 @@ def test_a_sliding_drum_has_no_steady_state():
         wo.load_case(EXAMPLE, ["winding_force=800"])
 
 
-def test_incompressible_cover_is_refused():
+def test_no_poissons_ratio_is_above_that_of_an_incompressible_cover():
     settings = ["drum.kind=half_plane", "drum.material.youngs_modulus=1 MPa"]
-    with pytest.raises(wo.InvalidProblem, match=r"drum.material.poissons_ratio: .*< 0.5"):
-        wo.load_case(EXAMPLE, [*settings, "drum.material.poissons_ratio=0.5"])
+    assert wo.load_case(EXAMPLE, [*settings, "drum.material.poissons_ratio=0.5"])
+    with pytest.raises(wo.InvalidProblem, match=r"drum.material.poissons_ratio: .*<= 0.5"):
+        wo.load_case(EXAMPLE, [*settings, "drum.material.poissons_ratio=0.501"])
 
 
 QUOTED = '"a.b"'
@@ -209,10 +210,10 @@ QUOTED = '"a.b"'
         ("", "is empty; 'woundon new > case.toml' writes a case"),
         ("# only a comment\n", "is empty"),
         ("schema = 1\n", "is empty"),
-        ("schema = 1\nnip_load = 3502 N/m\n", "is no valid TOML*line 2"),
-        ("schema = 1\n[web\n", "is no valid TOML*line 2"),
-        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is no valid TOML*line 3"),
-        (b"\xff\xfe\x00", "is no UTF-8 text, from byte 0"),
+        ("schema = 1\nnip_load = 3502 N/m\n", "is not valid TOML*line 2"),
+        ("schema = 1\n[web\n", "is not valid TOML*line 2"),
+        ("schema = 1\nnip_load = 1\nnip_load = 2\n", "is not valid TOML*line 3"),
+        (b"\xff\xfe\x00", "is not UTF-8 text, from byte 0"),
     ],
 )
 def test_bad_file_is_refused(tmp_path, text, said):
@@ -255,7 +256,7 @@ def test_what_is_like_no_case_is_refused_soon(tmp_path, text, said):
     start = time.process_time()
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_case(path)
-    assert str(refusal.value) == f"{path}: is no case file: {said}"
+    assert str(refusal.value) == f"{path}: is not a case file: {said}"
     assert time.process_time() - start < 5  # tomllib alone takes minutes for the long keys
 
 
@@ -471,7 +472,7 @@ def test_a_setting_that_the_template_shows_is_one():
 
 
 def test_an_unknown_kind_and_one_without_an_example_have_no_template(ramp):
-    with pytest.raises(wo.InvalidProblem, match=r"'rolers' is no kind.*did you mean 'rollers'"):
+    with pytest.raises(wo.InvalidProblem, match=r"'rolers' is not a kind.*did you mean 'rollers'"):
         template("rolers")
     with pytest.raises(wo.InvalidProblem, match="'ramp' has no example"):
         template("ramp")

@@ -109,7 +109,7 @@ def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) ->
 
 
 def test_a_misspelt_name_is_told_the_nearest(registry: Any) -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is no kind .* mean 'rollers'\?"):
+    with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is not a kind .* mean 'rollers'\?"):
         kinds.named("roler")
     with pytest.raises(wo.InvalidProblem, match="known: nip, rollers, wound_roll, wrapped_nip"):
         kinds.named("xyz")

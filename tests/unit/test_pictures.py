@@ -196,7 +196,7 @@ def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
                                         "web_tension; did you mean 'slips'?"),
         ({"panels": []}, "panels: none is chosen; must be tractions, "),
         ({"ax": 3}, "ax: 3 is out of place; must be matplotlib's Axes"),
-        ({"path": "figure.gif"}, "figure.gif: the ending '.gif' names no format"),
+        ({"path": "figure.gif"}, "figure.gif: the ending '.gif' is not a known format"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_told_with_the_choice(nips, asked, told: str) -> None:

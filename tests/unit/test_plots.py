@@ -316,7 +316,7 @@ def test_global_style_is_left_alone(nip):
 
 def test_unknown_ending_is_refused(results, tmp_path):
     for result in results.values():
-        with pytest.raises(wo.InvalidProblem, match=r"'.gif' names no format"):
+        with pytest.raises(wo.InvalidProblem, match=r"'.gif' is not a known format"):
             result.plot(tmp_path / "figure.gif")
 
 

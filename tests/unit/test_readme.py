@@ -64,9 +64,9 @@ def test_command_prints_what_the_readme_says():
 
 
 def test_pictures_and_files_that_the_readme_names_exist():
-    named = re.findall(r"\]\((\S+?)\)|`((?:docs|tests|examples)/\S*?|[A-Z]+\.(?:md|cff))`", README)
-    paths = [a or b for a, b in named]
-    assert paths
+    pattern = r'\]\((\S+?)\)|src="(\S+?)"|`((?:docs|tests|examples)/\S*?|[A-Z]+\.(?:md|cff))`'
+    paths = ["".join(found) for found in re.findall(pattern, README)]
+    assert PICTURE in paths
     assert [path for path in paths if not (ROOT / path).exists()] == []
 
 

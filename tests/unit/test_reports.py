@@ -416,3 +416,10 @@ def test_sensitivities_are_told_by_elasticity(nip):
     assert of_nit == sorted(of_nit, reverse=True)
     slope = found.derivative("nip_induced_tension", "winding_force")
     assert said[-1] == f"winding_force is 0: NIT changes by {slope:+.4g} N/m per N/m of it"
+
+
+def test_text_is_returned_in_a_notebook_too(nip, monkeypatch):
+    sensitivity = nip.sensitivity("nip_load")
+    texts = [str(nip), str(sensitivity)]
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    assert [str(nip), str(sensitivity)] == texts

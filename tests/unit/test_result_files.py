@@ -168,7 +168,7 @@ def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
     result.save(tmp_path / "a.json")
 
     def refuse(word: str) -> None:
-        raise AssertionError(f"{word} is no JSON")
+        raise AssertionError(f"{word} is not JSON")
 
     record = json.loads((tmp_path / "a.json").read_text(), parse_constant=refuse)
     assert (record["format"], record["schema"], record["kind"]) == (
@@ -244,7 +244,9 @@ def test_a_kind_from_outside_is_labelled(springs, tmp_path):
     assert (data.total.attrs["units"], float(data.total)) == ("N/m", 6.0)
     assert float(data.total_error) == 0.5
     springs.save(tmp_path / "springs.csv")
-    header = (tmp_path / "springs.csv").read_text().splitlines()[0]
+    header = next(
+        line for line in (tmp_path / "springs.csv").read_text().splitlines() if line[0] != "#"
+    )
     assert header == "place [m],push [Pa],bare"
 
 
@@ -330,7 +332,7 @@ def test_a_file_that_is_no_result_is_refused(tmp_path, content, ending):
     path.write_bytes(content)
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_result(path)
-    assert str(refusal.value) == f"{path}: is no result saved by woundon, or damaged"
+    assert str(refusal.value) == f"{path}: is not a result saved by woundon, or is damaged"
 
 
 def test_a_file_that_cannot_be_read_is_refused_as_a_case_is(tmp_path):
@@ -345,7 +347,9 @@ def test_a_later_schema_and_an_unknown_kind_are_told(solved, tmp_path):
     with pytest.raises(wo.InvalidProblem, match=r"schema: 4 is unknown; .* reads 1 to 3"):
         wo.load_result(path)
     path.write_text(sealed(record | {"kind": "nap"}))
-    with pytest.raises(wo.InvalidProblem, match="'nap' is no kind of problem; did you mean 'nip'"):
+    with pytest.raises(
+        wo.InvalidProblem, match="'nap' is not a kind of problem; did you mean 'nip'"
+    ):
         wo.load_result(path)
 
 
@@ -379,7 +383,7 @@ DAMAGE: list[tuple[str, Any, str]] = [
     ("problem.web", None, "web: None is out of place"),
     ("problem", [1], "damaged"),
     ("warnings", 3, "damaged"),
-    ("kind", None, "'None' is no kind of problem"),
+    ("kind", None, "'None' is not a kind of problem"),
 ]
 
 
@@ -569,8 +573,8 @@ def test_a_file_from_before_there_were_seals_loads(solved, tmp_path, name, endin
         ("outputs.peak_pressure", 1.0, "peak_pressure: 1.0, but the arrays give "),
         ("units.pressure", "kPa", "pressure: is in 'kPa'; must be in 'Pa'"),
         ("units.half_width", 3, "half_width: is in 3; must be in 'm'"),
-        ("units", [], "is no result saved by woundon, or damaged"),
-        ("outputs", 3, "is no result saved by woundon, or damaged"),
+        ("units", [], "is not a result saved by woundon, or is damaged"),
+        ("outputs", 3, "is not a result saved by woundon, or is damaged"),
         ("outputs.peak_pressure", "high", "peak_pressure: 'high' is not a finite number"),
     ],
 )
@@ -604,7 +608,7 @@ def test_a_table_and_another_programs_json_are_no_results(solved, tmp_path):
     )
     path = tmp_path / "manifest.json"
     path.write_text('{"format": "woundon-study", "sha256": "0"}')
-    with pytest.raises(wo.InvalidProblem, match="is no result saved by woundon, or damaged"):
+    with pytest.raises(wo.InvalidProblem, match="is not a result saved by woundon, or is damaged"):
         wo.load_result(path)
 
 
@@ -614,7 +618,7 @@ def test_zones_are_zones(solved):
 
 def test_unknown_ending_is_refused(solved, tmp_path):
     with pytest.raises(
-        wo.InvalidProblem, match=r"'.xls' names no format; must be .nc, .json, .csv"
+        wo.InvalidProblem, match=r"'.xls' is not a known format; must be .nc, .json, .csv"
     ):
         solved("nip").save(tmp_path / "nip.xls")
 

@@ -93,6 +93,23 @@ def test_a_thin_cover_becomes_incompressible_smoothly(thickness: float) -> None:
     assert max(result.iterations for result in results) <= 30
 
 
+@pytest.mark.parametrize("part", ["web", "drum", "roll"])
+def test_incompressible_bodies_and_webs_are_the_limit_of_nearly_incompressible_ones(
+    part: str,
+) -> None:
+    """NIT nears that at nu = 0.5 in proportion, down to what the load's tolerance leaves of it."""
+    soft = {"roll": cover(0.001, 0.3, 3e6), "drum": cover(0.001, 0.3, 3e6)}
+
+    def at(nu: float) -> float:
+        material = wo.Isotropic(youngs_modulus=3e6 if part in soft else 3e9, poissons_ratio=nu)
+        return solved(paper_nip(**soft, **{f"{part}.material": material})).nip_induced_tension
+
+    limit = at(0.5)
+    away = [abs(at(0.5 - 10.0**-k) / limit - 1) for k in range(3, 17)]
+    for k, miss in enumerate(away, start=3):
+        assert miss <= 1.2 * away[0] * 10.0 ** (3 - k) + 1e-8
+
+
 @drums
 def test_no_cross_stiffness_is_no_special_case(drum: wo.Rigid) -> None:
     def nip(cross: float) -> wo.NipResult:

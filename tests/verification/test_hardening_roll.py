@@ -164,8 +164,8 @@ def test_frictionless_widths_are_those_of_a_linear_roll_under_part_of_the_pressu
     """E_r at P0 + theta p_max, p_max the linear roll's own.
 
     An independent program found theta 0.38 to 0.51 by the second moment, 0.42 to 0.50 by the peak,
-    0.30 by the edge.  These are 0.35 to 0.38, 0.41 to 0.44, 0.27 to 0.30; 0.03 are 0.6 % of a
-    width.
+    0.30 (0.25 in soft stacks) by the edge.  These are 0.35 to 0.38, 0.41 to 0.44, 0.27 to 0.30;
+    0.03 are 0.6 % of a width.
     """
     body = roll(K2=K2, P0=P0)
 
@@ -186,7 +186,7 @@ def test_frictionless_widths_are_those_of_a_linear_roll_under_part_of_the_pressu
 
     assert 0.38 - 0.03 <= theta(second_moment_width) <= 0.51
     assert 0.42 - 0.03 <= theta(lambda result: result.peak_pressure) <= 0.50
-    assert theta(lambda result: result.half_width) == pytest.approx(0.30, abs=0.03)
+    assert 0.25 <= theta(lambda result: result.half_width) <= 0.31
 
 
 def test_the_confined_tension_is_that_of_a_linear_roll_under_a_third_of_the_pressure() -> None:

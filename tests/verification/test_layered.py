@@ -391,7 +391,7 @@ def test_layers_between_rollers() -> None:
         ),
         (
             lambda: wo.Layered(radius=0.2, layers=[{"thickness": 0.01, "material": "steal"}]),
-            "layers.0.material: 'steal' is no named material; did you mean 'steel'?",
+            "layers.0.material: 'steal' is not a named material; did you mean 'steel'?",
         ),
         (lambda: wo.Layered(radius=0.2, layers="thick"), "layers: 'thick' is not a list"),
     ],

@@ -10,10 +10,13 @@ from collections.abc import Mapping
 import numpy as np
 
 __all__ = [
-    "beyond_rounding", "friction_laws", "from_edge", "integral", "largest", "positive_pressure",
+    "ROUNDING", "beyond_rounding", "friction_laws", "from_edge", "integral", "largest",
+    "positive_pressure",
 ]  # fmt: skip
 
 Array = np.ndarray
+
+ROUNDING = 4 * np.finfo(float).eps
 
 
 def largest(values: Array) -> float:
@@ -26,7 +29,7 @@ def beyond_rounding(miss: Array, size: Array) -> float:
 
     A tension of 500 N/m is known to 6e-14 N/m, which is much beside a nip load of 1e-9 N/m.
     """
-    return largest(np.abs(miss) - 4 * np.finfo(float).eps * np.max(np.abs(size)))
+    return largest(np.abs(miss) - ROUNDING * np.max(np.abs(size)))
 
 
 def positive_pressure(*pressures: Array) -> float:
@@ -36,7 +39,14 @@ def positive_pressure(*pressures: Array) -> float:
 
 
 def friction_laws(
-    zones: Array, traction: Array, slip: Array, bound: Array, *, unit: Array, slip_scale: float
+    zones: Array,
+    traction: Array,
+    slip: Array,
+    bound: Array,
+    *,
+    unit: Array,
+    slip_scale: float,
+    strain: float = 0.0,
 ) -> Mapping[str, float]:
     """Return the largest violation of each law of stick and slip, dimensionless.
 
@@ -52,17 +62,19 @@ def friction_laws(
         The traction that counts as one: mu times the largest pressure [Pa].
     slip_scale : float
         The slip that counts as one.
+    strain : float
+        Of the web: a slip is a difference of strains, known to their rounding.
     """
-    stuck = zones == 0
+    stuck, rounding = zones == 0, ROUNDING * abs(strain)
     slips, way = ~stuck, zones[zones != 0]
     # a number that is none of the three is no zone: its traction cannot be right
     wrong = float("inf") if (np.abs(way) != 1).any() else 0.0
     return {
-        "stick": largest(np.abs(slip[stuck])) / slip_scale,
+        "stick": largest(np.abs(slip[stuck]) - rounding) / slip_scale,
         "friction_bound": largest((np.abs(traction[stuck]) - bound[stuck]) / unit[stuck]),
         "slip_traction": wrong
         + largest(np.abs(traction[slips] - way * bound[slips]) / unit[slips]),
-        "slip_direction": largest(-way * slip[slips]) / slip_scale,
+        "slip_direction": largest(-way * slip[slips] - rounding) / slip_scale,
     }
 
 

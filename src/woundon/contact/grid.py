@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import ceil
 from typing import Protocol
 
 import numpy as np
@@ -184,8 +185,9 @@ class Grid:
         transform[0] /= 2
         chebyshev = np.polynomial.chebyshev.chebvander
         at_points = chebyshev(self.points, r - 1) @ transform
-        # moments of T_j over the hats; the cells are much shorter than the polynomials' waves
-        g, w = np.polynomial.legendre.leggauss(8)
+        # moments of T_j over the hats: eight points, more where a cell is longer than their waves
+        phase = r * float(np.max(np.diff(np.arccos(-self.nodes)))) / 2
+        g, w = np.polynomial.legendre.leggauss(8 + max(0, ceil(phase - 5)))
         part = (g + 1) / 2
         s = self.nodes[:-1, None] + self.cells[:, None] * part
         polynomials = chebyshev(s.ravel(), r - 1).T.reshape(r, self.cells.size, g.size)

@@ -153,6 +153,16 @@ class Contact(Protocol):
         ...
 
     @property
+    def beyond(self) -> str:
+        """What is wrong with a wider one, and what to change."""
+        ...
+
+    @property
+    def outside(self) -> str:
+        """What of the problem lies far outside the model, and what to change; '' where nothing."""
+        ...
+
+    @property
     def settles_apart(self) -> bool:
         """Whether what is linearised must settle before a load tells the width.
 
@@ -479,16 +489,20 @@ class Ladder:
         step = _Step(self, mesh, Known(about, None), start, tolerance)
         for _ in range(MOST_PASSES):
             (equations, state), power = self._width(step.at, a, tolerance.load, power)
-            contact.refuse(equations, state)
             a = state.half_width
             if step.settled:
+                contact.refuse(equations, state)
                 carried_over = start is not None and start.level is not None
                 # what the frictionless contact left, the share of it included that was foreseen
                 self._missed = step.missed + self._missed / 4 if carried_over else 0.0
                 return Level(mesh, equations, state, contact.load, power)
-        raise NotConverged(
-            f"what the equations are linearised about did not settle in {MOST_PASSES} passes"
-        )
+        contact.refuse(equations, state)
+        text = f"what the equations are linearised about did not settle in {MOST_PASSES} passes"
+        raise self.stopped(text)
+
+    def stopped(self, text: str) -> NotConverged:
+        """Return the error of what was not solved, with what lies far outside the model."""
+        return NotConverged("; ".join(filter(None, (text, self.contact.outside))))
 
     def _carried_over(self, start: Start, mesh: Mesh) -> float:
         """Return the half width to begin with: on each mesh the same load needs a little another.
@@ -537,9 +551,11 @@ class Ladder:
     ) -> tuple[Any, float]:  # fmt: skip
         contact = self.contact
         try:
-            return width_for_load(evaluate, contact.load, guess, rtol, power, contact.widest)
+            return width_for_load(
+                evaluate, contact.load, guess, rtol, power, contact.widest, contact.beyond
+            )
         except WidthNotFound as stop:
-            raise NotConverged(str(stop)) from None
+            raise self.stopped(str(stop)) from None
 
 
 class _Step:
@@ -584,7 +600,7 @@ class _Step:
             equations, state, solution = self._solved(a)
         if solution.ending is not Ending.SOLVED:
             contact.refuse(equations, state)
-            raise NotConverged(
+            raise self.ladder.stopped(
                 f"stick and slip not found ({solution.ending.name}): {solution.ending.value}"
             )
         self.known = Known(state.known, solution.state)

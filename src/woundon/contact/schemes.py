@@ -22,9 +22,14 @@ from ..errors import InvalidProblem, did_you_mean
 from .grid import Grid, cosine_grid, segmented_grid, uniform_grid
 from .response import Response
 
-__all__ = ["SCHEMES", "Graded", "Mesh", "Scheme", "Thesis", "interpolation_rank", "scheme_of"]
+__all__ = [
+    "RESOLVED", "SCHEMES", "Graded", "Mesh", "Scheme", "Thesis", "interpolation_rank", "scheme_of",
+]  # fmt: skip
 
 Array = np.ndarray
+
+MOST_RANK = 1200
+RESOLVED = MOST_RANK / 20  # of the length on which kernels vary: the half width that is resolved
 
 
 def interpolation_rank(length: float, a: float, least: int = 24) -> int:

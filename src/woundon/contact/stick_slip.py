@@ -53,8 +53,8 @@ class Ending(Enum):
 
     SOLVED = "every law is kept"
     CYCLE = "the iteration repeats itself: use algorithm='pivoting'"
-    LIMIT = "the limit of iterations was reached: give a nearer start or more iterations"
-    SINGULAR = "a linear system was singular: check the loads and the material"
+    LIMIT = "the limit of iterations was reached; another number of nodes may do"
+    SINGULAR = "a linear system was singular"
 
 
 class _System(NamedTuple):

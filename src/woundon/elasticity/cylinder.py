@@ -22,6 +22,7 @@ from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import SurfaceKernels
 from .layers import Layers, Systems, stacked_compliance
+from .strip import stiffness_along
 
 __all__ = [
     "Sequences",
@@ -33,7 +34,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
-Stiffness = tuple[float, float, float, float]  # A_rr, A_tt, A_rt, G
+Stiffness = tuple[float, float, float, float, float | None]  # A_rr, A_tt, A_rt, G, D
 
 MAX_TERMS = 1 << 18
 MAX_LAYERED_TERMS = 1 << 16  # waves down to a ten-thousandth of the radius
@@ -55,7 +56,14 @@ class Sequences(NamedTuple):
 
 
 def sequences(
-    n: Array, radius: float, core_radius: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    n: Array,
+    radius: float,
+    core_radius: float,
+    A_rr: float,
+    A_tt: float,
+    A_rt: float,
+    G: float,
+    D: float | None = None,
 ) -> Sequences:
     """Return the characteristic sequences gamma_n1, gamma_n2, chi_n1, chi_n2 [m/Pa].
 
@@ -74,7 +82,7 @@ def sequences(
     and chi_1 c sin(n theta) along +theta; a traction f sin(n theta) by -gamma_2 f cos(n theta) and
     chi_2 f sin(n theta).
     """
-    Y = radius * surface_compliance(n, _depth(radius, core_radius), A_rr, A_tt, A_rt, G)
+    Y = radius * surface_compliance(n, _depth(radius, core_radius), A_rr, A_tt, A_rt, G, D)
     return Sequences(Y[0, 0], -Y[0, 1], -Y[1, 0], Y[1, 1])
 
 
@@ -86,13 +94,15 @@ def _depth(radius: float, core_radius: float) -> float:
 
 
 def surface_compliance(
-    n: Array, depth: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    n: Array, depth: float, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
 ) -> Array:
     """Return Y_n [1/Pa], shape (2, 2) + n.shape, of a layer of depth ln(R/R0) on a rigid core."""
-    return stacked_compliance(n, ((depth, A_rr, A_tt, A_rt, G),))
+    return stacked_compliance(n, ((depth, A_rr, A_tt, A_rt, G, D),))
 
 
-def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G: float) -> Array:
+def asymptotic_compliance(
+    orders: int, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
+) -> Array:
     """Return Y_j [1/Pa], shape (orders+1, 2, 2): Y_n = sum_j Y_j/n^j far from any core; Y_0 = 0.
 
     Notes
@@ -100,8 +110,8 @@ def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G:
     F Y + Y F' + N = D z z' with z = Y k is solved order by order in 1/n.  The first order is the
     half-plane, Y_1 = [[C, A], [A, B]] (thesis eq. 30).
     """
-    A, B, C = coefficients(A_rr, A_tt, A_rt, G)
-    D = Systems.of((1.0, A_rr, A_tt, A_rt, G)).D.item()
+    D = D or stiffness_along(A_rr, A_tt, A_rt)
+    A, B, C = coefficients(A_rr, A_tt, A_rt, G, D)
     a, r, DB = A_rt / A_rr, sqrt(A_tt / A_rr), D * B
     Y = np.zeros((orders + 2, 2, 2))
     Y[1] = [[C, A], [A, B]]
@@ -122,7 +132,13 @@ def asymptotic_compliance(orders: int, A_rr: float, A_tt: float, A_rt: float, G:
 
 
 def surface_kernels(
-    radius: float, core_radius: float, A_rr: float, A_tt: float, A_rt: float, G: float
+    radius: float,
+    core_radius: float,
+    A_rr: float,
+    A_tt: float,
+    A_rt: float,
+    G: float,
+    D: float | None = None,
 ) -> SurfaceKernels:
     """Return the influence functions (thesis eq. 59) of one layer on a rigid core.
 
@@ -132,9 +148,11 @@ def surface_kernels(
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
+    D : float, optional
+        :func:`.strip.stiffness_along`, where it is known better than by the others.
     """
     stiffness = map(float, (A_rr, A_tt, A_rt, G))
-    return layered_kernels(radius, ((_depth(radius, core_radius), *stiffness),))  # type: ignore[arg-type]
+    return layered_kernels(radius, ((_depth(radius, core_radius), *stiffness, D),))
 
 
 def layered_kernels(radius: float, layers: Layers, free: bool = False) -> SurfaceKernels:
@@ -144,8 +162,9 @@ def layered_kernels(radius: float, layers: Layers, free: bool = False) -> Surfac
     ----------
     radius : float
         R [m].
-    layers : sequence of (depth, A_rr, A_tt, A_rt, G)
-        Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa].
+    layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
+        left out, or None.
     free : bool
         Whether the core is an open bore; else it is rigid.
     """
@@ -214,8 +233,8 @@ class Spectrum(NamedTuple):
 
 def _spectrum(layers: Layers, free: bool) -> Spectrum:
     """Return all harmonics that matter."""
-    depth, *of_top = layers[0]
-    stiffness: Stiffness = tuple(of_top)  # type: ignore[assignment]
+    depth = float(layers[0][0] or 0.0)
+    stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
     J = _closed_powers(tail)
     decay, N = _decay(depth, stiffness), _terms(depth, tail, J, stiffness)

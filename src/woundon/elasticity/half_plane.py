@@ -16,6 +16,7 @@ from math import pi, sqrt
 from typing import NamedTuple
 
 from .kernels import Kernel, SurfaceKernels
+from .strip import stiffness_along
 
 __all__ = ["Coefficients", "coefficients", "surface_kernels"]
 
@@ -28,30 +29,37 @@ class Coefficients(NamedTuple):
     C: float
 
 
-def coefficients(A_rr: float, A_tt: float, A_rt: float, G: float) -> Coefficients:
+def coefficients(
+    A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
+) -> Coefficients:
     """Return A, B, C [1/Pa] of a half-plane with normal direction r and surface direction t.
 
     Parameters
     ----------
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
+    D : float, optional
+        :func:`.strip.stiffness_along`, where it is known better than by the others.
 
     Notes
     -----
     Thesis eq. (30), re-derived: s = sqrt(A_rr A_tt), A = 1/(s + A_rt),
     B = sqrt(A_rr/G) root/det and C = sqrt(A_tt/G) root/det with
-    root^2 = (s - A_rt)(s + A_rt + 2G) and det = A_rr A_tt - A_rt^2.
+    root^2 = (s - A_rt)(s + A_rt + 2G) and det = A_rr A_tt - A_rt^2 = A_rr D.
     """
     s = sqrt(A_rr * A_tt)
-    # root/det, with the common factor (s - A_rt) divided out: no loss near incompressibility
-    ratio = sqrt((s + A_rt + 2 * G) / (s - A_rt)) / (s + A_rt)
-    return Coefficients(1 / (s + A_rt), sqrt(A_rr / G) * ratio, sqrt(A_tt / G) * ratio)
+    # s - A_rt = A_rr D/(s + A_rt): all that is left stays bounded up to incompressibility
+    D = D or stiffness_along(A_rr, A_tt, A_rt)
+    B = sqrt((1 + 2 * G / (s + A_rt)) / (G * D))
+    return Coefficients(1 / (s + A_rt), B, sqrt(A_tt / A_rr) * B)
 
 
 @lru_cache(maxsize=64)
-def surface_kernels(A_rr: float, A_tt: float, A_rt: float, G: float) -> SurfaceKernels:
+def surface_kernels(
+    A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
+) -> SurfaceKernels:
     """Return the half-plane's influence functions (thesis eq. 32); lengths in metres in ln."""
-    A, B, C = coefficients(A_rr, A_tt, A_rt, G)
+    A, B, C = coefficients(A_rr, A_tt, A_rt, G, D)
     return SurfaceKernels(
         normal_p=Kernel(log=C / pi),
         normal_q=Kernel(sign=-A / 2),

@@ -181,19 +181,16 @@ class HardeningLaw:
         rise = 1 / E - self.poissons_ratio**2 / self.tangential
         if beta == 0:
             return rise, np.full(P.shape, self.shear), np.zeros(P.shape)
-        # G goes on along its tangent above the law and fades below it, so that f has no step
+        # beyond the law's ends G goes on along its tangent, so that f has no step
         own = np.maximum(own, self.lowest)
         E, slope = radial.modulus(own), radial.modulus_slope(own)
         G = self.shear * (E / radial.modulus(P0)) ** beta
         steep = beta * slope / E
         step = 1e-4 * E / np.maximum(slope, 1.0)
         bend = (radial.modulus_slope(own + step) - radial.modulus_slope(own - step)) / (2 * step)
-        over, under = np.maximum(P - own, 0.0), np.minimum(P - own, 0.0)
-        faded = G * np.exp(steep * under)
-        G_bend = np.where(over > 0, 0.0, G * beta * bend / E + G * steep * (steep - slope / E))
-        G_bend = np.where(under < 0, faded * steep**2, G_bend)
+        G_bend = np.where(own == P, G * beta * bend / E + G * steep * (steep - slope / E), 0.0)
         rise = np.maximum(rise - G_bend * gamma**2 / 2, 0.1 * rise)
-        return rise, faded + G * steep * over, faded * steep
+        return rise, G * np.maximum(1 + steep * (P - own), 0.05), G * steep
 
     def _strain(self, P: Array) -> Array:
         low = np.minimum(P, self.limit)

@@ -51,10 +51,13 @@ from math import ceil, log2
 
 import numpy as np
 
+from .strip import stiffness_along
+
 __all__ = ["Layer", "Layers", "stacked_compliance"]
 
 Array = np.ndarray
-Layer = tuple[float, float, float, float, float]  # ln(outer/inner radius), A_rr, A_tt, A_rt, G
+# ln(outer/inner radius), A_rr, A_tt, A_rt, G, and D where it is known better than by the three
+Layer = tuple[float | None, ...]
 Layers = tuple[Layer, ...]  # outermost first
 Matrices = tuple[Array, Array, Array]  # E, Q, H
 
@@ -66,8 +69,9 @@ def stacked_compliance(n: Array, layers: Layers, free: bool = False) -> Array:
     ----------
     n : array_like
         Harmonics, >= 0, whole or, from 2 on, anything between.
-    layers : sequence of (depth, A_rr, A_tt, A_rt, G)
-        Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa].
+    layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
+        left out, or None.
     free : bool
         Whether the core is an open bore; else it is rigid.
     """
@@ -100,8 +104,8 @@ class Systems:
 
     Parameters
     ----------
-    values : (5, L, 1) array
-        Depth, A_rr, A_tt, A_rt, G.
+    values : (6, L, 1) array
+        Depth, A_rr, A_tt, A_rt, G, D.
     """
 
     values: Array
@@ -109,19 +113,21 @@ class Systems:
     @classmethod
     def of(cls, *layers: Layer) -> Systems:
         """Return the coefficients of layers, outermost first."""
-        return cls(np.array(layers).T[..., None])
+        known = [
+            (*layer[:5], (layer[5] if len(layer) > 5 else None) or stiffness_along(*layer[1:4]))  # type: ignore[arg-type]
+            for layer in layers
+        ]
+        return cls(np.array(known).T[..., None])
 
     @property
     def depth(self) -> Array:
         """ln(outer/inner radius), (L, 1)."""
         return self.values[0]
 
-    @cached_property
+    @property
     def D(self) -> Array:
-        """A_tt - A_rt^2/A_rr, without its cancellation in the square [Pa]."""
-        _, A_rr, A_tt, A_rt, _ = self.values
-        s = np.sqrt(A_rr * A_tt)
-        return (s - A_rt) * (s + A_rt) / A_rr
+        """A_tt - A_rt^2/A_rr [Pa]."""
+        return self.values[5]
 
     @cached_property
     def unit(self) -> Array:
@@ -133,13 +139,12 @@ class Systems:
 
         For n = 0 their difference and minus their product: the even functions below stay right.
         """
-        _, A_rr, A_tt, A_rt, G = self.values
+        _, A_rr, A_tt, A_rt, G, D = self.values
         s = np.sqrt(A_rr * A_tt)
         product = s / A_rr * (n * n - 1)
         # mu_n + sqrt(kappa_n) of (45), written as a sum of positive terms
-        steep = n * n * (s - A_rt) * (s + A_rt + 2 * G)
-        steep = steep + G * (np.sqrt(A_rr) - np.sqrt(A_tt)) ** 2
-        return np.sqrt(steep / (A_rr * G)), product
+        steep = n * n * D * (1 / G + 2 / (s + A_rt)) + (1 - np.sqrt(A_tt / A_rr)) ** 2
+        return np.sqrt(steep), product
 
     def reach(self, n: Array) -> Array:
         """Return the depth to which the n-th harmonic needs to be followed, at most the layer's."""
@@ -162,7 +167,7 @@ class Systems:
 
     def each(self, n: Array) -> Matrices:
         """Return E, Q [1/Pa], H [Pa] of every layer, (2, 2, L, n)."""
-        _, A_rr, _, A_rt, G = self.values
+        _, A_rr, _, A_rt, G, _ = self.values
         steps = self.reach(n)
         m = np.maximum(n, 1.0)
         size = np.maximum(np.maximum(A_rt / A_rr, 1.0), np.sqrt(self.D / np.minimum(A_rr, G)))
@@ -175,7 +180,7 @@ class Systems:
 
     def matrix(self, n: Array, h: Array) -> Array:
         """Return h times the system's matrix, stresses in n * unit, shape (L, n, 4, 4)."""
-        _, A_rr, _, A_rt, G = self.values
+        _, A_rr, _, A_rt, G, _ = self.values
         a, D, m = A_rt / A_rr, self.D, np.maximum(n, 1.0) * self.unit
         M = np.zeros((*h.shape, 4, 4))
         M[..., 0, 0], M[..., 0, 1], M[..., 1, 0], M[..., 1, 1] = -a, -a * n, n, 1.0

@@ -12,9 +12,10 @@ with the plane-strain compliances of the web's own material.
 from __future__ import annotations
 
 from functools import lru_cache
+from math import sqrt
 from typing import NamedTuple
 
-__all__ = ["Compliance", "compliance"]
+__all__ = ["Compliance", "compliance", "stiffness_along"]
 
 
 class Compliance(NamedTuple):
@@ -25,8 +26,21 @@ class Compliance(NamedTuple):
     c22: float
 
 
+def stiffness_along(A_rr: float, A_tt: float, A_rt: float) -> float:
+    """Return D = A_tt - A_rt^2/A_rr [Pa], the stiffness along a surface free of pressure.
+
+    The difference is taken before the squares.  Where A_rt is all but sqrt(A_rr A_tt), as in a
+    nearly incompressible material, these three have lost D all the same: who knows it says it.
+    """
+    s = sqrt(A_rr * A_tt)
+    return (s - A_rt) * (s + A_rt) / A_rr
+
+
 @lru_cache  # asked for a dozen times in every solve
-def compliance(A_rr: float, A_tt: float, A_rt: float) -> Compliance:
-    """Return the inverse of the plane-strain stiffness [1/Pa]; c12 <= 0 for A_rt >= 0."""
-    det = A_rr * A_tt - A_rt**2
-    return Compliance(A_rr / det, -A_rt / det, A_tt / det)
+def compliance(A_rr: float, A_tt: float, A_rt: float, D: float | None = None) -> Compliance:
+    """Return the inverse of the plane-strain stiffness [1/Pa]; c12 <= 0 for A_rt >= 0.
+
+    ``D`` is :func:`stiffness_along`, where it is known better.
+    """
+    D = D or stiffness_along(A_rr, A_tt, A_rt)
+    return Compliance(1 / D, -A_rt / A_rr / D, A_tt / A_rr / D)

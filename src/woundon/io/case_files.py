@@ -82,18 +82,18 @@ def read_case(path: str | Path) -> dict[str, Any]:
             raise RecursionError
         case = tomllib.loads(text)
     except UnicodeDecodeError as fault:
-        why = f"is no UTF-8 text, from byte {fault.start}; save it as UTF-8"
+        why = f"is not UTF-8 text, from byte {fault.start}; save it as UTF-8"
         raise InvalidProblem.at(str(path), why) from None
     except RecursionError:
-        raise InvalidProblem.at(str(path), "is no case file: it is nested too deeply") from None
+        raise InvalidProblem.at(str(path), "is not a case file: it is nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
-        why = f"is no valid TOML: {fault}{_line_at_fault(text, str(fault))}"
+        why = f"is not valid TOML: {fault}{_line_at_fault(text, str(fault))}"
         raise InvalidProblem.at(str(path), why) from None
     except ValueError:  # Python's limit on the digits of a whole number
-        text = "is no case file: it has a number of thousands of digits"
+        text = "is not a case file: it has a number of thousands of digits"
         raise InvalidProblem.at(str(path), text) from None
     if unlike := _unlike_a_case(case):
-        raise InvalidProblem.at(str(path), f"is no case file: {unlike}")
+        raise InvalidProblem.at(str(path), f"is not a case file: {unlike}")
     if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
         raise InvalidProblem.at(str(path), text)
@@ -138,14 +138,14 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     Raises
     ------
     InvalidProblem
-        For a text that is no setting, or a dotted name through a field that has no fields.
+        For a text that is not a setting, or a dotted name through a field that has no fields.
     """
     changed = deepcopy(dict(case))
     for setting in [settings] if isinstance(settings, str) else settings:
         path, sign, value = setting.partition("=")
         parts = path.strip().split(".")
         if not sign or not all((*parts, value.strip())):
-            text = "is no setting; write field=value, e.g. nip_load='3.5 kN/m'"
+            text = "is not a setting; write field=value, e.g. nip_load='3.5 kN/m'"
             raise InvalidProblem.at(setting, text)
         model = _kind_of([*changed, parts[0]]).problem
         if len(parts) == 1:

@@ -115,7 +115,7 @@ def from_record(record: Record) -> Result:
     except InvalidProblem:
         raise
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
-        raise InvalidProblem("is no result saved by woundon, or damaged") from None
+        raise InvalidProblem("is not a result saved by woundon, or is damaged") from None
     return _accepted(result)
 
 

@@ -96,7 +96,7 @@ def writer_for(path: str | Path) -> Callable[[Result], bytes]:
     """
     ending = Path(path).suffix
     if ending not in _WRITERS:
-        text = f"the ending {ending!r} names no format; must be {', '.join(_WRITERS)}"
+        text = f"the ending {ending!r} is not a known format; must be {', '.join(_WRITERS)}"
         raise InvalidProblem.at(str(path), text)
     return _WRITERS[ending]
 
@@ -121,7 +121,7 @@ def _read(content: bytes) -> tuple[Record, bool]:
     except InvalidProblem:
         raise
     except Exception:  # whatever damage makes the readers of JSON and netCDF raise
-        raise InvalidProblem("is no result saved by woundon, or damaged") from None
+        raise InvalidProblem("is not a result saved by woundon, or is damaged") from None
     if schema not in (1, 2, SCHEMA):
         text = f"{schema!r} is unknown; this version of woundon reads 1 to {SCHEMA}"
         raise InvalidProblem.at("schema", text)
@@ -133,7 +133,7 @@ def _read(content: bytes) -> tuple[Record, bool]:
 
 def _record_of_json(content: bytes) -> Record:
     def refuse(word: str) -> None:
-        raise ValueError(f"{word} is no JSON")
+        raise ValueError(f"{word} is not JSON")
 
     record = json.loads(content, parse_constant=refuse)
     if record["format"] != FORMAT:

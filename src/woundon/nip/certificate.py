@@ -71,8 +71,9 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         **friction_laws(
             zones, q, v[: q.size], friction * np.tile(p, 2),
             unit=friction * np.max(np.abs(p)), slip_scale=made.top,
+            strain=result.drum_creep,
         ),
-        slip_speed=largest(np.abs(told - slips)) / made.top,
+        slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / made.top,
         load_equilibrium=abs(integral(result.pressure, x) / P - 1),
         force_equilibrium=abs(integral(q_drum, x) - problem.winding_force) / P,
         web_equilibrium=beyond_rounding(tension, result.web_tension) / P,

@@ -39,7 +39,8 @@ Array = np.ndarray
 
 def web_compliance(web: Web) -> Compliance:
     """Return the web's plane-strain compliances [1/Pa]."""
-    return compliance(*web.material.stiffness[:3])
+    rr, tt, rt, _, along = web.material.stiffness
+    return compliance(rr, tt, rt, along)
 
 
 @dataclass(frozen=True, eq=False)

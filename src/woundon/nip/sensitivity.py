@@ -171,14 +171,14 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     Raises
     ------
     InvalidProblem
-        For a name that is no continuous field.
+        For a name that is not a continuous field.
     """
     known = continuous_fields(result.problem)
     names = parameters or tuple(known)
     known |= _items(result.problem)
     for name in names:
         if name not in known:
-            raise InvalidProblem.at(name, f"no continuous field{did_you_mean(name, known)}")
+            raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
     equations = _Differential(result)
     # (unknowns, outputs)
     adjoint = np.linalg.solve(equations.jacobian().T, equations.output_gradients().T)

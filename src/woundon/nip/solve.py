@@ -34,7 +34,7 @@ from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, web_compliance
 from .result import NipResult
-from .validity import nip_warnings
+from .validity import nip_warnings, web_far_outside
 
 __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
 
@@ -109,7 +109,7 @@ def solve_nip(
     result = _result(ladder, problem, algorithm).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "NIT", result)
-    return result
+    return result.warned()
 
 
 def check_options(
@@ -165,6 +165,12 @@ class NipContact(PairContact):
     def load(self) -> float:
         """P [N/m]."""
         return float(self.problem.nip_load)
+
+    @property
+    def outside(self) -> str:
+        """What of the problem lies far outside the model, and what to change."""
+        web = web_far_outside(self.problem, 2 * self.guess())
+        return "; ".join(filter(None, (*web, super().outside)))
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""

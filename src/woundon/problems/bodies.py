@@ -11,12 +11,13 @@ The set of bodies is open: a subclass of :class:`Body` is a body like these.
 from __future__ import annotations
 
 from functools import cached_property
-from math import log1p, pi, sqrt
+from math import inf, log1p, pi, sqrt
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..contact.response import Response
+from ..contact.schemes import RESOLVED
 from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
 from ..errors import InvalidProblem
@@ -39,6 +40,8 @@ __all__ = [
 
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
+# of a truncated series, relative to the half-plane's response: above, nothing of it can be trusted
+SERIES_ERROR = 1e-2
 
 Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
 
@@ -96,6 +99,16 @@ class Body(Family):
         return float("inf")
 
     @property
+    def widest(self) -> float:
+        """Largest half width of a contact on which the response is resolved [m]."""
+        return float("inf")
+
+    @property
+    def unresolved(self) -> str:
+        """Why the response is not resolved at all; '' where it is."""
+        return ""
+
+    @property
     def surface_material(self) -> Material | None:
         """The material at the surface, where the body is of linear elastic ones."""
         found = getattr(self, "material", None)
@@ -150,6 +163,23 @@ class KernelBody(Body, abstract=True):
     def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
         """Return the influence functions integrated over the grid."""
         return grid.integrated(self.kernels(), self.curvature, self.radius, a)
+
+    @property
+    def widest(self) -> float:
+        """Largest half width whose contact the smooth parts' interpolation resolves [m]."""
+        return RESOLVED * self.kernels().length
+
+    @property
+    def unresolved(self) -> str:
+        """Why the series of the influence functions is cut off too early; '' where it is not."""
+        kernels = self.kernels()
+        if kernels.truncation_error <= SERIES_ERROR:
+            return ""
+        return (
+            f"the response of its layer, {self.thickness:.3g} m thick, takes more than "
+            f"{kernels.terms} Fourier terms (they leave {kernels.truncation_error:.2g} of it); the "
+            "layer must be thicker, or the stiffnesses of its material nearer to each other"
+        )
 
     @property
     def compliance(self) -> float:
@@ -302,6 +332,11 @@ class Layered(KernelBody):
             made.append((-log1p(-layer.thickness / outside), *layer.material.stiffness))
             outside -= layer.thickness
         return tuple(made)
+
+    @property
+    def widest(self) -> float:
+        """Any half width: kernels that are too short to interpolate are integrated exactly [m]."""
+        return inf
 
     def kernels(self) -> SurfaceKernels:
         """Return the influence functions of all layers together."""

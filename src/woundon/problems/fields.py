@@ -379,7 +379,7 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     family = model._members.values() if issubclass(model, Family) else ()
     owners = [m.__name__ for m in family if name in m.model_fields]
     if name == "kind" and family:
-        return f"no field; for another kind than {model.__name__} give the whole description"
+        return f"not a field; for another kind than {model.__name__} give the whole description"
     if owners:
         return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
                 f"known: {', '.join(own)}")  # fmt: skip

@@ -42,7 +42,7 @@ def graded_layers(roll: WoundRoll, parts: int = 1) -> Layers:
     R, depth = roll.radius, log(roll.radius / roll.core_radius)
     if not isinstance(roll.pressure, Profile):
         P = roll.wound_pressure(R)
-        return ((depth, *map(float, roll.stack.tangent(P, P))),)  # type: ignore[return-value]
+        return ((depth, *map(float, roll.stack.tangent(P, P)[:4])),)
     marks = [0.0, *(log(R / r) / depth for r in roll.pressure.radius if roll.core_radius < r < R)]
     mark = THINNEST
     while mark < 1:
@@ -53,12 +53,12 @@ def graded_layers(roll: WoundRoll, parts: int = 1) -> Layers:
     cells = np.diff(ends)
     points = ends[:-1, None] + cells[:, None] * (0.5 + np.array([-0.5, 0.5]) / sqrt(3))
     P = roll.wound_pressure(R * np.exp(-depth * points))
-    A_rr, A_tt, A_rt, G = np.broadcast_arrays(*roll.stack.tangent(P, P))
+    A_rr, A_tt, A_rt, G = np.broadcast_arrays(*roll.stack.tangent(P, P)[:4])
     near, far = 0.5 + 1 / sqrt(3), 0.5 - 1 / sqrt(3)
     average = np.array([[near, far], [far, near]])
     given = (1 / A_rr, 1 / G, A_rt / A_rr, A_tt - A_rt**2 / A_rr)
     c_rr, c_G, a, D = ((values @ average).ravel() for values in given)
-    made = np.repeat(depth * cells / 2, 2), 1 / c_rr, D + a * a / c_rr, a / c_rr, 1 / c_G
+    made = np.repeat(depth * cells / 2, 2), 1 / c_rr, D + a * a / c_rr, a / c_rr, 1 / c_G, D
     return tuple(map(tuple, np.transpose(made).tolist()))
 
 

@@ -33,12 +33,17 @@ __all__ = [
 
 
 class Stiffness(NamedTuple):
-    """Plane-strain stiffness A_rr, A_tt, A_rt and shear modulus G [Pa]."""
+    """Plane-strain stiffness A_rr, A_tt, A_rt and shear modulus G [Pa].
+
+    ``along`` is D = A_tt - A_rt^2/A_rr, where it is known better than by the three: they have lost
+    it in a nearly incompressible material.
+    """
 
     rr: float
     tt: float
     rt: float
     shear: float
+    along: float | None = None
 
 
 class Solid(Family):
@@ -73,6 +78,8 @@ else:
 # softer than any solid, and soft enough for numbers without dimension around 1
 SOFTEST = 1e-3
 STIFFEST = 1e14
+# 1 - 2 nu that stands for nil: 1/A_rr is then lost in every sum that it enters
+INCOMPRESSIBLE = 1e-20
 
 
 class Orthotropic(Material):
@@ -137,7 +144,7 @@ class Isotropic(Material):
     youngs_modulus : float
         E [Pa], 1e-3 to 1e14.
     poissons_ratio : float
-        nu, 0 <= nu < 0.5; the model excludes incompressible bodies (thesis sec. 2.1).
+        nu, 0 <= nu <= 0.5.
 
     Raises
     ------
@@ -151,15 +158,20 @@ class Isotropic(Material):
         Field(ge=SOFTEST, le=STIFFEST),
     ]
     poissons_ratio: Annotated[
-        Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Field(ge=0, lt=0.5)
+        Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Field(ge=0, le=0.5)
     ]
 
     @cached_property
     def stiffness(self) -> Stiffness:
-        """The plane-strain stiffness A_rr = A_tt, A_rt, G [Pa]."""
+        """The plane-strain stiffness A_rr = A_tt, A_rt, G [Pa].
+
+        A_rr grows like 1/(1 - 2 nu), D does not: all that is asked of them stays bounded.
+        """
         E, nu = self.youngs_modulus, self.poissons_ratio
-        direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-        return Stiffness(direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)))
+        direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
+        return Stiffness(
+            direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
+        )  # fmt: skip
 
 
 class NamedMaterial(NamedTuple):
@@ -210,6 +222,6 @@ def material(name: str) -> Orthotropic | Isotropic:
     """
     if not isinstance(name, str) or name not in MATERIALS:
         raise InvalidProblem.at(
-            "material", f"{shown(name)} is no named material{did_you_mean(name, MATERIALS)}"
+            "material", f"{shown(name)} is not a named material{did_you_mean(name, MATERIALS)}"
         )
     return MATERIALS[name].material

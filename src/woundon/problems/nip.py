@@ -18,8 +18,8 @@ from .materials import AnyMaterial, material
 
 __all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNipProblem"]
 
-# below 1e-8 rounding decides on stick and slip
-Friction = Field(ge=1e-8, le=10.0)
+LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
+Friction = Field(ge=LEAST_FRICTION, le=10.0)
 
 
 class Web(Description):
@@ -65,10 +65,28 @@ class WindingNip(ContactProblem):
         Field(ge=0, le=1e6),
     ] = 0.0
 
+    @model_validator(mode="before")
+    @classmethod
+    def _has_friction(cls, given: Any) -> Any:
+        """Refuse a face without friction: what it would carry and its web's speed are not told."""
+        for name in ("roll_friction", "drum_friction"):
+            if (
+                isinstance(given, dict)
+                and type(given.get(name)) in (int, float)
+                and not given[name]
+            ):
+                raise InvalidProblem.at(
+                    name, f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
+                    "friction nothing fixes how fast the web runs against the "
+                    f"{name.partition('_')[0]}; the least tells the limit"
+                )  # fmt: skip
+        return given
+
     @property
     def thinning(self) -> float:
         """-2h c22 of the web [m/Pa]."""
-        return -self.web.thickness * compliance(*self.web.material.stiffness[:3]).c22
+        rr, tt, rt, _, along = self.web.material.stiffness
+        return -self.web.thickness * compliance(rr, tt, rt, along).c22
 
     @classmethod
     def example(cls) -> Self:

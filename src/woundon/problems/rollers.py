@@ -11,7 +11,7 @@ from ..quantities import line_load, pure, strain
 from .bodies import AnyBody, ContactProblem, HalfPlane
 from .fields import Number
 from .materials import material
-from .nip import Friction
+from .nip import LEAST_FRICTION
 
 __all__ = ["RollerProblem"]
 
@@ -25,10 +25,10 @@ class RollerProblem(ContactProblem):
     load : float
         P [N/m], 1e-12 to 1e9.
     friction : float
-        mu, > 0.
+        mu, 1e-8 to 10, or 0: the rollers slip freely (Hertz's problem).
     tangential_load : float, optional
         Q, the traction on the upper roller along +x, integrated [N/m]; |Q| < mu P.  Zero if
-        neither it nor ``creepage`` is given.
+        neither it nor ``creepage`` is given, and without friction.
     creepage : float, optional
         xi [1], in place of the tangential load; rolling only.
     motion : {"rolling", "static"}
@@ -47,7 +47,9 @@ class RollerProblem(ContactProblem):
     upper: Annotated[AnyBody, Field(description="the upper roller")]
     lower: Annotated[AnyBody, Field(description="the lower roller")]
     load: Annotated[Number, line_load("P", "load", (1e3, 1e6)), Field(ge=1e-12, le=1e9)]
-    friction: Annotated[Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Friction]
+    friction: Annotated[
+        Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Field(ge=0, le=10.0)
+    ]
     tangential_load: Annotated[Number | None, line_load("Q", "tangential load")] = None
     creepage: Annotated[Number | None, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = None
     motion: Literal["rolling", "static"] = "rolling"
@@ -66,8 +68,18 @@ class RollerProblem(ContactProblem):
                 f"{self.creepage:.10g} is given, but motion = 'static' has none; "
                 "must be left out, or motion = 'rolling'",
             )
+        if 0 < self.friction < LEAST_FRICTION:
+            raise InvalidProblem.at(
+                "friction", f"{self.friction:.10g} is out of range; must be 0 or >= 1e-08 and <= 10"
+            )
+        if not self.friction and self.tangential_load:
+            raise NoSteadyState.at(
+                "tangential_load",
+                f"{self.tangential_load:.10g} is out of range; must be 0 or left out: rollers "
+                "without friction carry none",
+            )
         limit = self.friction * self.load
-        if abs(self.tangential_load or 0.0) >= limit:
+        if self.tangential_load and abs(self.tangential_load) >= limit:
             raise NoSteadyState.at(
                 "tangential_load",
                 f"{self.tangential_load:.10g} is out of range; "

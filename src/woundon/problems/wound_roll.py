@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -70,6 +70,8 @@ class WoundRoll(Body):
                 )
         if self.hardening == "estimate":
             _estimable(self)
+        if self.hardening == "direct" and self.stack.shear_exponent > 0:
+            _has_slope(self.stack)
         return self
 
     @property
@@ -98,7 +100,7 @@ class WoundRoll(Body):
     def compliance(self) -> float:
         """C of the half-plane that the wound surface is near a line load [1/Pa]."""
         wound = float(self.wound_pressure(self.radius))
-        return coefficients(*self.stack.tangent(wound, wound)).C
+        return coefficients(*self.stack.tangent(wound, wound)[:4]).C
 
     def stand_in(self, pressure: float) -> Cylinder:
         """Return the cylinder that is as stiff as the roll is under a pressure of the nip too.
@@ -107,7 +109,7 @@ class WoundRoll(Body):
         """
         wound = float(self.wound_pressure(self.radius))
         P = min(wound + pressure, ALMOST * self.stack.limit)
-        rr, tt, rt, shear = self.stack.tangent(P, wound)
+        rr, tt, rt, shear, _ = self.stack.tangent(P, wound)
         material = Orthotropic(radial=rr, tangential=tt, cross=rt, shear=shear)
         return Cylinder(radius=self.radius, core_radius=self.core_radius, material=material)
 
@@ -135,6 +137,19 @@ CAUTIONS = {
 
 POOR = 0.01  # misfit of a stack test, of its strain, from which it is told
 SOFTEST_ESTIMATE = 100e3  # Pa, of E_r/E_r' (Pfeiffer's K1 + P0): below, 3 % are not kept
+
+
+def _has_slope(stack: Any) -> None:
+    """Refuse a shear modulus whose slope is infinite where a roll may lose its pressure.
+
+    Shear strains the stack radially in proportion to that slope: without bound there.
+    """
+    if not isfinite(float(stack.radial.modulus_slope(np.zeros(())))):
+        raise InvalidProblem.at(
+            "stack.shear_exponent",
+            f"{shown(stack.shear_exponent)} is out of range; must be 0 with a radial law that "
+            "sets in with an infinite slope, as a PowerLaw with m < 1 does",
+        )
 
 
 def _estimable(roll: WoundRoll) -> None:

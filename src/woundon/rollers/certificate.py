@@ -40,7 +40,8 @@ def certificate(result: RollerResult, made: Matrices) -> Residuals:
     v = made.slips(p, q, result.shift if static else result.creepage)
     scale = made.top * (a if static else 1.0)
     bound = problem.friction * p
-    unit = np.full(p.size, problem.friction * np.max(np.abs(p)))
+    # where there is no friction, tractions are measured by the pressure itself
+    unit = np.full(p.size, (problem.friction or 1.0) * np.max(np.abs(p)))
     shift = result.offset / problem.contact_radius
     Q = integral(result.traction, x)
     asked = result.tangential_load

@@ -28,7 +28,8 @@ class RollerResult(Result):
     problem : RollerProblem
     creepage : float
         xi, the lower roller's surface speed less the upper's, over the speed, before strain; > 0
-        where it drags the upper roller along +x.  nan for a static contact.
+        where it drags the upper roller along +x.  nan for a static contact; without friction that
+        of vanishing friction, where it is not given.
     shift : float
         Of static rollers, the lower one's along +x less the upper's [m]; half-planes have it up to
         a constant.  nan for a rolling contact.

@@ -24,7 +24,9 @@ from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
 from .equations import RollerEquations
+from .frictionless import without_traction
 from .result import RollerResult
+from .validity import roller_warnings
 
 __all__ = ["check_options", "recomputed", "solve_rollers"]
 
@@ -48,7 +50,7 @@ def solve_rollers(
         Number of nodes, 7 to 4000; a few more where short zones ask for them.
     rtol : float, optional
         In place of nodes: double them until the estimated relative error of the traction (L2) is
-        below; 1e-8 to 0.1.
+        below; 1e-8 to 0.1.  Without friction there is no traction to err.
 
     Returns
     -------
@@ -73,7 +75,7 @@ def solve_rollers(
                 f"the traction is {result.traction_error:.2g}", result
             )  # fmt: skip
         result = _solved(problem, count)
-    return result.checked()
+    return result.checked().warned()
 
 
 def check_options(*, nodes: Any = NODES, rtol: Any = None) -> None:
@@ -119,8 +121,13 @@ def _creepage(problem: RollerProblem, state: PairState) -> float:
 def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
     """Solve on meshes ever better fitted to the zone borders, the last with all the nodes."""
     quarter, half = max((nodes + 3) // 4, min(nodes, 13)), max((nodes + 1) // 2, min(nodes, 13))
-    ladder = Ladder(RollerContact(problem), Graded(), "tangential_load", tolerance=FINE)
-    ladder.climb_fitted((quarter, quarter, half, nodes), COARSE)
+    contact, counts = RollerContact(problem), (quarter, quarter, half, nodes)
+    if problem.friction:
+        ladder = Ladder(contact, Graded(), "tangential_load", tolerance=FINE)
+        ladder.climb_fitted(counts, COARSE)
+    else:  # no zone has a border
+        ladder = Ladder(contact, Graded(), "half_width", without_traction, FINE)
+        ladder.climb(counts[1:])
     level, before = ladder.level, ladder.before
     state, made, mesh = level.state, level.equations.matrices, level.mesh
     q, zone, a = state.traction, state.solution.state, state.half_width
@@ -145,8 +152,11 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         iterations=ladder.solves,
         mesh=mesh,
     )
-    residuals = certificate(result, level.equations.anew(state))
-    return result.replace(errors=ladder.errors_of(result), residuals=residuals)
+    return result.replace(
+        errors=ladder.errors_of(result),
+        residuals=certificate(result, level.equations.anew(state)),
+        warnings=roller_warnings(result),
+    )
 
 
 def _traction_change(coarse: Level, fine: Level) -> float:

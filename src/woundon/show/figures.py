@@ -115,7 +115,12 @@ def check_format(path: str | Path) -> str:
     ending = Path(path).suffix
     if ending not in _METADATA:
         raise InvalidProblem(
-            [(str(path), f"the ending {ending!r} names no format; must be {', '.join(_METADATA)}")]
+            [
+                (
+                    str(path),
+                    f"the ending {ending!r} is not a known format; must be {', '.join(_METADATA)}",
+                )
+            ]
         )
     return ending
 

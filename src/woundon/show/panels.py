@@ -115,7 +115,7 @@ def drawn(
     ------
     InvalidProblem
         For a panel that there is not, for several into one ``ax``, for an ending of the path that
-        names no format.
+        is not a known format.
     """
     if path is not None:
         check_format(path)

@@ -18,7 +18,7 @@ from .. import quantities
 from ..contact.zones import zone_runs
 from ..nip.result import WindingNipResult
 from ..quantities import Quantity
-from ..results import ACCEPTED_RESIDUAL, Residuals, Result
+from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone
 from ..rollers.result import RollerResult
 
 __all__ = [
@@ -100,8 +100,8 @@ class ZoneStrips:
 
     x: Array
     faces: Mapping[str, Array]
-    faster: str = "web faster"
-    slower: str = "web slower"
+    faster: str = f"web {Zone.FORWARD.word}"
+    slower: str = f"web {Zone.BACKWARD.word}"
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,12 @@ from rich.console import Console
 from rich.text import Text
 
 from .. import kinds, quantities, theories
-from ..errors import InvalidProblem, NoSteadyState, NotConverged
+from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult, WindingNipResult
 from ..problems.bodies import Body
 from ..problems.fields import Description
 from ..problems.nip import NipProblem
-from ..results import Result, Zone
+from ..results import Result
 from ..rollers.result import RollerResult
 from ..wrap.result import WrappedNipResult
 from .parts import (
@@ -59,8 +59,15 @@ def report_parts(result: Result) -> list[Part]:
 def report_text(result: Result) -> str:
     """Return the report of a result of any kind as plain text."""
     paper = StringIO()
-    print_report(result, Console(file=paper, width=WIDTH, color_system=None, legacy_windows=False))
+    print_report(result, _console(paper))
     return paper.getvalue().rstrip("\n")
+
+
+def _console(paper: StringIO) -> Console:
+    return Console(
+        file=paper, width=WIDTH, color_system=None, legacy_windows=False,
+        force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
+    )  # fmt: skip
 
 
 def print_report(result: Result, console: Console) -> None:
@@ -167,8 +174,8 @@ def _wrapped_rows(result: WrappedNipResult) -> tuple[Row, ...]:
     on_drum = ["tension_before_nip", "drum_wrap_traction"] if result.problem.drum_wrap else []
     names = ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", *on_drum,
              "roll_wrap_traction", "slip_angle"]  # fmt: skip
-    way = {Zone.STICK: "", Zone.FORWARD: ", web faster", Zone.BACKWARD: ", web slower"}
-    notes = {"approach": _level(result), "slip_angle": way[result.slip_zone]}
+    way = f", web {result.slip_zone.word}" if result.slip_zone else ""
+    notes = {"approach": _level(result), "slip_angle": way}
     return rows_of(result, names + NIP, **notes)
 
 
@@ -179,7 +186,8 @@ def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
         return  # held there already
     title = "The same nip, its web held at the trailing edge"
     try:
-        nip = result.confined(nodes=result.nodes)
+        with unwarned():
+            nip = result.confined(nodes=result.nodes)
         estimate = nip.wound_on_tension_estimate(angle)
     except NoSteadyState as fault:
         yield Section(title, (), f"Has no steady state: {fault}")
@@ -357,7 +365,7 @@ def _field(problem: Description, name: str, value: Any, under: str) -> Row:
 def sensitivity_text(sensitivity: Sensitivity) -> str:
     """Return elasticities as plain text, as the command line prints them."""
     paper = StringIO()
-    print_sensitivity(sensitivity, Console(file=paper, width=WIDTH, color_system=None))
+    print_sensitivity(sensitivity, _console(paper))
     return paper.getvalue().strip("\n")
 
 

@@ -215,7 +215,7 @@ def make_design(
         raise InvalidProblem.at("over", "nothing to vary: give fields and their values")
     if kind in ("grid", "table"):
         if samples is not None:
-            raise InvalidProblem.at("samples", f"{samples!r} has no meaning in a {kind}")
+            raise InvalidProblem.at("samples", f"{samples!r} has no meaning in a {kind} design")
         design = Design(kind, tuple(Column.of(name, values) for name, values in over.items()))
         lengths = {len(c.values) for c in design.columns}
         if kind == "table" and len(lengths) > 1:

@@ -45,7 +45,12 @@ def check_export(path: str | Path) -> Callable[[Table, Path], None]:
     ending = Path(path).suffix
     if ending not in _WRITERS:
         raise InvalidProblem(
-            [(str(path), f"the ending {ending!r} names no format; must be {', '.join(_WRITERS)}")]
+            [
+                (
+                    str(path),
+                    f"the ending {ending!r} is not a known format; must be {', '.join(_WRITERS)}",
+                )
+            ]
         )
     if ending == ".xlsx":
         need_openpyxl()

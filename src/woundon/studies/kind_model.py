@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import __version__, kinds
 from ..arguments import check_type
-from ..errors import InvalidProblem, NotConverged, did_you_mean
+from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
 from ..quantities import Quantity, find, members_of, scalar_outputs, value_of, walk
 from .model import Answer
@@ -76,7 +76,7 @@ class KindModel:
     def _check_outputs(self) -> None:
         known = scalar_outputs(self.kind.result)
         if not self.outputs:
-            text = f"none is asked for; known: {', '.join(known)}"
+            text = f"none is given; known: {', '.join(known)}"
             raise InvalidProblem.at("outputs", text)
         twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if twice:
@@ -136,7 +136,8 @@ class KindModel:
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
         """Solve one case."""
-        result = self.solve(self.variant(inputs), start)
+        with unwarned():  # they are a column
+            result = self.solve(self.variant(inputs), start)
         values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
@@ -342,7 +343,7 @@ def _no_output(problem: Problem, name: str) -> str:
     instead = replaced(problem)
     if name in instead:
         return f"no such output: {instead[name]}"
-    return f"no scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
+    return f"not a scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
 
 
 def _value(result: Any, name: str) -> Any:

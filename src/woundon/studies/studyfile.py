@@ -193,5 +193,5 @@ def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any
     if spacing == "linear":
         return np.linspace(low, high, count)
     if low <= 0 or high <= 0:
-        raise InvalidProblem.at(where, "a log spacing must lie above 0")
+        raise InvalidProblem.at(where, "a logarithmic range must lie above 0")
     return np.geomspace(low, high, count)

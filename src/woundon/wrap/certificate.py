@@ -86,13 +86,18 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     carried = integral(result.pressure[nip], x[nip])
     force = integral(result.drum_traction, x) - problem.winding_force
     return Residuals(
-        indentation=largest(np.abs(by_z @ z + by_q @ q - gap)) / top,
+        # the pressure of a taut web on its arcs may be many times that of a light nip; rounding of
+        # a sum of k terms is about k^1/2 times theirs
+        indentation=beyond_rounding(
+            by_z @ z + by_q @ q - gap, z.size**0.5 * (np.abs(by_z) @ np.abs(z))
+        ) / top,
         positive_pressure=positive_pressure(result.roll_pressure, result.pressure),
         **_friction(result, equations, q, slips, top),
-        slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips),
+        slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips,
+                               result.drum_creep),
                        _differ(result.roll_strain, roll_strain(equations, result))) / top,
         load_equilibrium=abs(carried / P - 1),
-        force_equilibrium=abs(force) / P,
+        force_equilibrium=beyond_rounding(np.asarray(force), T) / P,
         web_equilibrium=beyond_rounding(T - problem.web_tension - gained, T) / P,
         hoop_pressure=_hoop(result, equations),
         curvature=_curvature(result, equations, z, q),
@@ -113,15 +118,22 @@ def _friction(
     zones = np.concatenate([result.roll_zone[on_roll], result.drum_zone[on_drum]])
     v = np.concatenate([slips[0, on_roll], slips[1, on_drum]])
     unit = friction * np.max(np.abs(p))
-    return dict(friction_laws(zones, q, v, friction * p, unit=unit, slip_scale=top))
+    return dict(
+        friction_laws(
+            zones, q, v, friction * p, unit=unit, slip_scale=top, strain=result.drum_creep
+        )
+    )
 
 
-def _differ(one: Array, two: Array) -> float:
-    """Return the largest difference; nan must stand where it stands in both."""
+def _differ(one: Array, two: Array, size: float = 0.0) -> float:
+    """Return the largest difference of what is known to the rounding of ``size``.
+
+    nan must stand where it stands in both.
+    """
     if not np.array_equal(np.isnan(one), np.isnan(two)):
         return float("inf")
     both = ~np.isnan(one)
-    return largest(np.abs(one[both] - two[both]))
+    return beyond_rounding(one[both] - two[both], np.asarray(size))
 
 
 def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:

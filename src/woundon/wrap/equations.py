@@ -451,7 +451,10 @@ class WrapEquations:
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    """Solve in place, columns first."""
+    """Solve in place, columns first; rows of one size, or rounding of the largest drowns others."""
+    size = np.maximum(matrix.max(axis=1), -matrix.min(axis=1))
+    matrix /= size[:, None]
+    right /= size[:, None]
     _, _, solved, info = lapack.dgesv(matrix, right, overwrite_a=1, overwrite_b=1)
     if info != 0:
         raise ArithmeticError("the normal problem is singular")

@@ -31,6 +31,7 @@ Array = np.ndarray
 FINE = 0.2  # [a]: farther out cells grow like the distance from the nip, nearer like its root
 SHORTEST_WRAP = 2.0  # half widths
 EVENNESS = 3.0  # a cell at the far side is at most 1/EVENNESS of an even one
+MOST_POINTS = 150  # of a cell; three for each length on which a body responds
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +231,7 @@ class Influence:
         """Return Gauss's points, their cells and weights, (Q,)."""
         cells = self.grid.cells
         share = self.scale * cells / self.length
-        orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, 6).astype(int))
+        orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
         cell = np.repeat(np.arange(cells.size), orders)
         rules = [_gauss(order) for order in orders.tolist()]
         part = (np.concatenate([g for g, _ in rules]) + 1) / 2

@@ -145,7 +145,7 @@ def solve_capstan(problem: CapstanProblem, *, nodes: int = 33) -> CapstanResult:
         problem=problem, at=at, tension=tension, pressure=tension / problem.radius,
         residuals=wo.Residuals(),
     )  # fmt: skip
-    return result.replace(residuals=result.certified()).checked()
+    return result.replace(residuals=result.certified()).checked().warned()
 
 
 wo.kinds.register(CapstanProblem, solve_capstan, CapstanResult)

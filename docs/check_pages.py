@@ -1,0 +1,146 @@
+"""Look at every built page in a browser, as wide as a laptop and as narrow as a telephone.
+
+    python docs/check_pages.py docs/_build/html [--pictures DIR] [--width 1280 --width 390]
+
+Reported is what a reader would stumble over: a page that scrolls sideways, text that is cut off or
+runs out of its column, a link or picture that leads nowhere, a formula that was not typeset, a
+message on the browser's console, and anything that a page wants from the network.  ``--pictures``
+keeps every page as a PNG, to be looked at.  Needs Playwright (``pip install 'woundon[pages]'``) and
+a Chromium: the system's, or Playwright's own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+WIDTHS = (1280, 390)
+CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
+
+# what can be told from a page itself; each fault is a line of text
+LOOK = """() => {
+    const faults = [], wide = document.documentElement.clientWidth
+    const name = e => [e.tagName.toLowerCase(), ...e.classList].slice(0, 2).join('.')
+    const start = e => (e.textContent || e.src || '').trim().slice(0, 50).replace(/\\s+/g, ' ')
+    if (document.scrollingElement.scrollWidth > wide)
+        faults.push(`scrolls sideways: ${document.scrollingElement.scrollWidth} of ${wide} px`)
+    const scrolls = e => {
+        for (; e && e !== document.body; e = e.parentElement)
+            if (/auto|scroll/.test(getComputedStyle(e).overflowX)) return true
+        return false
+    }
+    for (const e of document.querySelectorAll('main *')) {
+        const box = e.getBoundingClientRect()
+        if (box.width && box.right > wide + 1 && !scrolls(e) && !e.closest('svg, math'))
+            faults.push(`beyond the right edge: ${name(e)} "${start(e)}"`)
+    }
+    for (const e of document.querySelectorAll('main pre, main table, main div.math'))
+        if (wide > 1000 && e.scrollWidth > e.clientWidth + 1)
+            faults.push(`cut off, ${e.scrollWidth} of ${e.clientWidth} px: "${start(e)}"`)
+    for (const e of document.querySelectorAll('main div.math math'))
+        if (e.getBoundingClientRect().left < e.parentElement.getBoundingClientRect().left - 1)
+            faults.push(`begins outside its column: "${start(e)}"`)
+    for (const e of document.querySelectorAll('main div.math .eqno')) {
+        const number = e.getBoundingClientRect()
+        const formula = e.parentElement.querySelector('math').getBoundingClientRect()
+        if (number.left < formula.right && number.top < formula.bottom
+            && number.right > formula.left && number.bottom > formula.top)
+            faults.push(`number over its equation: "${start(e)}"`)
+    }
+    for (const image of document.images)
+        if (!image.complete || !image.naturalWidth) faults.push(`no picture: ${image.src}`)
+    for (const image of document.querySelectorAll('main img:not([alt])'))
+        faults.push(`picture without a text: ${image.src}`)
+    for (const e of document.querySelectorAll('div.math'))
+        if (!e.querySelector('math')) faults.push(`no formula: "${start(e)}"`)
+    for (const e of document.querySelectorAll('merror'))
+        faults.push(`formula with an error: "${start(e)}"`)
+    if (document.querySelector('math') && !document.fonts.check('16px "STIX Two Math"'))
+        faults.push('the font of the formulas is missing')
+    return faults
+}"""
+LINKS = "() => [...document.querySelectorAll('a[href]')].map(a => a.href)"
+IDS = "() => [...document.querySelectorAll('[id]')].map(e => e.id)"
+
+
+def main() -> int:
+    """Check all pages; return 0 where nothing was found, else 1."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("html", type=Path, help="folder of the built pages")
+    parser.add_argument("--pictures", type=Path, help="folder for a picture of every page")
+    parser.add_argument("--width", type=int, action="append", help="in pixels; 1280 and 390")
+    options = parser.parse_args()
+    root = options.html.resolve()
+    # what the theme keeps in _static are no pages
+    pages = sorted(path for path in root.rglob("*.html") if "_static" not in path.parts)
+    if not pages:
+        parser.error(f"no pages in {options.html}")
+    with sync_playwright() as browsers:
+        system = next(filter(None, map(shutil.which, CHROMIUMS)), None)
+        browser = browsers.chromium.launch(executable_path=system, args=["--no-sandbox"])
+        widths, pictures = options.width or WIDTHS, options.pictures
+        faults = [fault for w in widths for fault in _look(browser, root, pages, w, pictures)]
+        faults += _dead_links(browser, root, pages)
+    print(*faults, sep="\n")
+    print(f"{len(pages)} pages at {', '.join(map(str, widths))} px: {len(faults)} faults")
+    return 1 if faults else 0
+
+
+def _look(
+    browser: Browser, root: Path, pages: list[Path], width: int, pictures: Path | None
+) -> Iterator[str]:
+    """Yield the faults of all pages at one width."""
+    page = browser.new_page(viewport={"width": width, "height": 900})
+    said: list[str] = []
+
+    def note(message: str, when: bool = True) -> None:
+        if when:
+            said.append(message)
+
+    page.on("console", lambda m: note(f"console: {m.text}", m.type in ("error", "warning")))
+    page.on("pageerror", lambda fault: note(f"script: {fault}"))
+    page.on("requestfailed", lambda r: note(f"not loaded: {r.url}"))
+    page.on("request", lambda r: note(f"wants the network: {r.url}", r.url.startswith("http")))
+    for path in pages:
+        said.clear()
+        _open(page, path)
+        name = path.relative_to(root).with_suffix("")
+        yield from (f"{name} at {width}: {fault}" for fault in [*said, *page.evaluate(LOOK)])
+        if pictures:
+            target = pictures / str(width) / f"{'_'.join(name.parts)}.png"
+            page.screenshot(path=target, full_page=True)
+    page.close()
+
+
+def _open(page: Page, path: Path) -> None:
+    page.goto(path.as_uri())
+    page.evaluate("document.fonts.ready.then(() => true)")
+
+
+def _dead_links(browser: Browser, root: Path, pages: list[Path]) -> Iterator[str]:
+    """Yield the links within the pages whose file, or place in it, does not exist."""
+    page = browser.new_page()
+    links, ids = {}, {}
+    for path in pages:
+        page.goto(path.as_uri(), wait_until="domcontentloaded")
+        links[path], ids[path] = page.evaluate(LINKS), set(page.evaluate(IDS))
+    for path, targets in links.items():
+        for target in sorted(set(targets)):
+            url = urlsplit(target)
+            file, place = Path(unquote(url.path)), unquote(url.fragment)
+            if url.scheme != "file":
+                continue
+            if not file.is_file():
+                yield f"{path.relative_to(root)}: dead link to {target}"
+            elif place and file in ids and place not in ids[file]:
+                yield f"{path.relative_to(root)}: no such place: {target}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

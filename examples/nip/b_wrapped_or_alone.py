@@ -1,0 +1,44 @@
+"""
+The nip alone, or with the web wrapped on the roll?
+===================================================
+
+The classical model ends at the trailing edge of the nip and holds the web to the roll there. In
+truth the web slips on behind the nip for a few degrees. ``wo.NipProblem`` is the nip alone,
+``wo.WrappedNipProblem`` has the wraps. Which one is right for a wound-on tension, and how far
+are they apart?
+
+**Answer:** take the wrapped one. The nip alone gives two numbers, a tension at the trailing
+edge, which is too low, and an estimate of the wound-on tension that lets the web stick behind
+the nip, which is too high. The wrapped answer lies between them.
+"""
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import woundon as wo
+
+wrapped = wo.WrappedNipProblem.example()
+alone = wrapped.confined()  # the same nip as a NipProblem
+loads = np.geomspace(300, 8000, 9)
+table = []
+for load in loads:
+    far = wo.solve(wrapped.replace(nip_load=load)).wound_on_tension
+    nip = wo.solve(alone.replace(nip_load=load))
+    table.append((nip.tension_behind_nip, far, nip.wound_on_tension_estimate()))
+    print(
+        "P = {:4.0f} N/m: edge {:.0f}, wrapped {:.0f}, estimate {:.0f} N/m".format(load, *table[-1])
+    )
+edge, wound_on, estimate = np.array(table).T
+
+# %%
+plt.fill_between(loads / 1e3, edge, estimate, alpha=0.2, label="between edge and estimate")
+plt.plot(loads / 1e3, wound_on, label="wrapped: wound-on tension")
+plt.xlabel("nip load [kN/m]")
+plt.ylabel("tension [N/m]")
+plt.legend()
+plt.show()
+
+# sphinx_gallery_start_ignore
+assert np.all((edge < wound_on) & (wound_on < estimate))
+# sphinx_gallery_end_ignore

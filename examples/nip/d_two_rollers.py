@@ -1,0 +1,47 @@
+"""
+What do two rollers do without a web?
+=====================================
+
+Two steel rollers of 0.25 m radius roll on each other and transmit a tangential force. How fast
+do they creep, and how much of the contact slips? This is Carter's problem, which has a closed
+form to compare with.
+
+**Answer:** the creepage grows faster than the force, and without limit as the force nears
+friction. The solution meets the closed form to better than one in a thousand.
+"""
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import woundon as wo
+
+roller = wo.HalfPlane(radius=0.25, material="steel")
+pair = wo.RollerProblem(upper=roller, lower=roller, load=89e3, tangential_load=8.4e3, friction=0.5)
+limit = pair.friction * pair.load
+shares = np.array([0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
+cases = [pair.replace(tangential_load=share * limit) for share in shares]
+solved = np.array([wo.solve(case).creepage for case in cases])
+carter = np.array([wo.theories.carter(case).creepage for case in cases])
+for share, xi, exact in zip(shares, solved, carter, strict=True):
+    print(
+        f"{share:.0%} of the friction limit: creepage {1e3 * xi:.4f} ‰, Carter {1e3 * exact:.4f} ‰"
+    )
+
+# %%
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.5), layout="constrained")
+left.plot(shares, 1e3 * carter, label="Carter 1926")
+left.plot(shares, 1e3 * solved, "o", label="solved")
+left.set(xlabel="tangential load over friction limit", ylabel="creepage [‰]")
+left.legend()
+result = wo.solve(pair.replace(tangential_load=0.5 * limit))
+bound = pair.friction * result.pressure / 1e6
+right.fill_between(1e3 * result.x, bound, alpha=0.2, label="friction bound")
+right.plot(1e3 * result.x, result.traction / 1e6, label="traction at half the limit")
+right.set(xlabel="position [mm]", ylabel="traction [MPa]")
+right.legend()
+plt.show()
+
+# sphinx_gallery_start_ignore
+assert np.allclose(solved, carter, rtol=1e-3)
+# sphinx_gallery_end_ignore

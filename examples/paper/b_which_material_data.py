@@ -1,0 +1,46 @@
+"""
+Which material data must I measure?
+===================================
+
+A winding calculation asks for four moduli of the paper, two friction coefficients and the web's
+thickness. Which of them deserve a careful measurement?
+
+The result of a nip alone knows its exact derivatives with respect to every field, at the price
+of one more solution. An *elasticity* of 0.5 means: one percent more of the input changes the
+answer by half a percent.
+
+**Answer:** the web's thickness and its modulus along the web, the shear modulus and the radial
+modulus of the roll. Poisson's coupling (``cross``), the friction of the drum and the core
+hardly matter.
+"""
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import woundon as wo
+
+result = wo.solve(wo.NipProblem.example())
+sensitivity = result.sensitivity().sorted()
+row = sensitivity.outputs.index("nip_induced_tension")
+elasticities = dict(zip(sensitivity.parameters, sensitivity.elasticities[row], strict=True))
+for name, value in elasticities.items():
+    print(f"{name:25} {value:+.3f}")
+
+# %%
+shown = {name: value for name, value in elasticities.items() if np.isfinite(value) and value}
+figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
+axes.barh(list(shown), list(shown.values()))
+axes.invert_yaxis()
+axes.axvline(0, color="black", linewidth=0.8)
+axes.set_xlabel("change of the nip-induced tension for 1 % of the input [%]")
+plt.show()
+
+# sphinx_gallery_start_ignore
+leading = set(list(elasticities)[1:5])
+assert leading == {
+    "web.thickness", "web.material.tangential", "roll.material.shear", "roll.material.radial",
+}  # fmt: skip
+minor = ("roll.material.cross", "web.material.cross", "drum_friction", "roll.core_radius")
+assert max(abs(elasticities[name]) for name in minor) < 0.03
+# sphinx_gallery_end_ignore

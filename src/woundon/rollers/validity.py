@@ -1,0 +1,18 @@
+"""Where two solved rollers leave the model."""
+
+from __future__ import annotations
+
+from ..validity import pair_warnings, past, zone_warnings
+from .result import RollerResult
+
+__all__ = ["roller_warnings"]
+
+
+def roller_warnings(result: RollerResult) -> tuple[str, ...]:
+    """Return where two rollers leave the model, and what their grid is too coarse for."""
+    xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
+    return (
+        *pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),
+        *past("creepage", xi, "the rollers' surface speeds differ by {}"),
+        *(zone_warnings(result.x, {"contact": result.zone}, "the lower surface") if mu else ()),
+    )

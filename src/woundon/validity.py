@@ -1,0 +1,140 @@
+"""Where a solved case leaves the model, and where its grid is too coarse: sentences with numbers.
+
+The model is linear, of small strains, plane, with a thin taut web (docs, "Warnings", for why the
+limits are where they are).  A warning is data, not an error: the solved equations hold all the
+same.  Those on the grid begin with ``resolution:`` (:data:`woundon.errors.RESOLUTION`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .errors import RESOLUTION
+from .problems.bodies import Body
+from .results import Result, Zone
+from .two_bodies import mesh_of
+
+__all__ = ["LIMITS", "Limit", "pair_warnings", "past", "zone_warnings"]
+
+Array = np.ndarray
+
+
+class Limit(NamedTuple):
+    """Up to where something is admitted, and what is wrong beyond."""
+
+    most: float
+    reason: str
+
+
+LIMITS = {
+    "half width": Limit(0.2, "the gap is no longer a parabola"),
+    "indentation": Limit(0.1, "strains are not small"),
+    "peak pressure": Limit(0.1, "the material is not linear there"),
+    "shear strain": Limit(0.1, "strains are not small"),
+    "surface strain": Limit(0.1, "strains are not small"),
+    "creepage": Limit(0.1, "strains are not small"),
+    "pressure on the web": Limit(0.1, "the web's thickness changes too much"),
+    "web strain": Limit(0.02, "paper breaks and film yields at a few percent"),
+    "web thickness": Limit(0.1, "the web is no thin strip in so narrow a nip"),
+}
+FEW_NODES = 4
+NARROW_ZONE = 0.02  # of the nip width: a narrower one, mostly at the very edge, moves no output
+
+
+def past(name: str, share: float, told: str) -> Iterator[str]:
+    """Yield a warning if a share is past the named limit either way; ``{}`` in the text is it."""
+    limit = LIMITS[name]
+    if abs(share) > limit.most:
+        yield f"{told.format(_percent(share))} (limit {_percent(limit.most)}): {limit.reason}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g}%"
+
+
+def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[str]:
+    """Yield where two bodies pressed together leave the model.
+
+    Parameters
+    ----------
+    result : Result
+        With half_width, approach and pressure.
+    tractions : mapping of str to array
+        On each body, by its name in the problem [Pa].
+    """
+    problem, a, approach = result.problem, result.half_width, result.approach  # type: ignore[attr-defined]
+    radius = min(body.radius for body in problem.bodies)
+    yield from past(
+        "half width", a / radius, f"the half width {a * 1e3:.3g} mm is {{}} of the smaller radius"
+    )
+    for name in problem.pair:
+        body = getattr(problem, name)
+        if approach > LIMITS["indentation"].most * body.thickness:  # no body takes more than all
+            depth = _indentation(result, body, tractions[name])
+            yield from past(
+                "indentation", depth / body.thickness,
+                f"the {name}'s indentation {depth * 1e3:.3g} mm is {{}} of its elastic layer, "
+                f"{body.thickness * 1e3:.3g} mm",
+            )  # fmt: skip
+        yield from _surface(name, body, float(np.max(result.pressure)), tractions[name])  # type: ignore[attr-defined]
+
+
+def _indentation(result: Any, body: Body, traction: Array) -> float:
+    """Return how deep a body of finite thickness is pressed in the middle of the nip [m]."""
+    if not body.linear:
+        return float(result.approach)  # all of it at most
+    own = result.in_nip
+    by_p, by_q = body.respond(mesh_of(result), result.half_width).normal(np.zeros(1))
+    return -float((by_p @ result.pressure[own][1:-1] + by_q @ traction[1:-1])[0])
+
+
+def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:
+    if body.surface_material is None:
+        return
+    stiffness = body.surface_material.stiffness
+    modulus, shear = min(stiffness.rr, stiffness.tt), float(np.max(np.abs(traction)))
+    yield from past(
+        "peak pressure", peak / modulus,
+        f"the peak pressure {peak / 1e6:.3g} MPa is {{}} of the {name}'s stiffness "
+        f"{modulus / 1e6:.3g} MPa",
+    )  # fmt: skip
+    yield from past(
+        "shear strain", shear / stiffness.shear,
+        f"the {name}'s surface shear strain is {{}} at a traction of {shear / 1e6:.3g} MPa",
+    )  # fmt: skip
+
+
+def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") -> Iterator[str]:
+    """Yield which zones have too few nodes.
+
+    Parameters
+    ----------
+    x : (M,) array
+        Nodes of the nip [m].
+    faces : mapping of str to (M,) int array
+        Zones by what the web, or the lower surface, slips against.
+    slips : str
+        What is the faster or the slower one.
+    """
+    trailing = {int(zones[-2]) for zones in faces.values()}
+    dual = len(faces) > 1 and len(trailing) == 1 and trailing != {Zone.STICK}
+    for face, zones in faces.items():
+        inner = zones[1:-1]
+        borders = (np.nonzero(inner[1:] != inner[:-1])[0] + 1).tolist()
+        for first, end in pairwise([0, *borders, inner.size]):
+            width = float(x[end + 1] - x[first])
+            if end - first >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):
+                continue
+            where = f"a {_named(Zone(int(inner[first])), slips)} at the {face}"
+            if dual and end == inner.size:
+                where = "the dual-slip zone"
+            nodes = "1 node" if end - first == 1 else f"{end - first} nodes"
+            yield f"{RESOLUTION}{nodes} in {where}; use nodes={2 * x.size - 1}"
+
+
+def _named(zone: Zone, slips: str) -> str:
+    return f"zone with {slips} {zone.word}" if zone else "stick zone"
