@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from .nip.result import NipResult
     from .problems.fields import Problem
     from .problems.nip import NipProblem, WrappedNipProblem
+    from .problems.roll import WoundRollProblem
     from .problems.rollers import RollerProblem
+    from .roll.result import WoundRollResult
     from .rollers.result import RollerResult
     from .wrap.result import WrappedNipResult
 
@@ -289,6 +291,8 @@ def solve(problem: WrappedNipProblem, **options: Any) -> WrappedNipResult: ...
 @overload
 def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
 @overload
+def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
+@overload
 def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
@@ -297,6 +301,7 @@ def solve(problem: Any, **options: Any) -> Any:
     :class:`~woundon.NipProblem`         the winding nip alone, the web held at its trailing edge
     :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
     :class:`~woundon.RollerProblem`      two rollers in contact without a web
+    :class:`~woundon.WoundRollProblem`   the stresses that winding leaves in a roll
     ===================================  =====================================================
 
     and whatever :func:`woundon.kinds.register` made known.
@@ -307,13 +312,14 @@ def solve(problem: Any, **options: Any) -> Any:
         Of any kind.
     options
         Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
-        :func:`~woundon.solve_rollers`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
+        :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`): ``nodes`` fixes the
+        grid, ``rtol`` refines it, ...
 
     Returns
     -------
     Result
         Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
-        :class:`~woundon.RollerResult`, ...
+        :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`, ...
 
     Raises
     ------

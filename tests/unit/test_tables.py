@@ -88,7 +88,10 @@ def test_all_strange_columns_are_told_at_once_with_what_is_nearest(tmp_path: Pat
 
 def test_a_symbol_that_several_fields_have_is_refused():
     told = faults({"A_rr [MPa]": [27], "WOT": [650.0]})
-    several = "web.material.radial, roll.material.radial or drum.material.radial"
+    several = (
+        "web.material.radial, roll.material.radial, roll.layers.0.material.radial, "
+        "drum.material.radial or drum.layers.0.material.radial"
+    )
     assert told[0] == f"column 'A_rr [MPa]': may be {several}; write which"
 
 
