@@ -299,8 +299,8 @@ def test_help_lists_fields_outputs_and_options(kind, capsys: Capture):
         assert f" {place.path} {place.quantity.symbol}: " in said
     assert "--rtol FLOAT" in said
     assert ("--sensitivity" in said) == (kind.name == "nip")
-    # the friction's range: rollers may have none, a roll has no friction at all
-    ranges = {"rollers": "(0 to 10)", "wound_roll": "(0.02 to 0.3)"}
+    # the friction's range: rollers may have none; of a roll that of its temperature change
+    ranges = {"rollers": "(0 to 10)", "wound_roll": "(-1000 to 1000)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in said
 
 
