@@ -19,7 +19,7 @@ from .panels import Case, Panel, drawn
 
 if TYPE_CHECKING:
     from ..studies.fit import FitResult
-    from ..studies.profiles import Profile
+    from ..studies.profiles import ProfileLikelihood
     from ..studies.sobol import SobolIndices
     from ..studies.table import Table
 
@@ -145,7 +145,7 @@ def plot_fit(
     return drawn(known, [Case(fit)], path, ax, panels, lettered=False)
 
 
-def _draw_profile(profile: Profile, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     fit = cases[0].result
     told = "others refitted" if len(fit.profiles) > 1 else "profile"
     rms, text = _rms(fit)

@@ -26,7 +26,7 @@ from ..quantities import Quantity
 from ..results import ReadOnly
 from . import fitreport
 from .predict import Parameter, Predictor
-from .profiles import Profile, profile_of, threshold
+from .profiles import ProfileLikelihood, profile_of, threshold
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,7 +50,7 @@ class FitResult(ReadOnly):
     covariance, correlation : (p, p) arrays
     rms : float
         Root mean square of the residuals, in the outputs' unit, or in deviations if ``weighted``.
-    profiles : tuple of Profile
+    profiles : tuple of ProfileLikelihood
         With the 95 % intervals; empty if not asked for.
     direction : (p,) array
         The change of parameters that the data see least: of ln(value), or of value / range where
@@ -94,7 +94,7 @@ class FitResult(ReadOnly):
     row_outputs: tuple[str, ...]
     row_numbers: tuple[int, ...]
     weighted: bool
-    profiles: tuple[Profile, ...] = ()
+    profiles: tuple[ProfileLikelihood, ...] = ()
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     problem: Any = None
 
@@ -188,7 +188,7 @@ def fit_parameters(
     found = sorted((end for end in ends if end is not None), key=lambda end: end[0])
     if not found:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    made: tuple[Profile, ...] = ()
+    made: tuple[ProfileLikelihood, ...] = ()
     for _ in range(3):
         S, u = found[0]
         limit = threshold(S, m - len(parameters), predictor.weighted)
@@ -253,7 +253,7 @@ def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
 
 def _result(
     predictor: Predictor, found: list[tuple[float, Array]], starts: int,
-    profiles: tuple[Profile, ...], quantities: Mapping[str, Quantity],
+    profiles: tuple[ProfileLikelihood, ...], quantities: Mapping[str, Quantity],
 ) -> FitResult:  # fmt: skip
     S, u = found[0]
     J, parameters = predictor.jacobian(u), predictor.parameters

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray
 
     from .fit import FitResult
-    from .profiles import Profile
+    from .profiles import ProfileLikelihood
 
 __all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
 
@@ -125,7 +125,7 @@ def _estimates(fit: FitResult) -> Iterator[str]:
         yield text
 
 
-def _interval(fit: FitResult, profile: Profile) -> str:
+def _interval(fit: FitResult, profile: ProfileLikelihood) -> str:
     ends = (_in_table(fit, profile.name, end)[1] for end in (profile.low, profile.high))
     return " to ".join(f"{end:.4g}" if isfinite(end) else "open" for end in ends)
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from .predict import Predictor
 
-__all__ = ["Profile", "profile_of", "threshold"]
+__all__ = ["ProfileLikelihood", "profile_of", "threshold"]
 
 Array = np.ndarray
 LEVEL = 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class ProfileLikelihood:
     """The profile of one parameter.
 
     Attributes
@@ -54,7 +54,7 @@ def threshold(S: float, freedom: int, weighted: bool) -> float:
 
 def profile_of(
     predictor: Predictor, j: int, u: Array, S: float, limit: float, spread: float
-) -> Profile:
+) -> ProfileLikelihood:
     """Walk parameter ``j`` both ways until S passes ``limit`` or a bound is met.
 
     Parameters
@@ -73,7 +73,7 @@ def profile_of(
     low, high = (walk.end(limit, sign * spread) for sign in (-1.0, 1.0))
     points = sorted(walk.points, key=lambda point: point[0])
     m = predictor.measured.size
-    return Profile(
+    return ProfileLikelihood(
         parameter.name,
         np.array([parameter.value(at) for at, _, _ in points]),
         np.sqrt(np.array([s for _, s, _ in points]) / m),
