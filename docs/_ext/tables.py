@@ -19,7 +19,16 @@ from woundon import kinds
 from woundon.errors import one_of
 from woundon.problems.fields import Family, bounds
 from woundon.problems.materials import MATERIALS
-from woundon.quantities import Place, Quantity, find, members_of, outputs, scalar_outputs, walk
+from woundon.quantities import (
+    OF_FIELD,
+    Place,
+    Quantity,
+    find,
+    members_of,
+    outputs,
+    scalar_outputs,
+    walk,
+)
 from woundon.show.figures import symbol_text, unit_of
 
 Rows = list[tuple[str, ...]]
@@ -113,12 +122,13 @@ def _input(place: Place, only: str) -> tuple[str, ...]:
     about = quantity.meaning if quantity else field.description or ""
     if inner := _nested(place):
         about = ", ".join(filter(None, (about, one_of(f"`{m.__name__}`" for m in inner))))
-    elif quantity is None:
+    elif quantity is None and not about:  # a word
         about = one_of(f"`{word}`" for word in get_args(field.annotation))
     told = f"{about} ({only})" if only else about
     default = "" if field.is_required() else _default(field.default, quantity)
     if quantity is None:
-        return ("", f"`{place.name}`", "", told, "", "", default)
+        unit = "of its field" if OF_FIELD in field.metadata else ""
+        return ("", f"`{place.name}`", unit, told, "", "", default)
     usual = _range(quantity, quantity.typical) if quantity.typical else ""
     limits = _limits(field)
     return (_tex(quantity), f"`{place.name}`", _unit(quantity), told, usual, limits, default)
