@@ -53,13 +53,15 @@ class _Limit:
 
                 self._controller = ThreadpoolController()
             if self._inside == 0:
-                self._limiter = self._controller.limit(limits=1, user_api="blas")
+                # to set what is set already costs a small solve its twentieth part
+                many = any(part.num_threads > 1 for part in self._controller.lib_controllers)
+                self._limiter = self._controller.limit(limits=1, user_api="blas") if many else None
             self._inside += 1
 
     def __exit__(self, *_: object) -> None:
         with self._lock:
             self._inside -= 1
-            if self._inside == 0:
+            if self._inside == 0 and self._limiter is not None:
                 self._limiter.restore_original_limits()
 
 
