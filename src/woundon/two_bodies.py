@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -262,7 +263,7 @@ class PairContact:
             if body.unresolved:
                 raise InvalidProblem.at(name, body.unresolved)
 
-    @property
+    @cached_property  # asked for with every width that is tried
     def widest(self) -> float:
         """The smaller radius, or what a body's response is resolved for [m]."""
         return float(min(min(body.radius, body.widest) for body in self.problem.bodies))
