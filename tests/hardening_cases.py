@@ -43,7 +43,7 @@ def nip(body: wo.Body, nip_load: float = 3502.0, **changes: Any) -> wo.NipProble
     return wo.NipProblem(**fields | changes)
 
 
-class OtherReference(wo.Body):
+class OtherReference(wo.Body, abstract=True):  # of the tests alone
     """A linear cylinder by elements that supply the difference to one of another modulus."""
 
     core_radius: float

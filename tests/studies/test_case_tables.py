@@ -32,9 +32,10 @@ QUICK = {"nodes": 9}
 SAME = 1e-8  # the cases are solved in another order, each to the solver's own tolerance
 
 
-def sweep_table(problem: Any, *given: Any, workers: int = 1, **options: Any) -> Table:
+def sweep_table(problem: Any, *given: Any, nodes: int, **options: Any) -> Table:
     """Solve a study; return its table."""
-    return run_study(*study_of(problem, *given, **options), runner_for(workers, None))
+    cases = study_of(problem, *given, options={"nodes": nodes}, **options)
+    return run_study(*cases, runner_for(1, None))
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""LAPACK's ``dgesv``, ``dgetrf``, ``dgetrs`` as SciPy has them, without the rest of scipy.linalg.
+"""Some of LAPACK's routines as SciPy has them, without the rest of scipy.linalg.
 
 That package imports some two hundred modules, numpy.f2py and numpy.testing among them, which takes
 longer than a nip to solve.  The extension module with LAPACK in it needs none of them.
@@ -14,7 +14,7 @@ from types import ModuleType
 
 import scipy  # finds the libraries that the extension is linked to
 
-__all__ = ["dgesv", "dgetrf", "dgetrs"]
+__all__ = ["dgbtrf", "dgbtrs", "dgesv", "dgetrf", "dgetrs", "dgtsv"]
 
 
 def _extension() -> ModuleType:
@@ -32,3 +32,4 @@ def _extension() -> ModuleType:
 
 _LAPACK = _extension()
 dgesv, dgetrf, dgetrs = _LAPACK.dgesv, _LAPACK.dgetrf, _LAPACK.dgetrs
+dgbtrf, dgbtrs, dgtsv = _LAPACK.dgbtrf, _LAPACK.dgbtrs, _LAPACK.dgtsv  # bands

@@ -36,7 +36,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
+
+from ..contact import lapack
 
 __all__ = ["CellSource", "Solved", "StageEquations", "pressure_between"]
 

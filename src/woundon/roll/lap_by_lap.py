@@ -14,7 +14,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.linalg import lapack
+
+from ..contact import lapack
 
 __all__ = ["wind_laps"]
 
