@@ -39,7 +39,7 @@ bound = pair.friction * result.pressure / 1e6
 right.fill_between(1e3 * result.x, bound, alpha=0.2, label="friction bound")
 right.plot(1e3 * result.x, result.traction / 1e6, label="traction at half the limit")
 right.set(xlabel="position [mm]", ylabel="traction [MPa]")
-right.legend()
+right.legend(loc="lower center")
 plt.show()
 
 # sphinx_gallery_start_ignore

@@ -53,6 +53,7 @@ for name, ends in spans.items():
 
 # %%
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
+axes.use_sticky_edges = False  # leaves room beside the longest bar
 axes.barh(
     list(spans),
     [high - low for low, high in spans.values()],

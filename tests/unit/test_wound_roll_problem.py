@@ -6,9 +6,11 @@ import json
 
 import numpy as np
 import pytest
+from refusals import refused_in_one_line
 
 import woundon as wo
 from woundon import cli
+from woundon.io.case_files import template
 from woundon.io.case_texts import to_toml
 from woundon.problems.schedules import Curve
 
@@ -22,7 +24,7 @@ ROLL = wo.WoundRollProblem.example()
         ({"wound_on_tension": -5.0}, "wound_on_tension: -5 is out of range; must be > 0"),
         ({"wound_on_tension": float("nan")}, "wound_on_tension"),
         ({"wound_on_tension": wo.Taper(start=350, taper=1.0)},
-         "wound_on_tension.taper: is out of range; must leave a tension > 0"),
+         "wound_on_tension.taper: 1 is out of range; must leave a tension > 0"),
         ({"wound_on_tension": wo.Profile(radius=[0.05, 0.15], value=[300, 300])},
          "wound_on_tension.radius.0: 0.05 is out of range; must be <= core.radius = 0.0445"),
         ({"wound_on_tension": wo.Profile(radius=[0.04, 0.14], value=[300, 300])},
@@ -190,3 +192,53 @@ def test_the_picture_has_a_zero_line_and_shades_compression(result):
     two = wo.plot([result, wo.solve(ROLL, rtol=1e-2)])
     assert len(two.axes) == 4
     assert all(text.get_text() for text in two.legends[0].get_texts())
+
+
+@pytest.mark.parametrize(
+    ("radius", "told"),
+    [
+        ("x", "radius: 'x' is not a number; must be a radius on the roll [m]"),
+        ([0.05, 0.06], "radius: 2 values; must be one radius [m]"),
+        (0.0446, "radius: 0.0446 is out of range; must be >= 0.04516 [m], 10 laps"),
+        (0.2, "radius: 0.2 is out of range; must be >= 0.0445 and <= 0.15 [m], on the roll"),
+        (float("nan"), "radius: nan is out of range"),
+    ],
+)
+def test_a_stage_that_is_none_is_refused(wound, radius: object, told: str):
+    refused_in_one_line(lambda: wound.at(radius), told)
+
+
+def test_radii_that_are_no_numbers_are_refused(wound):
+    refused_in_one_line(lambda: wound.at_radius("x"), "radius: 'x' is not a number")
+
+
+@pytest.fixture(scope="module")
+def wound():
+    return wo.solve(ROLL)
+
+
+def test_changes_too_large_to_settle_are_told_by_what_they_do():
+    """Not by an estimated error of 1e297 of the pressure."""
+    with pytest.raises(wo.NotConverged, match="the laps come apart at the radius"):
+        wo.solve(ROLL.replace(temperature_change=1000.0, radial_expansion=-1e-2))
+
+
+def test_a_stack_too_soft_to_wind_on_is_told_so():
+    with pytest.raises(wo.NotConverged, match="stack without pressure, or the core, is too soft"):
+        wo.solve(ROLL.replace(**{"stack.radial.K1": 1e-6}))
+
+
+def test_temperatures_and_expansions_have_units_in_case_files():
+    warmer = ROLL.replace(temperature_change="-10 K", radial_expansion="50e-6 1/K")
+    assert (warmer.temperature_change, warmer.radial_expansion) == (-10.0, 50e-6)
+    # a difference of temperatures: no scale with another zero
+    refused_in_one_line(
+        lambda: ROLL.replace(temperature_change="-10 degC"),
+        "temperature_change: '-10 degC' has the unknown unit 'degC'; expected a value in K, "
+        "e.g. '-10 K', a difference; did you mean 'K'?",
+    )
+
+
+def test_the_template_names_only_what_the_field_admits():
+    (line,) = [line for line in template("wound-roll").splitlines() if '"stack"' in line]
+    assert line.rstrip() == 'kind                 = "stack"'

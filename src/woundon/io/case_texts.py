@@ -16,7 +16,7 @@ from .. import kinds
 from ..errors import one_of
 from ..problems.fields import Description, Family, Problem, bounds
 from ..problems.materials import MATERIALS
-from ..quantities import Quantity, quantity_of
+from ..quantities import Quantity, members_of, quantity_of
 from .units import written
 
 __all__ = ["SCHEMA", "described", "template", "to_toml"]
@@ -170,12 +170,13 @@ class _Writer:
         apart: set[str],
         comment: str = "",
         of_field: Quantity | None = None,
+        admitted: tuple[type[Any], ...] = (),
     ) -> Iterator[Section]:
         """Yield the section of a description, then those of the ones in it."""
         fields = {name: getattr(thing, name) for name in type(thing).model_fields
                   if name not in apart}  # fmt: skip
         inner = {name: value for name, value in fields.items() if self.is_nested(value)}
-        rows = [self.kind(thing)] if isinstance(thing, Family) else []
+        rows = [self.kind(thing, admitted)] if isinstance(thing, Family) else []
         rows += [self.row(thing, name, of_field) for name in fields
                  if name not in inner and self.shows(thing, name)]  # fmt: skip
         yield Section(header, rows, comment)
@@ -183,9 +184,12 @@ class _Writer:
             below = f"{path}{name}"
             held = type(thing).model_fields[name]
             about, quantity = self.told(held.description or ""), quantity_of(held, of_field)
+            members = members_of(held.annotation)
             for item in value if isinstance(value, tuple) else (value,):
                 head = f"[[{below}]]" if isinstance(value, tuple) else f"[{below}]"
-                yield from self.description(item, f"{below}.", head, set(), about, quantity)
+                yield from self.description(
+                    item, f"{below}.", head, set(), about, quantity, members
+                )
 
     def told(self, comment: str) -> str:
         """Return a comment, where there are to be any."""
@@ -215,14 +219,14 @@ class _Writer:
         text = "..." if value is None else _value(value, quantity) or _plain(value)
         return Row(name, text, self.told(described(about)))
 
-    def kind(self, thing: Family) -> Row:
-        """Return the line that names a member of an open set; the first lists all of them."""
-        base: Any = next(b for b in type(thing).__mro__ if Family in b.__bases__)
-        others = {n: m for n, m in base.members().items() if n != thing.member_name()}
-        told = [f"{name} ({', '.join(of.model_fields)})" for name, of in others.items()]
-        if base in self.listed:
-            told = list(others)
-        self.listed.add(base)
+    def kind(self, thing: Family, admitted: tuple[type[Any], ...]) -> Row:
+        """Return the line that names a member of an open set; the first lists all of a field's."""
+        others = [m for m in admitted if m is not type(thing) and issubclass(m, Family)]
+        told = [
+            m.member_name() if m in self.listed
+            else f"{m.member_name()} ({', '.join(m.model_fields)})" for m in others
+        ]  # fmt: skip
+        self.listed.update(admitted)
         comment = f"or {', '.join(told)}" if told else ""
         return Row("kind", json.dumps(thing.member_name()), self.told(comment))
 

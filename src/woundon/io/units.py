@@ -24,6 +24,7 @@ m
 s
 rad
 kg
+K
 deg = 0.017453292519943295 rad
 % = 0.01
 um = 1e-6 m
@@ -68,7 +69,8 @@ _FULL_NAMES = {
     "micron": "um", "micrometer": "um", "micrometre": "um", "millimeter": "mm",
     "millimetre": "mm", "centimeter": "cm", "centimetre": "cm", "meter": "m", "metre": "m",
     "inches": "in", "foot": "ft", "feet": "ft", "newton": "N", "pascal": "Pa", "degree": "deg",
-    "radian": "rad", "pound": "lbf", "second": "s", "minute": "min", "u": "um",
+    "kelvin": "K", "degc": "K", "radian": "rad", "pound": "lbf", "second": "s", "minute": "min",
+    "u": "um",
 }  # fmt: skip
 
 # what is typed in place of a decimal point and a minus
@@ -92,13 +94,15 @@ _EXAMPLES = {
     "N/m": ", e.g. '3.5 kN/m', '20 pli' or 3500",
     "Pa": ", e.g. '10 MPa' or 10e6",
     "rad": ", e.g. '90 deg' or '1.57 rad'",
+    "K": ", e.g. '-10 K', a difference",
+    "1/K": ", e.g. '1e-5 1/K' or 1e-5",
     "1": ", e.g. 0.2 or '20 %'",
 }
 
 _NAME = r"[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%\N{DEGREE SIGN}]+"
 _POWER = r"(?:(?:\*\*|\^)?-?\d|[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])"
 _FACTOR = f"{_NAME}{_POWER}?"
-_UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
+_UNIT = re.compile(rf"1/K|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
 _TERMS = re.compile(rf"([*/\N{{MIDDLE DOT}}]?)\s*({_NAME})({_POWER}?)")
 _RAISED = str.maketrans("\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}", "23", "*^")

@@ -12,7 +12,7 @@ from ..quantities import Quantity, length, line_load, strain, stress
 from .fields import Description, Number, Problem, shown
 from .materials import AnyMaterial, Isotropic
 from .radial_laws import Pfeiffer
-from .schedules import Curve, Profile, WindingSchedule, values_of
+from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
 
 __all__ = ["Core", "WoundRollProblem"]
@@ -201,10 +201,11 @@ class WoundRollProblem(Problem):
             if not 0 < value <= 1e6:
                 text = f"{shown(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
                 raise InvalidProblem.at(f"wound_on_tension{name}", text)
-        if not float(self.tension_curve.at(np.array([self.radius]))[0]) > 0:
+        if isinstance(schedule, Taper) and not self.tension_curve.at(np.array(self.radius)) > 0:
             raise InvalidProblem.at(
                 "wound_on_tension.taper",
-                "is out of range; must leave a tension > 0 [N/m] at the surface",
+                f"{shown(schedule.taper)} is out of range; must leave a tension > 0 [N/m] at the "
+                "surface",
             )
 
     @property

@@ -268,7 +268,10 @@ def wind(
                 growth.begin_anew()
                 step, kink = min(step, layer), -np.inf
             if step < LEAST_STEP:
-                raise NotWoundError(f"no stage beyond the radius {exp(x):.6g} m can be solved")
+                raise NotWoundError(
+                    f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack without "
+                    "pressure, or the core, is too soft for this tension"
+                )
             continue
         last, growth = found, found.growth
         step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))

@@ -90,6 +90,7 @@ def solve_wound_roll(
             if error <= rtol:
                 return _admissible(result.replace(residuals=certificate(result))).checked()
         before = result
+    _admissible(result)
     raise NotConverged(
         f"rtol={rtol:g} is not reached: the estimated error of the pressure is {error:.2g}", result
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import shown
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import FEWEST_LAPS, WoundRollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import Growth, cell_source, kinks_of, nodes_between
 from .certificate import certificate, equations_of, growth_of
@@ -20,7 +20,11 @@ __all__ = ["at", "between"]
 
 
 def _inside(result: WoundRollResult, radius: Any) -> np.ndarray:
-    r = np.asarray(radius, dtype=float)
+    try:
+        r = np.asarray(radius, dtype=float)
+    except (TypeError, ValueError):
+        text = f"{shown(radius)} is not a number; must be a radius on the roll [m]"
+        raise InvalidProblem.at("radius", text) from None
     core, surface = float(result.radius[0]), float(result.radius[-1])
     slack = 1e-12 * surface
     wrong = r[~((core - slack <= r) & (r <= surface + slack))]
@@ -43,10 +47,13 @@ def between(result: WoundRollResult, radius: Any) -> dict[str, Any]:
 
 def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     """Return a stage of the build-up; see :meth:`WoundRollResult.at`."""
-    surface = float(_inside(result, radius))
-    problem, core = result.problem, result.problem.core.radius
-    if not surface > core * (1 + 1e-6):
-        text = f"{shown(surface)} is out of range; must be > {core:.6g} [m], the core's"
+    place = _inside(result, radius)
+    if place.ndim:
+        raise InvalidProblem.at("radius", f"{place.size} values; must be one radius [m]")
+    surface, problem, core = float(place), result.problem, result.problem.core.radius
+    least = core + FEWEST_LAPS * problem.web_thickness
+    if surface < least:
+        text = f"{shown(surface)} is out of range; must be >= {least:.6g} [m], {FEWEST_LAPS} laps"
         raise InvalidProblem.at("radius", text)
     whole, x = growth_of(result), float(np.log(surface))
     kept = whole.x < x - 1e-12

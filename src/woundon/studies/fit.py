@@ -141,11 +141,8 @@ class FitResult(ReadOnly):
 
         Parameters
         ----------
-        path : path, optional
-            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
-            notebook shows the figure, and in a script ``plt.show()`` does.
-        ax : matplotlib.axes.Axes, optional
-            Into which one panel is drawn.
+        path, ax
+            As of :func:`woundon.plot`.
         panels : str or sequence of str, optional
             Which to draw: "agreement", names of parameters.
 

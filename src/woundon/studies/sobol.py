@@ -122,11 +122,8 @@ class SobolIndices(ReadOnly):
 
         Parameters
         ----------
-        path : path, optional
-            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
-            notebook shows the figure, and in a script ``plt.show()`` does.
-        ax : matplotlib.axes.Axes, optional
-            Into which one output's panel is drawn.
+        path, ax
+            As of :func:`woundon.plot`.
         panels : str or sequence of str, optional
             Outputs to draw.
 
