@@ -47,6 +47,8 @@ _HOME = {
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
+    "WindingProblem": "problems.winding",
+    "WindingResult": "winding.result",
     "WoundRoll": "problems.wound_roll",
     "WoundRollProblem": "problems.roll",
     "WoundRollResult": "roll.result",
@@ -63,6 +65,7 @@ _HOME = {
     "solve": "kinds",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
+    "solve_winding": "winding.solve",
     "solve_wound_roll": "roll.solve",
     "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
@@ -111,6 +114,8 @@ __all__ = [
     "Tractions",
     "ValidityWarning",
     "Web",
+    "WindingProblem",
+    "WindingResult",
     "WoundRoll",
     "WoundRollProblem",
     "WoundRollResult",
@@ -128,6 +133,7 @@ __all__ = [
     "solve",
     "solve_nip",
     "solve_rollers",
+    "solve_winding",
     "solve_wound_roll",
     "solve_wrapped_nip",
     "sweep",
@@ -179,6 +185,7 @@ if TYPE_CHECKING:
     from .problems.schedules import Profile as Profile
     from .problems.schedules import Taper as Taper
     from .problems.stack import Stack as Stack
+    from .problems.winding import WindingProblem as WindingProblem
     from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
@@ -194,6 +201,8 @@ if TYPE_CHECKING:
     from .studies.api import sweep as sweep
     from .studies.fit import FitResult as FitResult
     from .studies.sobol import SobolIndices as SobolIndices
+    from .winding.result import WindingResult as WindingResult
+    from .winding.solve import solve_winding as solve_winding
     from .wrap.result import WrappedNipResult as WrappedNipResult
     from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 

@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from .problems.nip import NipProblem, WrappedNipProblem
     from .problems.roll import WoundRollProblem
     from .problems.rollers import RollerProblem
+    from .problems.winding import WindingProblem
     from .roll.result import WoundRollResult
     from .rollers.result import RollerResult
+    from .winding.result import WindingResult
     from .wrap.result import WrappedNipResult
 
 __all__ = [
@@ -211,6 +213,13 @@ register(
     plot="woundon.show.wound_roll_plots:wound_roll_panels",
     check="woundon.roll.solve:check_options",
 )
+register(
+    "woundon.problems.winding:WindingProblem",
+    "woundon.winding.solve:solve_winding",
+    "woundon.winding.result:WindingResult",
+    about="The winding of a roll: what its nips add as it grows, and the stresses that stay.",
+    check="woundon.winding.solve:check_options",
+)
 
 
 @cache
@@ -293,6 +302,8 @@ def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
 @overload
 def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
 @overload
+def solve(problem: WindingProblem, **options: Any) -> WindingResult: ...
+@overload
 def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
@@ -302,6 +313,7 @@ def solve(problem: Any, **options: Any) -> Any:
     :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
     :class:`~woundon.RollerProblem`      two rollers in contact without a web
     :class:`~woundon.WoundRollProblem`   the stresses that winding leaves in a roll
+    :class:`~woundon.WindingProblem`     nips as a roll grows, and the roll that they wind
     ===================================  =====================================================
 
     and whatever :func:`woundon.kinds.register` made known.
@@ -312,14 +324,15 @@ def solve(problem: Any, **options: Any) -> Any:
         Of any kind.
     options
         Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
-        :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`): ``nodes`` fixes the
-        grid, ``rtol`` refines it, ...
+        :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`,
+        :func:`~woundon.solve_winding`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
 
     Returns
     -------
     Result
         Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
-        :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`, ...
+        :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`,
+        :class:`~woundon.WindingResult`, ...
 
     Raises
     ------
