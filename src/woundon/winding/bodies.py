@@ -52,12 +52,21 @@ class Felt(NamedTuple):
         P_e that wound pressure and nip ask for [Pa].
     steep : float
         How much of a change of P_e comes back.
+    slope : float
+        Change of the wound-on tension by that of P_e [m].
     """
 
     result: WrappedNipResult
     pressure: float = nan
     wanted: float = nan
     steep: float = STEEP
+    slope: float = 0.0
+
+    @property
+    def tension(self) -> float:
+        """The wound-on tension, as it would be at the pressure wanted [N/m]."""
+        found = self.result.wound_on_tension
+        return found + self.slope * (self.wanted - self.pressure) if self.slope else found
 
 
 def solved_nip(
@@ -91,18 +100,19 @@ def _effective(
     agreed: float,
 ) -> Felt:  # fmt: skip
     radius, most = float(stage.radius[-1]), ALMOST * problem.stack.limit
-    steep = before.steep if before else STEEP
+    steep, slope = (before.steep, before.slope) if before else (STEEP, 0.0)
     P = before.wanted if before else min(_first_guess(problem, stage), most)
-    last: tuple[float, float] | None = None
+    last: tuple[float, float, float] | None = None
     for _ in range(MOST):
         result = solve(effective_cylinder(problem, radius, P), None)
         found = min(felt_pressure(stage, result), most)
-        if last is not None and abs(P - last[0]) > 1e-9 * P:
+        if last is not None and abs(P - last[0]) > 1e-6 * P:
             steep = float(np.clip((found - last[1]) / (P - last[0]), -2.0, 0.8))
+            slope = (result.wound_on_tension - last[2]) / (P - last[0])
         wanted = max(P + (found - P) / (1 - steep), 0.2 * P)
         if abs(found - P) <= agreed * P:
-            return Felt(result, P, wanted, steep)
-        last, P = (P, found), wanted
+            return Felt(result, P, wanted, steep, slope)
+        last, P = (P, found, result.wound_on_tension), wanted
     raise NotConverged(f"the pressure that the roll feels is not found within {MOST} nips", result)
 
 

@@ -13,9 +13,7 @@ from ..results import ACCEPTED_RESIDUAL, Residuals
 if TYPE_CHECKING:
     from .result import WindingResult
 
-__all__ = ["AGREED", "certificate"]
-
-AGREED = 1e-6  # of the wound-on tension, to which nips and roll agree
+__all__ = ["certificate"]
 
 
 def certificate(result: WindingResult) -> Residuals:
@@ -28,8 +26,8 @@ def certificate(result: WindingResult) -> Residuals:
     nips
         The largest violation of a law of any nip.
     coupling
-        That each nip, on the roll wound so far, answers the tension told: to 1e-6 of it, which
-        counts as 1e-8.
+        That each nip, on the roll wound so far, answers the tension told: to ``agreed`` of it,
+        which counts as 1e-8.
     tension_balance
         That WOT - T_in is the nip-induced tension, of the largest WOT.
     schedules
@@ -47,7 +45,7 @@ def certificate(result: WindingResult) -> Residuals:
         roll=roll.certified().largest,
         roll_tension=largest(np.abs(wound - WOT)) / unit,
         nips=largest(result.nip_residual),
-        coupling=largest(np.abs(answers)) * ACCEPTED_RESIDUAL / AGREED,
+        coupling=largest(np.abs(answers)) * ACCEPTED_RESIDUAL / result.agreed,
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
         schedules=max(

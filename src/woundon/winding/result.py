@@ -46,8 +46,8 @@ class WindingResult(Result):
         What the wound-on tension between them may be off, of it [1].
     nodes, nips_solved : int
         Of each nip, and how many were solved in all turns.
-    roll_rtol : float
-        To which the roll was solved.
+    roll_rtol, agreed : float
+        To which the roll was solved, and to which it and the nips agree, of the tension [1].
     """
 
     MAIN: ClassVar[tuple[str, ...]] = (
@@ -82,6 +82,7 @@ class WindingResult(Result):
     ]
     nodes: Annotated[int, pure("N", "nodes of each nip")]
     roll_rtol: Annotated[float, pure("rtol", "accepted error of the roll's pressure")]
+    agreed: Annotated[float, pure("e_c", "to what of the tension nips and roll agree")]
     nips_solved: Annotated[int, pure("n_nip", "nips solved")] = 0
     wound: WoundRollResult | None = field(default=None, compare=False, metadata={"saved": False})
 

@@ -37,7 +37,7 @@ from ..threads import one_thread
 from ..wrap.result import WrappedNipResult
 from ..wrap.solve import solve_wrapped_nip
 from .bodies import Felt, solved_nip
-from .certificate import AGREED, certificate
+from .certificate import certificate
 from .interpolation import Piece
 from .result import WindingResult
 from .roll import wind
@@ -48,6 +48,7 @@ Array = np.ndarray
 Progress = Callable[[int, int], None]
 
 RTOL, NODES = 1e-3, 65
+AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
 MOST_TURNS = 25
 EXPECTED_TURNS = 4  # for the progress told
@@ -58,11 +59,13 @@ SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in tw
 MOST_PIECES = 6
 LOOKED_AT = 200  # radii from which those of the curve told are taken
 STRAIGHT = 0.3  # of rtol, by which the curve may miss the line between two of them
-SETTLED = 0.01  # change of the tension from which on they stay
-COARSE_RTOL, COARSE_NODES = 1e-2, 33  # of roll and nips until then
-FIRST_AGREED = 0.02  # of the pressure that a nip's roll feels, in the first turn
+STAY = 1e-3  # change of the tension from which on they stay
+SETTLED = 0.01  # and from which on roll and nips are solved well
+COARSE_RTOL, COARSE_NODES = 0.05, 33  # until then
+# to what the pressure that a nip's roll feels is found in one turn
+FELT_COARSELY, FELT = 0.02, 3e-3
 FIRST_SHARE = 0.6  # of mu P, to begin with
-LEAST_RTOL = 1e-6
+LEAST_RTOL, LEAST_AGREED = 1e-6, 1e-8
 
 
 @one_thread
@@ -71,6 +74,7 @@ def solve_winding(
     *,
     rtol: float = RTOL,
     nodes: int = NODES,
+    agreed: float | None = None,
     start: WindingResult | None = None,
     progress: Progress | None = None,
 ) -> WindingResult:
@@ -84,6 +88,9 @@ def solve_winding(
         of the roll's pressure; 1e-6 to 0.1.
     nodes : int
         Of every nip, 17 to 1025.
+    agreed : float, optional
+        To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by default 1e-6,
+        and 1e-5 with a direct roll.
     start : WindingResult, optional
         A neighbouring case, to start from its tension.  The answer does not depend on it.
     progress : callable, optional
@@ -103,16 +110,20 @@ def solve_winding(
         If a nip or the roll is not solved, or nips and roll do not agree.
     """
     check_type("problem", problem, WindingProblem)
-    check_options(rtol=rtol, nodes=nodes)
+    check_options(rtol=rtol, nodes=nodes, agreed=agreed)
     if start is not None:
         check_type("start", start, WindingResult)
     with unwarned():  # told once, with the radius
-        winder = _Winder(problem, rtol, nodes, progress)
+        winder = _Winder(
+            problem, rtol, nodes, AGREED[problem.roll_body] if agreed is None else agreed, progress
+        )
         result = winder.coupled(start) if problem.tension_law == "nip" else winder.given()
     return result.replace(residuals=certificate(result)).checked().warned()
 
 
-def check_options(*, rtol: Any = RTOL, nodes: Any = NODES, start: Any = None) -> None:
+def check_options(
+    *, rtol: Any = RTOL, nodes: Any = NODES, agreed: Any = None, start: Any = None
+) -> None:
     """Check the options of :func:`solve_winding`.
 
     Raises
@@ -122,6 +133,8 @@ def check_options(*, rtol: Any = RTOL, nodes: Any = NODES, start: Any = None) ->
     """
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     whole_number("nodes", nodes, 17, 1025)
+    if agreed is not None:
+        tolerance("agreed", agreed, LEAST_AGREED, 1e-2)
 
 
 @dataclass
@@ -131,6 +144,7 @@ class _Winder:
     problem: WindingProblem
     rtol: float
     nodes: int
+    agreed: float
     progress: Progress | None
     solved: int = 0  # nips
     coarse: bool = False  # whether a turn is far from the last
@@ -198,16 +212,22 @@ class _Winder:
         """Return the roll wound with a tension."""
         return wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * self.coarse))
 
-    def nip(self, place: float, roll: WoundRollResult, agreed: float) -> float:
+    def nip(self, place: float, roll: WoundRollResult) -> float:
         """Solve the nip at a place on a roll; return the share y that it answers."""
         radius = self.radius(place)
         before = self.nips.get(place) or self._nearest(place)
         with _at(radius):
             stage = roll if radius == self.problem.radius else roll.at(radius)
-            felt = solved_nip(self.problem, stage, before, self._solve, agreed)
+            felt = solved_nip(
+                self.problem,
+                stage,
+                before,
+                self._solve,
+                FELT_COARSELY if self.coarse else FELT,
+            )
         self.nips[place] = felt
         at = self.problem.at
-        gained = felt.result.wound_on_tension - float(at("web_tension", radius))
+        gained = felt.tension - float(at("web_tension", radius))
         return gained / (self.problem.roll_friction * float(at("nip_load", radius)))
 
     def _nearest(self, place: float) -> Felt | None:
@@ -229,25 +249,31 @@ class _Winder:
         """Wind with the nips' tension."""
         given = {place: self._first(start, place) for p in self.pieces for place in p.places}
         before: tuple[dict[float, float], dict[float, float]] | None = None
-        r, change, added = self.knots(given), 1.0, True
+        r, change, added, self.coarse = self.knots(given), 1.0, True, True
         for _ in range(MOST_TURNS):
-            if added or change > SETTLED:  # the same from then on, for the turns to settle
+            if added or change > STAY:  # the same from then on, for the turns to settle
                 r = self.knots(given)
-            self.coarse = change > SETTLED
+            if self.coarse and change <= SETTLED:
+                self.coarse, before = False, None
             roll = self.wound(r, self.tension(self.shares(given, r), r))
-            agreed = max(AGREED, min(FIRST_AGREED, 0.01 * change))
-            answers = {place: self.nip(place, roll, agreed) for place in given}
-            added = not self.coarse and self._refined(given, answers, roll, agreed)
-            off = [self._relative(place, answers[place] - given[place]) for place in given]
-            change = max(map(abs, off))
-            if change <= AGREED and not added and not self.coarse:
+            answers = {place: self.nip(place, roll) for place in given}
+            added = not self.coarse and self._refined(given, answers, roll)
+            change = max(abs(self._off(place, share)) for place, share in given.items())
+            if change <= self.agreed and not added and not self.coarse:
                 return self._result(r, given, answers, roll)
-            own = before if self.problem.roll_body == "direct" else None
-            given, before = _corrected(given, answers, own), (given, answers)
+            given, before = _corrected(given, answers, before), (given, answers)
         raise NotConverged(
             f"nips and roll do not agree: after {MOST_TURNS} turns the wound-on tension still "
-            f"changes by {change:.2g}", self._result(r, before[0], answers, roll)  # type: ignore
-        )  # fmt: skip
+            f"changes by {change:.2g} of it",
+            self._result(r, before[0], answers, roll) if before else None,
+        )
+
+    def _off(self, place: float, share: float) -> float:
+        """Return by what of it a nip's wound-on tension is off the one it was wound with."""
+        r = np.array(self.radius(place))
+        return (
+            float(self.tension(np.array(share), r)) / self.nips[place].result.wound_on_tension - 1
+        )
 
     def _first(self, start: WindingResult | None, place: float) -> float:
         if start is None:
@@ -271,7 +297,6 @@ class _Winder:
 
     def _refined(
         self, given: dict[float, float], answers: dict[float, float], roll: WoundRollResult,
-        agreed: float,
     ) -> bool:  # fmt: skip
         """Add radii until the interpolation is good enough; tell whether any were needed."""
         added = False
@@ -286,7 +311,7 @@ class _Winder:
                 )
             place = piece.next
             given[place] = float(piece.at(np.array(place), given))
-            answers[place] = self.nip(place, roll, agreed)
+            answers[place] = self.nip(place, roll)
             piece.places.append(place)
             added = True
         return added
@@ -346,6 +371,7 @@ class _Winder:
             interpolation_error=float(interpolation),
             nodes=self.nodes,
             roll_rtol=self.rtol,
+            agreed=self.agreed,
             nips_solved=self.solved,
             residuals=Residuals(),
             warnings=_warnings([(self.radius(p), self.nips[p].result) for p in places]),
@@ -381,7 +407,7 @@ def _corrected(
         if before is not None and place in before[0]:
             moved = share - before[0][place]
             if abs(moved) > 1e-12:
-                steep = float(np.clip((answer - before[1][place]) / moved, -0.8, 0.5))
+                steep = float(np.clip((answer - before[1][place]) / moved, -0.5, 0.3))
         found[place] = share + (answer - share) / (1 - steep)
     return found
 
@@ -411,7 +437,7 @@ def _warnings(nips: list[tuple[float, WrappedNipResult]]) -> tuple[str, ...]:
 def _errors(result: WindingResult) -> dict[str, float]:
     """Return the errors told: what nips, their interpolation and the roll leave."""
     told = {}
-    share = result.interpolation_error + AGREED
+    share = result.interpolation_error + result.agreed
     if result.nip_radius.size:
         share += float(np.max(result.nip_error / result.nip_wound_on_tension))
         told["mean_wound_on_tension"] = share * result.mean_wound_on_tension
