@@ -13,7 +13,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import Quantity, angle, length, line_load, pure
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
-from .materials import Material, material
+from .materials import material
 from .nip import Friction, Web, WrappedNipProblem
 from .radial_laws import Pfeiffer
 from .roll import Core, WoundRollProblem
@@ -190,8 +190,6 @@ class WindingProblem(Problem):
                    else f"is given beside tension_law = {law}; must be left out")  # fmt: skip
         if self.torque_split is not None and self.winding_force != 0.0:
             yield ("torque_split", "is given beside winding_force; must be one of the two")
-        if self.roll_body == "linear" and not isinstance(self.web.material, Material):
-            yield "roll_body", "'linear' needs the moduli of a web that does not harden"
         if self.drum.confined_only:
             yield "drum", "is an estimate for nips without wraps; must be another body"
 
@@ -290,8 +288,8 @@ class WindingProblem(Problem):
         same: dict[str, Any] = {
             name: getattr(self, name) for name in WrappedNipProblem.model_fields if name in SAME
         }
-        loads = {name: float(self.at(name, radius)) for name in LOADS}
-        return WrappedNipProblem(**same, **loads, roll=roll)
+        same |= {name: float(self.at(name, radius)) for name in LOADS}
+        return WrappedNipProblem(**same, roll=roll)
 
     def wound_roll(self, wound_on_tension: float | Taper | Profile) -> WoundRollProblem:
         """Return the roll that is wound with a tension over the radius [N/m]."""

@@ -37,6 +37,7 @@ SHARE = 0.25  # of p_max
 DEPTHS = 33  # at which the wound pressure is averaged
 MOST = 25  # nips until P_e is found
 STEEP = 0.3  # first guess of dP_e(found)/dP_e(given)
+TOLD = 2e-3  # of P_e, a step from which slopes are taken: less would tell the grid's noise
 ALMOST = 0.9  # of the pressure at which a stack's law ends
 
 
@@ -106,7 +107,7 @@ def _effective(
     for _ in range(MOST):
         result = solve(effective_cylinder(problem, radius, P), None)
         found = min(felt_pressure(stage, result), most)
-        if last is not None and abs(P - last[0]) > 1e-6 * P:
+        if last is not None and abs(P - last[0]) > TOLD * P:
             steep = float(np.clip((found - last[1]) / (P - last[0]), -2.0, 0.8))
             slope = (result.wound_on_tension - last[2]) / (P - last[0])
         wanted = max(P + (found - P) / (1 - steep), 0.2 * P)

@@ -16,6 +16,7 @@ is of the share y = (WOT - T_in)/(mu+ P), which hardly varies: what the schedule
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -26,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
-from ..errors import InvalidProblem, NotConverged, unwarned
+from ..errors import RESOLUTION, InvalidProblem, NotConverged, unwarned
 from ..problems.bodies import Body
 from ..problems.roll import FEWEST_LAPS
 from ..problems.schedules import Profile
@@ -51,6 +52,7 @@ RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
 MOST_TURNS = 25
+PATIENT = 9  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
 EXPECTED_TURNS = 4  # for the progress told
 # Depth of the roll at the first nip, of the core's radius: on less the contact is wider than the
 # roll is deep.  Below, the share goes on along its tangent
@@ -250,7 +252,7 @@ class _Winder:
         given = {place: self._first(start, place) for p in self.pieces for place in p.places}
         before: tuple[dict[float, float], dict[float, float]] | None = None
         r, change, added, self.coarse = self.knots(given), 1.0, True, True
-        for _ in range(MOST_TURNS):
+        for turn in range(MOST_TURNS):
             if added or change > STAY:  # the same from then on, for the turns to settle
                 r = self.knots(given)
             if self.coarse and change <= SETTLED:
@@ -259,9 +261,13 @@ class _Winder:
             answers = {place: self.nip(place, roll) for place in given}
             added = not self.coarse and self._refined(given, answers, roll)
             change = max(abs(self._off(place, share)) for place, share in given.items())
-            if change <= self.agreed and not added and not self.coarse:
+            settled = not added and not self.coarse
+            if settled and turn >= PATIENT and change <= self.rtol:
+                self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
+            if settled and change <= self.agreed:
                 return self._result(r, given, answers, roll)
-            given, before = _corrected(given, answers, before), (given, answers)
+            own = before if self.problem.roll_body == "direct" else None
+            given, before = _corrected(given, answers, own), (given, answers)
         raise NotConverged(
             f"nips and roll do not agree: after {MOST_TURNS} turns the wound-on tension still "
             f"changes by {change:.2g} of it",
@@ -400,7 +406,10 @@ def _corrected(
     given: Mapping[float, float], answers: Mapping[float, float],
     before: tuple[Mapping[float, float], Mapping[float, float]] | None,
 ) -> dict[float, float]:  # fmt: skip
-    """Return the next shares: each by a secant of its own, for nips feel little of each other."""
+    """Return the next shares: each by a secant of its own, for nips feel little of each other.
+
+    An effective roll needs none: what it feels is found with the tension that it gives.
+    """
     found = {}
     for place, share in given.items():
         steep, answer = 0.0, answers[place]
@@ -429,8 +438,10 @@ def _warnings(nips: list[tuple[float, WrappedNipResult]]) -> tuple[str, ...]:
     told: dict[str, str] = {}
     for radius, result in nips:
         for text in result.warnings:
-            sort = text.strip("0123456789")[:30]
-            told.setdefault(sort, f"nip at the radius {radius:.4g} m: {text}")
+            sort = re.sub(r"[\d.e+-]+", "", text)
+            mark = RESOLUTION if text.startswith(RESOLUTION) else ""
+            where = f"nip at the radius {radius:.4g} m: "
+            told.setdefault(sort, mark + where + text.removeprefix(RESOLUTION))
     return tuple(told.values())
 
 
