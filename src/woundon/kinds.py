@@ -22,7 +22,9 @@ from typing import TYPE_CHECKING, Any, overload
 from .errors import InvalidProblem, did_you_mean, one_of
 
 if TYPE_CHECKING:
+    from .air.result import AirNipResult
     from .nip.result import NipResult
+    from .problems.air import AirNipProblem
     from .problems.fields import Problem
     from .problems.nip import NipProblem, WrappedNipProblem
     from .problems.roll import WoundRollProblem
@@ -211,6 +213,13 @@ register(
     plot="woundon.show.wound_roll_plots:wound_roll_panels",
     check="woundon.roll.solve:check_options",
 )
+register(
+    "woundon.problems.air:AirNipProblem",
+    "woundon.air.solve:solve_air_nip",
+    "woundon.air.result:AirNipResult",
+    about="The winding nip with the air that the web brings.",
+    check="woundon.air.solve:check_options",
+)
 
 
 @cache
@@ -293,6 +302,8 @@ def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
 @overload
 def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
 @overload
+def solve(problem: AirNipProblem, **options: Any) -> AirNipResult: ...
+@overload
 def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
@@ -302,6 +313,7 @@ def solve(problem: Any, **options: Any) -> Any:
     :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
     :class:`~woundon.RollerProblem`      two rollers in contact without a web
     :class:`~woundon.WoundRollProblem`   the stresses that winding leaves in a roll
+    :class:`~woundon.AirNipProblem`      the nip with its wraps, and the air that the web brings
     ===================================  =====================================================
 
     and whatever :func:`woundon.kinds.register` made known.
