@@ -324,14 +324,15 @@ def solve(problem: Any, **options: Any) -> Any:
         Of any kind.
     options
         Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
-        :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`): ``nodes`` fixes the
-        grid, ``rtol`` refines it, ...
+        :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`,
+        :func:`~woundon.solve_air_nip`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
 
     Returns
     -------
     Result
         Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
-        :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`, ...
+        :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`,
+        :class:`~woundon.AirNipResult`, ...
 
     Raises
     ------

@@ -14,12 +14,15 @@ from ..problems.air import AirNipProblem
 from ..problems.air_law import AirBetween
 from ..problems.fields import shown
 from ..problems.nip import WrappedNipProblem
+from ..problems.radial_laws import SolidLaw
 from ..problems.roll import WoundRollProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from .films import friction_share
 
 __all__ = ["AirNipResult"]
+
+Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -29,6 +32,8 @@ class AirNipResult(Result):
     Attributes
     ----------
     problem : AirNipProblem
+    x, pressure, air_film : (N,) arrays
+        Places in the nip [m], its pressure [Pa], and the film under it [m].
     foil_film : float
         What the web would carry in without a nip [m].
     nip_film : float
@@ -52,11 +57,15 @@ class AirNipResult(Result):
 
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension", "film", "friction_share")
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "pressure": "it is the nip's: woundon.solve(result.nip).pressure",
+        "roll_traction": "it is the nip's: woundon.solve(result.nip).roll_traction",
+        "web_tension": "it is the nip's: woundon.solve(result.nip).web_tension",
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
 
     problem: AirNipProblem
+    x: Annotated[Array, length("x", "along the web, from the centre of the nip")]
+    pressure: Annotated[Array, stress("p", "pressure in the nip")]
+    air_film: Annotated[Array, length("h_a", "film of air in the nip", "um")]
     foil_film: Annotated[float, length("h_foil", "film without a nip, or the limit", "um")]
     nip_film: Annotated[float, length("h_nip", "film that the nip lets through", "um")]
     film: Annotated[float, length("h", "film left between the laps", "um")]
@@ -74,17 +83,21 @@ class AirNipResult(Result):
     @property
     def friction_share(self) -> Annotated[float, strain("mu/mu0", "share of the friction left")]:
         """How much of the friction in the nip the film leaves [1]."""
-        return self.roll_friction / self.problem.nip.roll_friction
+        return self.roll_friction / self.problem.roll_friction
+
+    @property
+    def passed(self) -> float:
+        """Film times absolute pressure that passes the nip [N/m]."""
+        problem = self.problem
+        p_a = problem.air.ambient_pressure
+        return self.film_in_nip * (p_a + problem.nip_load / (2 * self.half_width))
 
     @property
     def nip(self) -> WrappedNipProblem:
         """The nip with the friction that the film leaves."""
-        nip = self.problem.nip
-        if (self.roll_friction, self.wrap_friction) == (nip.roll_friction, nip.friction_behind):
-            return nip
-        return nip.replace(roll_friction=self.roll_friction, wrap_friction=self.wrap_friction)
+        return self.problem.without_air(self.roll_friction, self.wrap_friction)
 
-    def layer_friction(self, pressure: float | np.ndarray) -> float | np.ndarray:
+    def layer_friction(self, pressure: float | Array) -> float | Array:
         """Return the friction between laps of the roll under a pressure P, an array of its shape.
 
         The air that the laps hold is pressed together, h p_a/(p_a + P): none leaves.
@@ -97,7 +110,7 @@ class AirNipResult(Result):
         air = self.problem.air
         film = self.film * air.ambient_pressure / (air.ambient_pressure + np.asarray(pressure))
         share = friction_share(film, air.roughness, air.full_friction, air.no_friction)
-        return self.problem.nip.roll_friction * share
+        return self.problem.roll_friction * share
 
     def wound(self, roll: WoundRollProblem) -> WoundRollProblem:
         """Return a roll whose laps keep the film between them; see :class:`~woundon.AirBetween`.
@@ -110,18 +123,20 @@ class AirNipResult(Result):
         Raises
         ------
         InvalidProblem
-            If the web's thickness is not the nip's.
+            If the web's thickness is not the nip's, or the roll's stack has air already.
         """
         stack, web = roll.stack, roll.web_thickness
-        if abs(web / self.problem.nip.web.thickness - 1) > 1e-9:
+        if abs(web / self.problem.web.thickness - 1) > 1e-9:
             raise InvalidProblem.at(
                 "web_thickness",
                 f"{shown(web)} is out of range; must be the nip's, "
-                f"{self.problem.nip.web.thickness:.6g} [m]",
+                f"{self.problem.web.thickness:.6g} [m]",
             )
         if self.film == 0:
             return roll
         p_a = self.problem.air.ambient_pressure
+        if not isinstance(stack.radial, SolidLaw):
+            raise InvalidProblem.at("stack.radial", "has air already; must be without")
         law = AirBetween(law=stack.radial, film=self.film, web_thickness=web, ambient_pressure=p_a)
         solid = web / (web + self.film)
         return roll.replace(

@@ -1,6 +1,6 @@
 """A winding nip with air: the nip dry, the film that its inlet lets through, the friction left.
 
-    WrappedNipProblem --> pressure behind the inlet edge, K sqrt(s) --> film passed   films, inlet
+    AirNipProblem --> pressure behind the inlet edge, K sqrt(s) --> film passed   films, inlet
           ^                                                                |
           +---- friction in the nip and behind it, by film over roughness -+   until it stays
 
@@ -57,9 +57,9 @@ def solve_air_nip(
         As of the nip; if film and friction do not settle.
     """
     check_type("problem", problem, AirNipProblem)
-    nip = problem.nip
-    frictions = nip.roll_friction, nip.friction_behind
+    frictions = problem.roll_friction, problem.friction_behind
     for _ in range(MOST_TURNS):
+        nip = problem.without_air(*frictions)
         with unwarned():
             solved = solve_wrapped_nip(nip, nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
         found = films_of(problem, edge_of(solved), solved.half_width)
@@ -67,16 +67,20 @@ def solve_air_nip(
         if np.allclose(left, frictions, rtol=SETTLED, atol=0):
             return _result(problem, solved, found)
         frictions = left
-        nip = problem.nip.replace(roll_friction=left[0], wrap_friction=left[1])
     raise NotConverged(f"film and friction did not settle in {MOST_TURNS} turns", None)
 
 
 def _result(
     problem: AirNipProblem, solved: WrappedNipResult, found: dict[str, float]
 ) -> AirNipResult:
+    own = solved.in_nip
     names = "wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure"
+    pressure = solved.pressure[own]
     result = AirNipResult(
         problem=problem,
+        x=solved.x[own],
+        pressure=pressure,
+        air_film=pressure,
         edge=edge_of(solved),
         nip_residual=solved.residual,
         residuals=Residuals(),
@@ -85,6 +89,8 @@ def _result(
         **found,
         **{name: getattr(solved, name) for name in names},
     )
+    film = result.passed / (problem.air.ambient_pressure + pressure)
+    result = result.replace(air_film=film)
     return result.replace(residuals=certificate(result)).checked().warned()
 
 

@@ -9,9 +9,9 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, stress
 from .bodies import HalfPlane
-from .fields import Description, Number, Problem, shown
+from .fields import Description, Number, shown
 from .materials import Isotropic
-from .nip import Web, WrappedNipProblem
+from .nip import Web, WrappedNip, WrappedNipProblem
 
 __all__ = ["Air", "AirNipProblem", "WebSpeed"]
 
@@ -74,24 +74,27 @@ class Air(Description):
         return self
 
 
-class AirNipProblem(Problem):
+class AirNipProblem(WrappedNip):
     """A winding nip and the air that the web brings: the friction it leaves, and the tension.
 
     Parameters
     ----------
-    nip : WrappedNipProblem
-        Its friction on the roll is that without air.
+    web, roll, drum, roll_friction, drum_friction, nip_load, winding_force, web_tension
+        As of :class:`WrappedNipProblem`; the friction is that without air.
+    roll_wrap, drum_wrap, wrap_friction
+        As of :class:`WrappedNipProblem`.
     web_speed : float
-        V of web, roll and drum [m/s]; at 0 the answers are the nip's own.
+        V of web, roll and drum [m/s]; at 0 the answers are those without air.
     air : Air
 
     Raises
     ------
     InvalidProblem
-        Naming every field, value and range at fault.
+        Naming every field, value and range at fault; where neither roll nor drum deforms.
+    NoSteadyState
+        As of :class:`WrappedNipProblem`.
     """
 
-    nip: Annotated[WrappedNipProblem, Field(description="the nip, friction as without air")]
     web_speed: WebSpeed
     air: Air
 
@@ -99,7 +102,7 @@ class AirNipProblem(Problem):
     def _yields(self) -> Self:
         if not self.compliance > 0:
             raise InvalidProblem.at(
-                "nip.roll",
+                "roll",
                 "is rigid, and so is the drum; one of them must deform, or there is no nip that "
                 "air could pass",
             )
@@ -108,7 +111,14 @@ class AirNipProblem(Problem):
     @property
     def compliance(self) -> float:
         """C, half the sum of both surfaces' half-plane compliances [1/Pa]."""
-        return (self.nip.roll.compliance + self.nip.drum.compliance) / 2
+        return (self.roll.compliance + self.drum.compliance) / 2
+
+    def without_air(self, roll_friction: float, wrap_friction: float) -> WrappedNipProblem:
+        """Return the nip as one without air, with friction in it and behind it."""
+        fields = {name: getattr(self, name) for name in WrappedNipProblem.model_fields}
+        if (roll_friction, wrap_friction) != (self.roll_friction, self.friction_behind):
+            fields |= {"roll_friction": roll_friction, "wrap_friction": wrap_friction}
+        return WrappedNipProblem(**fields)
 
     @classmethod
     def example(cls) -> Self:
@@ -116,10 +126,10 @@ class AirNipProblem(Problem):
         film = Isotropic(youngs_modulus=5e9, poissons_ratio=0.3)
         stack = Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)
         rubber = Isotropic(youngs_modulus=3e6, poissons_ratio=0.48)
-        nip = WrappedNipProblem(
+        return cls(
             web=Web(thickness=23e-6, material=film),
             roll=HalfPlane(radius=0.2, material=stack),
             drum=HalfPlane(radius=0.1, material=rubber),
             roll_friction=0.25, drum_friction=0.4, nip_load=300.0, web_tension=100.0,
+            web_speed=1.0, air=Air(roughness=0.3e-6),
         )  # fmt: skip
-        return cls(nip=nip, web_speed=1.0, air=Air(roughness=0.3e-6))

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ..quantities import length, stress
 from .fields import Number
-from .radial_laws import AnyLaw, RadialLaw
+from .radial_laws import AnySolidLaw, RadialLaw
 
 __all__ = ["AirBetween"]
 
@@ -37,7 +37,7 @@ class AirBetween(RadialLaw):
         p_a [Pa].
     """
 
-    law: Annotated[AnyLaw, stress("E_r", "modulus through the stack without air", "MPa")]
+    law: Annotated[AnySolidLaw, stress("E_r", "modulus through the stack without air", "MPa")]
     film: Annotated[
         Number,
         length("h", "film of air between two laps", "um", (0.0, 10e-6)),
