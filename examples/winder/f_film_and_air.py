@@ -35,7 +35,7 @@ cases = {
 for V, result in zip(speeds, cases["300 N/m"], strict=True):
     print(
         f"{V:4.2f} m/s: film {result.film * 1e6:4.2f} um, friction in the nip "
-        f"{result.roll_friction:.2f}, {result.nip_induced_tension:5.2f} N/m added"
+        f"{result.roll_friction:.2f}, {result.wound_on_tension - 100:5.2f} N/m added"
     )
 
 # %%
@@ -54,11 +54,11 @@ rolls = [wo.solve(result.wound(roll)) for result in cases["300 N/m"][::4]]
 figure, panels = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
 for name, results in cases.items():
     panels[0].plot(speeds, [r.film * 1e6 for r in results], label=name)
-    panels[1].plot(speeds, [r.nip_induced_tension for r in results], label=name)
+    panels[1].plot(speeds, [r.wound_on_tension - 100 for r in results], label=name)
 for V, pressed in zip(speeds[::4], rolls, strict=True):
     panels[2].plot(pressed.radius * 1e3, pressed.pressure / 1e3, label=f"{V:.0f} m/s")
 panels[0].set(xlabel="web speed [m/s]", ylabel="film between the laps [um]")
-panels[1].set(xlabel="web speed [m/s]", ylabel="nip-induced tension [N/m]")
+panels[1].set(xlabel="web speed [m/s]", ylabel="tension added [N/m]")
 panels[2].set(xlabel="radius [mm]", ylabel="pressure between the laps [kPa]")
 panels[0].legend()
 panels[2].legend()
