@@ -8,6 +8,10 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 _HOME = {
+    "Air": "problems.air",
+    "AirBetween": "problems.air_law",
+    "AirNipProblem": "problems.air",
+    "AirNipResult": "air.result",
     "Body": "problems.bodies",
     "Core": "problems.roll",
     "ContactGrid": "contact.response",
@@ -63,6 +67,7 @@ _HOME = {
     "material": "problems.materials",
     "plot": "show.plots",
     "solve": "kinds",
+    "solve_air_nip": "air.solve",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
     "solve_winding": "winding.solve",
@@ -75,6 +80,10 @@ _HOME = {
 
 # in full, for type checkers read no expression
 __all__ = [
+    "Air",
+    "AirBetween",
+    "AirNipProblem",
+    "AirNipResult",
     "Body",
     "ContactGrid",
     "Core",
@@ -131,6 +140,7 @@ __all__ = [
     "material",
     "plot",
     "solve",
+    "solve_air_nip",
     "solve_nip",
     "solve_rollers",
     "solve_winding",
@@ -144,6 +154,8 @@ __all__ = [
 if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
+    from .air.result import AirNipResult as AirNipResult
+    from .air.solve import solve_air_nip as solve_air_nip
     from .contact.response import ContactGrid as ContactGrid
     from .contact.response import Response as Response
     from .contact.response import Tractions as Tractions
@@ -161,6 +173,9 @@ if TYPE_CHECKING:
     from .nip.result import NipResult as NipResult
     from .nip.sensitivity import Sensitivity as Sensitivity
     from .nip.solve import solve_nip as solve_nip
+    from .problems.air import Air as Air
+    from .problems.air import AirNipProblem as AirNipProblem
+    from .problems.air_law import AirBetween as AirBetween
     from .problems.bodies import Body as Body
     from .problems.bodies import Cylinder as Cylinder
     from .problems.bodies import HalfPlane as HalfPlane

@@ -22,7 +22,9 @@ from typing import TYPE_CHECKING, Any, overload
 from .errors import InvalidProblem, did_you_mean, one_of
 
 if TYPE_CHECKING:
+    from .air.result import AirNipResult
     from .nip.result import NipResult
+    from .problems.air import AirNipProblem
     from .problems.fields import Problem
     from .problems.nip import NipProblem, WrappedNipProblem
     from .problems.roll import WoundRollProblem
@@ -214,6 +216,13 @@ register(
     check="woundon.roll.solve:check_options",
 )
 register(
+    "woundon.problems.air:AirNipProblem",
+    "woundon.air.solve:solve_air_nip",
+    "woundon.air.result:AirNipResult",
+    about="The winding nip with the air that the web brings.",
+    check="woundon.air.solve:check_options",
+)
+register(
     "woundon.problems.winding:WindingProblem",
     "woundon.winding.solve:solve_winding",
     "woundon.winding.result:WindingResult",
@@ -302,6 +311,8 @@ def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
 @overload
 def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
 @overload
+def solve(problem: AirNipProblem, **options: Any) -> AirNipResult: ...
+@overload
 def solve(problem: WindingProblem, **options: Any) -> WindingResult: ...
 @overload
 def solve(problem: Problem, **options: Any) -> Any: ...
@@ -313,6 +324,7 @@ def solve(problem: Any, **options: Any) -> Any:
     :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
     :class:`~woundon.RollerProblem`      two rollers in contact without a web
     :class:`~woundon.WoundRollProblem`   the stresses that winding leaves in a roll
+    :class:`~woundon.AirNipProblem`      the nip with its wraps, and the air that the web brings
     :class:`~woundon.WindingProblem`     nips as a roll grows, and the roll that they wind
     ===================================  =====================================================
 
@@ -325,14 +337,15 @@ def solve(problem: Any, **options: Any) -> Any:
     options
         Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
         :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`,
-        :func:`~woundon.solve_winding`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
+        :func:`~woundon.solve_air_nip`, :func:`~woundon.solve_winding`): ``nodes`` fixes the grid,
+        ``rtol`` refines it, ...
 
     Returns
     -------
     Result
         Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
         :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`,
-        :class:`~woundon.WindingResult`, ...
+        :class:`~woundon.AirNipResult`, :class:`~woundon.WindingResult`, ...
 
     Raises
     ------

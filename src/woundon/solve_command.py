@@ -79,10 +79,10 @@ class SolveCommand(click.Command):
         """Yield an option for each field that case files group in a table: --roll-wrap."""
         from .io.case_texts import described
 
-        for kind in self._kinds():
-            for name in _grouped(kind):
-                about = described(kind.problem.model_fields[name])
-                yield click.Option([_option(name)], metavar="VALUE", help=f"Set {about}.")
+        owners = {name: kind for kind in self._kinds() for name in _grouped(kind)}
+        for name, kind in owners.items():
+            about = described(kind.problem.model_fields[name])
+            yield click.Option([_option(name)], metavar="VALUE", help=f"Set {about}.")
 
     # ---- what it does ---------------------------------------------------------------------------
 

@@ -313,7 +313,7 @@ def test_options_are_those_of_the_solver_with_its_words(capsys: Capture):
     assert "graded, thesis or thesis-printed" in capsys.readouterr().out
     assert cli.main(["solve", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "--wrap-nodes INTEGER [wrapped-nip]" in said
+    assert "--wrap-nodes INTEGER [wrapped-nip, air-nip]" in said
     assert "--scheme NAME [nip]" in said
 
 

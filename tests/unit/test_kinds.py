@@ -212,7 +212,8 @@ def test_names_are_fetched_when_first_used(registry: dict[str, kinds.Kind]) -> N
 def test_kinds_are_known_without_loading_their_solvers() -> None:
     code = (
         "import sys, woundon as wo; from woundon import kinds;"
-        "assert [k.name for k in kinds.every()] == ['nip', 'wrapped_nip', 'rollers', 'wound_roll'];"
+        "assert [k.name for k in kinds.every()]"
+        " == ['nip', 'wrapped_nip', 'rollers', 'wound_roll', 'air_nip'];"
         "assert kinds.of(wo.NipProblem.example()).name == 'nip';"
         "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.wrap.solve')))"
     )

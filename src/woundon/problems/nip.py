@@ -16,7 +16,7 @@ from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
 from .materials import AnyMaterial, material
 
-__all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNipProblem"]
+__all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNip", "WrappedNipProblem"]
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
 Friction = Field(ge=LEAST_FRICTION, le=10.0)
@@ -159,34 +159,8 @@ class NipProblem(WindingNip):
         return WrappedNipProblem(**fields | wraps | changes)
 
 
-class WrappedNipProblem(WindingNip):
-    """A winding nip with the web wrapped on the roll behind it and on the drum before it.
-
-    The web slips on the roll behind the nip as far as it must and is held far away (thesis sec.
-    3.5, eq. 96): its tension there is the wound-on tension.
-
-    Parameters
-    ----------
-    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension
-        As of :class:`NipProblem`.
-    winding_force : float
-        F on nip and drum wrap together [N/m].  With a wrap the drum can take
-        mu- P + T_in (exp(mu- drum_wrap) - 1).
-    roll_wrap : float
-        Angle from the line of centres to where the web is held to the roll [rad], at most pi;
-        0 holds it at the trailing edge, as :class:`NipProblem` does.
-    drum_wrap : float
-        Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
-    wrap_friction : float, optional
-        mu+ behind the nip, 1e-6 to 10; that in the nip where None.
-
-    Raises
-    ------
-    InvalidProblem
-        Naming every field, value and range at fault; for a wrap on the drum without web tension.
-    NoSteadyState
-        If the drum slides under nip and wrap (capstan, thesis eq. 179).
-    """
+class WrappedNip(WindingNip):
+    """What a nip with its wraps has, with and without air; not a problem of its own."""
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "wrap": ("roll_wrap", "drum_wrap", "wrap_friction")
@@ -231,6 +205,36 @@ class WrappedNipProblem(WindingNip):
     def friction_behind(self) -> float:
         """mu+ behind the nip."""
         return self.roll_friction if self.wrap_friction is None else self.wrap_friction
+
+
+class WrappedNipProblem(WrappedNip):
+    """A winding nip with the web wrapped on the roll behind it and on the drum before it.
+
+    The web slips on the roll behind the nip as far as it must and is held far away (thesis sec.
+    3.5, eq. 96): its tension there is the wound-on tension.
+
+    Parameters
+    ----------
+    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension
+        As of :class:`NipProblem`.
+    winding_force : float
+        F on nip and drum wrap together [N/m].  With a wrap the drum can take
+        mu- P + T_in (exp(mu- drum_wrap) - 1).
+    roll_wrap : float
+        Angle from the line of centres to where the web is held to the roll [rad], at most pi;
+        0 holds it at the trailing edge, as :class:`NipProblem` does.
+    drum_wrap : float
+        Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
+    wrap_friction : float, optional
+        mu+ behind the nip, 1e-6 to 10; that in the nip where None.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault; for a wrap on the drum without web tension.
+    NoSteadyState
+        If the drum slides under nip and wrap (capstan, thesis eq. 179).
+    """
 
     def confined(self) -> NipProblem:
         """Return the nip alone, the web held at its trailing edge.

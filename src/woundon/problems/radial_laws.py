@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 # SciPy is imported where it is used: problems are read and written without it
 
-__all__ = ["AnyLaw", "Constant", "Pfeiffer", "Polynomial", "PowerLaw", "RadialLaw", "StackTest"]
+__all__ = [
+    "AnyLaw", "AnySolidLaw", "Constant", "Pfeiffer", "Polynomial", "PowerLaw", "RadialLaw",
+    "SolidLaw", "StackTest",
+]  # fmt: skip
 
 Array = np.ndarray
 
@@ -139,7 +142,11 @@ class RadialLaw(Family):
         return float(brentq(lambda P: float(self.modulus(P)) - modulus, low, high, xtol=1e-9))
 
 
-class Constant(RadialLaw):
+class SolidLaw(RadialLaw, abstract=True):
+    """The law of a stack of paper or film alone, without air between the laps."""
+
+
+class Constant(SolidLaw):
     """A modulus that does not depend on pressure.
 
     Parameters
@@ -164,7 +171,7 @@ class Constant(RadialLaw):
         return P / self.youngs_modulus
 
 
-class Pfeiffer(RadialLaw):
+class Pfeiffer(SolidLaw):
     """Pfeiffer's stack law P = K1 (exp(K2 eps) - 1): E_r = K2 (K1 + P).
 
     Parameters
@@ -203,7 +210,7 @@ class Pfeiffer(RadialLaw):
         return max(modulus / self.K2 - self.K1, 0.0)
 
 
-class Polynomial(RadialLaw):
+class Polynomial(SolidLaw):
     """A polynomial E_r = c_0 + c_1 P + c_2 P^2 + ...
 
     Parameters
@@ -270,7 +277,7 @@ class Polynomial(RadialLaw):
         return _integral(strains, np.log1p(P / scale))
 
 
-class PowerLaw(RadialLaw):
+class PowerLaw(SolidLaw):
     """A power of the pressure, E_r = E0 + k (P/100 kPa)^m.
 
     Parameters
@@ -344,7 +351,7 @@ class PowerLaw(RadialLaw):
         return P if self._start < P else 0.0
 
 
-class StackTest(RadialLaw):
+class StackTest(SolidLaw):
     """A measured compression test, fitted by a law that rises throughout.
 
     Pfeiffer's law is fitted first; a monotone cubic spline over ln(1 + P/K1) takes what it leaves.
@@ -469,5 +476,7 @@ def _law(value: Any) -> Any:
 
 if TYPE_CHECKING:
     AnyLaw = Given[RadialLaw, RadialLaw | float | Mapping[str, Any]]
+    AnySolidLaw = Given[SolidLaw, SolidLaw | float | Mapping[str, Any]]
 else:
     AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]
+    AnySolidLaw = Annotated[SerializeAsAny[SolidLaw], BeforeValidator(_law)]

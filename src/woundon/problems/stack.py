@@ -23,6 +23,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import pure, stress
+from . import air_law as air_law  # it joins the laws
 from .fields import Number, shown
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
 from .radial_laws import AnyLaw

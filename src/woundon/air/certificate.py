@@ -1,0 +1,84 @@
+"""The films of a nip with air, and the certificate: both from numbers that its result holds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import InvalidProblem
+from ..results import Residuals
+from .films import escaped_film, foil_film, friction_share, nip_film
+
+if TYPE_CHECKING:
+    from ..problems.air import AirNipProblem
+    from ..wrap.result import WrappedNipResult
+    from .result import AirNipResult
+
+__all__ = ["certificate", "edge_of", "films_of"]
+
+LEAST = 1e-6  # a nip without any friction is not solved
+NEAR, FEWEST = 0.1, 5  # of the half width, and nodes, on which the edge's rise is taken
+
+
+def edge_of(solved: WrappedNipResult) -> float:
+    """Return K [Pa/sqrt(m)] of a nip: its pressure is K sqrt(s) behind the inlet edge.
+
+    By least squares of p/sqrt(s), quadratic in s, over the first tenth of the half width, or on
+    the first nodes where these are more.
+    """
+    own = solved.in_nip
+    s, p = solved.x[own][1:] + solved.half_width, solved.pressure[own][1:]
+    count = max(int(np.sum(s < NEAR * solved.half_width)), FEWEST)
+    s, p = s[:count], p[:count]
+    return float(np.polynomial.polynomial.polyfit(s, p / np.sqrt(s), 2, w=np.sqrt(s))[0])
+
+
+def films_of(problem: AirNipProblem, edge: float, half_width: float) -> dict[str, float]:
+    """Return films and frictions by the names that a result has them under."""
+    air, V, R = problem.air, problem.web_speed, problem.roll.radius
+    mu, p_a, T = air.viscosity, air.ambient_pressure, problem.web_tension
+    try:
+        passing = nip_film(edge, problem.compliance, V, mu, p_a)
+    except ValueError as stop:
+        text = f"of {V:.6g} m/s is out of range: where the nip catches the air, {stop}"
+        raise InvalidProblem.at("web_speed", text) from None
+    behind = passing.film * p_a / (p_a + T / R)
+    # without tension nothing but the nip limits the film
+    foil = float(foil_film(R, V, T, mu)) if T > 0 else behind
+    laid = min(behind, foil)
+    in_nip = passing.film * p_a / (p_a + problem.nip_load / (2 * half_width))
+
+    def left(friction: float, film: float) -> float:
+        share = friction_share(film, air.roughness, air.full_friction, air.no_friction)
+        return float(max(friction * share, min(LEAST, friction)))
+
+    return {
+        "foil_film": foil, "nip_film": behind, "film_in_nip": in_nip,
+        "inlet_length": passing.length,
+        "film": float(escaped_film(laid, air.permeance, T, V)),
+        "roll_friction": left(problem.roll_friction, in_nip),
+        "wrap_friction": left(problem.friction_behind, laid),
+    }  # fmt: skip
+
+
+def certificate(result: AirNipResult) -> Residuals:
+    """Measure every law of a result.
+
+    film
+        That films and frictions are those of the edge's rise and the half-width held.
+    film_over_nip
+        That the film in the nip is what passes, under the pressure held.
+    nip
+        The nip's own certificate, as it was solved with these frictions.
+    """
+    found = films_of(result.problem, result.edge, result.half_width)
+    off = [abs(getattr(result, name) - value) / max(value, 1e-300)
+           for name, value in found.items() if value or getattr(result, name)]  # fmt: skip
+    profile = result.passed / (result.problem.air.ambient_pressure + result.pressure)
+    missed = np.abs(result.air_film - profile)
+    return Residuals(
+        film=max(off, default=0.0),
+        film_over_nip=float(np.max(missed)) / max(result.film_in_nip, 1e-300),
+        nip=result.nip_residual,
+    )

@@ -1,0 +1,108 @@
+"""Films of air between a web and the roll it runs on: closed forms, on numbers or arrays."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .inlet import passed
+
+__all__ = ["NipFilm", "escaped_film", "foil_film", "friction_share", "nip_film"]
+
+# of y''' = (y - 1)/y^3, y'' -> FOIL^(3/2)... far before the roll; integrated by the tests
+FOIL = 0.64304
+
+
+def foil_film(radius: Any, speed: Any, tension: Any, viscosity: float) -> Any:
+    """Return the film under a web that runs onto a roll without a nip [m].
+
+    h = 0.643 R (6 mu (V_web + V_roll)/T)^(2/3), both at the same speed: a wide, impermeable,
+    perfectly flexible web (foil bearing; Knox and Sweeney 1971 brought it to webs, known here from
+    Ducotey and Good 1999).
+
+    Parameters
+    ----------
+    radius, speed, tension : array_like
+        R [m], V [m/s], T [N/m]; without tension nothing limits the film: inf.
+    viscosity : float
+        mu [Pa s].
+    """
+    speed, tension = np.asarray(speed, dtype=float), np.asarray(tension, dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        film = FOIL * np.asarray(radius) * (12 * viscosity * speed / tension) ** (2 / 3)
+    return np.where(speed == 0, 0.0, film)[()]
+
+
+class NipFilm(NamedTuple):
+    """What a nip lets through."""
+
+    film: float  # at ambient pressure [m]
+    length: float  # l, of the inlet in which the film is made [m]
+    beta: float  # ambient pressure over that of the inlet [1]
+
+
+def nip_film(
+    edge: float, compliance: float, speed: float, viscosity: float, ambient: float
+) -> NipFilm:
+    """Return the film of air that a nip lets through, counted at ambient pressure.
+
+    Parameters
+    ----------
+    edge : float
+        K [Pa/sqrt(m)]: the dry pressure is K sqrt(s) behind the inlet edge.
+    compliance : float
+        C [1/Pa], half the sum of both surfaces' half-plane compliances; > 0.
+    speed : float
+        V of both surfaces [m/s].
+    viscosity, ambient : float
+        mu [Pa s], p_a [Pa].
+
+    Raises
+    ------
+    ValueError
+        Where the inlet's pressure is more than 100 times the ambient one.
+    """
+    if speed == 0:
+        return NipFilm(0.0, 0.0, float("inf"))
+    length = (12 * viscosity * speed / (compliance**2 * edge**3)) ** 0.4
+    beta = ambient / (edge * length**0.5)
+    return NipFilm(passed(beta) * compliance * edge * length**1.5, length, beta)
+
+
+def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
+    """Return what is left of a film once the first lap is full [m].
+
+    Under the lap's pressure T/R the air goes through the web at k T/R, for the time 2 pi R/V of a
+    turn: 2 pi k T/V.  What goes through the laps above later is left out, and what leaves at the
+    edges.
+
+    Parameters
+    ----------
+    film, tension, speed : array_like
+        h [m], T [N/m], V [m/s].
+    permeance : float
+        k, speed of the air through the web per pressure [m/(Pa s)].
+    """
+    film, speed = np.asarray(film, dtype=float), np.asarray(speed, dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lost = 2 * pi * permeance * np.asarray(tension, dtype=float) / speed
+    return np.where(film > 0, np.maximum(film - np.where(speed > 0, lost, 0.0), 0.0), 0.0)[()]
+
+
+def friction_share(film: Any, roughness: float, kept: float, lost: float) -> Any:
+    """Return which share of the dry friction a film leaves, linear between two thicknesses [1].
+
+    Parameters
+    ----------
+    film : array_like
+        h [m].
+    roughness : float
+        Root mean square of both surfaces together [m].
+    kept, lost : float
+        Thickness up to which friction is that without air, and from which there is none, in
+        roughnesses.
+    """
+    thick = np.asarray(film, dtype=float) / roughness
+    return np.clip((lost - thick) / (lost - kept), 0.0, 1.0)[()]

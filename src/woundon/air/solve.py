@@ -1,0 +1,114 @@
+"""A winding nip with air: the nip dry, the film that its inlet lets through, the friction left.
+
+    AirNipProblem --> pressure behind the inlet edge, K sqrt(s) --> film passed   films, inlet
+          ^                                                                |
+          +---- friction in the nip and behind it, by film over roughness -+   until it stays
+
+The film is thin beside the nip's gap, so that it leaves the pressure as it is; friction hardly
+changes K, so that two or three turns are enough.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arguments import check_type
+from ..errors import NotConverged, unwarned
+from ..problems.air import AirNipProblem
+from ..results import Residuals
+from ..threads import one_thread
+from ..wrap.result import WrappedNipResult
+from ..wrap.solve import check_options, solve_wrapped_nip
+from .certificate import certificate, edge_of, films_of
+from .result import AirNipResult
+
+__all__ = ["check_options", "solve_air_nip"]
+
+MOST_TURNS = 30
+SETTLED = 1e-10
+LONG = 0.3  # of the half width: up to there the film is known to 2 % (tests/verification/test_air)
+
+
+@one_thread
+def solve_air_nip(
+    problem: AirNipProblem,
+    *,
+    nodes: int | None = None,
+    wrap_nodes: int | None = None,
+    rtol: float | None = None,
+) -> AirNipResult:
+    """Solve a winding nip with the air that its web brings.
+
+    Parameters
+    ----------
+    problem : AirNipProblem
+    nodes, wrap_nodes, rtol
+        Of :func:`~woundon.solve_wrapped_nip`.
+
+    Returns
+    -------
+    AirNipResult
+
+    Raises
+    ------
+    InvalidProblem
+        For options out of range, or an inlet under more than 100 times the ambient pressure.
+    NoSteadyState, NotConverged
+        As of the nip; if film and friction do not settle.
+    """
+    check_type("problem", problem, AirNipProblem)
+    frictions = problem.roll_friction, problem.friction_behind
+    for _ in range(MOST_TURNS):
+        nip = problem.without_air(*frictions)
+        with unwarned():
+            solved = solve_wrapped_nip(nip, nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
+        found = films_of(problem, edge_of(solved), solved.half_width)
+        left = found["roll_friction"], found["wrap_friction"]
+        if np.allclose(left, frictions, rtol=SETTLED, atol=0):
+            return _result(problem, solved, found)
+        frictions = left
+    raise NotConverged(f"film and friction did not settle in {MOST_TURNS} turns", None)
+
+
+def _result(
+    problem: AirNipProblem, solved: WrappedNipResult, found: dict[str, float]
+) -> AirNipResult:
+    own = solved.in_nip
+    names = "wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure"
+    pressure = solved.pressure[own]
+    result = AirNipResult(
+        problem=problem,
+        x=solved.x[own],
+        pressure=pressure,
+        air_film=pressure,
+        edge=edge_of(solved),
+        nip_residual=solved.residual,
+        residuals=Residuals(),
+        errors={name: solved.errors[name] for name in names if name in solved.errors},
+        warnings=(*_warnings(problem, found, solved.half_width), *solved.warnings),
+        **found,
+        **{name: getattr(solved, name) for name in names},
+    )
+    film = result.passed / (problem.air.ambient_pressure + pressure)
+    result = result.replace(air_film=film)
+    return result.replace(residuals=certificate(result)).checked().warned()
+
+
+def _warnings(
+    problem: AirNipProblem, found: dict[str, float], half_width: float
+) -> tuple[str, ...]:
+    told: list[str] = []
+    if found["inlet_length"] > LONG * half_width:
+        told.append(
+            f"the inlet in which the film is made, {found['inlet_length'] * 1e3:.3g} mm, is "
+            f"{found['inlet_length'] / half_width:.2g} of the half-width, which is taken as much "
+            "longer: the film bends the nip's pressure"
+        )
+    air = problem.air
+    if found["film_in_nip"] >= air.no_friction * air.roughness:
+        told.append(
+            f"the film in the nip, {found['film_in_nip'] * 1e6:.3g} um, is thicker than "
+            f"{air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip adds "
+            "no tension"
+        )
+    return tuple(told)

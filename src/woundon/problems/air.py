@@ -1,0 +1,135 @@
+"""Air that comes in with the web, and a nip with it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from ..errors import InvalidProblem
+from ..quantities import Quantity, length, pure, stress
+from .bodies import HalfPlane
+from .fields import Description, Number, shown
+from .materials import Isotropic
+from .nip import Web, WrappedNip, WrappedNipProblem
+
+__all__ = ["Air", "AirNipProblem", "WebSpeed"]
+
+WebSpeed = Annotated[
+    Number, Quantity("V", "m/s", "web speed", "m/s", (1.0, 50.0)), Field(ge=0, le=200)
+]
+
+
+class Air(Description):
+    """The air around a winder, and the surfaces that it is caught between.
+
+    Parameters
+    ----------
+    roughness : float
+        Root mean square of both facing surfaces of the web together, sqrt(s1^2 + s2^2) [m].
+    viscosity : float
+        Of the air [Pa s].
+    ambient_pressure : float
+        [Pa].
+    permeance : float
+        Speed of the air through the web per pressure across it [m/(Pa s)]: 0 for film, of paper as
+        measured.
+    full_friction, no_friction : float
+        Film up to which friction is that without air, and from which there is none, in
+        roughnesses; linear between.
+    """
+
+    roughness: Annotated[
+        Number, length("s", "rms roughness of both surfaces together", "um", (0.05e-6, 10e-6)),
+        Field(gt=0, le=1e-3),
+    ]  # fmt: skip
+    viscosity: Annotated[
+        Number, Quantity("mu_a", "Pa*s", "viscosity of the air", typical=(1.7e-5, 2e-5)),
+        Field(ge=1e-7, le=1e-2),
+    ] = 1.81e-5  # fmt: skip
+    ambient_pressure: Annotated[
+        Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
+    ] = 101325.0
+    permeance: Annotated[
+        Number, Quantity("k_a", "m/Pa/s", "permeance of the web", typical=(0.0, 1e-5)),
+        Field(ge=0, le=1),
+    ] = 0.0  # fmt: skip
+    full_friction: Annotated[
+        Number, pure("h/s full", "film up to which friction is full, in roughnesses", (0.5, 2.0)),
+        Field(ge=0, le=100),
+    ] = 1.0  # fmt: skip
+    no_friction: Annotated[
+        Number, pure("h/s none", "film that leaves no friction, in roughnesses", (2.0, 4.0)),
+        Field(gt=0, le=100),
+    ] = 3.0  # fmt: skip
+
+    @model_validator(mode="after")
+    def _falls(self) -> Self:
+        if self.no_friction <= self.full_friction:
+            raise InvalidProblem.at(
+                "no_friction",
+                f"{shown(self.no_friction)} is out of range; must be > full_friction = "
+                f"{self.full_friction:.6g} [1]",
+            )
+        return self
+
+
+class AirNipProblem(WrappedNip):
+    """A winding nip and the air that the web brings: the friction it leaves, and the tension.
+
+    Parameters
+    ----------
+    web, roll, drum, roll_friction, drum_friction, nip_load, winding_force, web_tension
+        As of :class:`WrappedNipProblem`; the friction is that without air.
+    roll_wrap, drum_wrap, wrap_friction
+        As of :class:`WrappedNipProblem`.
+    web_speed : float
+        V of web, roll and drum [m/s]; at 0 the answers are those without air.
+    air : Air
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault; where neither roll nor drum deforms.
+    NoSteadyState
+        As of :class:`WrappedNipProblem`.
+    """
+
+    web_speed: WebSpeed
+    air: Air
+
+    @model_validator(mode="after")
+    def _yields(self) -> Self:
+        if not self.compliance > 0:
+            raise InvalidProblem.at(
+                "roll",
+                "is rigid, and so is the drum; one of them must deform, or there is no nip that "
+                "air could pass",
+            )
+        return self
+
+    @property
+    def compliance(self) -> float:
+        """C, half the sum of both surfaces' half-plane compliances [1/Pa]."""
+        return (self.roll.compliance + self.drum.compliance) / 2
+
+    def without_air(self, roll_friction: float, wrap_friction: float) -> WrappedNipProblem:
+        """Return the nip as one without air, with friction in it and behind it."""
+        fields = {name: getattr(self, name) for name in WrappedNipProblem.model_fields}
+        if (roll_friction, wrap_friction) != (self.roll_friction, self.friction_behind):
+            fields |= {"roll_friction": roll_friction, "wrap_friction": wrap_friction}
+        return WrappedNipProblem(**fields)
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return a polyester film under a rubber-covered lay-on roll; roughness illustrative."""
+        film = Isotropic(youngs_modulus=5e9, poissons_ratio=0.3)
+        stack = Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)
+        rubber = Isotropic(youngs_modulus=3e6, poissons_ratio=0.48)
+        return cls(
+            web=Web(thickness=23e-6, material=film),
+            roll=HalfPlane(radius=0.2, material=stack),
+            drum=HalfPlane(radius=0.1, material=rubber),
+            roll_friction=0.25, drum_friction=0.4, nip_load=300.0, web_tension=100.0,
+            web_speed=1.0, air=Air(roughness=0.3e-6),
+        )  # fmt: skip

@@ -1,0 +1,72 @@
+"""The radial law of a stack that holds air between its laps."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from ..quantities import length, stress
+from .fields import Number
+from .radial_laws import AnySolidLaw, RadialLaw
+
+__all__ = ["AirBetween"]
+
+Array = np.ndarray
+
+
+class AirBetween(RadialLaw):
+    """A stack whose laps hold a film of air that cannot leave: stack and air in series.
+
+    A lap of the web t and the film h is pressed by P to t (1 - F(P)) + h p_a/(p_a + P), the air
+    isothermal: E_r = (t + h)/(t/E_r(P) + h p_a/(p_a + P)^2), of the thickness t + h.  That the laps
+    touch in places and so carry a share of P besides is left out: it is the softest that air can
+    make a stack (after the idea of Good and Holmberg, Effect of air entrainment in centerwound
+    rolls, of which the abstract was read).
+
+    Parameters
+    ----------
+    law : Pfeiffer, Polynomial, PowerLaw, StackTest or float
+        Of the stack without air.
+    film : float
+        h between two laps at ambient pressure [m].
+    web_thickness : float
+        t [m].
+    ambient_pressure : float
+        p_a [Pa].
+    """
+
+    law: Annotated[AnySolidLaw, stress("E_r", "modulus through the stack without air", "MPa")]
+    film: Annotated[
+        Number,
+        length("h", "film of air between two laps", "um", (0.0, 10e-6)),
+        Field(ge=0, le=1e-3),
+    ]
+    web_thickness: Annotated[
+        Number, length("2h", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)
+    ]
+    ambient_pressure: Annotated[
+        Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
+    ] = 101325.0
+
+    @property
+    def highest(self) -> float:
+        """Pressure up to which the law holds [Pa]."""
+        return float(self.law.highest)
+
+    def _compliance(self, P: Array) -> Array:
+        h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
+        return (t / self.law.modulus(P) + h * p_a / (p_a + P) ** 2) / (t + h)
+
+    def _modulus(self, P: Array) -> Array:
+        return 1 / self._compliance(P)
+
+    def _slope(self, P: Array) -> Array:
+        h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
+        own = t * self.law.modulus_slope(P) / self.law.modulus(P) ** 2
+        return (own + 2 * h * p_a / (p_a + P) ** 3) / (t + h) / self._compliance(P) ** 2
+
+    def _strain(self, P: Array) -> Array:
+        h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
+        return (t * self.law.strain_at(P) + h * P / (p_a + P)) / (t + h)

@@ -1,0 +1,275 @@
+"""Air in a nip: films against equations solved another way, limits, and the friction left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from refusals import refused_in_one_line
+from scipy.integrate import solve_ivp
+
+import woundon as wo
+from woundon.air.films import FOIL, escaped_film, foil_film, friction_share, nip_film
+from woundon.air.inlet import inlet, passed
+
+MU, AMBIENT = 1.81e-5, 101325.0
+
+
+# ---- films ---------------------------------------------------------------------------------------
+
+
+def test_the_foil_bearings_coefficient():
+    # T (1/R - h'') = p and p' = 6 mu U (h - h0)/h^3 in h0 and h0 (T/6 mu U)^(1/3):
+    # y''' = (y - 1)/y^3 from y = 1, whose y'' far out is the coefficient
+    start = 1e-8
+    path = solve_ivp(
+        lambda _, y: [y[1], y[2], (y[0] - 1) / y[0] ** 3], (0, 1e4), [1 + start, start, start],
+        rtol=1e-11, atol=1e-14,
+    )  # fmt: skip
+    assert path.y[2, -1] == pytest.approx(FOIL, abs=1e-5)  # its digits
+
+
+def test_the_foil_film_of_a_web_on_a_roller():
+    # 31.5 um: R 0.1 m, both 10 m/s, 200 N/m, to its three digits
+    assert foil_film(0.1, 10.0, 200.0, MU) == pytest.approx(31.5e-6, rel=2e-3)
+
+
+def lubricated(R: float, C: float, P: float, V: float, cells: int) -> tuple[float, float]:
+    """Return the film that passes a whole contact of half-planes, at ambient pressure, and a.
+
+    Finite volumes on the whole contact, air compressible and isothermal, pressures constant on
+    cells that are fine at both edges: nothing of the inlet's asymptotics.
+    """
+    a, quarter = np.sqrt(4 * C * P * R / np.pi), cells // 4
+    fine = np.sinh(np.linspace(0, 1, quarter + 1) * 6) / np.sinh(6)
+    edges = [-a - 6 * a * fine[::-1], -a + a * fine[1:-1], (a - a * fine)[::-1], a + 3 * a * fine]
+    x = np.unique(np.concatenate(edges))
+    at, wide, apart = (x[1:] + x[:-1]) / 2, np.diff(x), np.diff((x[1:] + x[:-1]) / 2)
+    integral = [(at[:, None] - side) * (np.log(np.abs(at[:, None] - side)) - 1)
+                for side in (x[:-1], x[1:])]  # fmt: skip
+    displaced, n = -2 * C / np.pi * (integral[0] - integral[1]), at.size
+    peak = 2 * P / np.pi / a
+    p = peak * np.sqrt(np.clip(1 - (at / a) ** 2, 1e-8, None))
+    unit = nip_film(peak * (2 / a) ** 0.5, C, V, MU, AMBIENT).film
+    bend = at**2 / 2 / R
+    unknown = np.append(p, 2 * unit - np.min((bend + displaced @ p)[np.abs(at) < a]))
+    by_gap = np.hstack([displaced, np.ones((n, 1))])
+    mean, cell = (by_gap[1:] + by_gap[:-1]) / 2, np.arange(n - 1)
+
+    def flows(unknown):
+        p, h = unknown[:-1], by_gap @ unknown + bend
+        pm, hm, rise = AMBIENT + (p[1:] + p[:-1]) / 2, (h[1:] + h[:-1]) / 2, np.diff(p) / apart
+        speed = V * hm - hm**3 * rise / 12 / MU
+        by = (pm * (V - 3 * hm**2 * rise / 12 / MU))[:, None] * mean
+        drag = pm * hm**3 / 12 / MU / apart
+        by[cell, cell] += speed / 2 + drag
+        by[cell, cell + 1] += speed / 2 - drag
+        return h, pm * speed, by
+
+    for _ in range(60):
+        h, flow, by = flows(unknown)
+        # far outside the air is at rest with the surfaces: p = 0 in the last cell of both ends
+        miss = np.concatenate([[unknown[0] / peak], np.diff(flow) / (AMBIENT * V * unit),
+                               [unknown[n - 1] / peak, wide @ unknown[:-1] / P - 1]])  # fmt: skip
+        jacobian = np.zeros((n + 1, n + 1))
+        jacobian[0, 0] = jacobian[n - 1, n - 1] = 1 / peak
+        jacobian[1 : n - 1] = np.diff(by, axis=0) / (AMBIENT * V * unit)
+        jacobian[n, :-1] = wide / P
+        step = np.linalg.solve(jacobian, -miss)
+        falls = -(by_gap @ step)
+        share = min(1.0, 0.5 * float(np.min(np.where(falls > 0, h / np.abs(falls), np.inf))))
+        unknown = unknown + share * step
+        if share == 1 and np.max(np.abs(step[:-1])) < 1e-8 * peak:
+            return float(flows(unknown)[1][n // 2]) / V / AMBIENT, float(a)
+    raise AssertionError("the lubricated contact was not found")
+
+
+@pytest.mark.parametrize(
+    ("speed", "within"), [(0.01, 4e-3), (0.1, 8e-3), (1.0, 0.015), (10.0, 0.025)]
+)
+def test_the_inlet_alone_tells_what_a_whole_lubricated_contact_lets_through(speed, within):
+    # an asymptotic answer: off by a tenth of l/a, which is 0.012 to 0.2 here
+    R, C, P = 0.1, 1 / 4e6, 300.0
+    film, a = lubricated(R, C, P, speed, 400)
+    peak = 2 * P / np.pi / a
+    found = nip_film(peak * (2 / a) ** 0.5, C, speed, MU, AMBIENT)
+    assert found.film == pytest.approx(film, rel=within)
+    assert found.length / a < 0.2
+
+
+def test_the_inlets_mesh_and_domain():
+    # cells of both: second order in the cells, and next to nothing in where the mesh ends
+    coarse, fine, finest = (inlet(cells=n).passed for n in (100, 200, 400))
+    assert abs(fine - finest) < abs(coarse - fine) / 2.5
+    assert inlet(cells=400, far=4000.0).passed == pytest.approx(finest, rel=1e-4)
+    assert passed(1e4) == pytest.approx(finest, rel=3e-4)  # its 1/beta and the table's mesh
+
+
+def test_a_film_that_hardly_compresses_goes_like_one_over_beta():
+    limit = inlet().passed
+    more = [passed(beta) / limit - 1 for beta in (100.0, 200.0)]
+    assert more[0] / more[1] == pytest.approx(2, rel=0.02)  # 1/beta^2 is a hundredth
+
+
+@given(factor=st.floats(0.5, 2.0))
+def test_an_incompressible_film_goes_with_the_powers_of_soft_contacts(factor):
+    # (mu V)^0.6 C^-0.2 K^-0.8: an ambient pressure that never compresses
+    base = nip_film(2e6, 1e-7, 1.0, MU, 1e12).film
+    scaled = [nip_film(2e6, 1e-7, factor, MU, 1e12), nip_film(2e6, 1e-7 * factor, 1.0, MU, 1e12),
+              nip_film(2e6 * factor, 1e-7, 1.0, MU, 1e12)]  # fmt: skip
+    for film, power in zip(scaled, (0.6, -0.2, -0.8), strict=True):
+        assert film.film == pytest.approx(base * factor**power, rel=1e-9)  # rounding
+
+
+def test_air_that_goes_through_the_web():
+    assert escaped_film(10e-6, 0.0, 350.0, 20.0) == 10e-6
+    # 2 pi k T/V
+    assert escaped_film(10e-6, 1e-8, 350.0, 20.0) == pytest.approx(10e-6 - 2 * np.pi * 1.75e-7)
+    assert escaped_film(10e-6, 1e-6, 350.0, 20.0) == 0  # newsprint: all of it
+
+
+def test_friction_falls_with_the_film():
+    share = friction_share(np.array([0.0, 1e-6, 2e-6, 3e-6, 9e-6]), 1e-6, 1.0, 3.0)
+    assert share == pytest.approx([1, 1, 0.5, 0, 0])
+
+
+# ---- the nip with air ----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def film_nip():
+    return wo.AirNipProblem.example()
+
+
+@pytest.fixture(scope="module")
+def with_air(film_nip):
+    return wo.solve(film_nip, nodes=33)
+
+
+def dry_nip(problem):
+    fields = {name: getattr(problem, name) for name in wo.WrappedNipProblem.model_fields}
+    return wo.WrappedNipProblem(**fields)
+
+
+def test_at_rest_the_answers_are_the_nips_own_to_the_last_bit(film_nip):
+    still, nip = (
+        wo.solve(p, nodes=33) for p in (film_nip.replace(web_speed=0.0), dry_nip(film_nip))
+    )
+    for name in ("wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure"):
+        assert getattr(still, name) == getattr(nip, name)
+    assert (still.film, still.friction_share) == (0, 1)
+    assert still.nip == dry_nip(film_nip)
+
+
+def test_the_nip_was_solved_with_the_friction_that_its_film_leaves(film_nip, with_air):
+    assert 0.1 < with_air.friction_share < 0.99
+    again = wo.solve(with_air.nip, nodes=33)
+    assert again.wound_on_tension == pytest.approx(with_air.wound_on_tension, rel=1e-8)
+    assert with_air.residual < 1e-8
+
+
+def test_the_edge_of_a_nip_rises_as_hertz_says(film_nip):
+    slippery = film_nip.replace(web_tension=0.0, roll_friction=1e-5, web_speed=0.0)
+    still = wo.solve(slippery, nodes=129)
+    hertz = still.peak_pressure * (2 / still.half_width) ** 0.5
+    assert still.edge == pytest.approx(hertz, rel=0.01)  # the web's thickness, friction on the drum
+
+
+def test_every_law_can_be_broken(with_air):
+    assert with_air.certified().largest < 1e-8
+    for name in ("foil_film", "nip_film", "film", "film_in_nip", "inlet_length", "roll_friction",
+                 "wrap_friction", "edge"):  # fmt: skip
+        broken = replace(with_air, **{name: getattr(with_air, name) * 1.001})
+        assert broken.certified().film > 1e-5, name
+    broken = replace(with_air, air_film=with_air.air_film * 1.001)
+    assert broken.certified().film_over_nip > 1e-4
+    assert replace(with_air, nip_residual=1e-3).certified().nip == 1e-3
+
+
+def test_trends_that_every_winder_knows(film_nip, with_air):
+    def film(**changes):
+        return wo.solve(film_nip.replace(**changes), nodes=33).nip_film
+
+    assert film(web_speed=2.0) > with_air.nip_film  # faster: more air
+    heavier = film(**{"nip_load": 600.0})
+    assert heavier < with_air.nip_film  # a heavier nip excludes more
+    harder = film(**{"drum.material.youngs_modulus": 6e6})
+    assert harder < with_air.nip_film  # so does a harder cover
+    assert with_air.nip_film < with_air.foil_film / 10  # and any nip does, beside none
+
+
+def test_a_film_without_friction_is_told(film_nip):
+    with pytest.warns(wo.ValidityWarning, match="do not touch, and the nip adds no tension"):
+        fast = wo.solve(film_nip.replace(web_speed=5.0), nodes=33)
+    assert fast.nip_induced_tension < 0.01
+    T_in = fast.problem.web_tension
+    assert fast.wound_on_tension == pytest.approx(T_in, rel=1e-4)  # friction 1e-6 is left
+
+
+def test_paper_lets_the_air_through(film_nip, with_air):
+    air = film_nip.air.replace(permeance=1e-6)
+    paper = wo.solve(film_nip.replace(air=air), nodes=33)
+    assert paper.film == 0
+    assert with_air.film == with_air.nip_film
+    assert paper.layer_friction(0.0) == film_nip.roll_friction
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"web_speed": -1.0}, "web_speed: -1 is out of range; must be >= 0 and <= 200"),
+        ({"air.roughness": 0.0}, "air.roughness: 0 is out of range; must be > 0"),
+        ({"air.no_friction": 0.5}, "air.no_friction: 0.5 is out of range; must be > full_friction"),
+        ({"air.permeance": -1e-9}, "air.permeance: -1e-09 is out of range; must be >= 0"),
+        ({"air.viscosity": float("nan")}, "air.viscosity: nan"),
+        ({"roll": wo.Rigid(radius=0.1), "drum": wo.Rigid(radius=0.1)}, "roll: "),
+    ],
+)
+def test_bad_input_is_refused(film_nip, changes, said):
+    refused_in_one_line(lambda: film_nip.replace(**changes), said)
+
+
+# ---- the roll ------------------------------------------------------------------------------------
+
+
+def law(film=2e-6, inner=None):
+    inner = inner or wo.Pfeiffer(K1=500.0, K2=400.0)
+    return wo.AirBetween(law=inner, film=film, web_thickness=23e-6)
+
+
+@pytest.mark.parametrize("P", [10.0, 1e3, 1e5])
+def test_the_law_of_a_stack_with_air_is_one_law(P):
+    step = 1e-4 * P
+    between = law()
+    rise = 2 * step / (between.strain_at(P + step) - between.strain_at(P - step))
+    # of differences: rounding 1e-16/1e-4 against the third derivative's 1e-8
+    assert between.modulus(P) == pytest.approx(rise, rel=1e-6)
+    bend = (between.modulus(P + step) - between.modulus(P - step)) / (2 * step)
+    assert between.modulus_slope(P) == pytest.approx(bend, rel=1e-6)
+    assert between.pressure_at(between.strain_at(P)) == pytest.approx(P, rel=1e-9)
+
+
+def test_air_between_rigid_laps_is_boyles_law():
+    stiff = law(film=23e-6, inner=1e12)
+    # half of the thickness is air; a second atmosphere halves it
+    assert stiff.strain_at(AMBIENT) == pytest.approx(0.25, rel=1e-6)
+    assert law(film=0.0).modulus(1e5) == pytest.approx(400 * (500 + 1e5), rel=1e-12)
+
+
+def test_air_softens_the_roll_and_leaves_its_web(film_nip, with_air):
+    roll = wo.WoundRollProblem(
+        core=wo.Core(radius=0.05, stiffness=2e9), radius=0.2, web_thickness=23e-6, density=1390.0,
+        wound_on_tension=100.0, stack=wo.Stack(radial=wo.Pfeiffer(K1=500.0, K2=400.0),
+        tangential=5e9, poissons_ratio=0.01, shear=10e6),
+    )  # fmt: skip
+    dry, airy = wo.solve(roll), wo.solve(with_air.wound(roll))
+    assert airy.mid_pressure < 0.9 * dry.mid_pressure
+    # the same side of the roll, less web on it: its mass goes with its length
+    assert airy.mass / dry.mass == pytest.approx(airy.length / dry.length, rel=1e-12)
+    assert airy.length < dry.length
+    refused_in_one_line(
+        lambda: with_air.wound(roll.replace(web_thickness=24e-6)), "web_thickness: 2.4e-05"
+    )
