@@ -41,12 +41,12 @@ COMPARED = {
     "newsprint, 2 kN/m": CASE,
     "4 kN/m": CASE.replace(nip_load=4000.0),
     "0.7 kN/m": CASE.replace(nip_load=700.0),
-    "surface winding": CASE.replace(torque_split=1.0),
     "stack K1 1 kPa, K2 80": CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=1e3, K2=80.0)}),
     "stack K1 100 kPa, K2 40": CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=100e3, K2=40.0)}),
     "stack K1 10 kPa, K2 150": CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=10e3, K2=150.0)}),
     "covered drum": CASE.replace(drum=COVER),
     "film": FILM,
+    "surface winding": CASE.replace(torque_split=1.0),
 }
 
 
