@@ -90,7 +90,7 @@ def test_what_is_worst_before_the_roll_is_finished_is_found(problem: wo.WoundRol
     assert slip.note.startswith("when the roll was 90.66 mm")
     half = roll.at(0.09065625)
     torque = wo.margins(half, wo.Limits(layer_friction=MU))["slip"]
-    assert slip.value == pytest.approx(torque.value, rel=1e-3)
+    assert slip.value == pytest.approx(torque.value, rel=2e-3)  # what stages err by default
     assert found["blocking"].note == "no limit given"  # which takes time: of the finished roll
 
 
@@ -114,7 +114,8 @@ def test_the_stages_that_are_looked_at_suffice(
     ("name", "limits", "change"),
     [
         ("slip", {"layer_friction": MU}, {"wound_on_tension": 600.0}),  # P grows like T^2
-        ("compression", {"compression": 1e5}, {"wound_on_tension": wo.Taper(start=350.0, taper=0.4)}),
+        ("compression", {"compression": 1e5},
+         {"wound_on_tension": wo.Taper(start=350.0, taper=0.4)}),
         ("blocking", {"blocking_pressure": 4e5}, {"wound_on_tension": 250.0}),
         ("core", {"core_pressure": 4e5}, {"core.stiffness": 1e8}),  # it gives way
         ("strength", {"web_strength": 1e3}, {"wound_on_tension": 250.0}),

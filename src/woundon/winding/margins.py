@@ -145,17 +145,19 @@ class Pull:
     ----------
     friction : float, optional
         Between web and roll; None where it is not known.
-    core : callable
-        (radius) -> tension that the core's torque pulls [N/m].
-    radius, web_tension : (K,) arrays
-        Tension before the nip [N/m]; empty where it is not known.
+    radius : (K,) array
+        [m].
+    core : (K,) array
+        Tension that the core's torque pulls [N/m].
+    web_tension : (K,) array
+        Before the nip [N/m]; empty where it is not known.
     assumed : str
         What had to be assumed.
     """
 
     friction: float | None
-    core: Callable[[float], float]
     radius: Array
+    core: Array
     web_tension: Array
     assumed: str = ""
 
@@ -163,14 +165,12 @@ class Pull:
     def of(cls, result: Any) -> Pull:
         """Return that of a winding; of a roll alone as if the core pulled all its tension."""
         if not isinstance(result, WoundRollResult):
-            return cls(**result.pull)
-        curve, h = result.problem.tension_curve, result.problem.web_thickness
-
-        def core(s: float) -> float:
-            return h * float(curve.at(np.array(s)))
-
-        nothing = np.zeros(0)
-        return cls(None, core, nothing, nothing, "taken as centre-wound without a nip")
+            # the drum takes F of what the web pulls: the roll's moment about its axis
+            r, core = result.radius, result.web_tension + result.winding_force
+            return cls(result.problem.roll_friction, r, core, result.web_tension)
+        r, nothing = result.radius, np.zeros(0)
+        tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
+        return cls(None, r, tension, nothing, "taken as centre-wound without a nip")
 
 
 class _State(NamedTuple):
@@ -303,7 +303,8 @@ def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pul
         return _margin("slip", nothing, nan, SHARE, "the friction between laps is not given")
     tail, shares = TAIL_LAPS * float(roll.problem.web_thickness), []
     for s, r, P, _ in states:
-        torque = torque_carried(r, s, pull.core(s), roll.problem.density or 0, limits.acceleration)
+        tension = float(np.interp(s, pull.radius, pull.core))
+        torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
         inside = r <= s - min(tail, (s - r[0]) / 2)
         shares.append(torque_share(r, P, friction, torque)[inside])
     return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
@@ -349,7 +350,7 @@ def _slack(roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
 def _tensions(roll: WoundRollResult, pull: Pull) -> list[tuple[Array, Array]]:
     """Return radii and tensions of the web: wound on, and before the nip where it is known."""
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
-    before = [(pull.radius, pull.web_tension)] if pull.radius.size else []
+    before = [(pull.radius, pull.web_tension)] if pull.web_tension.size else []
     return [(roll.radius, wound_on), *before]
 
 
