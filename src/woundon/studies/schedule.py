@@ -5,8 +5,9 @@ r"""Which schedule holds best?  A few fields of a winding, its margins as constr
 
 u are the fields as shares of their ranges, m_i the reserves of the margins that have limits.  Each
 evaluation winds a roll; there are few fields, and no derivatives: a margin is the worst over the
-radius, with a kink where its place jumps, and has the error of the winding.  COBYQA (Ragonneau and
-Zhang 2023, in SciPy) is made for that: quadratic models in a trust region, bounds always kept.
+radius, with a kink where its place jumps, and has the error of the winding.  COBYLA (Powell 1994,
+in SciPy) is made for that: linear models on a simplex of n + 1 windings, a trust region.  The best
+schedules stand where as many limits meet as there are fields, which linear models find quickly.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ USUAL = {
     "torque_split": (0.0, 1.0),
 }
 FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
+ROOM = 1e-4  # of a limit, left so that the end of the search keeps it
 FAILED = -1.0  # reserve of a winding that cannot be solved
 BINDING = 0.01  # of a limit: how near to it a margin binds
 LEAST_EVALUATIONS = 5
@@ -331,11 +333,11 @@ class _Search:
             room = 0 if own else 1  # for t
             begun = np.append(start, [] if own else np.clip(first.least, -1, 1))
             end = minimize(
-                self._objective, begun, method="COBYQA",
+                self._objective, begun, method="COBYLA",
                 bounds=Bounds([0.0] * n + [-2.0] * room, [1.0] * n + [1.0] * room),
-                constraints=NonlinearConstraint(self._constraints, 0.0, np.inf),
-                options={"initial_tr_radius": FIRST_STEP, "final_tr_radius": LAST_STEP,
-                         "maxfev": 20 * self.most},
+                constraints=NonlinearConstraint(self._constraints, ROOM, np.inf),
+tol=LAST_STEP,
+                options={"rhobeg": FIRST_STEP, "maxiter": 20 * self.most},
             )  # fmt: skip
         except _Stop:
             return f"stopped after {self.most} windings"
