@@ -15,12 +15,13 @@ from ..winding.margins import Margin, Margins
 from .figures import COLOURS, axis_label, quantity_of
 from .panels import NEUTRAL, Case, Panel, cases_of, drawn
 
-__all__ = ["Bars", "Disc", "draw_reserves", "plot_schedule"]
+__all__ = ["Bars", "Disc", "disc_of", "draw_reserves", "levels_of", "plot_schedule"]
 
 ALARM = "#B00020"
 AROUND = 361  # spokes of a disc, its first and last the same
 OUTWARD = 300
 MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn
+ROUNDING = 1e-9
 BAR = 0.12  # of a reserve at the core alone, of the build-up
 
 
@@ -34,8 +35,8 @@ def draw_reserves(axes: Axes, margins: Margins, colour: str | None = None) -> li
     low = 1.2 * deepest if deepest else LEAST
     axes.axhspan(low, 0, color=ALARM, alpha=0.12, linewidth=0)
     axes.axhline(0, color=ALARM, linewidth=1.0)
-    axes.annotate("limit", (1.01, 0), xycoords=("axes fraction", "data"), color=ALARM, va="center",
-                  annotation_clip=False)  # fmt: skip
+    axes.annotate("limit", (0.99, 0), (0, 2), ("axes fraction", "data"), "offset points",
+                  color=ALARM, ha="right", va="bottom")  # fmt: skip
     axes.set_ylim(low, MOST)
     axes.set_ylabel("Reserve, share of the limit")
     return lines
@@ -65,34 +66,47 @@ class Disc:
         result = cases[0].result
         roll: WoundRollResult = getattr(result, self.roll) if self.roll else result
         quantity = quantity_of(roll, self.name)
-        r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
-        values = quantity.shown(roll.at_radius(r)[self.name])
-        angle = np.linspace(0, 2 * np.pi, AROUND)
-        x, y = 1e3 * np.outer(r, np.cos(angle)), 1e3 * np.outer(r, np.sin(angle))
-        # what is within a few laps of the surface, many times the rest, would pale all else
-        inner = values[r <= r[0] + 0.9 * (r[-1] - r[0])]
-        low, high = float(inner.min()), float(inner.max())
-        if low < 0:  # as much colour to either sign
-            high = max(-low, min(high, -2 * low))
-            low, colours = -high, "RdBu"
-        else:
-            low, colours = 0.0, "viridis"
-        mesh = axes.pcolormesh(
-            x, y, np.repeat(values[:, None], AROUND, 1), cmap=colours, vmin=low, vmax=high,
-            shading="gouraud", rasterized=True,
-        )  # fmt: skip
+        mesh = disc_of(axes, roll, self.name, (0.0, 0.0), levels_of(roll, self.name))
         figure = axes.get_figure()
         assert figure is not None
-        beyond = "max" if values.max() > high else "neither"
+        beyond = "max" if self.name == "hoop_stress" else "neither"
         figure.colorbar(mesh, ax=axes, label=axis_label(self.words, quantity), extend=beyond)
-        core = 1e3 * float(r[0])
-        axes.fill(core * np.cos(angle), core * np.sin(angle), color="#D9D9D9", edgecolor=NEUTRAL)
         axes.set_aspect("equal")
         axes.margins(0.03)
         axes.grid(False)
         axes.set_xlabel(axis_label("$x$", quantity_of(roll, "radius")))
         axes.set_ylabel(axis_label("$y$", quantity_of(roll, "radius")))
         return []
+
+
+def levels_of(roll: WoundRollResult, name: str) -> tuple[float, float, str]:
+    """Return the ends of a scale for an output, in its unit for display, and its colours."""
+    r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
+    values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
+    if values.min() > -ROUNDING * values.max():
+        return 0.0, float(values.max()), "viridis"
+    # the web's tension at both ends, many times what is inside, would pale all else
+    high = min(float(values.max()), -2 * float(values.min()))
+    high = max(high, -float(values.min()))
+    return -high, high, "RdBu"  # as much colour to either sign
+
+
+def disc_of(
+    axes: Axes, roll: WoundRollResult, name: str, centre: tuple[float, float],
+    levels: tuple[float, float, str],
+) -> Any:  # fmt: skip
+    """Draw a roll on its side, coloured by an output; return what a scale is made for."""
+    r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
+    values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
+    angle = np.linspace(0, 2 * np.pi, AROUND)
+    (x0, y0), (low, high, colours) = centre, levels
+    x, y = (1e3 * np.outer(r, way(angle)) for way in (np.cos, np.sin))
+    mesh = axes.pcolormesh(
+        x0 + x, y0 + y, np.repeat(values[:, None], AROUND, 1), cmap=colours, vmin=low, vmax=high,
+        shading="gouraud", rasterized=True,
+    )  # fmt: skip
+    axes.fill(x0 + x[0], y0 + y[0], facecolor="#D9D9D9", edgecolor=NEUTRAL, linewidth=0.8)
+    return mesh
 
 
 def plot_schedule(found: Any, path: Any = None, choice: Any = None) -> Any:

@@ -16,8 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import nan
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from ..quantities import Quantity, line_load, strain, stress
 from ..roll.result import WoundRollResult
 from .criteria import collapse_pressure, torque_carried, torque_share
 
-__all__ = ["Margin", "Margins", "Pull", "margins"]
+__all__ = ["Margin", "Margins", "Pull", "WithMargins", "margins"]
 
 Array = np.ndarray
 STAGES = 16  # of the build-up that are looked at, the finished roll with them
@@ -200,6 +201,11 @@ def _state(roll: WoundRollResult) -> _State:
 # ---- the margins --------------------------------------------------------------------------------
 
 SHARE = strain("M/M_c", "torque, of what friction between laps carries")
+COMPRESSION = stress("S", "largest compression along the web")
+BLOCKING = stress("P_max", "largest pressure between laps")
+CORE = stress("P_c,max", "largest pressure on the core")
+STRENGTH = line_load("T_max", "largest tension of the web")
+SLACK = line_load("T_min", "least tension before and behind the nip")
 LEFT_OUT = {
     "slip": "air between laps, friction that falls once they slide, the slip under the nip, the "
     f"outermost {TAIL_LAPS} laps, the drum's help at a start or stop, impacts",
@@ -301,25 +307,26 @@ def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pul
     if friction is None:
         nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
         return _margin("slip", nothing, nan, SHARE, "the friction between laps is not given")
-    tail, shares = TAIL_LAPS * float(roll.problem.web_thickness), []
-    for s, r, P, _ in states:
+    # each stage below the surface of the one before: what is new on it holds by its own tension
+    tail, core = TAIL_LAPS * float(roll.problem.web_thickness), float(roll.radius[0])
+    R = states[-1].surface
+    reach = [core, *(state.surface for state in states[:-2]), R - min(tail, (R - core) / 2)]
+    shares = []
+    for (s, r, P, _), end in zip(states, reach[-len(states) :], strict=True):
         tension = float(np.interp(s, pull.radius, pull.core))
         torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
-        inside = r <= s - min(tail, (s - r[0]) / 2)
-        shares.append(torque_share(r, P, friction, torque)[inside])
+        shares.append(torque_share(r, P, friction, torque)[r <= end])
     return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
 
 
 def _compression(states: list[_State], roll: WoundRollResult, limits: Limits) -> Margin:
-    quantity = stress("-sigma_t", "compression along the web")
     found = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
-    return _margin("compression", found, limits.compression, quantity, scale=wound_on)
+    return _margin("compression", found, limits.compression, COMPRESSION, scale=wound_on)
 
 
 def _blocking(final: _State, limits: Limits) -> Margin:
-    quantity = stress("P", "pressure between laps")
-    return _margin("blocking", _worst([final], [final.P]), limits.blocking_pressure, quantity)
+    return _margin("blocking", _worst([final], [final.P]), limits.blocking_pressure, BLOCKING)
 
 
 def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
@@ -329,22 +336,19 @@ def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
         limit, why = collapse, "its limit is the elastic collapse of a thin tube"
     elif limit is None:
         why = NO_LIMIT + ", and the core is not a thin tube"
-    return _margin("core", found, limit, stress("P_c", "pressure on the core"), why)
+    return _margin("core", found, limit, CORE, why)
 
 
 def _strength(final: _State, roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
     # the hoop stress at the surface is the wound-on stress, but for the discretisation
     hoop = roll.problem.web_thickness * final.hoop[:-1]
     found = _extreme(np.argmax, *_tensions(roll, pull), (final.r[:-1], hoop))
-    return _margin(
-        "strength", found, limits.web_strength, line_load("T_max", "largest tension of the web")
-    )
+    return _margin("strength", found, limits.web_strength, STRENGTH)
 
 
 def _slack(roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
-    quantity = line_load("T_min", "least tension before and behind the nip")
     found = _extreme(np.argmin, *_tensions(roll, pull))
-    return _margin("slack", found, limits.slack_tension, quantity)
+    return _margin("slack", found, limits.slack_tension, SLACK)
 
 
 def _tensions(roll: WoundRollResult, pull: Pull) -> list[tuple[Array, Array]]:
@@ -361,3 +365,45 @@ def _extreme(where: Callable[..., Any], first: tuple[Array, Array], *more: Any) 
     row, k = np.unravel_index(where(values), values.shape)
     over = values[where(values, axis=0), np.arange(r.size)]
     return _Found(float(values[row, k]), float(r[k]), "", r, over)
+
+
+class WithMargins:
+    """The margins of a winding among its outputs; a base of its result."""
+
+    problem: Any
+
+    @cached_property
+    def margins(self) -> Margins:
+        """All margins, by the problem's limits; see :func:`margins`."""
+        return margins(self)
+
+    @property
+    def torque_share(self) -> Annotated[float, SHARE]:
+        """Largest share of what friction between laps carries that the torque takes [1]."""
+        return float(self.margins["slip"].value)
+
+    @property
+    def largest_compression(self) -> Annotated[float, COMPRESSION]:
+        """Largest -sigma_t at any stage [Pa]; < 0 where there is none."""
+        return float(self.margins["compression"].value)
+
+    @property
+    def largest_core_pressure(self) -> Annotated[float, CORE]:
+        """Largest P at the core at any stage [Pa]."""
+        return float(self.margins["core"].value)
+
+    @property
+    def largest_tension(self) -> Annotated[float, STRENGTH]:
+        """Largest tension of the web, in the span, as wound on and in the roll [N/m]."""
+        return float(self.margins["strength"].value)
+
+    @property
+    def least_tension(self) -> Annotated[float, SLACK]:
+        """Least tension of the web before and behind the nip [N/m]."""
+        return float(self.margins["slack"].value)
+
+    @property
+    def least_reserve(self) -> Annotated[float, strain("m", "smallest reserve of all margins")]:
+        """Smallest reserve of the margins that have a limit, as a share of it [1]."""
+        least = self.margins.least
+        return least.reserve if least is not None else nan
