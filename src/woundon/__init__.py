@@ -231,11 +231,11 @@ if TYPE_CHECKING:
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule
     from .studies.sobol import SobolIndices as SobolIndices
-    from .winding.result import WindingResult as WindingResult
-    from .winding.solve import solve_winding as solve_winding
     from .winding.margins import Margin as Margin
     from .winding.margins import Margins as Margins
     from .winding.margins import margins as margins
+    from .winding.result import WindingResult as WindingResult
+    from .winding.solve import solve_winding as solve_winding
     from .wrap.result import WrappedNipResult as WrappedNipResult
     from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 

@@ -89,7 +89,7 @@ def _row(row: Row) -> str:
 
 
 def _verdicts(part: Verdicts) -> str:
-    names = ("", "value", "limit", "", "worst at", "", "left out")
+    names = ("", "value", "limit", "", "worst at", "", "")
     head = "".join(f'<th style="{LEFT}">{name}</th>' for name in names)
     rows = "\n".join(map(_verdict, part.rows))
     caption = f'<caption style="{LEFT};font-weight:bold">{escape(part.title)}</caption>'
@@ -99,11 +99,10 @@ def _verdicts(part: Verdicts) -> str:
 def _verdict(row: Verdict) -> str:
     word = escape(row.word)
     word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
-    note = f'<div style="{QUIET}">{escape(row.note)}</div>' if row.note else ""
     cells = [
         (escape(row.meaning), LEFT), (escape(row.value), RIGHT), (escape(row.limit), RIGHT),
-        (escape(row.unit), LEFT), (escape(row.place), LEFT), (word + note, LEFT),
-        (escape(row.left_out), f"{LEFT};{QUIET};max-width:28em"),
+        (escape(row.unit), LEFT), (escape(row.place), LEFT), (word, LEFT),
+        (escape(row.below), f"{LEFT};{QUIET};max-width:28em"),
     ]  # fmt: skip
     return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
 

@@ -136,6 +136,11 @@ class Verdict:
     note: str
     left_out: str
 
+    @property
+    def below(self) -> str:
+        """What stands below the row."""
+        return f"{self.note}. " * bool(self.note) + f"Leaves out: {self.left_out}"
+
 
 @dataclass(frozen=True)
 class Verdicts:

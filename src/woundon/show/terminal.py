@@ -107,8 +107,5 @@ def _print_verdicts(part: Verdicts, console: Console) -> None:
     for row, cells in zip(part.rows, table, strict=True):
         text = Text(f" {line(cells)}  ")
         _print(text.append(row.word, style=TONES.get(row.tone, "")), console)
-        below = (
-            f"{row.note}. Leaves out: {row.left_out}" if row.note else f"Leaves out: {row.left_out}"
-        )
-        for told in wrap(below, WIDTH - 5):
+        for told in wrap(row.below, WIDTH - 5):
             _print(Text(f"     {told}", style="dim"), console)

@@ -294,7 +294,8 @@ class _Search:
             self._keep(tuple(self.first.tolist()), *self.before)
 
     def _solved(self, problem: Any) -> tuple[Any, Any]:
-        result = self.model.solve(problem, None)
+        near = [case.result for case in self.wound.values() if case.result is not None]
+        result = self.model.solve(problem, near[-1] if near else None)
         return result, kinds.fetch("woundon.winding.margins:margins")(result, self.limits)
 
     def at(self, u: Array) -> _Wound:
