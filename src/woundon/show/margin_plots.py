@@ -18,8 +18,8 @@ from .panels import NEUTRAL, Case, Panel, cases_of, drawn
 __all__ = ["Bars", "Disc", "disc_of", "draw_reserves", "levels_of", "plot_schedule"]
 
 ALARM = "#B00020"
-AROUND = 361  # spokes of a disc, its first and last the same
-OUTWARD = 300
+AROUND = 181  # spokes of a disc, its first and last the same
+OUTWARD = 200
 MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn
 ROUNDING = 1e-9
 BAR = 0.12  # of a reserve at the core alone, of the build-up
