@@ -10,8 +10,8 @@ schedule to where the goal is best with all limits kept.
 the compression of the laps alone; the goal is flat along a valley, for a little less nip load and
 a little more tension wind the same roll.
 
-So that it is quick, the tension is taken by the old rule T_in + mu P here (``tension_law``), and the
-answer is wound once more with the nip solved.
+So that it is quick, the tension is taken by the old rule T_in + mu P here (``tension_law``), and
+the answer is wound once more with the nip solved.
 """
 
 # %%

@@ -6,12 +6,12 @@ Stack constants, friction and the core's stiffness are never known well. Which o
 know whether the roll holds? The margins are outputs like any other, so ``wo.global_sensitivity``
 tells the share of their variance that each uncertain input explains.
 
-**Answer:** the friction between the layers, which makes the tension that the nip adds and holds the
-laps besides. How the stack hardens (K2) comes next, and matters as much for the pressure. The core's
-stiffness, within a factor of three, matters for the pressure at the core alone.
+**Answer:** the friction between the layers, which makes the tension that the nip adds and holds
+the laps besides. How the stack hardens (K2) comes next, and matters as much for the pressure. The
+core's stiffness, within a factor of three, matters for the pressure at the core alone.
 
-With sixteen base samples the shares are good to about 0.3: enough to say what to measure first. With
-``woundon sensitivity`` the same is done from a file, over all processors, and can be resumed.
+With sixteen base samples the shares are good to about 0.3: enough to say what to measure first.
+With ``woundon sensitivity`` the same is done from a file, over all processors, and can be resumed.
 """
 
 # %%

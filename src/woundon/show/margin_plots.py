@@ -134,5 +134,5 @@ class Bars:
         axes.axvline(0, color=ALARM, linewidth=1.2)
         axes.set_yticks(at, kept)
         axes.invert_yaxis()
-        axes.set_xlabel("Reserve, share of the limit [%]")
+        axes.set_xlabel("Reserve, share of the limit, at most 100 [%]")
         return []
