@@ -117,5 +117,6 @@ def test_every_panel_is_drawn(wound: wo.WindingResult, tmp_path: Path) -> None:
 def test_a_schedule_is_sought_over_what_a_winder_sets() -> None:
     problem = winding(torque_split=0.2, web_tension=wo.Taper(start=300.0, taper=0.1))
     found = wo.optimise_schedule(problem, evaluations=5, options={"rtol": 1e-2})
-    assert found.names == ("web_tension.taper", "nip_load", "torque_split")
+    assert found.names == ("web_tension.taper", "torque_split", "nip_load")
+    assert found.ranges.tolist() == [[0, 0.7], [0, 1], [500, 4000]]
     assert found.margins_after.least.reserve >= found.margins_before.least.reserve

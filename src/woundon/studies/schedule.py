@@ -33,12 +33,9 @@ from .progress import bar
 __all__ = ["OptimisedSchedule", "optimise_schedule"]
 
 Array = np.ndarray
-# what a winder sets; a range that a winding does not have is left out
-USUAL = {
-    "web_tension.taper": (0.0, 0.7),
-    "nip_load": (500.0, 6000.0),
-    "torque_split": (0.0, 1.0),
-}
+# what a winder sets; what a winding does not have is left out
+USUAL = {"web_tension.taper": (0.0, 0.7), "torque_split": (0.0, 1.0)}
+USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # of what it is
 FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
 ROOM = 1e-4  # of a limit, left so that the end of the search keeps it
 FAILED = -1.0  # reserve of a winding that cannot be solved
@@ -166,8 +163,9 @@ def optimise_schedule(
     problem : WindingProblem or WoundRollProblem
         Where the search begins; values outside their ranges are brought to the ends.
     over : mapping, optional
-        Dotted name of a field -> (low, high), SI or texts with units; by default those of
-        ``web_tension.taper``, ``nip_load`` and ``torque_split`` that the winding has.
+        Dotted name of a field -> (low, high), SI or texts with units.  By default
+        ``web_tension.taper`` from 0 to 0.7, ``torque_split`` from 0 to 1 and ``nip_load`` from a
+        quarter to twice of what it is; those that the winding has as numbers.
     limits : Limits, optional
         By default the winding's own; a roll alone has none.
     minimise, maximise : str, optional
@@ -208,9 +206,7 @@ def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float
 
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
     """Return the ranges of the fields varied, SI."""
-    given = {name: r for name, r in USUAL.items() if _is_number(problem, name)}
-    if over is not None:
-        given = in_si(problem, over)
+    given = _usual(problem) if over is None else in_si(problem, over)
     if not given:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
         raise InvalidProblem.at("over", text)
@@ -232,11 +228,18 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
     return given
 
 
-def _is_number(problem: Problem, name: str) -> bool:
-    try:
-        return isinstance(get_field(problem, name), float)
-    except InvalidProblem:
-        return False
+def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
+    """Return the usual ranges of what the problem has as a number."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for name, (low, high) in (USUAL | USUAL_SHARES).items():
+        try:
+            value = get_field(problem, name)
+        except InvalidProblem:
+            continue
+        if isinstance(value, float):
+            size = value if name in USUAL_SHARES else 1.0
+            ranges[name] = (low * size, high * size)
+    return ranges
 
 
 class _Stop(Exception):
