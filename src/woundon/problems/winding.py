@@ -13,6 +13,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import Quantity, angle, length, line_load, pure
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
+from .limits import Limits
 from .materials import material
 from .nip import Friction, Web, WrappedNipProblem
 from .radial_laws import Pfeiffer
@@ -94,6 +95,8 @@ class WindingProblem(Problem):
         WOT - T_in [N/m], with tension_law "fixed" only.
     density : float, optional
         Of the web [kg/m^3]; with it the roll has a mass.
+    limits : Limits
+        What the roll must bear: its margins are measured by them.
 
     Raises
     ------
@@ -164,6 +167,7 @@ class WindingProblem(Problem):
         Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
         Field(gt=0, le=3e4),
     ] = None
+    limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
@@ -190,6 +194,9 @@ class WindingProblem(Problem):
                    else f"is given beside tension_law = {law}; must be left out")  # fmt: skip
         if self.torque_split is not None and self.winding_force != 0.0:
             yield ("torque_split", "is given beside winding_force; must be one of the two")
+        if self.limits.acceleration and self.density is None:
+            text = f"{shown(self.limits.acceleration)} is given without the web's density"
+            yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
         if self.drum.confined_only:
             yield "drum", "is an estimate for nips without wraps; must be another body"
 

@@ -14,6 +14,7 @@ from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import WoundRollResult
+from .margins import WithMargins
 
 __all__ = ["WindingResult"]
 
@@ -21,7 +22,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingResult(Result):
+class WindingResult(WithMargins, Result):
     """What the winder did over the radius, what the nips added to it, and the roll wound.
 
     Arrays of length M are over the radius and linear between; those of length n are of the nips
