@@ -302,7 +302,7 @@ def _worst(states: list[_State], values: list[Array]) -> _Found:
     """Return the largest value over all states."""
     state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
     final, last = states[-1], values[-1]
-    if own.max() - last.max() <= ALIKE * abs(own.max()):
+    if last.max() == own.max() or own.max() - last.max() <= ALIKE * abs(own.max()):
         state, own = final, last
     k = int(np.argmax(own))
     stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
