@@ -82,10 +82,13 @@ class Matrices:
         """Assemble for the half width ``a`` [m], bodies that are not linear about their loads."""
         loads = about or (None, None)
         pairs = zip(problem.bodies, loads, strict=True)
-        return cls.of(problem, mesh, a, *(body.respond(mesh, a, load) for body, load in pairs))
+        one, two = (body.respond(mesh, a, load) for body, load in pairs)
+        return cls.of(problem, mesh, a, one, two, about)
 
     @classmethod
-    def of(cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response) -> Self:
+    def of(
+        cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response, about: About = None
+    ) -> Self:
         """Assemble for the half width ``a`` [m] and given responses of the bodies."""
         raise NotImplementedError
 
@@ -287,19 +290,14 @@ class PairContact:
 
     @property
     def settles_apart(self) -> bool:
-        """Whether a body is not linear."""
+        """Whether a body, or the web between them, is not linear."""
         return not self.problem.linear
 
     def stand_in(self, peak: float | None) -> Self | None:
         """Return the contact of linear bodies as stiff as these are under a largest pressure."""
         pressure = SHARE * (peak or self.load / half_width_guess(self.load, *self.problem.bodies))
-        linear = {
-            name: body.stand_in(pressure)
-            for name, body in zip(self.problem.pair, self.problem.bodies, strict=True)
-        }
-        if None in linear.values():
-            return None
-        return replace(self, problem=self.problem.replace(**linear))
+        linear = self.problem.stand_in(pressure)
+        return None if linear is None else replace(self, problem=linear)
 
     def guess(self) -> float:
         """Return a half width to start from [m]."""

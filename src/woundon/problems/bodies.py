@@ -395,6 +395,15 @@ class ContactProblem(Problem):
         """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
         return 0.0
 
+    def stand_in(self, pressure: float) -> Self | None:
+        """Return the problem of linear bodies, as stiff as these under a pressure [Pa].
+
+        None where a body tells none.
+        """
+        pairs = zip(self.pair, self.bodies, strict=True)
+        linear = {name: body.stand_in(pressure) for name, body in pairs}
+        return None if None in linear.values() else self.replace(**linear)
+
     @model_validator(mode="after")
     def _deforms(self) -> Self:
         one, two = self.bodies
