@@ -162,11 +162,6 @@ class NipContact(PairContact):
     equations_of: ClassVar[type[PairEquations]] = NipEquations
 
     @property
-    def load(self) -> float:
-        """P [N/m]."""
-        return float(self.problem.nip_load)
-
-    @property
     def outside(self) -> str:
         """What of the problem lies far outside the model, and what to change."""
         web = web_far_outside(self.problem, 2 * self.guess())

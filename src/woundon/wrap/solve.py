@@ -176,11 +176,6 @@ class WrapContact(PairContact):
     cells: int
     nodes: int
 
-    @property
-    def load(self) -> float:
-        """P [N/m]."""
-        return float(self.problem.nip_load)
-
     def grid(self, mesh: Mesh, a: float) -> WrapGrid:
         """Return the grid for a half width: the arcs' ends stay where they are in space."""
         cells = max(8, self.cells * (mesh.nodes.size - 1) // (self.nodes - 1))
