@@ -137,19 +137,17 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
 FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
 
 
-@pytest.mark.parametrize("wrapped", [False, True])
-def test_a_modulus_that_turns_negative_is_refused(wrapped: bool) -> None:
+def test_a_modulus_that_turns_negative_is_refused() -> None:
     """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
     body = roll().replace(**{"stack.radial": FALLS})
-    web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack})
+    web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).wrapped()
     for problem, told in (
         (nip(body), "roll: the pressure in it"),
         (web, "web.material: the press"),
     ):
-        around: Any = problem.wrapped() if wrapped else problem
         with pytest.raises(wo.InvalidProblem, match=rf"{told}.* law ends at 4.455e\+05"):
-            wo.solve(around, nodes=17)
-        light = wo.solve(around.replace(nip_load=300.0), nodes=17)
+            wo.solve(problem, nodes=17)
+        light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
         assert light.residuals.largest <= 1e-8
 
 
