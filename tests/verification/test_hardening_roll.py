@@ -15,6 +15,8 @@ from hardening_cases import OtherReference, linear, linear_of, nip, roll
 from scipy.optimize import brentq
 
 import woundon as wo
+from woundon.contact.response import Tractions
+from woundon.contact.schemes import scheme_of
 from woundon.elasticity.ring_elements import Fineness
 from woundon.nip.roll_surface import roll_strain
 from woundon.problems import direct
@@ -49,6 +51,24 @@ def test_a_stack_that_does_not_harden_is_the_linear_roll() -> None:
     found, wanted = (wo.solve_nip(nip(one), nodes=33) for one in (body, linear(body, 0.0)))
     assert found.nip_induced_tension == pytest.approx(wanted.nip_induced_tension, rel=1e-7)
     assert found.peak_pressure == pytest.approx(wanted.peak_pressure, rel=1e-7)
+
+
+def test_a_stack_that_does_not_harden_answers_as_the_linear_roll() -> None:
+    """Before a width is sought, to its tolerance: slopes and strains under loads, and the matrices.
+
+    So does the elements' roll of any law at rest, about its wound state.
+    """
+    mesh, a = scheme_of("graded").mesh(33), 2.5e-3
+    p = 1e6 * np.sqrt(1 - mesh.columns**2)
+    loads = Tractions(p, 0.1 * p * np.sign(mesh.columns))
+    hard = roll()
+    constant = hard.replace(stack=hard.stack.replace(radial=27e6))
+    for body, about in ((constant, loads), (hard, None)):
+        found, wanted = body.respond(mesh, a, about), linear(body, 90e3).respond(mesh, a)
+        for one, two in zip(found.gradients, wanted.gradients, strict=True):
+            assert np.max(np.abs(one - two)) <= 1e-10 * np.max(np.abs(two))
+        own = wanted.gradients[2] @ loads.pressure
+        assert np.max(np.abs(found.strain)) <= 1e-10 * np.max(np.abs(own))
 
 
 def test_under_a_light_load_it_is_the_linear_roll_of_the_wound_pressure() -> None:
