@@ -15,7 +15,7 @@ from .air import Air, AirNipProblem, WebSpeed, with_film
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
-from .materials import material
+from .materials import Material, material
 from .nip import Friction, Web, WrappedNipProblem
 from .radial_laws import Pfeiffer
 from .roll import Core, WoundRollProblem
@@ -203,6 +203,8 @@ class WindingProblem(Problem):
                    else f"is given beside tension_law = {law}; must be left out")  # fmt: skip
         if self.torque_split is not None and self.winding_force != 0.0:
             yield ("torque_split", "is given beside winding_force; must be one of the two")
+        if self.roll_body == "linear" and not isinstance(self.web.material, Material):
+            yield "roll_body", "'linear' needs the moduli of a web that does not harden"
         if self.limits.acceleration and self.density is None:
             text = f"{shown(self.limits.acceleration)} is given without the web's density"
             yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
