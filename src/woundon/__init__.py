@@ -16,6 +16,7 @@ _HOME = {
     "Core": "problems.roll",
     "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
+    "DynamicTest": "problems.viscoelastic",
     "FitResult": "studies.fit",
     "Graded": "contact.schemes",
     "HalfPlane": "problems.bodies",
@@ -24,6 +25,7 @@ _HOME = {
     "Layer": "problems.bodies",
     "Layered": "problems.bodies",
     "Limits": "problems.limits",
+    "LossAngle": "problems.viscoelastic",
     "Margin": "winding.margins",
     "Margins": "winding.margins",
     "Material": "problems.materials",
@@ -38,6 +40,7 @@ _HOME = {
     "PowerLaw": "problems.radial_laws",
     "Problem": "problems.fields",
     "Profile": "problems.schedules",
+    "PronyTerm": "problems.materials",
     "Quantity": "quantities",
     "Residuals": "results",
     "ResolutionWarning": "errors",
@@ -94,6 +97,7 @@ __all__ = [
     "ContactGrid",
     "Core",
     "Cylinder",
+    "DynamicTest",
     "FitResult",
     "Graded",
     "HalfPlane",
@@ -102,6 +106,7 @@ __all__ = [
     "Layer",
     "Layered",
     "Limits",
+    "LossAngle",
     "Margin",
     "Margins",
     "Material",
@@ -116,6 +121,7 @@ __all__ = [
     "PowerLaw",
     "Problem",
     "Profile",
+    "PronyTerm",
     "Quantity",
     "Residuals",
     "ResolutionWarning",
@@ -199,6 +205,7 @@ if TYPE_CHECKING:
     from .problems.materials import Isotropic as Isotropic
     from .problems.materials import Material as Material
     from .problems.materials import Orthotropic as Orthotropic
+    from .problems.materials import PronyTerm as PronyTerm
     from .problems.materials import material as material
     from .problems.nip import NipProblem as NipProblem
     from .problems.nip import Web as Web
@@ -213,6 +220,8 @@ if TYPE_CHECKING:
     from .problems.schedules import Profile as Profile
     from .problems.schedules import Taper as Taper
     from .problems.stack import Stack as Stack
+    from .problems.viscoelastic import DynamicTest as DynamicTest
+    from .problems.viscoelastic import LossAngle as LossAngle
     from .problems.winding import WindingProblem as WindingProblem
     from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity

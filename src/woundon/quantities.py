@@ -29,10 +29,13 @@ __all__ = [
     "OF_FIELD", "Place", "Quantity", "angle", "find", "is_list", "length", "line_load",
     "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain",
     "stress", "value_of",
-    "walk",
+    "velocity", "walk",
 ]  # fmt: skip
 
-_PER_SI = {"mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi}
+_PER_SI = {
+    "mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi, "ms": 1e3,
+    "m/min": 60.0,
+}  # fmt: skip
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -110,6 +113,11 @@ def angle(symbol: str, meaning: str, typical: Range = None) -> Quantity:
 def line_load(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     """Return a force per metre of width [N/m]."""
     return Quantity(symbol, "N/m", meaning, "", typical)
+
+
+def velocity(symbol: str, meaning: str, typical: Range = None) -> Quantity:
+    """Return a speed [m/s]."""
+    return Quantity(symbol, "m/s", meaning, "m/min", typical)
 
 
 def pure(symbol: str, meaning: str, typical: Range = None) -> Quantity:

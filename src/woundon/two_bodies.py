@@ -26,6 +26,7 @@ from .contact.schemes import Graded, Mesh, scheme_of
 from .contact.stick_slip import StickSlip, StickSlipSolution
 from .contact.width import WidthNotFound, width_for_load
 from .errors import InvalidProblem
+from .losses import Surface, lost, surfaces
 from .problems.bodies import Body, ContactProblem, half_width_guess
 
 __all__ = [
@@ -85,7 +86,7 @@ class Matrices:
         """Assemble for the half width ``a`` [m], bodies that are not linear about their loads."""
         loads = about or (None, None)
         pairs = zip(problem.bodies, loads, strict=True)
-        one, two = (body.respond(mesh, a, load) for body, load in pairs)
+        one, two = (problem.respond(body, mesh, a, load) for body, load in pairs)
         return cls.of(problem, mesh, a, one, two, about)
 
     @classmethod
@@ -191,7 +192,7 @@ def frictionless_pressure(problem: Any, mesh: Mesh, a: float) -> Array:
     slope_p = problem.thinning / a * mesh.slope[:-1]
     for body in problem.bodies:
         if not body.rigid:
-            slope_p += body.respond(mesh, a).pressure_slope()
+            slope_p += problem.respond(body, mesh, a).pressure_slope()
     gap = mesh.middle * (a / problem.contact_radius)
     return solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
 
@@ -365,7 +366,22 @@ class PairContact:
             "nip_width": 2 * level.half_width,
             "peak_pressure": level.at_load(float(np.max(level.state.pressure))),
             "offset": level.state.shift * self.problem.contact_radius,
+            **self.losses(level),
         }
+
+    def losses(self, level: Level) -> dict[str, float]:
+        """Return the rolling resistance by its name; nothing of elastic bodies."""
+        if not self.problem.viscoelastic:
+            return {}
+        # it goes like load times width
+        share = level.share ** (1 + 1 / level.power)
+        return {"rolling_resistance": lost(self.problem, self.surfaces(level)) * share}
+
+    def surfaces(self, level: Level) -> tuple[Surface, Surface]:
+        """Return the surfaces of both bodies on a solved mesh."""
+        made, state = level.equations.matrices, level.state
+        loads = made.loads(state.pressure, state.traction)
+        return surfaces(self.problem, made.responses, level.mesh, state.half_width, loads)
 
     def scale(self, name: str, value: float) -> float:
         """Return what relative errors of an output are measured by."""

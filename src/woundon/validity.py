@@ -73,6 +73,8 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
     )
     for name in problem.pair:
         body = getattr(problem, name)
+        told = filter(None, (material.caution for material in body.materials))
+        yield from dict.fromkeys(f"the {name}: {text}" for text in told)
         if approach > LIMITS["indentation"].most * body.thickness:  # no body takes more than all
             depth = _indentation(result, body, tractions[name])
             yield from past(
@@ -88,7 +90,8 @@ def _indentation(result: Any, body: Body, traction: Array) -> float:
     if not body.linear:
         return float(result.approach)  # all of it at most
     own = result.in_nip
-    by_p, by_q = body.respond(mesh_of(result), result.half_width).normal(np.zeros(1))
+    response = result.problem.respond(body, mesh_of(result), result.half_width)
+    by_p, by_q = response.normal(np.zeros(1))
     return -float((by_p @ result.pressure[own][1:-1] + by_q @ traction[1:-1])[0])
 
 

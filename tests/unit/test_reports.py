@@ -133,6 +133,9 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
     for result in examples:
         said = lines(str(result))
         for name, quantity in quantities.scalar_outputs(result).items():
+            value = quantities.value_of(result, name)
+            if value != value:  # what it does not have, as elastic rollers a rolling resistance
+                continue
             if name not in otherwise and name.removesuffix("_error") not in result.errors:
                 start = f"{quantity.meaning} {quantity.symbol} "
                 assert any(line.startswith(start) for line in said), name

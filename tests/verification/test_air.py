@@ -151,7 +151,7 @@ def with_air(film_nip):
 
 def dry_nip(problem):
     fields = {name: getattr(problem, name) for name in wo.WrappedNipProblem.model_fields}
-    return wo.WrappedNipProblem(**fields)
+    return wo.WrappedNipProblem(**fields | {"web_speed": None})
 
 
 def test_at_rest_the_answers_are_the_nips_own_to_the_last_bit(film_nip):
@@ -340,3 +340,10 @@ def test_air_softens_the_roll_and_leaves_its_web(film_nip, with_air):
     refused_in_one_line(
         lambda: with_air.wound(roll.replace(web_thickness=24e-6)), "web_thickness: 2.4e-05"
     )
+
+
+def test_a_viscoelastic_drum_is_refused(film_nip):
+    prony = [(1e6, 1e-3)]
+    rubber = wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48, prony=prony)
+    with pytest.raises(wo.InvalidProblem, match="drum: is of a viscoelastic material; must be el"):
+        film_nip.replace(**{"drum.material": rubber})

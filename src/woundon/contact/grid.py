@@ -26,6 +26,7 @@ __all__ = [
     "HIGHEST_RANK",
     "Grid",
     "KernelParts",
+    "Past",
     "cosine_grid",
     "nearest_nodes",
     "segmented_grid",
@@ -38,8 +39,20 @@ Array = np.ndarray
 HIGHEST_RANK = 600
 
 
+class Past(Protocol):
+    """Kernels that are told by their integrals alone, for hats to be integrated exactly."""
+
+    def twice(self, before: Array, logarithm: Array) -> Array:
+        """Return the second integrals by whether t < 0 and by ln|t|, (kernels, *shape)."""
+        ...
+
+    def exactly(self, t: Array, order: int = 0) -> Array:
+        """Return the second integrals at t (k,), or a derivative of them, (kernels, k)."""
+        ...
+
+
 class KernelParts(Protocol):
-    """What a kernel is made of: inverse/t + delta*Dirac + log*ln|t| + sign*sgn(t) + smooth(t)."""
+    """A kernel: inverse/t + delta*Dirac + log*ln|t| + sign*sgn(t) + smooth(t) + lag."""
 
     @property
     def inverse(self) -> float:
@@ -68,7 +81,12 @@ class KernelParts(Protocol):
 
     @property
     def twice(self) -> Callable[[Array], Array] | None:
-        """The second integral of the whole kernel, where it is known."""
+        """The second integral of all but the lag, where it is known."""
+        ...
+
+    @property
+    def lag(self) -> Past | None:
+        """What a viscoelastic surface adds."""
         ...
 
 
@@ -217,8 +235,9 @@ class Grid:
         (K, n) array
             int k(a (y - s)) psi_m(s) a ds at each point y.
         """
+        past = 0.0 if kernel.lag is None else self.lagging(kernel.lag, scale, rows)[0]
         if rank > self.highest_rank and kernel.twice is not None:
-            return self.by_second_integral(kernel.twice, scale, rows)
+            return self.by_second_integral(kernel.twice, scale, rows) + past
         rank = min(rank, HIGHEST_RANK)
         out = np.zeros((self.points[rows].size, self.unknowns))
         if kernel.inverse:
@@ -234,7 +253,7 @@ class Grid:
             distance, where = _distances(rank)
             core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
-        return out
+        return out if kernel.lag is None else out + past
 
     def by_second_integral(
         self, twice: Callable[[Array], Array], scale: float, rows: slice = slice(None)
@@ -244,12 +263,27 @@ class Grid:
         rise = np.diff(twice(t), axis=1) / (scale * self.cells)
         return np.diff(rise, axis=1)
 
+    def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
+        """Integrate what a viscoelastic surface adds against the hats, (kernels, K, n)."""
+        before, logarithm = (part[rows] for part in self.apart)
+        K = lag.twice(before, logarithm + np.log(scale))
+        rise = K[..., 1:] - K[..., :-1]
+        rise /= scale * self.cells
+        return rise[..., 1:] - rise[..., :-1]
+
+    @cached_property
+    def apart(self) -> tuple[Array, Array]:
+        """Whether points lie before nodes, and the logarithm of their distance, (K, N+1)."""
+        t = self.points[:, None] - self.nodes
+        return t < 0, np.log(np.maximum(np.abs(t), 1e-300))
+
     def integrate_together(
         self,
         kernels: Sequence[KernelParts],
         smooth: Callable[[Array], Array] | None,
         scale: float,
         rank: int = 24,
+        lag: Past | None = None,
     ) -> Array:
         """Integrate several kernels as ``integrate`` does one, (kernels, K, n).
 
@@ -261,6 +295,8 @@ class Grid:
         scale : float
             a [m].
         rank : int
+        lag : Past, optional
+            Their lags at once.
         """
         if rank > self.highest_rank and all(k.twice is not None for k in kernels):
             return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
@@ -279,6 +315,8 @@ class Grid:
         for part, log in zip(out, factors[:, 2].tolist(), strict=True):
             if log:
                 part += log * np.log(scale) * self.weights
+        if lag is not None:
+            out += self.lagging(lag, scale)
         return out
 
     @cached_property

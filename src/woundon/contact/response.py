@@ -112,7 +112,14 @@ class Response:
         Makes slope_p in the cells alone, (K-1, n), where that is cheaper.
     terms : int
         Fourier terms summed, ``truncation_error`` their estimated relative error.
+
+    Attributes
+    ----------
+    kept : bool
+        Whether gradients are to be kept once made.
     """
+
+    kept = False
 
     def __init__(
         self,
@@ -138,7 +145,12 @@ class Response:
     @property  # not kept: they are asked for once, and fill the processor's memory
     def gradients(self) -> Gradients:
         """slope_p, slope_q, strain_p, strain_q, (K, n) each."""
-        return self._gradients() if callable(self._gradients) else self._gradients
+        if not callable(self._gradients):
+            return self._gradients
+        made = self._gradients()
+        if self.kept:
+            self._gradients = made
+        return made
 
     def pressure_slope(self) -> Array:
         """Return slope_p in the cells alone, (K-1, n)."""

@@ -146,7 +146,9 @@ class GradedMesh(Mesh):
         """Return a linear body's response by exact integrals of its influence functions."""
         grid, rank = self.grid, self.rank(kernels, a)
         return Response(
-            lambda: tuple(grid.integrate_together(kernels.gradients, kernels.smooth, a, rank)),
+            lambda: tuple(
+                grid.integrate_together(kernels.gradients, kernels.smooth, a, rank, kernels.lag)
+            ),
             partial(self.displaced, kernels.normal_p, kernels.normal_q, rank, a),
             # alone it makes a static contact, whose borders start the next mesh: never coarse
             partial(self.displaced, kernels.tangent_p, kernels.tangent_q, max(rank, 24), a),

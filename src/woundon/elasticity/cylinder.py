@@ -21,12 +21,13 @@ import numpy as np
 from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import SurfaceKernels
-from .layers import Layers, Systems, stacked_compliance
+from .layers import Factors, Layers, Systems, stacked_compliance
 from .strip import stiffness_along
 
 __all__ = [
     "Sequences",
     "asymptotic_compliance",
+    "depth",
     "layered_kernels",
     "sequences",
     "surface_compliance",
@@ -82,11 +83,11 @@ def sequences(
     and chi_1 c sin(n theta) along +theta; a traction f sin(n theta) by -gamma_2 f cos(n theta) and
     chi_2 f sin(n theta).
     """
-    Y = radius * surface_compliance(n, _depth(radius, core_radius), A_rr, A_tt, A_rt, G, D)
+    Y = radius * surface_compliance(n, depth(radius, core_radius), A_rr, A_tt, A_rt, G, D)
     return Sequences(Y[0, 0], -Y[0, 1], -Y[1, 0], Y[1, 1])
 
 
-def _depth(radius: float, core_radius: float) -> float:
+def depth(radius: float, core_radius: float) -> float:
     """Return ln(R/R0), accurate for thin layers too."""
     if 2 * core_radius > radius:
         return -log1p(-(radius - core_radius) / radius)
@@ -152,7 +153,7 @@ def surface_kernels(
         :func:`.strip.stiffness_along`, where it is known better than by the others.
     """
     stiffness = map(float, (A_rr, A_tt, A_rt, G))
-    return layered_kernels(radius, ((_depth(radius, core_radius), *stiffness, D),))
+    return layered_kernels(radius, ((depth(radius, core_radius), *stiffness, D),))
 
 
 def layered_kernels(radius: float, layers: Layers, free: bool = False) -> SurfaceKernels:
@@ -231,8 +232,8 @@ class Spectrum(NamedTuple):
     error: float
 
 
-def _spectrum(layers: Layers, free: bool) -> Spectrum:
-    """Return all harmonics that matter."""
+def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spectrum:
+    """Return all harmonics that matter; of viscoelastic layers in proportion to the outermost."""
     depth = float(layers[0][0] or 0.0)
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
@@ -242,9 +243,9 @@ def _spectrum(layers: Layers, free: bool) -> Spectrum:
         N = min(N, MAX_LAYERED_TERMS)
     n = np.arange(N + 1.0)
     if len(layers) == 1 or N <= DIRECT:
-        Y = stacked_compliance(n, layers, free)
+        Y = _compliance(n, layers, free, factors)
     else:
-        Y = _interpolated(N, layers, free)
+        Y = _interpolated(N, layers, free, factors)
     if len(layers) > 1:
         if 20 / decay > N and _left(Y, tail, J)[-1] > CUT:
             return _cut(Y, tail, depth)
@@ -257,7 +258,13 @@ def _spectrum(layers: Layers, free: bool) -> Spectrum:
     return Spectrum(Y, tail, J, decay, _truncation_error(rest, tail, depth, stiffness, J))
 
 
-def _interpolated(N: int, layers: Layers, free: bool) -> Array:
+def _compliance(n: Array, layers: Layers, free: bool, factors: Factors | None) -> Array:
+    """Return Y_n times the factor of the outermost layer's moduli."""
+    Y = stacked_compliance(n, layers, free, factors)
+    return Y if factors is None else Y * factors(n)[0]
+
+
+def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -> Array:
     """Return Y_n, n = 0 ... N: n Y_n by Chebyshev polynomials of ln n where that is cheaper.
 
     Points are doubled until the polynomial of a smooth function has no more to tell.
@@ -265,17 +272,18 @@ def _interpolated(N: int, layers: Layers, free: bool) -> Array:
     from scipy.fft import dct  # problems are read and written without SciPy
 
     n = np.arange(N + 1.0)
-    Y = np.empty((2, 2, N + 1))
-    Y[..., :LOWEST] = stacked_compliance(n[:LOWEST], layers, free)
+    first = _compliance(n[:LOWEST], layers, free, factors)
+    Y = np.empty((2, 2, N + 1), dtype=first.dtype)
+    Y[..., :LOWEST] = first
     low, high, size = log(LOWEST), log(N), 32
     known = np.zeros((2, 2, 0))
     while size < N // 4:
         angle = np.pi * np.arange(size + 1) / size
         new = slice(None) if not known.size else slice(1, None, 2)
         at = np.exp(low + (high - low) * (1 + np.cos(angle[new])) / 2)
-        values = np.empty((2, 2, size + 1))
+        values = np.empty((2, 2, size + 1), dtype=Y.dtype)
         values[..., ::2] = known if known.size else 0.0
-        values[..., new] = at * stacked_compliance(at, layers, free)
+        values[..., new] = at * _compliance(at, layers, free, factors)
         c = dct(values, type=1, axis=-1) / size
         c[..., [0, -1]] /= 2
         if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
@@ -286,7 +294,7 @@ def _interpolated(N: int, layers: Layers, free: bool) -> Array:
                 Y[..., LOWEST + part] = found / n[LOWEST + part]
             return Y
         known, size = values, 2 * size
-    Y[..., LOWEST:] = stacked_compliance(n[LOWEST:], layers, free)
+    Y[..., LOWEST:] = _compliance(n[LOWEST:], layers, free, factors)
     return Y
 
 
@@ -303,7 +311,7 @@ def _cut(Y: Array, tail: Array, depth: float) -> Spectrum:
     Waves shorter than the last are given its n Y_n: they are much shorter than any contact.
     """
     N = Y.shape[-1] - 1
-    end = np.zeros((3, 2, 2))
+    end = np.zeros((3, 2, 2), dtype=Y.dtype)
     end[1] = N * Y[..., -1]
     error = np.abs(end[1] - tail[1]).max() / max(np.abs(end[1]).max(), np.abs(tail[1]).max())
     return Spectrum(Y, end, 1, max(20 / N, depth), float(error) / N)

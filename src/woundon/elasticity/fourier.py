@@ -25,7 +25,7 @@ import numpy as np
 
 from .kernels import Kernel
 
-__all__ = ["HarmonicSum", "HarmonicSums", "polylogarithm"]
+__all__ = ["POWERS", "HarmonicSum", "HarmonicSums", "polylogarithm", "quintics"]
 
 Array = np.ndarray
 
@@ -91,6 +91,9 @@ class HarmonicSum:
         a_0 ... a_J.
     rest : ndarray, shape (N,)
         c_n less the powers, n = 1 ... N; taken as zero beyond.
+    power : ndarray, shape (POWERS,), optional
+        Of theta, even ones of cosines or odd ones of sines: a smooth part added as it is, which
+        ``twice`` leaves out.
     """
 
     odd: bool
@@ -99,6 +102,7 @@ class HarmonicSum:
     mean: float
     tail: Array
     rest: Array
+    power: Array | None = None
 
     def kernel(self) -> Kernel:
         """Return the sum taken apart by singularity; the smooth part is tabulated when first used.
@@ -150,7 +154,7 @@ class HarmonicSum:
         size = max(256, 1 << (4 * self.rest.size - 1).bit_length())
         step = 2 * pi / size
         values = self._rest_on_circle(size) + self._powers(np.arange(size // 2 + 1) * step)
-        return _quintics(values * np.array([[1.0], [step], [step * step]])), 1 / step
+        return quintics(values * np.array([[1.0], [step], [step * step]])), 1 / step
 
     def _rest_on_circle(self, size: int) -> Array:
         """Sum the rest and its two derivatives at theta = 2 pi k/size, k = 0 ... size/2."""
@@ -172,6 +176,8 @@ class HarmonicSum:
         else:
             c[0] += self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
         c *= self.scale
+        if self.power is not None:
+            c += self.power
         k = np.arange(POWERS)
         first, second = (k * c)[1:], (k * (k - 1) * c)[2:]
         return np.array([_polynomial(d, theta) for d in (c, first, second)])
@@ -254,7 +260,7 @@ def _polynomial(c: Array, x: Array) -> Array:
     return result
 
 
-def _quintics(values: Array) -> Array:
+def quintics(values: Array) -> Array:
     """Return coefficients (K, 6) of the quintics with given f, f', f'' (3, K+1) at unit steps."""
     f, d, s = values[:, :-1]
     F, D, S = values[:, 1:]

@@ -5,19 +5,24 @@ along +x (``q``), each 1 N/m.  At the distance t = x - s along the surface it mo
 and u (along +x); its slope is dv/dx and its surface strain eps.  Each of these eight influence
 functions is a sum
 
-    k(t) = inverse / t  +  delta * Dirac(t)  +  log * ln|t|  +  sign * sgn(t)  +  smooth(t)
+    k(t) = inverse / t  +  delta * Dirac(t)  +  log * ln|t|  +  sign * sgn(t)  +  lag  +  smooth(t)
 
-whose first four parts are integrated in closed form against the traction elements and whose smooth
-rest is integrated by interpolation.  The half-plane has no smooth rest.  A curved body's rest is
-smooth on either side of t = 0 and bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
+whose first parts are integrated in closed form against the traction elements and whose smooth rest
+is integrated by interpolation.  The lag is that of a viscoelastic surface, nil of an elastic one.
+The half-plane has no smooth rest.  A curved body's rest is smooth on either side of t = 0 and
+bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .lag import Lag
 
 __all__ = ["Kernel", "SurfaceKernels"]
 
@@ -28,7 +33,8 @@ Array = np.ndarray
 class Kernel:
     """One influence function; the coefficients' units follow from the quantity (per N/m).
 
-    ``twice`` is its second integral, singular parts included, where it is known: K with K'' = k.
+    ``twice`` is its second integral, singular parts included but for the lag, where it is known: K
+    with K'' = k.  ``lag`` is what the past of a viscoelastic surface adds.
     """
 
     inverse: float = 0.0
@@ -37,10 +43,12 @@ class Kernel:
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
     twice: Callable[[Array], Array] | None = None
+    lag: Lag | None = None
 
     def singular(self, t: Array) -> Array:
-        """Return the singular parts at t != 0."""
-        return self.inverse / t + self.log * np.log(np.abs(t)) + self.sign * np.sign(t)
+        """Return the singular parts and the lag at t (k,), t != 0."""
+        values = self.inverse / t + self.log * np.log(np.abs(t)) + self.sign * np.sign(t)
+        return values if self.lag is None else values + self.lag.exactly(t, 2)[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +77,8 @@ class SurfaceKernels:
         Number of Fourier terms summed; 0 where there is no series.
     together : callable, optional
         t -> the smooth parts of ``gradients``, (4, *t.shape), where quicker than one by one.
+    lag : Lag, optional
+        The lags of ``gradients`` together.
     """
 
     normal_p: Kernel = field(default_factory=Kernel)
@@ -83,6 +93,7 @@ class SurfaceKernels:
     truncation_error: float = 0.0
     terms: int = 0
     together: Callable[[Array], Array] | None = None
+    lag: Lag | None = None
 
     @property
     def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:

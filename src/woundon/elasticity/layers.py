@@ -45,6 +45,7 @@ that motion, (1, -1) or (0, 1), and f the one across, e.w0 = 0 and f.t0 = 0, so 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2
@@ -53,16 +54,19 @@ import numpy as np
 
 from .strip import stiffness_along
 
-__all__ = ["Layer", "Layers", "stacked_compliance"]
+__all__ = ["Factors", "Layer", "Layers", "stacked_compliance"]
 
 Array = np.ndarray
 # ln(outer/inner radius), A_rr, A_tt, A_rt, G, and D where it is known better than by the three
 Layer = tuple[float | None, ...]
 Layers = tuple[Layer, ...]  # outermost first
 Matrices = tuple[Array, Array, Array]  # E, Q, H
+Factors = Callable[[Array], Array]
 
 
-def stacked_compliance(n: Array, layers: Layers, free: bool = False) -> Array:
+def stacked_compliance(
+    n: Array, layers: Layers, free: bool = False, factors: Factors | None = None
+) -> Array:
     """Return Y_n [1/Pa], shape (2, 2) + n.shape, of the outer surface of layers on a core.
 
     Parameters
@@ -74,12 +78,18 @@ def stacked_compliance(n: Array, layers: Layers, free: bool = False) -> Array:
         left out, or None.
     free : bool
         Whether the core is an open bore; else it is rigid.
+    factors : callable, optional
+        n -> by what the moduli of the layers are multiplied, (L, n) complex: viscoelastic ones.
+        The ratios of a layer's moduli do not change with n.
     """
     n = np.asarray(n, dtype=float)
     system = Systems.of(*layers)
     # each block stays in the cache
     blocks = np.array_split(n.ravel(), max(1, n.size * len(layers) // 4096))
-    Y = np.concatenate([_on_core(system.stacked(block), block, free) for block in blocks], axis=-1)
+    made = (system.stacked(block, factors and factors(block)) for block in blocks)
+    Y = np.concatenate(
+        [_on_core(stack, block, free) for stack, block in zip(made, blocks, strict=True)], axis=-1
+    )
     return Y.reshape((2, 2, *n.shape))
 
 
@@ -153,9 +163,11 @@ class Systems:
         slowest[:, n < 2] = 0.0  # torsion and translation reach the core at any depth
         return np.minimum(self.depth, 20 / np.maximum(slowest, 1e-300))
 
-    def stacked(self, n: Array) -> Matrices:
+    def stacked(self, n: Array, factors: Array | None = None) -> Matrices:
         """Return E, Q [1/Pa], H [Pa] of all layers together, (2, 2, n)."""
         E, Q, H = self.each(n)
+        if factors is not None:  # E has no dimension, nor have a layer's roots
+            Q, H = Q / factors, H * factors
         while E.shape[2] > 1:  # neighbours in pairs; one that is left over waits for the next round
             pairs = slice(0, E.shape[2] // 2 * 2)
             both = ([X[:, :, pairs][:, :, k::2] for X in (E, Q, H)] for k in (0, 1))

@@ -14,6 +14,7 @@ from ..contact.certificate import (
     largest,
     positive_pressure,
 )
+from ..losses import Surface, balance_law, pressed, surfaces
 from ..results import Residuals
 from ..two_bodies import Matrices, mesh_of, within
 from .equations import NipMatrices
@@ -80,4 +81,32 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         web_equilibrium=beyond_rounding(tension, result.web_tension) / P,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
         **within(problem, made.responses),
+        **balance_law(
+            result,
+            lambda: surfaces(problem, made.responses, mesh_of(result), a, made.loads(p, q)),
+            lambda one, two: _put_in(result, made, one, two),
+        ),
     )  # fmt: skip
+
+
+def _put_in(result: NipResult, made: Matrices, roll: Surface, drum: Surface) -> float:
+    """Return what shafts and web tension put in less what friction takes [N/m]."""
+    problem, mesh, a = result.problem, mesh_of(result), result.half_width
+    web = problem.web.compliance
+    work = pressed(problem, a * mesh.middle, result.offset / problem.contact_radius, roll, drum)
+    tension = (
+        problem.web_tension
+        + a * mesh.upstream @ (result.roll_traction + result.drum_traction)[1:-1]
+    )
+    stretched = web.c11 / problem.web.thickness * tension
+    behind = web.c11 / problem.web.thickness * float(result.web_tension[-1])
+    p = result.pressure[1:-1]
+    _, _, strain_p, strain_q = made.responses[0].gradients
+    edge = float(strain_p[-1] @ p + strain_q[-1] @ result.roll_traction[1:-1]) - behind
+    edge += float(np.ravel(made.responses[0].strain)[-1])  # of a roll that is not linear
+    thinner = mesh.slope[:-1] @ problem.web.thinned(p)[0] / -a
+    # a node has the slip of the cell before it
+    each = roll.traction * (stretched + edge - result.roll_slip[1:])
+    each += drum.traction * (stretched + result.drum_creep - result.drum_slip[1:])
+    each += roll.pressure * thinner
+    return work + float(roll.length @ each)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 import numpy as np
 
 from .. import kinds
+from ..losses import Losses
 from ..problems.nip import NipProblem
 from ..quantities import length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
@@ -33,7 +34,7 @@ class SlipRatios:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingNipResult(Result):
+class WindingNipResult(Losses, Result):
     """What every solved winding nip has; the arrays along the web.
 
     Attributes
@@ -164,7 +165,7 @@ class NipResult(WindingNipResult):
         "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
         "problem.wrapped()",
     })  # fmt: skip
-    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"rolling_resistance"})
 
     problem: NipProblem
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]

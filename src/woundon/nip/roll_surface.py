@@ -44,7 +44,7 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         raise InvalidProblem.at("s", text)
     outside = _Outside(Grid(result.x / a, s / a))
     loads = Tractions(result.pressure[1:-1], result.roll_traction[1:-1])
-    response = roll.respond(outside, a, loads)
+    response = result.problem.respond(roll, outside, a, loads)
     _, _, strain_p, strain_q = response.gradients
     strain = response.strain + strain_p @ loads.pressure + strain_q @ loads.traction
     return np.asarray(strain)
@@ -69,7 +69,8 @@ class _Outside:
 
         def whole(kernel: Any) -> Array:
             if too_short and kernel.twice is not None:
-                return self.grid.by_second_integral(kernel.twice, a)
+                out = self.grid.by_second_integral(kernel.twice, a)
+                return out if kernel.lag is None else out + self.grid.lagging(kernel.lag, a)[0]
             out = self.grid.integrate(replace(kernel, smooth=None), a)
             if kernel.smooth is not None:
                 values = kernel.smooth(short)

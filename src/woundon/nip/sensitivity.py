@@ -301,7 +301,14 @@ class _Differential:
         a, bodies = self.u.half_width, self.bodies
         if part in bodies:
             loads = self.about[problem.pair.index(part)]
-            bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a, loads)}
+            body = getattr(problem, part)
+            bodies = bodies | {part: problem.respond(body, self.mesh, a, loads)}
+        elif part == problem.speed_field:
+            bodies = bodies | {
+                name: problem.respond(body, self.mesh, a)
+                for name, body in zip(problem.pair, problem.bodies, strict=True)
+                if body.viscoelastic
+            }
         one, two = bodies.values()
         return NipMatrices.of(problem, self.mesh, a, one, two, self.about)
 

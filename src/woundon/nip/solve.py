@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import nan
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -211,6 +212,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         series_error=max(r.truncation_error for r in made.responses),
         mesh=level.mesh,
         widths=ladder.widths,
+        rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )  # fmt: skip
     return result.replace(
         errors=ladder.errors_of(result),

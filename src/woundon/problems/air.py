@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -133,6 +134,21 @@ class AirNipProblem(WrappedNip):
     web_speed: WebSpeed
     air: Air
 
+    def uses_of_speed(self) -> Iterator[tuple[str, str]]:
+        """Yield what depends on the speed: the air does."""
+        yield "air", "air comes in with the web"
+
+    @model_validator(mode="after")
+    def _bodies_are_elastic(self) -> Self:
+        for name, body in zip(self.pair, self.bodies, strict=True):
+            if body.viscoelastic:
+                raise InvalidProblem.at(
+                    name,
+                    "is of a viscoelastic material; must be elastic in a nip with air, whose inlet "
+                    "knows one modulus: give that of its frequency",
+                )
+        return self
+
     @model_validator(mode="after")
     def _yields(self) -> Self:
         if not self.compliance > 0:
@@ -151,6 +167,7 @@ class AirNipProblem(WrappedNip):
     def without_air(self, roll_friction: float, wrap_friction: float) -> WrappedNipProblem:
         """Return the nip as one without air, with friction in it and behind it."""
         fields = {name: getattr(self, name) for name in WrappedNipProblem.model_fields}
+        fields["web_speed"] = None  # nothing but the air depends on it
         if (roll_friction, wrap_friction) != (self.roll_friction, self.friction_behind):
             fields |= {"roll_friction": roll_friction, "wrap_friction": wrap_friction}
         return WrappedNipProblem(**fields)

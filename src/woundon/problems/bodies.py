@@ -19,16 +19,17 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..contact.response import Response
 from ..contact.schemes import RESOLVED
-from ..elasticity import cylinder, half_plane
+from ..elasticity import cylinder, half_plane, rolling
 from ..elasticity.kernels import SurfaceKernels
 from ..elasticity.layers import stacked_compliance
 from ..errors import InvalidProblem
 from ..quantities import length
+from . import viscoelastic as viscoelastic  # it joins the materials
 from .fields import Description, Family, Number, Problem
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from ..contact.response import ContactGrid, Tractions
     from ..elasticity.layers import Layers as Stacked
@@ -67,6 +68,8 @@ class Body(Family):
         Whether it is good only for nips whose web is held at the trailing edge.
     caution : str
         What is to be said with every result, empty for nothing.
+    viscoelastic : bool
+        Whether its response depends on the speed at which it rolls.
     """
 
     radius: Radius
@@ -75,7 +78,18 @@ class Body(Family):
     confined_only: ClassVar[bool] = False
     caution: ClassVar[str] = ""
 
-    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
+    @property
+    def viscoelastic(self) -> bool:
+        """Whether the response depends on the speed."""
+        return False
+
+    def respond(
+        self,
+        grid: ContactGrid,
+        a: float,
+        about: Tractions | None = None,
+        speed: float | None = None,
+    ) -> Response:
         """Return the linear response of the surface on a grid scaled by the half width.
 
         Parameters
@@ -87,6 +101,8 @@ class Body(Family):
         about : Tractions, optional
             Pressure and traction at the nodes about which a body that is not linear is linearised;
             the unloaded state where None.
+        speed : float, optional
+            At which the surface rolls along +x [m/s]; only viscoelastic bodies are told.
         """
         raise NotImplementedError(f"{type(self).__name__} does not say how it responds")
 
@@ -115,6 +131,11 @@ class Body(Family):
         """The material at the surface, where the body is of linear elastic ones."""
         found = getattr(self, "material", None)
         return found if isinstance(found, Material) else None
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials that it is made of, where it says."""
+        return ()
 
     @property
     def compliance(self) -> float:
@@ -157,7 +178,13 @@ class Rigid(Body):
 
     rigid: ClassVar[bool] = True
 
-    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
+    def respond(
+        self,
+        grid: ContactGrid,
+        a: float,
+        about: Tractions | None = None,
+        speed: float | None = None,
+    ) -> Response:
         """Return the response of a body that does not deform: none."""
         return Response.none(grid)
 
@@ -165,13 +192,28 @@ class Rigid(Body):
 class KernelBody(Body, abstract=True):
     """A linear body told by the influence functions of its surface."""
 
-    def kernels(self) -> SurfaceKernels:
-        """Return the influence functions, valid on the whole surface."""
+    @property
+    def viscoelastic(self) -> bool:
+        """Whether one of its materials is."""
+        return any(material.relaxes for material in self.materials)
+
+    def kernels(self, speed: float | None = None) -> SurfaceKernels:
+        """Return the influence functions, valid on the whole surface.
+
+        Those of a viscoelastic body without a speed are of all that relaxes relaxed.
+        """
         raise NotImplementedError
 
-    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
+    def respond(
+        self,
+        grid: ContactGrid,
+        a: float,
+        about: Tractions | None = None,
+        speed: float | None = None,
+    ) -> Response:
         """Return the influence functions integrated over the grid."""
-        return grid.integrated(self.kernels(), self.curvature, self.radius, a)
+        kernels = self.kernels() if speed is None else self.kernels(speed)
+        return grid.integrated(kernels, self.curvature, self.radius, a)
 
     @property
     def widest(self) -> float:
@@ -213,9 +255,18 @@ class HalfPlane(KernelBody):
         """0: a half-plane's strain has no term v/R [1/m]."""
         return 0.0
 
-    def kernels(self) -> SurfaceKernels:
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its material."""
+        return (self.material,)
+
+    def kernels(self, speed: float | None = None) -> SurfaceKernels:
         """Return the half-plane's influence functions (thesis eq. 32)."""
-        return half_plane.surface_kernels(*self.material.stiffness)
+        stiffness = self.material.stiffness
+        if speed is None:
+            return half_plane.surface_kernels(*stiffness)
+        reach = (pi + 1) * self.radius  # as far as a wrap goes
+        return rolling.half_plane_kernels(stiffness, self.material.relaxation(speed), reach)
 
 
 class Cylinder(KernelBody):
@@ -246,9 +297,18 @@ class Cylinder(KernelBody):
         """Thickness R - R0 of the elastic layer [m]."""
         return self.radius - self.core_radius
 
-    def kernels(self) -> SurfaceKernels:
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its material."""
+        return (self.material,)
+
+    def kernels(self, speed: float | None = None) -> SurfaceKernels:
         """Return the cylinder's influence functions (thesis eq. 59)."""
-        return cylinder.surface_kernels(self.radius, self.core_radius, *self.material.stiffness)
+        R, R0, stiffness = self.radius, self.core_radius, self.material.stiffness
+        if speed is None:
+            return cylinder.surface_kernels(R, R0, *stiffness)
+        layer = (cylinder.depth(R, R0), *stiffness)
+        return rolling.layered_kernels(R, (layer,), (self.material.relaxation(speed),))
 
 
 def core_inside(body: Any) -> None:
@@ -359,9 +419,18 @@ class Layered(KernelBody):
         Y_2 = float(stacked_compliance(np.array([2.0]), self._stack, free=True)[0, 0, 0])
         return 4 * pi * self.radius**2 / (27 * Y_2 * contact_radius)
 
-    def kernels(self) -> SurfaceKernels:
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Those of all layers."""
+        return tuple(layer.material for layer in self.layers)
+
+    def kernels(self, speed: float | None = None) -> SurfaceKernels:
         """Return the influence functions of all layers together."""
-        return cylinder.layered_kernels(self.radius, self._stack, self.core == "free")
+        free = self.core == "free"
+        if speed is None:
+            return cylinder.layered_kernels(self.radius, self._stack, free)
+        relaxations = tuple(material.relaxation(speed) for material in self.materials)
+        return rolling.layered_kernels(self.radius, self._stack, relaxations, free)
 
 
 def contact_radius(one: Body, two: Body) -> float:
@@ -388,9 +457,12 @@ class ContactProblem(Problem):
     ----------
     pair : (str, str)
         Names of the fields that hold body 1 and body 2.
+    speed_field : str
+        Name of the field that holds the speed.
     """
 
     pair: ClassVar[tuple[str, str]]
+    speed_field: ClassVar[str]
     # whether bodies may be in it that are good for a web held at the trailing edge only
     _admits_estimates: ClassVar[bool] = False
 
@@ -424,6 +496,49 @@ class ContactProblem(Problem):
         pairs = zip(self.pair, self.bodies, strict=True)
         linear = {name: body.stand_in(pressure) for name, body in pairs}
         return None if None in linear.values() else self.replace(**linear)
+
+    @property
+    def rolling_speed(self) -> float | None:
+        """V, at which both surfaces roll along +x [m/s]."""
+        speed: float | None = getattr(self, self.speed_field)
+        return speed
+
+    @cached_property
+    def viscoelastic(self) -> bool:
+        """Whether a body is."""
+        return any(body.viscoelastic for body in self.bodies)
+
+    def respond(
+        self, body: Body, grid: ContactGrid, a: float, about: Tractions | None = None
+    ) -> Response:
+        """Return a body's response at the problem's speed; see :meth:`Body.respond`."""
+        if not self.viscoelastic:
+            return body.respond(grid, a, about)
+        speed = {"speed": self.rolling_speed} if body.viscoelastic else {}
+        response = body.respond(grid, a, about, **speed)
+        response.kept = True  # what is dissipated asks again
+        return response
+
+    def uses_of_speed(self) -> Iterator[tuple[str, str]]:
+        """Yield what depends on the speed: the field, and a text that says why."""
+        for name, body in zip(self.pair, self.bodies, strict=True):
+            if body.viscoelastic:
+                yield name, f"{name} is of a viscoelastic material"
+
+    @model_validator(mode="after")
+    def _speed_where_it_counts(self) -> Self:
+        uses, speed = list(self.uses_of_speed()), self.rolling_speed
+        if uses and speed is None:
+            text = f"missing; must be > 0 [m/s], as {uses[0][1]}"
+            raise InvalidProblem.at(self.speed_field, text)
+        if speed is not None and not uses:
+            one, two = self.pair
+            raise InvalidProblem.at(
+                self.speed_field,
+                f"{speed:.10g} is given, but nothing depends on it; must be left out, or {one} or "
+                f"{two} be of a viscoelastic material",
+            )
+        return self
 
     @model_validator(mode="after")
     def _deforms(self) -> Self:

@@ -11,6 +11,7 @@ An orthotropic material relates stress and strain in the (radial, tangential) ax
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -18,17 +19,15 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..errors import InvalidProblem, did_you_mean
-from ..quantities import pure, stress
-from .fields import Family, Number, shown
+from ..quantities import Quantity, pure, stress
+from .fields import Description, Family, Number, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from .fields import Given
 
 __all__ = [
-    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "Orthotropic", "Solid", "Stiffness",
-    "material",
+    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "OneModulus", "Orthotropic",
+    "PronyTerm", "Solid", "Stiffness", "material",
 ]  # fmt: skip
 
 
@@ -51,8 +50,22 @@ class Solid(Family):
 
     @property
     def stiffness(self) -> Stiffness:
-        """The plane-strain stiffness A_rr, A_tt, A_rt, G [Pa]."""
+        """The plane-strain stiffness A_rr, A_tt, A_rt, G [Pa]; of what relaxes, in the end."""
         raise NotImplementedError
+
+    @property
+    def relaxes(self) -> bool:
+        """Whether it is viscoelastic."""
+        return False
+
+    @property
+    def caution(self) -> str:
+        """What is to be said with every result, empty for nothing."""
+        return ""
+
+    def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
+        """Return how the moduli relax in rolling: E_k/E_inf and lengths speed * tau_k [m]."""
+        return ()
 
 
 class Material(Solid, abstract=True):
@@ -136,15 +149,99 @@ class Orthotropic(Material):
         return Stiffness(self.radial, self.tangential, self.cross, self.shear)
 
 
-class Isotropic(Material):
+PoissonsRatio = Annotated[Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Field(ge=0, le=0.5)]
+
+
+class OneModulus(Material, abstract=True):
+    """An isotropic material of constant Poisson's ratio: all its moduli go with Young's."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def poissons_ratio(self) -> float:
+            """Declared by each member, in its own order."""
+
+    @property
+    def long_term_modulus(self) -> float:
+        """E_inf, Young's modulus after all relaxation [Pa]."""
+        raise NotImplementedError
+
+    @property
+    def prony_series(self) -> tuple[tuple[float, float], ...]:
+        """How it relaxes, (E_k [Pa], tau_k [s]); nothing where it does not."""
+        return ()
+
+    @property
+    def relaxes(self) -> bool:
+        """Whether it is viscoelastic."""
+        return bool(self.prony_series)
+
+    def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
+        """Return how the moduli relax in rolling: E_k/E_inf and lengths speed * tau_k [m]."""
+        return tuple((E / self.long_term_modulus, speed * tau) for E, tau in self.prony_series)
+
+    @cached_property
+    def stiffness(self) -> Stiffness:
+        """The plane-strain stiffness A_rr = A_tt, A_rt, G [Pa].
+
+        A_rr grows like 1/(1 - 2 nu), D does not: all that is asked of them stays bounded.
+        """
+        E, nu = self.long_term_modulus, self.poissons_ratio
+        direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
+        return Stiffness(
+            direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
+        )  # fmt: skip
+
+
+class PronyTerm(Description):
+    """A term of a Prony series, E_k exp(-t/tau_k); a pair (E_k, tau_k) is one too.
+
+    Parameters
+    ----------
+    modulus : float
+        E_k [Pa], > 0: moduli relax, they do not grow with time.
+    time : float
+        tau_k [s], > 0.
+    """
+
+    modulus: Annotated[
+        Number, stress("E_k", "modulus that relaxes", "MPa", (1e5, 1e8)), Field(gt=0, le=STIFFEST)
+    ]
+    time: Annotated[
+        Number, Quantity("tau_k", "s", "relaxation time", "ms", (1e-6, 10.0)), Field(gt=0, le=1e15)
+    ]
+
+    @classmethod
+    def made(cls, value: Any) -> Any:
+        """Return the term of a pair or a table."""
+        if isinstance(value, (tuple, list)) and len(value) == 2:
+            return cls(modulus=value[0], time=value[1])
+        return cls(**value) if isinstance(value, Mapping) else value
+
+
+if TYPE_CHECKING:
+    Prony = Given[
+        tuple[PronyTerm, ...],
+        Iterable[PronyTerm | tuple[float, float] | Mapping[str, Any]],
+    ]
+else:
+    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.made)], ...]
+
+
+class Isotropic(OneModulus):
     """An isotropic material by Young's modulus and Poisson's ratio, used in plane strain.
+
+    With a Prony series it is viscoelastic, E(t) = E_inf + sum E_k exp(-t/tau_k), at a constant
+    Poisson's ratio; drums, rolls and rollers of it need a speed.
 
     Parameters
     ----------
     youngs_modulus : float
-        E [Pa], 1e-3 to 1e14.
+        E [Pa], 1e-3 to 1e14; of a viscoelastic material E_inf, after all relaxation.
     poissons_ratio : float
         nu, 0 <= nu <= 0.5.
+    prony : sequence of (float, float), optional
+        E_k [Pa] and tau_k [s], both > 0.
 
     Raises
     ------
@@ -157,21 +254,21 @@ class Isotropic(Material):
         stress("E", "Young's modulus", "MPa", (1e6, 2.1e11)),
         Field(ge=SOFTEST, le=STIFFEST),
     ]
-    poissons_ratio: Annotated[
-        Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Field(ge=0, le=0.5)
-    ]
+    poissons_ratio: PoissonsRatio
+    prony: Annotated[
+        Prony | None,
+        Field(min_length=1, max_length=100, description="terms by which a viscoelastic E relaxes"),
+    ] = None
 
-    @cached_property
-    def stiffness(self) -> Stiffness:
-        """The plane-strain stiffness A_rr = A_tt, A_rt, G [Pa].
+    @property
+    def long_term_modulus(self) -> float:
+        """E_inf [Pa]."""
+        return self.youngs_modulus
 
-        A_rr grows like 1/(1 - 2 nu), D does not: all that is asked of them stays bounded.
-        """
-        E, nu = self.youngs_modulus, self.poissons_ratio
-        direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
-        return Stiffness(
-            direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
-        )  # fmt: skip
+    @property
+    def prony_series(self) -> tuple[tuple[float, float], ...]:
+        """E_k [Pa] and tau_k [s]."""
+        return tuple((term.modulus, term.time) for term in self.prony or ())
 
 
 class NamedMaterial(NamedTuple):

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import angle, length, line_load, pure
+from ..quantities import angle, length, line_load, pure, velocity
 from . import wound_roll as wound_roll  # it joins the bodies
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
@@ -111,6 +111,7 @@ class WindingNip(ContactProblem):
     """What a nip has with and without its wraps; not a problem of its own."""
 
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
+    speed_field: ClassVar[str] = "web_speed"
 
     web: Annotated[Web, Field(description="the paper or film")]
     roll: Annotated[AnyBody, Field(description="the wound roll")]
@@ -132,6 +133,17 @@ class WindingNip(ContactProblem):
         line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
     ] = 0.0
+    web_speed: Annotated[
+        Number | None,
+        velocity("V", "speed of the web, of viscoelastic bodies", (1.0, 50.0)),
+        Field(gt=0, le=1e4),
+    ] = None
+
+    @model_validator(mode="after")
+    def _web_is_elastic(self) -> Self:
+        if self.web.material.relaxes:
+            raise InvalidProblem.at("web.material", "viscoelastic; must be elastic (no prony)")
+        return self
 
     @model_validator(mode="before")
     @classmethod
@@ -198,6 +210,8 @@ class NipProblem(WindingNip):
         F = -web_tension: surface winding.  |F| < mu- P.
     web_tension : float
         T_in before the nip [N/m], >= 0.
+    web_speed : float, optional
+        V [m/s]; needed where roll or drum is viscoelastic, and only there.
 
     Raises
     ------
@@ -292,7 +306,7 @@ class WrappedNipProblem(WrappedNip):
 
     Parameters
     ----------
-    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension
+    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension, web_speed
         As of :class:`NipProblem`.
     winding_force : float
         F on nip and drum wrap together [N/m].  With a wrap the drum can take

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import line_load, pure, strain
+from ..quantities import line_load, pure, strain, velocity
 from .bodies import AnyBody, ContactProblem, HalfPlane
 from .fields import Number
 from .materials import material
@@ -33,6 +33,8 @@ class RollerProblem(ContactProblem):
         xi [1], in place of the tangential load; rolling only.
     motion : {"rolling", "static"}
         Rolling along the material flow +x, or a monotone static load.
+    speed : float, optional
+        V of both surfaces [m/s]; needed where a roller is viscoelastic, and only there.
 
     Raises
     ------
@@ -43,6 +45,7 @@ class RollerProblem(ContactProblem):
     """
 
     pair: ClassVar[tuple[str, str]] = ("upper", "lower")
+    speed_field: ClassVar[str] = "speed"
 
     upper: Annotated[AnyBody, Field(description="the upper roller")]
     lower: Annotated[AnyBody, Field(description="the lower roller")]
@@ -53,6 +56,11 @@ class RollerProblem(ContactProblem):
     tangential_load: Annotated[Number | None, line_load("Q", "tangential load")] = None
     creepage: Annotated[Number | None, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = None
     motion: Literal["rolling", "static"] = "rolling"
+    speed: Annotated[
+        Number | None,
+        velocity("V", "speed of both surfaces, of viscoelastic rollers", (0.1, 50.0)),
+        Field(gt=0, le=1e4),
+    ] = None
 
     @model_validator(mode="after")
     def _has_a_state(self) -> Self:
@@ -68,6 +76,11 @@ class RollerProblem(ContactProblem):
                 f"{self.creepage:.10g} is given, but motion = 'static' has none; "
                 "must be left out, or motion = 'rolling'",
             )
+        if self.viscoelastic and self.motion == "static":
+            raise InvalidProblem.at(
+                "motion", "'static' is out of place; must be 'rolling': a viscoelastic roller "
+                "answers a static load in time"
+            )  # fmt: skip
         if 0 < self.friction < LEAST_FRICTION:
             raise InvalidProblem.at(
                 "friction", f"{self.friction:.10g} is out of range; must be 0 or >= 1e-08 and <= 10"

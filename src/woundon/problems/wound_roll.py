@@ -117,7 +117,13 @@ class WoundRoll(Body):
         """Return P0 at radii [Pa]."""
         return at_radius(self.pressure, r)
 
-    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
+    def respond(
+        self,
+        grid: ContactGrid,
+        a: float,
+        about: Tractions | None = None,
+        speed: float | None = None,
+    ) -> Response:
         """Return the response, linearised about the loads unless it is frozen."""
         if self.hardening == "direct":
             from .direct import respond, ring  # imported late: most never ask for it

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..contact.certificate import friction_laws, integral, largest, positive_pressure
+from ..losses import Surface, balance_law, pressed, surfaces
 from ..results import Residuals
 from ..two_bodies import Matrices, mesh_of, within
 from .equations import RollerMatrices
@@ -59,4 +60,19 @@ def certificate(result: RollerResult, made: Matrices) -> Residuals:
         creepage=astray / made.top,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
         **within(problem, made.responses),
+        **balance_law(
+            result,
+            lambda: surfaces(problem, made.responses, mesh_of(result), a, made.loads(p, q)),
+            lambda one, two: _put_in(result, one, two),
+        ),
     )
+
+
+def _put_in(result: RollerResult, upper: Surface, lower: Surface) -> float:
+    """Return what the shafts put in less what friction takes [N/m]."""
+    problem, xi = result.problem, result.creepage
+    last = xi + lower.strain[-1] - upper.strain[-1]  # that of the last cell belongs to no node
+    x = result.half_width * mesh_of(result).middle
+    work = pressed(problem, x, result.offset / problem.contact_radius, upper, lower)
+    each = upper.traction * (xi - np.append(result.slip[1:-1], last))
+    return work + float(upper.length @ each)

@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from .. import kinds
+from ..losses import Losses
 from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
@@ -20,7 +21,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollerResult(Result):
+class RollerResult(Losses, Result):
     """The state of two rollers in contact.
 
     Attributes
@@ -48,7 +49,9 @@ class RollerResult(Result):
         On which it was solved.
     """
 
-    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"creepage", "shift", "traction_error"})
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
+        {"creepage", "rolling_resistance", "shift", "traction_error"}
+    )
 
     problem: RollerProblem
     creepage: Annotated[

@@ -147,6 +147,7 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         traction_error=nan if before is None else _traction_change(before, level) / 2,
         iterations=ladder.solves,
         mesh=mesh,
+        rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
     return result.replace(
         errors=ladder.errors_of(result),

@@ -98,8 +98,13 @@ def rows_of(
         name
         for name in quantities.scalar_outputs(result)
         if name not in leave and name not in beside and name not in names
-    ]
+        and not _is_nan(quantities.value_of(result, name))  # what it does not have, as no speed
+    ]  # fmt: skip
     return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and isnan(value)
 
 
 # ---- the nip ------------------------------------------------------------------------------------
@@ -144,7 +149,8 @@ def _hardening(problem: WindingNip) -> Iterator[Line]:
 
 
 def _loads(result: WindingNipResult) -> tuple[Row, ...]:
-    names = ("nip_load", "winding_force", "web_tension")
+    moving = [] if result.problem.web_speed is None else ["web_speed"]
+    names = ("nip_load", "winding_force", "web_tension", *moving)
     return tuple(field_row(result.problem, name) for name in names)
 
 
@@ -230,7 +236,9 @@ def roller_report(result: RollerResult) -> list[Part]:
     """Return the report of two rollers."""
     problem, rolling = result.problem, result.problem.motion == "rolling"
     given = "creepage" if problem.creepage is not None else "tangential_load"
-    loads = (field_row(problem, name, empty=0.0) for name in ("load", given, "friction"))
+    moving = [] if problem.speed is None else ["speed"]
+    names = ("load", given, "friction", *moving)
+    loads = (field_row(problem, name, empty=0.0) for name in names)
     how = f"{problem.motion} contact, {result.nodes} nodes, {result.iterations} linear systems"
     return [
         Line(how, "quiet"),
@@ -280,6 +288,8 @@ def _rival_tensions(result: WindingNipResult) -> Iterator[tuple[str, float]]:
 
 
 def _hertz(result: WindingNipResult | RollerResult, label: str) -> list[Row]:
+    if result.problem.viscoelastic:
+        label += ", all relaxed"
     try:
         contact = theories.hertz(result.problem)
     except InvalidProblem:  # a body of no linear elastic material
@@ -291,7 +301,8 @@ def _hertz(result: WindingNipResult | RollerResult, label: str) -> list[Row]:
 
 
 def _roller_theories(result: RollerResult) -> Iterator[Section]:
-    rows = [*_partial_slip(result), *_free_rolling(result)]
+    elastic = not result.problem.viscoelastic
+    rows = [*_partial_slip(result), *_free_rolling(result)] if elastic else []
     rows += _hertz(result, "Hertz (half-planes)")
     if rows:
         yield Section("Closed forms", tuple(rows))

@@ -128,14 +128,15 @@ class WrapEquations:
     def roll(self) -> Face:
         """The roll's matrices."""
         grid, a = self.grid, self.half_width
-        body, loads = self.problem.roll, self.about.roll
-        return face(body, grid, grid.first, grid.size - 1, grid.last, a, loads)
+        problem, loads = self.problem, self.about.roll
+        return face(problem, problem.roll, grid, grid.first, grid.size - 1, grid.last, a, loads)
 
     @cached_property
     def drum(self) -> Face:
         """The drum's matrices."""
-        grid, a = self.grid, self.half_width
-        return face(self.problem.drum, grid, 0, grid.last, grid.first, a, self.about.drum)
+        problem, grid, a = self.problem, self.grid, self.half_width
+        loads = self.about.drum
+        return face(problem, problem.drum, grid, 0, grid.last, grid.first, a, loads)
 
     @property
     def faces(self) -> tuple[Array, Array]:

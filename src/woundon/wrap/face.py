@@ -22,7 +22,9 @@ import numpy as np
 
 from ..contact.response import Response, Tractions
 from ..contact.schemes import interpolation_rank
+from ..losses import Surface
 from ..problems.bodies import Body
+from ..problems.nip import WindingNip
 from .grid import Influence, OpenGrid, WrapGrid
 
 __all__ = ["Face", "face"]
@@ -70,16 +72,34 @@ class Face:
     strain: Array
     sunk: float
 
+    def surface(
+        self, body: Body, grid: WrapGrid, start: int, a: float, pressure: Array, traction: Array
+    ) -> Surface:
+        """Return the surface under pressures and tractions on all nodes of the grid."""
+        own = slice(start, start + self.bend.size)
+        p, q = pressure[own], traction[own]
+        cells = slice(start, start + self.bend.size - 1)
+        part = (grid.points[cells] - grid.nodes[cells]) / grid.cells[cells]
+        slope = self.slope + self.slope_p @ p + self.slope_q @ q
+        strain = (self.strain + self.strain_p @ p + self.strain_q @ q)[:-1]
+        lengths, k = a * grid.cells[cells], grid.last - start
+        v = np.append(0.0, np.cumsum(slope * lengths))
+        v += float(self.normal_p @ p + self.normal_q @ q) + self.sunk - v[k]
+        v, p, q = (values[:-1] * (1 - part) + values[1:] * part for values in (v, p, q))
+        return Surface(slope, strain, v, p, q, lengths, body.curvature)
+
 
 def face(
-    body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float,
+    problem: WindingNip, body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float,
     about: Tractions | None = None,
 ) -> Face:  # fmt: skip
     """Return a body's matrices on the nodes start ... stop (inclusive).
 
     Parameters
     ----------
+    problem : WindingNip
     body : Body
+        Its roll or drum.
     grid : WrapGrid
     start, stop : int
         First and last node of the face.
@@ -100,7 +120,7 @@ def face(
     points = FaceGrid(grid, start, stop, edge)
     own = slice(start, stop + 1)
     loads = None if about is None else Tractions(*(part[own] for part in about))
-    response = body.respond(points, a, loads)
+    response = problem.respond(body, points, a, loads)
     slope_p, slope_q, strain_p, strain_q = response.gradients
     last_p, last_q = response.normal()
     v_p = points.deflection(slope_p, last_p, a)

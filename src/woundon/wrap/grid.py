@@ -18,7 +18,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..contact.grid import HIGHEST_RANK, Grid
+from ..contact.grid import HIGHEST_RANK, Grid, Past
 from ..contact.schemes import interpolation_rank
 from ..elasticity.kernels import Kernel
 from ..errors import InvalidProblem
@@ -52,6 +52,16 @@ class OpenGrid(Grid):
         falling = zeroth - first
         inner = first[:, :-1] + falling[:, 1:]
         return np.hstack([falling[:, :1], inner, first[:, -1:]])
+
+    def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
+        """Integrate what a viscoelastic surface adds against hats and half hats, (k, K, N+1)."""
+        before, logarithm = (part[rows] for part in self.apart)
+        rise = np.diff(lag.twice(before, logarithm + np.log(scale)), axis=-1) / (scale * self.cells)
+        ends = [
+            -lag.exactly(scale * (self.points[rows] - node), 1)[..., None]
+            for node in self.nodes[[0, -1]]
+        ]
+        return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,12 +220,14 @@ class Influence:
 
     def __call__(self, kernel: Kernel) -> Array:
         """Return the integrals at each point, (K, N+1)."""
+        whole, lag = kernel, kernel.lag
+        kernel = replace(kernel, lag=None)
         out = self.grid.integrate(replace(kernel, smooth=None), self.scale)
         if kernel.smooth is not None:
             needed, near, far, across = self._distances
             values = np.zeros(needed.shape)
             values[needed] = kernel.smooth(near)
-            values[far] += kernel.singular(across[0]) - kernel.singular(across[1])
+            values[far] += whole.singular(across[0]) - whole.singular(across[1])
             out += values @ self._hats_at_points
         rank = interpolation_rank(self.length, self.scale)
         most = HIGHEST_RANK if self.nip is None else self.nip.highest_rank
@@ -224,7 +236,7 @@ class Influence:
         elif self.nip is not None:
             own = slice(0, self.rows.size)
             out[self.rows, self.columns] = self.nip.integrate(kernel, self.scale, own, rank)
-        return out
+        return out if lag is None else out + self.grid.lagging(lag, self.scale)[0]
 
     @cached_property
     def _points(self) -> tuple[Array, Array, Array]:

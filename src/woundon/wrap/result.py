@@ -47,7 +47,9 @@ class WrappedNipResult(WindingNipResult):
         "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
         "wound_on_tension_estimate": "the wrapped web's wound_on_tension is solved, not estimated",
     })  # fmt: skip
-    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"roll_slip", "drum_slip", "roll_strain"})
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
+        {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
+    )
 
     problem: WrappedNipProblem
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]

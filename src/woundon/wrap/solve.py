@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,6 +24,7 @@ from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halv
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
+from ..losses import Surface, lost
 from ..nip.solve import slip_ratios, told_by
 from ..nip.validity import nip_warnings, web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
@@ -227,6 +229,10 @@ class WrapContact(PairContact):
             width = min(width, turn)
         return "; ".join(filter(None, (*web_far_outside(problem, width), super().outside)))
 
+    def surfaces(self, level: Level) -> tuple[Surface, Surface]:
+        """Return the surfaces of roll and drum on a solved mesh, in nip and arcs."""
+        return _surfaces(level.equations, level.state)
+
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
         state, grid = level.state, level.equations.grid
@@ -280,6 +286,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         series_error=max((r.truncation_error for r in responses), default=0.0),
         mesh=level.mesh,
         widths=ladder.widths,
+        rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
     result = result.replace(roll_strain=roll_strain(equations, result))
     return result.replace(
@@ -347,6 +354,18 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
 
 
+def _surfaces(equations: WrapEquations, state: Any) -> tuple[Surface, Surface]:
+    """Return the surfaces of roll and drum, in nip and arcs; ``state`` or a result's arrays."""
+    grid, a, problem = equations.grid, state.half_width, equations.problem
+    roll = equations.roll.surface(
+        problem.roll, grid, grid.first, a, state.roll_pressure, state.roll_traction
+    )
+    drum = equations.drum.surface(
+        problem.drum, grid, 0, a, state.drum_pressure, state.drum_traction
+    )
+    return roll, drum
+
+
 def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
     equations, problem = equations_of(result), result.problem
@@ -358,4 +377,8 @@ def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     )  # fmt: skip
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     own = _in_nip(arrays, equations.grid)
-    return told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
+    told = told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
+    if problem.viscoelastic:
+        resistance = lost(problem, _surfaces(equations, state))
+        told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
+    return told

@@ -1,0 +1,258 @@
+"""Viscoelastic materials and problems: what is admitted, read, written and reported."""
+
+from __future__ import annotations
+
+import tomllib
+from math import pi, tan
+from typing import Any
+
+import numpy as np
+import pytest
+from refusals import refused_in_one_line
+
+import woundon as wo
+from woundon.elasticity.relaxation import factor
+from woundon.io.case_files import make_problem
+from woundon.io.case_texts import to_toml
+
+PRONY = [(3e6, 1e-3), (2e6, 1e-2)]
+# a measured rubber, compound unknown
+HZ = [1.0, 10.0, 100.0, 968.0, 7030.0]
+STORAGE = [8.93e6, 9.94e6, 12.3e6, 15.0e6, 18.8e6]
+LOSS = [1.21e6, 1.61e6, 2.13e6, 3.38e6, 5.35e6]
+
+
+def rubber(prony: Any = PRONY) -> wo.Isotropic:
+    return wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=prony)
+
+
+def cover(material: wo.Material) -> wo.Cylinder:
+    return wo.Cylinder(radius=0.25, core_radius=0.235, material=material)
+
+
+def nip(**changes: Any) -> wo.NipProblem:
+    return wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=5.0, **changes)
+
+
+def dynamic_test(**known: Any) -> wo.DynamicTest:
+    table = {"frequency": HZ, "storage_modulus": STORAGE, "loss_modulus": LOSS}
+    return wo.DynamicTest(**table | known, poissons_ratio=0.48)
+
+
+# ---- what is refused ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: rubber([(-3e6, 1e-3)]), "prony.0.modulus: -3000000 is out of range; must be > 0"),
+        (lambda: rubber([(1e6, 1.0), (3e6, 0)]), "prony.1.time: 0 is out of range; must be > 0"),
+        (lambda: rubber([(3e6, -1e-3)]), "prony.0.time: -0.001 is out of range; must be > 0"),
+        (lambda: rubber([]), "prony: 0 values; must be at least 1"),
+        (lambda: rubber([(3e6,)]), "prony.0: (3000000.0,) is out of place"),
+        (lambda: rubber([("3 MPa", 1.0)]), "prony.0.modulus: '3 MPa' is not a number"),
+        (lambda: nip().replace(web_speed=None), "web_speed: missing; must be > 0 [m/s], as drum"),
+        (lambda: nip().replace(web_speed=0.0), "web_speed: 0 is out of range; must be > 0"),
+        (
+            lambda: wo.NipProblem.example().replace(web_speed=10.0),
+            "web_speed: 10 is given, but nothing depends on it; must be left out, or roll or drum",
+        ),
+        (lambda: nip(**{"web.material": rubber()}), "web.material: viscoelastic; must be elastic"),
+        (
+            lambda: wo.RollerProblem(
+                upper=wo.Rigid(radius=0.2), lower=cover(rubber()), load=1e3, friction=0.3,
+                motion="static", speed=1.0,
+            ),
+            "motion: 'static' is out of place; must be 'rolling'",
+        ),
+        (
+            lambda: wo.RollerProblem(
+                upper=wo.Rigid(radius=0.2), lower=cover(rubber(None)), load=1e3, friction=0.3,
+                speed=1.0,
+            ),
+            "speed: 1 is given, but nothing depends on it",
+        ),
+        (
+            lambda: wo.LossAngle(
+                youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=1.6, frequency=10.0
+            ),
+            "loss_angle: 1.6 is out of range",
+        ),
+        (
+            lambda: dynamic_test(loss_modulus=[2 * value for value in LOSS]),
+            "loss_modulus: misses what the storage moduli imply",
+        ),
+        (
+            lambda: dynamic_test(storage_modulus=STORAGE[::-1]),  # a modulus that falls with f
+            "loss_modulus: misses what the storage moduli imply",
+        ),
+        (lambda: dynamic_test(frequency=HZ[::-1]), "frequency.1: 968 is out of range; must be >"),
+        (lambda: dynamic_test(loss_modulus=LOSS[:4]), "loss_modulus: 4 values; must be as many as"),
+        (
+            lambda: dynamic_test(loss_modulus=[0.0, *LOSS[1:]]),
+            "loss_modulus.0: 0 is out of range; must be >= 0.001",
+        ),
+    ],
+)  # fmt: skip
+def test_refused(make: Any, told: str) -> None:
+    refused_in_one_line(make, told)
+
+
+def test_a_problem_may_use_the_speed_for_something_else() -> None:
+    """The refusal of a speed asks all that may depend on it, in subclasses too."""
+
+    class Airy(wo.NipProblem):
+        def uses_of_speed(self) -> Any:
+            yield from super().uses_of_speed()
+            yield "roll_friction", "air comes in"
+
+    fields = {name: getattr(wo.NipProblem.example(), name) for name in wo.NipProblem.model_fields}
+    assert Airy(**fields | {"web_speed": 10.0}).rolling_speed == 10.0
+
+
+# ---- materials ----------------------------------------------------------------------------------
+
+
+def test_a_loss_angle_is_that_at_its_frequency_and_the_largest() -> None:
+    material = wo.LossAngle(
+        youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=0.2, frequency=100.0
+    )
+
+    def loss(hertz: float) -> float:
+        E = factor(material.relaxation(1.0), np.array([2 * pi * hertz]))[0]
+        return float(E.imag / E.real)
+
+    assert loss(100.0) == pytest.approx(tan(0.2), rel=1e-12)
+    assert max(loss(90.0), loss(110.0)) < loss(100.0)
+
+
+def test_a_dynamic_test_is_followed() -> None:
+    """A table of a Prony series comes back from the series fitted to it."""
+    E, w = 5e6, 2j * pi * np.logspace(0, 4, 30)
+    exact = E + sum(e * w * t / (1 + w * t) for e, t in ((2e6, 3e-2), (4e6, 1e-4)))
+    material = dynamic_test(
+        frequency=np.logspace(0, 4, 30), storage_modulus=exact.real, loss_modulus=exact.imag
+    )
+    assert material.misfit < 0.01
+    found = material.long_term_modulus * factor(material.relaxation(1.0), (w / 1j).real)
+    assert np.max(np.abs(found / exact - 1)) < 0.01
+    assert all(modulus > 0 for modulus, _ in material.prony_series)
+
+
+def test_a_poor_fit_is_told_with_every_result() -> None:
+    poor = dynamic_test(loss_modulus=[1.25 * value for value in LOSS])
+    assert 0.05 < poor.misfit < 0.1
+    with pytest.warns(wo.ValidityWarning, match="the drum: its Prony series misses the measured"):
+        result = wo.solve_nip(nip(**{"drum.material": poor}), nodes=17)
+    assert any(f"{poor.misfit:.1%}" in text for text in result.warnings)
+    assert dynamic_test().misfit < 0.05
+    assert dynamic_test().caution == ""
+
+
+# ---- cases, studies, reports, files -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "material",
+    [
+        rubber(),
+        wo.LossAngle(youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=0.2, frequency=100.0),
+        dynamic_test(),
+    ],
+)
+@pytest.mark.parametrize("comments", [False, True])
+def test_case_files(material: wo.Material, comments: bool) -> None:
+    problem = nip(**{"drum.material": material}).wrapped()
+    text = to_toml(problem, comments=comments)
+    assert make_problem(tomllib.loads(text)) == problem
+    assert '"5 m/s"' in text
+
+
+def test_variants_with_units() -> None:
+    problem = nip().replace(**{"web_speed": "1200 m/min", "drum.material.prony.1.time": "2 ms"})
+    assert problem.web_speed == 20.0
+    assert problem.drum.material.prony[1].time == 2e-3  # type: ignore[attr-defined]
+
+
+def test_a_sweep_over_speed() -> None:
+    table = wo.sweep(
+        nip(), over={"web_speed": [1.0, 30.0]},
+        outputs=["nip_width", "rolling_resistance", "dissipated_power", "pressure_shift"], nodes=17,
+    ).to_dataframe()  # fmt: skip
+    assert table["nip_width"].iloc[0] > table["nip_width"].iloc[1]  # stiffer in a hurry
+    np.testing.assert_allclose(
+        table["dissipated_power"], table["rolling_resistance"] * [1.0, 30.0], rtol=1e-12
+    )
+    assert (table["pressure_shift"] < 0).all()
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_files_and_reports(wrapped: bool, tmp_path: Any) -> None:
+    problem = nip().wrapped() if wrapped else nip()
+    result = wo.solve(problem, nodes=17)
+    for name in ("r.json", "r.nc"):
+        result.save(tmp_path / name)
+        assert wo.load_result(tmp_path / name) == result
+    said = str(result)
+    for text in ("rolling resistance", "turn into heat", "resultant", "300  m/min", "all relaxed"):
+        assert text in said
+    assert result.certified().largest < 1e-8
+
+
+def test_elastic_results_say_nothing_of_it() -> None:
+    result = wo.solve(wo.NipProblem.example(), nodes=17)
+    assert np.isnan(
+        [result.rolling_resistance, result.dissipated_power, result.pressure_shift]
+    ).all()
+    assert "rolling resistance" not in str(result)
+    assert "power_balance" not in dict(result.residuals.items())
+    assert "rolling_resistance" not in result.errors
+
+
+@pytest.mark.parametrize("kind", ["nip", "rollers"])
+def test_the_balance_of_power_is_a_law(kind: str) -> None:
+    rollers = wo.RollerProblem(
+        upper=wo.Rigid(radius=0.2), lower=cover(rubber()), load=2e3, friction=0.3,
+        tangential_load=300.0, speed=5.0,
+    )  # fmt: skip
+    result: Any = wo.solve(nip(winding_force=-200.0) if kind == "nip" else rollers, nodes=17)
+    assert result.residuals.power_balance < 1e-8
+    slips = "drum_creep" if kind == "nip" else "creepage"
+    for name in ("rolling_resistance", "offset", slips):
+        wrong = result.replace(**{name: getattr(result, name) * 1.01}).certified()
+        assert wrong.power_balance > 1e-7, name
+    assert result.replace(rolling_resistance=float("nan")).certified().power_balance != 0.0
+
+
+def test_the_told_resistance_of_a_wrapped_nip_is_that_of_its_arrays() -> None:
+    result = wo.solve(nip().wrapped(), nodes=33)
+    told, slack = result.recomputed()["rolling_resistance"]
+    assert abs(told - result.rolling_resistance) <= slack
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("web_speed", 5.0),
+        ("drum.material.prony.0.modulus", 3e6),
+        ("drum.material.prony.1.time", 1e-2),
+    ],
+)
+def test_exact_sensitivities(name: str, value: float) -> None:
+    problem, step = nip(), 1e-3 * value
+    exact = wo.solve_nip(problem, nodes=33).sensitivity(name)
+    up, down = (
+        wo.solve_nip(problem.replace(**{name: value + way * step}), nodes=33) for way in (1, -1)
+    )
+    for output in ("nip_induced_tension", "half_width", "drum_creep"):
+        difference = (getattr(up, output) - getattr(down, output)) / (2 * step)
+        assert exact.derivative(output, name) == pytest.approx(difference, rel=2e-4)
+
+
+def test_bodies_without_a_speed_answer_relaxed() -> None:
+    from woundon.contact.schemes import Graded
+
+    mesh = Graded().mesh(17)
+    one, two = (cover(m).respond(mesh, 0.005).gradients for m in (rubber(), rubber(None)))
+    for x, y in zip(one, two, strict=True):
+        assert np.array_equal(x, y)

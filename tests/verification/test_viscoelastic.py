@@ -1,0 +1,352 @@
+"""Viscoelastic bodies: Hunter's problem, elastic limits, Prony series, kernels, energy."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import spence
+
+import woundon as wo
+from woundon.contact.response import padded
+from woundon.contact.schemes import Graded
+from woundon.elasticity import cylinder, rolling
+from woundon.elasticity.lag import Lag, around
+from woundon.elasticity.layers import stacked_compliance
+from woundon.elasticity.relaxation import creep, factor
+
+Array = np.ndarray
+
+RUBBER = [(3e6, 1e-3), (2e6, 1e-2)]  # E_k, tau_k
+
+
+def rubber(prony: Any = RUBBER, E: float = 5e6) -> wo.Isotropic:
+    return wo.Isotropic(youngs_modulus=E, poissons_ratio=0.45, prony=prony)
+
+
+def cover(material: wo.Material) -> wo.Cylinder:
+    return wo.Cylinder(radius=0.25, core_radius=0.235, material=material)
+
+
+def drums(material: wo.Material) -> dict[str, wo.Body]:
+    stiff = wo.Isotropic(youngs_modulus=60e6, poissons_ratio=0.4)
+    layers = [wo.Layer(thickness=0.008, material=m) for m in (material, stiff)]
+    return {
+        "half-plane": wo.HalfPlane(radius=0.25, material=material),
+        "cover": cover(material),
+        "layers": wo.Layered(radius=0.25, layers=layers),
+        "below": wo.Layered(radius=0.25, layers=layers[::-1]),
+    }
+
+
+# ---- Hunter -------------------------------------------------------------------------------------
+
+# resistance f R/c_inf over De of a rigid cylinder on a standard linear half-plane, E_0 = 2 E_inf;
+# an independent program
+HUNTER = {0.01: 0.00985001, 0.1: 0.08513067, 0.3: 0.17510174, 1.0: 0.17756473, 10.0: 0.04635429}
+
+
+@pytest.mark.parametrize("De", HUNTER)
+def test_hunters_cylinder(De: float) -> None:
+    E, nu, P, R, tau = 1e6, 0.3, 100.0, 1.0, 1e-2
+    c = sqrt(4 * P * R * (1 - nu**2) / (pi * E))
+    material = wo.Isotropic(youngs_modulus=E, poissons_ratio=nu, prony=[(E, tau)])
+    result = wo.solve_rollers(wo.RollerProblem(
+        upper=wo.Rigid(radius=2 * R), lower=wo.HalfPlane(radius=2 * R, material=material),
+        load=P, friction=0.0, speed=De * c / tau,
+    ))  # fmt: skip
+    # the two formulas, by the surface's work and by the moment of the pressure
+    by_work = result.rolling_resistance / P * R / c
+    by_moment = -result.pressure_shift / c
+    for found in (by_work, by_moment):
+        assert found == pytest.approx(HUNTER[De], rel=1e-3)  # asked; 2e-4 to 1e-3 is found
+    told = result.errors["rolling_resistance"] / result.rolling_resistance
+    assert abs(by_work / HUNTER[De] - 1) <= 1.5 * told
+
+
+# ---- limits and series --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("where", ["half-plane", "layers"])
+@pytest.mark.parametrize(("speed", "modulus"), [(1e-9, 5e6), (1e4, 10e6)])
+def test_slow_and_fast_are_elastic(where: str, speed: float, modulus: float) -> None:
+    # relaxation lengths of 1e-12 m, and of 1e7 to 1e8 m: De of 1e-9 and 1e9
+    times = 1e-3 if speed < 1 else 1e3
+    moving = rubber([(3e6, times), (2e6, 10 * times)])
+    problem = wo.NipProblem.example().replace(drum=drums(moving)[where], web_speed=speed)
+    if where == "layers":
+        # evenly pressed around, n = 0, the layer is at rest and relaxed: a bore that gives way
+        # to no even pressure leaves nothing of that
+        problem = problem.replace(nip_load=100.0)
+    still = wo.NipProblem.example().replace(
+        drum=drums(rubber(None, modulus))[where], nip_load=problem.nip_load
+    )
+    one, two = (wo.solve_nip(p, nodes=33) for p in (problem, still))
+    bound = 1e-6 if where == "half-plane" or speed < 1 else 1e-4
+    for name in ("nip_induced_tension", "half_width", "peak_pressure", "drum_creep"):
+        assert getattr(one, name) == pytest.approx(getattr(two, name), rel=bound), name
+    assert abs(one.rolling_resistance) < 1e-3 * 0.01 * problem.nip_load
+
+
+def solved(prony: Any, where: str) -> wo.NipResult:
+    drum = drums(rubber(prony))[where]
+    return wo.solve_nip(wo.NipProblem.example().replace(drum=drum, web_speed=5.0), nodes=33)
+
+
+@pytest.mark.parametrize("where", ["half-plane", "cover", "layers"])
+def test_two_equal_terms_are_one_with_their_sum(where: str) -> None:
+    one, two = solved([(5e6, 1e-3)], where), solved([(3e6, 1e-3), (2e6, 1e-3)], where)
+    near = solved([(3e6, 1e-3), (2e6, 1e-3 * (1 + 1e-12))], where)  # two, all but equal
+    for other in (two, near):
+        for name in ("nip_induced_tension", "half_width", "rolling_resistance"):
+            assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-10)
+
+
+def test_one_term_is_the_standard_linear_solid() -> None:
+    # creep of the solid E_inf + E_1: at once 1/E_0, in the end 1/E_inf, in the time tau E_0/E_inf
+    found = creep(((1.5, 0.2),))
+    assert found.at_once == pytest.approx(1 / 2.5, rel=1e-14)
+    assert found.share == pytest.approx([1 - 1 / 2.5], rel=1e-14)
+    assert found.length == pytest.approx([0.2 * 2.5], rel=1e-14)
+
+
+def test_creep_is_the_inverse_of_relaxation() -> None:
+    series = ((1e-6, 3.0), (2.0, 1e-6), (0.7, 1e-3), (0.7, 1.0000001e-3), (30.0, 5.0))
+    at_once, share, length = creep(series)
+    k = np.logspace(-4, 9, 60)
+    compliance = at_once + (share / (1 + 1j * k[:, None] * length)).sum(axis=1)
+    np.testing.assert_allclose(compliance * factor(series, k), 1.0, rtol=1e-13)
+
+
+# ---- kernels ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("eps", [3.0, 0.5, 0.2, 0.15, 0.05])
+def test_the_harmonics_sum_in_closed_form(eps: float) -> None:
+    P = np.polynomial.polynomial.polyval
+    n, powers = np.arange(1, 40_001), around(np.array([eps]))[0]
+    lag = Lag(np.array([eps]), np.array([[1j], [1.0]]), 4.0)  # Re i Phi, Re Phi = Im i Phi
+    for theta in (0.01, 1.0, -0.3, -2.0):
+        found = lag.exactly(np.array([theta]), 2)[:, 0] @ [1, 1j] + P(theta, powers)
+        # n^-1 and n^-2 taken out and summed by their own closed forms; n^-3 is left, 1e-9 of it
+        x = 1 / (1j * n * eps)
+        rest = (1 / (1 + 1j * n * eps) - x + x**2) @ np.exp(1j * n * theta)
+        first = -np.log(1 - np.exp(1j * theta)) / (1j * eps)
+        second = spence(1 - np.exp(1j * theta)) / (1j * eps) ** 2
+        assert abs(found - (rest + first - second)) < 1e-9 / eps**3
+
+
+@pytest.mark.parametrize("u", [1e-6, 1e-3, 0.99, 1.01, 7.0, 49.0, 51.0, 900.0])
+def test_integrals_of_the_lag(u: float) -> None:
+    lag = Lag(np.array([1.0]), np.array([[1.0], [1j]]), 1e3)
+    for t in (u, -u):
+        around_t = t * (1 + np.array([-1e-4, 0.0, 1e-4]))
+        K = [lag.exactly(around_t, order) for order in range(3)]
+        step = 1e-4 * t
+        for order in (0, 1):  # each is the derivative of the one before
+            slope = (K[order][:, 2] - K[order][:, 0]) / (2 * step)
+            scale = np.abs(K[order + 1]).max() + 1e-12
+            np.testing.assert_allclose(slope, K[order + 1][:, 1], atol=1e-6 * scale)
+        table = lag.twice(np.full(400, t < 0), np.full(400, np.log(abs(t))))[:, 0]
+        np.testing.assert_allclose(table, K[0][:, 1], rtol=1e-8, atol=1e-10 * abs(t))
+
+
+@pytest.mark.parametrize("eps", [1e-3, 0.15, 0.8, 1.3, 30.0])
+@pytest.mark.parametrize("name", ["cover", "layers", "below"])
+def test_kernels_are_their_fourier_sums(name: str, eps: float) -> None:
+    """Slopes and strains of wide, smooth loads, against sums over harmonics."""
+    body = drums(rubber([(6e6, 1.0), (1e6, 3.0)]))[name]
+    R, speed = body.radius, eps * body.radius
+    n = np.arange(0, 400.0)
+    Y = _compliance(body, speed, n)
+    # ((1 + cos)/2)^3 on the contact is smooth: its harmonics die like n^-7
+    a = 0.5 * R
+    mesh = Graded().mesh(257)
+    b = a / R
+    load = ((1 + np.cos(pi * mesh.nodes[1:-1])) / 2) ** 3
+    fine = (np.arange(4000) + 0.5) / 2000 * b - b
+    weight = ((1 + np.cos(pi * fine / b)) / 2) ** 3 * (fine[1] - fine[0])
+    c = np.array([weight @ np.cos(k * fine) for k in n]) / pi
+    c[0] /= 2
+    found = body.respond(mesh, a, speed=speed).gradients
+    wave = np.exp(1j * n * mesh.points[:, None] * a / R)
+    due = (
+        (wave @ (c * n * Y[0, 0])).imag,
+        -(wave @ (c * n * Y[0, 1])).real,
+        -(wave @ (c * (Y[0, 0] + n * Y[1, 0]))).real,
+        -(wave @ (c * (Y[0, 1] + n * Y[1, 1]))).imag,
+    )
+    for matrix, wanted in zip(found, due, strict=True):
+        # 257 hats leave 5e-4 of this load, on a layer of an eighth of its width
+        np.testing.assert_allclose(matrix @ load, wanted, atol=2e-3 * np.abs(wanted).max())
+
+
+def _compliance(body: Any, speed: float, n: Array) -> Array:
+    """Y_n of a rolling body, harmonic by harmonic, from the layers with complex moduli."""
+    if isinstance(body, wo.Cylinder):
+        depth = cylinder.depth(body.radius, body.core_radius)
+        layers, materials = ((depth, *body.material.stiffness),), (body.material,)
+    else:
+        layers, materials = body._stack, body.materials
+    relaxed = [m.relaxation(speed) for m in materials]
+    return stacked_compliance(
+        n, layers, factors=lambda n: np.array([factor(r, n / body.radius) for r in relaxed])
+    )
+
+
+def test_an_elastic_layer_among_relaxing_ones_may_lie_anywhere() -> None:
+    """A layer split into two of the same material changes nothing."""
+    material = rubber()
+    stiff = wo.Isotropic(youngs_modulus=60e6, poissons_ratio=0.4)
+    parts = [
+        [wo.Layer(thickness=h, material=material) for h in thick]
+        for thick in ([0.008], [0.003, 0.005])
+    ]
+    below = [wo.Layer(thickness=0.008, material=stiff)]
+    whole, split = (wo.Layered(radius=0.25, layers=top + below) for top in parts)
+    mesh = Graded().mesh(33)
+    one, two = (body.respond(mesh, 0.005, speed=3.0).gradients for body in (whole, split))
+    for x, y in zip(one, two, strict=True):
+        # smooth parts are interpolated on as many points as either asks for
+        np.testing.assert_allclose(x, y, atol=1e-5 * np.abs(x).max())
+
+
+def test_a_single_layer_is_a_cylinder() -> None:
+    mesh, material = Graded().mesh(33), rubber()
+    layered = wo.Layered(radius=0.25, layers=[wo.Layer(thickness=0.015, material=material)])
+    for x, y in zip(
+        cover(material).respond(mesh, 0.005, speed=3.0).gradients,
+        layered.respond(mesh, 0.005, speed=3.0).gradients, strict=True,
+    ):  # fmt: skip
+        np.testing.assert_allclose(x, y, atol=1e-9 * np.abs(x).max())
+
+
+# ---- energy -------------------------------------------------------------------------------------
+
+
+def hat_waves(nodes: Array, values: Array, k: Array) -> Array:
+    """Fourier integrals of piecewise linear values at the wave numbers k > 0."""
+    slopes = np.diff(values) / np.diff(nodes)
+    jumps = np.diff(slopes, prepend=0.0, append=0.0)
+    return -(np.exp(-1j * np.outer(k, nodes)) @ jumps) / k**2
+
+
+def lost_by_harmonics(result: Any, body: Any, p: Array, q: Array, speed: float) -> float:
+    """What a body dissipates, summed over harmonics, per length rolled [N/m]."""
+    R, n = body.radius, np.arange(1.0, 20_001.0)
+    Y = _compliance_far(body, speed, n)
+    P, Q = (hat_waves(result.x, values, n / R) for values in (p, q))
+    # V int (-p v' + q u') dx of p = Re P e^{in theta}, ...: sums over n of n Im of a form in Y
+    form = (
+        Y[0, 0] * np.abs(P) ** 2
+        + Y[1, 1] * np.abs(Q) ** 2
+        - 1j * Y[0, 1] * (P.conj() * Q - P * Q.conj())
+    )
+    return float(-(n * form.imag).sum() / (pi * R))
+
+
+def _compliance_far(body: Any, speed: float, n: Array) -> Array:
+    """Y_n up to where it is that of the surface alone, n Y_n being constant from there on."""
+    known = _compliance(body, speed, n[:1000])
+    material = body.material if isinstance(body, wo.Cylinder) else body.materials[0]
+    relaxation = material.relaxation(speed)
+    tail = cylinder.asymptotic_compliance(6, *material.stiffness)
+    far = sum(tail[j][..., None] / n[1000:] ** j for j in range(7))
+    far = far / factor(relaxation, n[1000:] / body.radius)
+    return np.concatenate([known, far], axis=-1)
+
+
+def test_dissipation_by_the_surface_and_by_harmonics() -> None:
+    problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
+    misses = []
+    for nodes in (33, 129):
+        result = wo.solve_nip(problem, nodes=nodes)
+        found = lost_by_harmonics(result, problem.drum, result.pressure, result.drum_traction, 3.0)
+        misses.append(abs(found - result.rolling_resistance))
+        # harmonics are cut at waves of 80 um, a part in 1000
+        assert misses[-1] <= 2 * result.errors["rolling_resistance"] + 1e-3 * found
+    assert misses[-1] < 0.3 * misses[0]
+
+
+@pytest.mark.parametrize("force", [0.0, -200.0])
+def test_work_of_shafts_and_tensions_is_dissipated(force: float) -> None:
+    """The balance with integrals along the nodes, not those of the cells; it closes with them."""
+    problem = wo.NipProblem.example().replace(
+        drum=cover(rubber()), web_speed=3.0, winding_force=force
+    )
+    misses = []
+    for nodes in (33, 129):
+        r = wo.solve_nip(problem, nodes=nodes)
+        assert r.residuals.power_balance < 1e-8
+        cells = np.diff(r.x)
+        web = problem.web.material.stiffness
+        c11 = web.rr / (web.rr * web.tt - web.rt**2)
+        h = problem.web.thickness
+
+        def over(values: Array, cells: Array = cells) -> float:
+            return float(cells @ (values[1:] + values[:-1]) / 2)
+
+        q1, q2 = r.roll_traction, r.drum_traction
+        friction = over(q1 * r.roll_slip + q2 * r.drum_slip)
+        moment = -r.pressure_shift * problem.nip_load / problem.contact_radius
+        T_in, T_out = r.web_tension[[0, -1]]
+        tension = c11 / (2 * h) * (T_out**2 - T_in**2)
+        # creep of roll and drum: the web against either, unstrained
+        roll_strain = _edge_strain(r)
+        on_roll = -c11 * T_out / h + roll_strain
+        creep_work = on_roll * over(q1) + r.drum_creep * over(q2)
+        misses.append(abs(moment + tension + creep_work - friction - r.rolling_resistance))
+        # what is left out: tractions on a surface that is farther out than R, v/R of them
+        allowed = over(np.abs(q1)) * 2 * r.approach / problem.roll.radius
+        assert misses[-1] < allowed + 4 * r.errors["rolling_resistance"]
+
+
+def _edge_strain(r: wo.NipResult) -> float:
+    _, _, strain_p, strain_q = r.problem.respond(r.problem.roll, r.mesh, r.half_width).gradients
+    return float(strain_p[-1] @ r.pressure[1:-1] + strain_q[-1] @ r.roll_traction[1:-1])
+
+
+def test_the_told_error_falls_with_the_grid() -> None:
+    problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
+    fine = wo.solve_nip(problem, nodes=257).rolling_resistance
+    told = []
+    for nodes in (33, 65, 129):
+        result = wo.solve_nip(problem, nodes=nodes)
+        told.append(result.errors["rolling_resistance"])
+        assert abs(result.rolling_resistance - fine) <= 1.5 * told[-1]
+    assert told[2] < told[1] < told[0]
+    assert told[2] < told[0] / 2
+
+
+def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
+    problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
+    result = wo.solve_nip(problem, nodes=33)
+    assert result.pressure_shift < 0 < result.rolling_resistance
+    assert result.dissipated_power == pytest.approx(3.0 * result.rolling_resistance, rel=1e-14)
+    mirrored = padded(result.pressure[1:-1][::-1])
+    assert np.max(np.abs(mirrored - result.pressure)) > 0.02 * result.peak_pressure
+
+
+def test_a_viscoelastic_roll_behind_the_nip() -> None:
+    """Half a turn behind, where distances are longer than half the circumference."""
+    roll = wo.Cylinder(radius=0.2, core_radius=0.05, material=rubber(E=50e6))
+    problem = wo.NipProblem.example().replace(roll=roll, web_speed=8.0).wrapped()
+    coarse, fine = (wo.solve_wrapped_nip(problem, nodes=n) for n in (33, 129))
+    for name in ("wound_on_tension", "rolling_resistance"):
+        miss = abs(getattr(coarse, name) - getattr(fine, name))
+        assert miss <= 2 * coarse.errors[name]
+
+
+def test_half_plane_and_deep_cylinder_agree() -> None:
+    """A small load on a large solid cylinder sees a half-plane, its lags too."""
+    material = rubber()
+    mesh, a, R = Graded().mesh(33), 1e-4, 0.5
+    deep = rolling.layered_kernels(
+        R, ((cylinder.depth(R, 0.05), *material.stiffness),), (material.relaxation(0.05),)
+    )
+    flat = rolling.half_plane_kernels(material.stiffness, material.relaxation(0.05), 4 * R)
+    one, two = (mesh.integrated(k, 0.0, R, a).gradients for k in (deep, flat))
+    for x, y in zip(one, two, strict=True):
+        np.testing.assert_allclose(x, y, atol=4e-3 * np.abs(y).max())  # ln(R/a) a/R
