@@ -97,7 +97,7 @@ class WindingProblem(Problem):
     density : float, optional
         Of the web [kg/m^3]; with it the roll has a mass.
     web_speed : float, optional
-        V [m/s], with air only.
+        V [m/s], with air or a viscoelastic drum only.
     air : Air, optional
         What the web brings of it takes friction from nip and laps, and softens the roll; with
         tension_law "nip".
@@ -210,7 +210,15 @@ class WindingProblem(Problem):
             yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
         if self.air is not None and self.web_speed is None:
             yield "web_speed", "missing; must be given with air"
-        if self.air is None and self.web_speed is not None:
+        if self.drum.viscoelastic:
+            if self.web_speed is None:
+                yield (
+                    "web_speed",
+                    "missing; must be > 0 [m/s], as drum is of a viscoelastic material",
+                )
+            if self.air is not None:
+                yield "drum", "is of a viscoelastic material; must be elastic in a nip with air"
+        elif self.air is None and self.web_speed is not None:
             yield "air", "missing; must be given with web_speed"
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
@@ -313,6 +321,8 @@ class WindingProblem(Problem):
             name: getattr(self, name) for name in WrappedNipProblem.model_fields if name in SAME
         }
         same |= {name: float(self.at(name, radius)) for name in LOADS}
+        if self.drum.viscoelastic:
+            same["web_speed"] = self.web_speed
         return WrappedNipProblem(**same, roll=roll)
 
     def with_air(self, nip: WrappedNipProblem) -> AirNipProblem:
