@@ -73,6 +73,10 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
             "speed: 1 is given, but nothing depends on it",
         ),
         (
+            lambda: wo.WindingProblem.example().replace(drum=cover(rubber())),
+            "web_speed: missing; must be > 0 [m/s], as drum is of a viscoelastic material",
+        ),
+        (
             lambda: wo.LossAngle(
                 youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=1.6, frequency=10.0
             ),
@@ -96,6 +100,11 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
 )  # fmt: skip
 def test_refused(make: Any, told: str) -> None:
     refused_in_one_line(make, told)
+
+
+def test_a_winding_hands_its_speed_to_its_nips() -> None:
+    winding = wo.WindingProblem.example().replace(drum=cover(rubber()), web_speed=7.0)
+    assert winding.nip(0.1, wo.Rigid(radius=0.1)).web_speed == 7.0
 
 
 def test_a_problem_may_use_the_speed_for_something_else() -> None:
