@@ -70,7 +70,7 @@ def test_the_rider_makes_the_wanted_nip_load():
         (lambda: drum_loads(0.1, 1.0, 0.0, 0.02), "drum_radius: 0 is out of range; must be one or"),
         (lambda: drum_loads(0.1, 1.0, 0.2, float("nan")), "gap: nan is out of range; must be >= 0"),
         (lambda: roll_weight(0.04, 0.05, 680.0), "radius: 0.04 is out of range; must be >= core_"),
-        (lambda: rider_load_for(1.0, 0.1, 1.0, 0.2, 0.0, "middle"), "drum: 'middle' is unknown; must"),
+        (lambda: rider_load_for(1.0, 0.1, 1.0, 0.2, 0.0, "middle"), "drum: 'middle' is unknown; m"),
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str):
