@@ -135,11 +135,11 @@ class Curve:
         """Return the values at radii [m]."""
         return self.scale * self._value_and_slope(r, 1)[0]
 
-    def slope(self, r: Array, side: int = 1) -> Array:
+    def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
         return self.scale * self._value_and_slope(r, side)[1]
 
-    def _value_and_slope(self, r: Array, side: int) -> tuple[Array, Array]:
+    def _value_and_slope(self, r: Array, side: int | Array) -> tuple[Array, Array]:
         schedule, core = self.schedule, self.core
         if isinstance(schedule, Profile):
             x, y = np.asarray(schedule.radius), np.asarray(schedule.value)

@@ -3,9 +3,8 @@
 What a lap gets as its source depends on kappa alone (see :mod:`.equations`), a smooth function of
 where the surface is, but for kinks where the tension has one.  It is found like the solution of a
 differential equation by an implicit multistep method: from the stages behind, kappa is extrapolated
-to the next one; the roll is solved with that source, which tells kappa there; and so on until both
-agree (twice is mostly enough).  By how far the extrapolation was off, the step is chosen.  The cost
-does not know how many laps there are.
+to the next one; there pressure and kappa are solved for together.  By how far the extrapolation was
+off, the step is chosen.  The cost does not know how many laps there are.
 """
 
 from __future__ import annotations
@@ -24,9 +23,7 @@ __all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "kinks_of", "nodes_b
 Array = np.ndarray
 
 ORDER = 3  # of the polynomial through the last stages
-MOST_ROUNDS = 25  # of source and kappa on one stage
-AGREED = 0.02  # of the tolerance
-SETTLED = 0.1  # of what is agreed: the last stage is solved anew when the roll is finished
+AGREED = 0.02  # of the tolerance: the last stage is solved anew when the roll is finished
 WEAK = 0.3  # of the tolerance
 STRETCHED = 0.3  # of a step, lest the next one be tiny
 AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
@@ -52,7 +49,7 @@ class Tension(Protocol):
         """T [Pa]."""
         ...
 
-    def slope(self, r: Array, side: int) -> Array:
+    def slope(self, r: Array, side: int | Array) -> Array:
         """dT/dr [Pa/m], at a kink that of the side behind (-1) or before (1) it."""
         ...
 
@@ -98,10 +95,14 @@ class Growth:
     def extrapolated(self, x: float) -> float:
         """Return what the polynomial through the last stages says of the next one."""
         own = self._behind()
-        if self.x[own].size == 1:
-            return float(self.kappa[-1])
-        c = _through(self.x[own] - x, self.kappa[own])
-        return float(c[0])
+        return _through(self.x[own] - x, self.kappa[own])[0]
+
+    def share(self, surface: float, x: Array) -> Array:
+        """Return how kappa at any x follows that of a further stage at ``surface``: 0 to 1."""
+        share = np.where(x > self.x[-1], 1.0, 0.0)
+        for stage in self.x[self._behind()]:
+            share *= (x - stage) / (surface - stage)
+        return share
 
     def then(self, x: float, kappa: float) -> Growth:
         """Return this with one more stage."""
@@ -111,7 +112,7 @@ class Growth:
         more.through = np.append(self.through, more.x.size - own.start)
         c = np.zeros((ORDER + 1, 1))
         piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
-        c[: piece.size, 0] = piece
+        c[: len(piece), 0] = piece
         more._pieces = np.hstack([self._pieces, c])
         return more
 
@@ -124,11 +125,17 @@ class Growth:
         return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
 
 
-def _through(x: Array, y: Array) -> Array:
+def _through(x: Array, y: Array) -> list[float]:
     """Return the ascending coefficients of the polynomial through a few points."""
-    scale = np.max(np.abs(x))
-    powers = np.vander(x / scale, increasing=True)
-    return np.asarray(np.linalg.solve(powers, y) / scale ** np.arange(x.size))
+    at, divided = x.tolist(), y.tolist()
+    for k in range(1, len(at)):
+        for j in range(len(at) - 1, k - 1, -1):
+            divided[j] = (divided[j] - divided[j - 1]) / (at[j] - at[j - k])
+    c = [divided[-1]]
+    for k in range(len(at) - 2, -1, -1):  # times (x - x_k), and the next difference
+        times = (a - at[k] * b for a, b in zip(c, [*c[1:], 0.0], strict=True))
+        c = [divided[k] - at[k] * c[0], *times]
+    return c
 
 
 @dataclass
@@ -140,7 +147,6 @@ class BuildUp:
     growth : Growth
     x : (n + 1,) array
         ln r of the nodes of the last stage.
-    source : CellSource
     solved : Solved
     rejected : int
         How many steps were too long.
@@ -148,7 +154,6 @@ class BuildUp:
 
     growth: Growth
     x: Array
-    source: CellSource
     solved: Solved
     rejected: int = 0
 
@@ -301,25 +306,28 @@ def _stage(
     guess: tuple[Array, Array], agreed: float,
 ) -> BuildUp | None:  # fmt: skip
     """Solve one stage together with its kappa; None where that fails."""
-    T_c = float(tension.at(np.exp(nodes[:1]))[0])
-    for _ in range(MOST_ROUNDS):
-        growth = behind.then(float(nodes[-1]), kappa)
-        source = cell_source(tension, growth, nodes)
-        solved = equations.solve(nodes, source, T_c, *guess, SETTLED * agreed)
-        if solved is None:
-            return None
-        change, kappa, guess = abs(solved.growth - kappa), solved.growth, solved[:2]
-        if change <= agreed * (2 + abs(kappa)):
-            return BuildUp(growth, nodes, source, solved)
-    return None
+    surface, T_c = float(nodes[-1]), float(tension.at(np.exp(nodes[:1]))[0])
+    source = cell_source(tension, behind.then(surface, kappa), nodes)
+    more = _in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * behind.share(surface, x))
+    solved = equations.lay(nodes, source, more, T_c, *guess, kappa, agreed)
+    if solved is None:
+        return None
+    return BuildUp(behind.then(surface, solved.growth), nodes, solved)
 
 
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     """Return C = -r T' - T (2 + kappa) in every cell."""
 
-    def source(x: Array, side: int) -> Array:
+    def source(x: Array, side: Array) -> Array:
         r = np.exp(x)
         return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
 
-    middle = (nodes[1:] + nodes[:-1]) / 2
-    return CellSource(source(nodes[:-1], 1), source(middle, 1), source(nodes[1:], -1))
+    return _in_cells(nodes, source)
+
+
+def _in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
+    """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
+    x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
+    n = nodes.size - 1
+    C = values(x, np.repeat([1, 1, -1], n))  # side: behind or before a kink that is a node
+    return CellSource(C[:n], C[n : 2 * n], C[2 * n :])
