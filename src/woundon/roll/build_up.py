@@ -18,13 +18,16 @@ import numpy as np
 
 from .equations import CellSource, Solved, StageEquations, pressure_between
 
-__all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "kinks_of", "nodes_between", "wind"]
+__all__ = [
+    "BuildUp", "Growth", "NotWoundError", "Tension", "cell_source", "kinks_of",
+    "missed_source", "nodes_between", "wind", "wind_again",
+]  # fmt: skip
 
 Array = np.ndarray
 
 ORDER = 3  # of the polynomial through the last stages
 AGREED = 0.02  # of the tolerance: the last stage is solved anew when the roll is finished
-WEAK = 0.3  # of the tolerance
+WEAK = 0.05  # of the tolerance
 STRETCHED = 0.3  # of a step, lest the next one be tiny
 AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
 # Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
@@ -116,6 +119,22 @@ class Growth:
         more._pieces = np.hstack([self._pieces, c])
         return more
 
+    def missed(self, x: Array) -> Array:
+        """Return by how much kappa misses the next higher polynomials, which tells its error.
+
+        They go through the stage that follows too, or one more behind where none follows.
+        """
+        missed, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
+        for j in range(1, self.x.size):
+            own, at = slice(j + 1 - int(self.through[j]), j + 1), k == j
+            after = j + 1 < self.x.size and self.through[j + 1] > 2
+            more = slice(own.start, j + 2) if after else slice(max(own.start - 1, 0), j + 1)
+            if not at.any() or more == own:
+                continue
+            highest = _through(self.x[more] - self.x[j], self.kappa[more])[-1]
+            missed[at] = highest * np.prod(x[at, None] - self.x[own], axis=1)
+        return missed
+
     def __call__(self, x: Array) -> Array:
         """Return kappa at any x."""
         if not self._pieces.shape[1]:
@@ -140,27 +159,32 @@ def _through(x: Array, y: Array) -> list[float]:
 
 @dataclass
 class BuildUp:
-    """A roll's history: kappa at every stage, and the pressure at the last one.
+    """A roll at one stage.
 
     Attributes
     ----------
     growth : Growth
+        Kappa at this and all earlier stages.
     x : (n + 1,) array
-        ln r of the nodes of the last stage.
+        ln r of the nodes.
     solved : Solved
-    rejected : int
-        How many steps were too long.
+    before : BuildUp, optional
+        The stage before.
     """
 
     growth: Growth
     x: Array
     solved: Solved
-    rejected: int = 0
+    before: BuildUp | None = None
 
-    @property
-    def stages(self) -> int:
-        """How many there are."""
-        return self.growth.x.size - 1
+    def stages(self) -> list[BuildUp]:
+        """Return all stages up to this one."""
+        stage: BuildUp | None = self
+        found = []
+        while stage is not None:
+            found.append(stage)
+            stage = stage.before
+        return found[::-1]
 
 
 def nodes_between(
@@ -182,14 +206,13 @@ def nodes_between(
     """
     length = surface - core
     layer = min(layer, length)
-    steps = layer * np.expm1(np.log1p(length / layer) * np.linspace(0, 1, 2 * cells))
-    even = length * np.linspace(0, 1, 2 * cells)
-    x = np.unique(np.clip([core + steps, surface - steps, core + even], core, surface))
+    even = np.linspace(0, length, 2 * cells)
+    steps = layer * np.expm1(np.log1p(length / layer) / length * even)
+    y = np.sort(np.concatenate([steps, length - steps, even]))
     # density 1/(distance + layer) at both ends, and an even part as large as theirs
-    total = np.log1p(length / layer) * (x - core) / length
-    for end in (core, surface):
-        total += np.sign(x - end) * np.log1p(np.abs(x - end) / layer)
-    found = np.interp(np.linspace(total[0], total[-1], cells + 1), total, x)
+    unit = np.log1p(length / layer)
+    total = unit * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
+    found = core + np.interp(np.linspace(-unit, 2 * unit, cells + 1), total, y)
     found[0], found[-1] = core, surface
     if kinks is None:
         return found
@@ -222,11 +245,59 @@ def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
     return x, tension.bends / (2 + growth(np.minimum(x, growth.x[-1])))
 
 
+class _Roll:
+    """A roll that is being wound: the stages so far, and what all of them need."""
+
+    def __init__(
+        self, equations: StageEquations, tension: Tension, core: float, cells: int, layer: float,
+        told: Callable[[float], None] | None,
+    ) -> None:  # fmt: skip
+        self.equations, self.tension, self.start = equations, tension, log(core)
+        self.cells, self.layer, self.told = cells, layer, told
+        self.T_c = float(tension.at(np.array([core]))[0])
+        self.growth = Growth(self.start, equations.core)
+        self.last: BuildUp | None = None
+
+    def stage(
+        self, surface: float, agreed: float, known: BuildUp | None = None
+    ) -> tuple[BuildUp | None, float]:
+        """Return the next stage, None where that fails, and the kappa expected of it.
+
+        Expected are what the stages behind say, or another solution of the same stage.
+        """
+        nodes = nodes_between(
+            self.start, surface, self.cells, self.layer, *kinks_of(self.tension, self.growth)
+        )
+        behind = self.growth
+        if known is None:
+            kappa, guess = behind.extrapolated(surface), _moved(self.last, nodes, self.T_c)
+        else:
+            kappa = known.solved.growth
+            guess = pressure_between(known.x, known.solved.P, known.solved.Q, nodes)
+        source = cell_source(self.tension, behind.then(surface, kappa), nodes)
+        more = _in_cells(nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.share(surface, x))
+        solved = self.equations.lay(nodes, source, more, self.T_c, *guess, kappa, agreed)
+        if solved is None:
+            return None, kappa
+        return BuildUp(behind.then(surface, solved.growth), nodes, solved, self.last), kappa
+
+    def keep(self, found: BuildUp) -> None:
+        """Take a stage as wound."""
+        self.last, self.growth = found, found.growth
+        if self.told is not None:
+            self.told(exp(found.x[-1]))
+
+    def wound(self) -> BuildUp:
+        """Return the last stage."""
+        assert self.last is not None
+        return self.last
+
+
 def wind(
     equations: StageEquations, tension: Tension, core: float, radius: float, *, tolerance: float,
     cells: int, layer: float, told: Callable[[float], None] | None = None,
 ) -> BuildUp:  # fmt: skip
-    """Wind a roll.
+    """Wind a roll, its steps chosen on the way.
 
     Parameters
     ----------
@@ -248,44 +319,53 @@ def wind(
     NotWoundError
         Where a stage cannot be solved.
     """
-    start, end, T_c = log(core), log(radius), float(tension.at(np.array([core]))[0])
-    growth, x, step, rejected = Growth(start, equations.core), start, 0.1 * layer, 0
-    kink = -np.inf
-    last: BuildUp | None = None
+    roll = _Roll(equations, tension, core, cells, layer, told)
+    x, end, step, kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
         # a kink that changes the source by less than its tolerance is none
-        kinks, felt = kinks_of(tension, growth)
+        kinks, felt = kinks_of(tension, roll.growth)
         stop = float(np.append(kinks[(kinks > x) & (felt > WEAK * tolerance)], end)[0])
         reach = min(step, stop - x)
         surface = stop if stop - x - reach < STRETCHED * reach else x + reach
-        nodes = nodes_between(start, surface, cells, layer, kinks, felt)
-        guess = growth.extrapolated(surface)
-        found = _stage(
-            equations, tension, nodes, growth, guess, _moved(last, nodes, T_c), AGREED * tolerance
-        )  # fmt: skip
+        found, guess = roll.stage(surface, AGREED * tolerance)
         off = COUNTED * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess)) if found else np.inf
         if found is None or off > tolerance:
-            rejected += 1
             step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
             if surface == stop:  # not stretched to there again
                 step = min(step, AGAIN * (stop - x))
             if x == kink:  # felt
-                growth.begin_anew()
+                roll.growth.begin_anew()
                 step, kink = min(step, layer), -np.inf
             if step < LEAST_STEP:
-                raise NotWoundError(
-                    f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack without "
-                    "pressure, or the core, is too soft for this tension"
-                )
+                raise NotWoundError(_no_stage_beyond(x))
             continue
-        last, growth = found, found.growth
+        roll.keep(found)
         step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
         x, kink = surface, stop
-        if told is not None:
-            told(exp(x))
-    assert last is not None
-    last.rejected = rejected
-    return last
+    return roll.wound()
+
+
+def wind_again(
+    equations: StageEquations, tension: Tension, known: BuildUp, *, tolerance: float, cells: int,
+    layer: float, told: Callable[[float], None] | None = None,
+) -> BuildUp:  # fmt: skip
+    """Wind a roll with the stages of another build-up: parameters as of :func:`wind`."""
+    roll = _Roll(equations, tension, exp(known.growth.x[0]), cells, layer, told)
+    for stage, through in zip(known.stages(), known.growth.through[1:], strict=True):
+        if through == 2:
+            roll.growth.begin_anew()
+        found, _ = roll.stage(stage.x[-1], AGREED * tolerance, stage)
+        if found is None:
+            raise NotWoundError(_no_stage_beyond(stage.x[-1]))
+        roll.keep(found)
+    return roll.wound()
+
+
+def _no_stage_beyond(x: float) -> str:
+    return (
+        f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack without pressure, or "
+        "the core, is too soft for this tension"
+    )
 
 
 def _factor(slack: float) -> float:
@@ -301,20 +381,6 @@ def _moved(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array
     return pressure_between(last.x, last.solved.P, last.solved.Q, moved)
 
 
-def _stage(
-    equations: StageEquations, tension: Tension, nodes: Array, behind: Growth, kappa: float,
-    guess: tuple[Array, Array], agreed: float,
-) -> BuildUp | None:  # fmt: skip
-    """Solve one stage together with its kappa; None where that fails."""
-    surface, T_c = float(nodes[-1]), float(tension.at(np.exp(nodes[:1]))[0])
-    source = cell_source(tension, behind.then(surface, kappa), nodes)
-    more = _in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * behind.share(surface, x))
-    solved = equations.lay(nodes, source, more, T_c, *guess, kappa, agreed)
-    if solved is None:
-        return None
-    return BuildUp(behind.then(surface, solved.growth), nodes, solved)
-
-
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     """Return C = -r T' - T (2 + kappa) in every cell."""
 
@@ -323,6 +389,11 @@ def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
         return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
 
     return _in_cells(nodes, source)
+
+
+def missed_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
+    """Return what the source misses in every cell, by an estimate: see :meth:`Growth.missed`."""
+    return _in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.missed(x))
 
 
 def _in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
