@@ -51,6 +51,7 @@ _HOME = {
     "Stack": "problems.stack",
     "StackTest": "problems.radial_laws",
     "Taper": "problems.schedules",
+    "TensionDesign": "roll.design",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
@@ -63,6 +64,7 @@ _HOME = {
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
+    "design_tension": "roll.design",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
     "kinds": "",
@@ -129,6 +131,7 @@ __all__ = [
     "Stack",
     "StackTest",
     "Taper",
+    "TensionDesign",
     "Thesis",
     "Tractions",
     "ValidityWarning",
@@ -142,6 +145,7 @@ __all__ = [
     "WrappedNipResult",
     "Zone",
     "__version__",
+    "design_tension",
     "fit",
     "global_sensitivity",
     "kinds",
@@ -219,6 +223,8 @@ if TYPE_CHECKING:
     from .results import Residuals as Residuals
     from .results import Result as Result
     from .results import Zone as Zone
+    from .roll.design import TensionDesign as TensionDesign
+    from .roll.design import design_tension as design_tension
     from .roll.result import WoundRollResult as WoundRollResult
     from .roll.solve import solve_wound_roll as solve_wound_roll
     from .rollers.result import RollerResult as RollerResult

@@ -19,7 +19,7 @@ import numpy as np
 from .equations import CellSource, Solved, StageEquations, pressure_between
 
 __all__ = [
-    "BuildUp", "Growth", "NotWoundError", "Tension", "cell_source", "kinks_of",
+    "BuildUp", "Growth", "NotWoundError", "Tension", "cell_source", "in_cells", "kinks_of",
     "missed_source", "nodes_between", "wind", "wind_again",
 ]  # fmt: skip
 
@@ -32,6 +32,8 @@ STRETCHED = 0.3  # of a step, lest the next one be tiny
 AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
 # Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
 DENSE, FELT = 0.1, 0.1
+NOISE = 0.5  # of a step: the least distance of a stage that tells its error
+UNTOLD = 1e-5  # of the layer: a step so short is a kink's
 LEAST_STEP = 1e-12  # of ln r
 # Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
 # implicit step errs several times less than an extrapolation
@@ -122,18 +124,27 @@ class Growth:
     def missed(self, x: Array) -> Array:
         """Return by how much kappa misses the next higher polynomials, which tells its error.
 
-        They go through the stage that follows too, or one more behind where none follows.
+        They go through a stage that follows too, or one more behind where none does.
         """
         missed, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
         for j in range(1, self.x.size):
-            own, at = slice(j + 1 - int(self.through[j]), j + 1), k == j
-            after = j + 1 < self.x.size and self.through[j + 1] > 2
-            more = slice(own.start, j + 2) if after else slice(max(own.start - 1, 0), j + 1)
-            if not at.any() or more == own:
+            at, start = k == j, j + 1 - int(self.through[j])
+            more = self._stage_after(j) or start - 1
+            if more < 0 or not at.any():
                 continue
-            highest = _through(self.x[more] - self.x[j], self.kappa[more])[-1]
-            missed[at] = highest * np.prod(x[at, None] - self.x[own], axis=1)
+            own = [*range(start, j + 1), more]
+            highest = _through(self.x[own] - self.x[j], self.kappa[own])[-1]
+            missed[at] = highest * np.prod(x[at, None] - self.x[own[:-1]], axis=1)
         return missed
+
+    def _stage_after(self, j: int) -> int:
+        """Return a stage before the next kink, not so near j that it tells noise; 0 if none."""
+        for k in range(j + 1, self.x.size):
+            if self.through[k] == 2:
+                return 0
+            if self.x[k] - self.x[j] > NOISE * (self.x[j] - self.x[j - 1]):
+                return k
+        return 0
 
     def __call__(self, x: Array) -> Array:
         """Return kappa at any x."""
@@ -237,12 +248,18 @@ def _beside(ends: Array, many: Array, layer: float) -> list[Array]:
 
 
 def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
-    """Return ln r of a tension's kinks, and how much the source changes there, relative.
+    """Return ln r of a tension's kinks, and how much they change the source there, relative.
 
-    Beyond the last stage as if laid there.
+    Beyond the last stage as if laid there.  Kinks on either side that are nearer than what a lap
+    feels of the tension, 1/(2 + kappa), make a curve: of them the less counts the nearer they are.
     """
     x = np.log(tension.kinks)
-    return x, tension.bends / (2 + growth(np.minimum(x, growth.x[-1])))
+    if not x.size:
+        return x, x
+    reach = 2 + growth(np.minimum(x, growth.x[-1]))
+    gaps = np.diff(x, prepend=-np.inf, append=np.inf)
+    curved = reach * np.maximum(gaps[1:], gaps[:-1]) / 2
+    return x, tension.bends / reach * np.minimum(1.0, curved)
 
 
 class _Roll:
@@ -275,7 +292,7 @@ class _Roll:
             kappa = known.solved.growth
             guess = pressure_between(known.x, known.solved.P, known.solved.Q, nodes)
         source = cell_source(self.tension, behind.then(surface, kappa), nodes)
-        more = _in_cells(nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.share(surface, x))
+        more = in_cells(nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.share(surface, x))
         solved = self.equations.lay(nodes, source, more, self.T_c, *guess, kappa, agreed)
         if solved is None:
             return None, kappa
@@ -338,7 +355,12 @@ def wind(
                 step, kink = min(step, layer), -np.inf
             if step < LEAST_STEP:
                 raise NotWoundError(_no_stage_beyond(x))
-            continue
+            if found is None or step > UNTOLD * layer:
+                continue
+            roll.growth.begin_anew()  # a kink that nobody told of, or what nodes leave
+            found, _ = roll.stage(surface, AGREED * tolerance)
+            if found is None:
+                continue
         roll.keep(found)
         step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
         x, kink = surface, stop
@@ -388,15 +410,15 @@ def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
         r = np.exp(x)
         return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
 
-    return _in_cells(nodes, source)
+    return in_cells(nodes, source)
 
 
 def missed_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     """Return what the source misses in every cell, by an estimate: see :meth:`Growth.missed`."""
-    return _in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.missed(x))
+    return in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.missed(x))
 
 
-def _in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
+def in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
     """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
     x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
     n = nodes.size - 1

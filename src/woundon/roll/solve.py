@@ -82,6 +82,7 @@ def solve_wound_roll(
     check_options(rtol=rtol)
     level = max(0, int(log(rtol / COARSE, FINER)))
     tolerance, cells = FIRST * FINER**level, round(CELLS * MORE**level)
+    least = tolerance * FINER**3
     known: BuildUp | None = None
     before: WoundRollResult | None = None
     steps, error = 0, inf
@@ -91,7 +92,7 @@ def solve_wound_roll(
         _pressed(result, COARSE)
         stages = _left_by_stages(result)
         rough = stages["peak_pressure"] / max(result.peak_pressure, 1e-300)
-        if rough > MOST_BY_STAGES * rtol:
+        if rough > MOST_BY_STAGES * rtol and tolerance > least:
             tolerance *= max(FINER**2, FINER**0.5 * MOST_BY_STAGES * rtol / rough)
             known = before = None
             continue
