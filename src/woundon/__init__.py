@@ -54,6 +54,7 @@ _HOME = {
     "Stack": "problems.stack",
     "StackTest": "problems.radial_laws",
     "Taper": "problems.schedules",
+    "TensionDesign": "roll.design",
     "Thesis": "contact.schemes",
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
@@ -66,6 +67,7 @@ _HOME = {
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
+    "design_tension": "roll.design",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
     "kinds": "",
@@ -135,6 +137,7 @@ __all__ = [
     "Stack",
     "StackTest",
     "Taper",
+    "TensionDesign",
     "Thesis",
     "Tractions",
     "ValidityWarning",
@@ -148,6 +151,7 @@ __all__ = [
     "WrappedNipResult",
     "Zone",
     "__version__",
+    "design_tension",
     "fit",
     "global_sensitivity",
     "kinds",
@@ -228,6 +232,8 @@ if TYPE_CHECKING:
     from .results import Residuals as Residuals
     from .results import Result as Result
     from .results import Zone as Zone
+    from .roll.design import TensionDesign as TensionDesign
+    from .roll.design import design_tension as design_tension
     from .roll.result import WoundRollResult as WoundRollResult
     from .roll.solve import solve_wound_roll as solve_wound_roll
     from .rollers.result import RollerResult as RollerResult

@@ -66,9 +66,15 @@ class RadialLaw(Family):
         slope = slope if isfinite(slope) else 0.0
         return E, slope, -(1 - FLOOR) * E / slope if slope > 0 else -inf
 
+    def _holds(self, P: Array) -> bool:
+        """Return whether all pressures are within the law, as most are."""
+        return P.size > 0 and bool(P.min() >= 0) and bool(P.max() <= self.highest)
+
     def modulus(self, P: float | Array) -> Any:
         """Return E_r = dP/d(-eps_r) [Pa], the shape of P [Pa]."""
         P = np.asarray(P, dtype=float)
+        if self._holds(P):
+            return self._modulus(P)[()]
         E, slope, least = self._foot
         foot = E + slope * np.clip(P, least, 0.0)
         return np.where(P < 0, foot, self._modulus(np.clip(P, 0.0, self.highest)))[()]
@@ -76,6 +82,8 @@ class RadialLaw(Family):
     def modulus_slope(self, P: float | Array) -> Any:
         """Return dE_r/dP [1], the shape of P [Pa]."""
         P = np.asarray(P, dtype=float)
+        if self._holds(P):
+            return self._slope(P)[()]
         _, slope, least = self._foot
         inner = self._slope(np.clip(P, 0.0, self.highest))
         beyond, pulled = self.highest < P, least > P
@@ -85,6 +93,8 @@ class RadialLaw(Family):
     def strain_at(self, P: float | Array) -> Any:
         """Return F(P) = int dP/E_r from P = 0, compression positive [1], the shape of P [Pa]."""
         P = np.asarray(P, dtype=float)
+        if self._holds(P):
+            return self._strain(P)[()]
         E, slope, least = self._foot
         low, inner = np.clip(P, least, 0.0), np.clip(P, 0.0, self.highest)
         foot = low / E if slope == 0 else np.log1p(slope * low / E) / slope

@@ -201,6 +201,14 @@ class WoundRollProblem(Problem):
             if not 0 < value <= 1e6:
                 text = f"{shown(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
                 raise InvalidProblem.at(f"wound_on_tension{name}", text)
+        if isinstance(schedule, Profile) and schedule.between == "smooth":
+            between = schedule.at(np.linspace(self.core.radius, self.radius, 2001))
+            if not (between > 0).all():
+                text = f"the smooth curve falls to {shown(float(between.min()))} between its values"
+                raise InvalidProblem.at(
+                    "wound_on_tension.value",
+                    f"{text}; must stay > 0 [N/m]: more values, or between = 'lines'",
+                )
         if isinstance(schedule, Taper) and not self.tension_curve.at(np.array(self.radius)) > 0:
             raise InvalidProblem.at(
                 "wound_on_tension.taper",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -24,7 +25,7 @@ Array = np.ndarray
 
 
 class Profile(Description):
-    """Values over the radius, linear between, constant beyond the first and the last.
+    """Values over the radius, constant beyond the first and the last.
 
     Parameters
     ----------
@@ -32,6 +33,9 @@ class Profile(Description):
         [m], rising.
     value : sequence of float
         As many, in the unit of the field that has the profile.
+    between : "lines" or "smooth"
+        Straight lines between the values, or a cubic spline through them: a schedule without
+        kinks is wound faster.  A spline through few values may go beyond them.
     """
 
     radius: Annotated[
@@ -40,6 +44,7 @@ class Profile(Description):
     value: Annotated[
         Numbers, OF_FIELD, Field(min_length=2, max_length=10_000, description="values there")
     ]
+    between: Literal["lines", "smooth"] = "lines"
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
@@ -53,9 +58,35 @@ class Profile(Description):
                 raise InvalidProblem.at(f"radius.{k}", f"{text}, {what}" if k else text)
         return self
 
+    @cached_property
+    def _smooth(self) -> tuple[Any, Any]:
+        """The curve and its derivative."""
+        from scipy.interpolate import CubicSpline
+
+        curve = CubicSpline(self.radius, self.value)
+        return curve, curve.derivative()
+
     def at(self, r: Array) -> Any:
         """Return the values at radii [m]."""
-        return np.interp(r, self.radius, self.value)
+        if self.between == "lines":
+            return np.interp(r, self.radius, self.value)
+        return self._smooth[0](np.clip(r, self.radius[0], self.radius[-1]))
+
+    def slope(self, r: Array, side: int | Array = 1) -> Array:
+        """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
+        x, y = np.asarray(self.radius), np.asarray(self.value)
+        if self.between == "smooth":
+            inside = self._smooth[1](np.clip(r, x[0], x[-1]))
+            return np.where((r < x[0]) | (r > x[-1]), 0.0, inside)
+        steps = np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
+        # a node that stands on a kink may miss it by a rounding
+        return np.asarray(steps[np.searchsorted(x, r * (1 + side * 1e-12))])
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Radii at which the slope jumps [m]; at both ends of a smooth one."""
+        smooth = self.between == "smooth"
+        return (self.radius[0], self.radius[-1]) if smooth else self.radius
 
 
 class Taper(Description):
@@ -126,7 +157,7 @@ class Curve:
         self, schedule: float | Profile | Taper, core: float, radius: float, scale: float = 1.0
     ) -> None:
         self.schedule, self.core, self.radius, self.scale = schedule, core, radius, scale
-        inner = schedule.radius if isinstance(schedule, Profile) else ()
+        inner = schedule.kinks if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
         behind, before = (self.slope(self.kinks, side) for side in (-1, 1))
         self.bends = self.kinks * np.abs(before - behind) / np.abs(self.at(self.kinks))
@@ -135,18 +166,14 @@ class Curve:
         """Return the values at radii [m]."""
         return self.scale * self._value_and_slope(r, 1)[0]
 
-    def slope(self, r: Array, side: int = 1) -> Array:
+    def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
         return self.scale * self._value_and_slope(r, side)[1]
 
-    def _value_and_slope(self, r: Array, side: int) -> tuple[Array, Array]:
+    def _value_and_slope(self, r: Array, side: int | Array) -> tuple[Array, Array]:
         schedule, core = self.schedule, self.core
         if isinstance(schedule, Profile):
-            x, y = np.asarray(schedule.radius), np.asarray(schedule.value)
-            steps = np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
-            # a node that stands on a kink may miss it by a rounding
-            nudged = r * (1 + side * 1e-12)
-            return schedule.at(r), steps[np.searchsorted(x, nudged)]
+            return schedule.at(r), schedule.slope(r, side)
         if not isinstance(schedule, Taper):
             return np.full(np.shape(r), schedule), np.zeros(np.shape(r))
         start, fall = schedule.start, schedule.start * schedule.taper

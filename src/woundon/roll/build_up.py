@@ -3,9 +3,8 @@
 What a lap gets as its source depends on kappa alone (see :mod:`.equations`), a smooth function of
 where the surface is, but for kinks where the tension has one.  It is found like the solution of a
 differential equation by an implicit multistep method: from the stages behind, kappa is extrapolated
-to the next one; the roll is solved with that source, which tells kappa there; and so on until both
-agree (twice is mostly enough).  By how far the extrapolation was off, the step is chosen.  The cost
-does not know how many laps there are.
+to the next one; there pressure and kappa are solved for together.  By how far the extrapolation was
+off, the step is chosen.  The cost does not know how many laps there are.
 """
 
 from __future__ import annotations
@@ -19,19 +18,22 @@ import numpy as np
 
 from .equations import CellSource, Solved, StageEquations, pressure_between
 
-__all__ = ["BuildUp", "Growth", "NotWoundError", "Tension", "kinks_of", "nodes_between", "wind"]
+__all__ = [
+    "BuildUp", "Growth", "NotWoundError", "Tension", "cell_source", "in_cells", "kinks_of",
+    "missed_source", "nodes_between", "wind", "wind_again",
+]  # fmt: skip
 
 Array = np.ndarray
 
 ORDER = 3  # of the polynomial through the last stages
-MOST_ROUNDS = 25  # of source and kappa on one stage
-AGREED = 0.02  # of the tolerance
-SETTLED = 0.1  # of what is agreed: the last stage is solved anew when the roll is finished
-WEAK = 0.3  # of the tolerance
+AGREED = 0.02  # of the tolerance: the last stage is solved anew when the roll is finished
+WEAK = 0.05  # of the tolerance
 STRETCHED = 0.3  # of a step, lest the next one be tiny
 AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
 # Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
 DENSE, FELT = 0.1, 0.1
+NOISE = 0.5  # of a step: the least distance of a stage that tells its error
+UNTOLD = 1e-5  # of the layer: a step so short is a kink's
 LEAST_STEP = 1e-12  # of ln r
 # Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
 # implicit step errs several times less than an extrapolation
@@ -52,7 +54,7 @@ class Tension(Protocol):
         """T [Pa]."""
         ...
 
-    def slope(self, r: Array, side: int) -> Array:
+    def slope(self, r: Array, side: int | Array) -> Array:
         """dT/dr [Pa/m], at a kink that of the side behind (-1) or before (1) it."""
         ...
 
@@ -98,10 +100,14 @@ class Growth:
     def extrapolated(self, x: float) -> float:
         """Return what the polynomial through the last stages says of the next one."""
         own = self._behind()
-        if self.x[own].size == 1:
-            return float(self.kappa[-1])
-        c = _through(self.x[own] - x, self.kappa[own])
-        return float(c[0])
+        return _through(self.x[own] - x, self.kappa[own])[0]
+
+    def share(self, surface: float, x: Array) -> Array:
+        """Return how kappa at any x follows that of a further stage at ``surface``: 0 to 1."""
+        share = np.where(x > self.x[-1], 1.0, 0.0)
+        for stage in self.x[self._behind()]:
+            share *= (x - stage) / (surface - stage)
+        return share
 
     def then(self, x: float, kappa: float) -> Growth:
         """Return this with one more stage."""
@@ -111,9 +117,34 @@ class Growth:
         more.through = np.append(self.through, more.x.size - own.start)
         c = np.zeros((ORDER + 1, 1))
         piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
-        c[: piece.size, 0] = piece
+        c[: len(piece), 0] = piece
         more._pieces = np.hstack([self._pieces, c])
         return more
+
+    def missed(self, x: Array) -> Array:
+        """Return by how much kappa misses the next higher polynomials, which tells its error.
+
+        They go through a stage that follows too, or one more behind where none does.
+        """
+        missed, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
+        for j in range(1, self.x.size):
+            at, start = k == j, j + 1 - int(self.through[j])
+            more = self._stage_after(j) or start - 1
+            if more < 0 or not at.any():
+                continue
+            own = [*range(start, j + 1), more]
+            highest = _through(self.x[own] - self.x[j], self.kappa[own])[-1]
+            missed[at] = highest * np.prod(x[at, None] - self.x[own[:-1]], axis=1)
+        return missed
+
+    def _stage_after(self, j: int) -> int:
+        """Return a stage before the next kink, not so near j that it tells noise; 0 if none."""
+        for k in range(j + 1, self.x.size):
+            if self.through[k] == 2:
+                return 0
+            if self.x[k] - self.x[j] > NOISE * (self.x[j] - self.x[j - 1]):
+                return k
+        return 0
 
     def __call__(self, x: Array) -> Array:
         """Return kappa at any x."""
@@ -124,38 +155,47 @@ class Growth:
         return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
 
 
-def _through(x: Array, y: Array) -> Array:
+def _through(x: Array, y: Array) -> list[float]:
     """Return the ascending coefficients of the polynomial through a few points."""
-    scale = np.max(np.abs(x))
-    powers = np.vander(x / scale, increasing=True)
-    return np.asarray(np.linalg.solve(powers, y) / scale ** np.arange(x.size))
+    at, divided = x.tolist(), y.tolist()
+    for k in range(1, len(at)):
+        for j in range(len(at) - 1, k - 1, -1):
+            divided[j] = (divided[j] - divided[j - 1]) / (at[j] - at[j - k])
+    c = [divided[-1]]
+    for k in range(len(at) - 2, -1, -1):  # times (x - x_k), and the next difference
+        times = (a - at[k] * b for a, b in zip(c, [*c[1:], 0.0], strict=True))
+        c = [divided[k] - at[k] * c[0], *times]
+    return c
 
 
 @dataclass
 class BuildUp:
-    """A roll's history: kappa at every stage, and the pressure at the last one.
+    """A roll at one stage.
 
     Attributes
     ----------
     growth : Growth
+        Kappa at this and all earlier stages.
     x : (n + 1,) array
-        ln r of the nodes of the last stage.
-    source : CellSource
+        ln r of the nodes.
     solved : Solved
-    rejected : int
-        How many steps were too long.
+    before : BuildUp, optional
+        The stage before.
     """
 
     growth: Growth
     x: Array
-    source: CellSource
     solved: Solved
-    rejected: int = 0
+    before: BuildUp | None = None
 
-    @property
-    def stages(self) -> int:
-        """How many there are."""
-        return self.growth.x.size - 1
+    def stages(self) -> list[BuildUp]:
+        """Return all stages up to this one."""
+        stage: BuildUp | None = self
+        found = []
+        while stage is not None:
+            found.append(stage)
+            stage = stage.before
+        return found[::-1]
 
 
 def nodes_between(
@@ -177,14 +217,13 @@ def nodes_between(
     """
     length = surface - core
     layer = min(layer, length)
-    steps = layer * np.expm1(np.log1p(length / layer) * np.linspace(0, 1, 2 * cells))
-    even = length * np.linspace(0, 1, 2 * cells)
-    x = np.unique(np.clip([core + steps, surface - steps, core + even], core, surface))
+    even = np.linspace(0, length, 2 * cells)
+    steps = layer * np.expm1(np.log1p(length / layer) / length * even)
+    y = np.sort(np.concatenate([steps, length - steps, even]))
     # density 1/(distance + layer) at both ends, and an even part as large as theirs
-    total = np.log1p(length / layer) * (x - core) / length
-    for end in (core, surface):
-        total += np.sign(x - end) * np.log1p(np.abs(x - end) / layer)
-    found = np.interp(np.linspace(total[0], total[-1], cells + 1), total, x)
+    unit = np.log1p(length / layer)
+    total = unit * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
+    found = core + np.interp(np.linspace(-unit, 2 * unit, cells + 1), total, y)
     found[0], found[-1] = core, surface
     if kinks is None:
         return found
@@ -209,19 +248,73 @@ def _beside(ends: Array, many: Array, layer: float) -> list[Array]:
 
 
 def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
-    """Return ln r of a tension's kinks, and how much the source changes there, relative.
+    """Return ln r of a tension's kinks, and how much they change the source there, relative.
 
-    Beyond the last stage as if laid there.
+    Beyond the last stage as if laid there.  Kinks on either side that are nearer than what a lap
+    feels of the tension, 1/(2 + kappa), make a curve: of them the less counts the nearer they are.
     """
     x = np.log(tension.kinks)
-    return x, tension.bends / (2 + growth(np.minimum(x, growth.x[-1])))
+    if not x.size:
+        return x, x
+    reach = 2 + growth(np.minimum(x, growth.x[-1]))
+    gaps = np.diff(x, prepend=-np.inf, append=np.inf)
+    curved = reach * np.maximum(gaps[1:], gaps[:-1]) / 2
+    return x, tension.bends / reach * np.minimum(1.0, curved)
+
+
+class _Roll:
+    """A roll that is being wound: the stages so far, and what all of them need."""
+
+    def __init__(
+        self, equations: StageEquations, tension: Tension, core: float, cells: int, layer: float,
+        told: Callable[[float], None] | None,
+    ) -> None:  # fmt: skip
+        self.equations, self.tension, self.start = equations, tension, log(core)
+        self.cells, self.layer, self.told = cells, layer, told
+        self.T_c = float(tension.at(np.array([core]))[0])
+        self.growth = Growth(self.start, equations.core)
+        self.last: BuildUp | None = None
+
+    def stage(
+        self, surface: float, agreed: float, known: BuildUp | None = None
+    ) -> tuple[BuildUp | None, float]:
+        """Return the next stage, None where that fails, and the kappa expected of it.
+
+        Expected are what the stages behind say, or another solution of the same stage.
+        """
+        nodes = nodes_between(
+            self.start, surface, self.cells, self.layer, *kinks_of(self.tension, self.growth)
+        )
+        behind = self.growth
+        if known is None:
+            kappa, guess = behind.extrapolated(surface), _moved(self.last, nodes, self.T_c)
+        else:
+            kappa = known.solved.growth
+            guess = pressure_between(known.x, known.solved.P, known.solved.Q, nodes)
+        source = cell_source(self.tension, behind.then(surface, kappa), nodes)
+        more = in_cells(nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.share(surface, x))
+        solved = self.equations.lay(nodes, source, more, self.T_c, *guess, kappa, agreed)
+        if solved is None:
+            return None, kappa
+        return BuildUp(behind.then(surface, solved.growth), nodes, solved, self.last), kappa
+
+    def keep(self, found: BuildUp) -> None:
+        """Take a stage as wound."""
+        self.last, self.growth = found, found.growth
+        if self.told is not None:
+            self.told(exp(found.x[-1]))
+
+    def wound(self) -> BuildUp:
+        """Return the last stage."""
+        assert self.last is not None
+        return self.last
 
 
 def wind(
     equations: StageEquations, tension: Tension, core: float, radius: float, *, tolerance: float,
     cells: int, layer: float, told: Callable[[float], None] | None = None,
 ) -> BuildUp:  # fmt: skip
-    """Wind a roll.
+    """Wind a roll, its steps chosen on the way.
 
     Parameters
     ----------
@@ -243,44 +336,58 @@ def wind(
     NotWoundError
         Where a stage cannot be solved.
     """
-    start, end, T_c = log(core), log(radius), float(tension.at(np.array([core]))[0])
-    growth, x, step, rejected = Growth(start, equations.core), start, 0.1 * layer, 0
-    kink = -np.inf
-    last: BuildUp | None = None
+    roll = _Roll(equations, tension, core, cells, layer, told)
+    x, end, step, kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
         # a kink that changes the source by less than its tolerance is none
-        kinks, felt = kinks_of(tension, growth)
+        kinks, felt = kinks_of(tension, roll.growth)
         stop = float(np.append(kinks[(kinks > x) & (felt > WEAK * tolerance)], end)[0])
         reach = min(step, stop - x)
         surface = stop if stop - x - reach < STRETCHED * reach else x + reach
-        nodes = nodes_between(start, surface, cells, layer, kinks, felt)
-        guess = growth.extrapolated(surface)
-        found = _stage(
-            equations, tension, nodes, growth, guess, _moved(last, nodes, T_c), AGREED * tolerance
-        )  # fmt: skip
+        found, guess = roll.stage(surface, AGREED * tolerance)
         off = COUNTED * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess)) if found else np.inf
         if found is None or off > tolerance:
-            rejected += 1
             step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
             if surface == stop:  # not stretched to there again
                 step = min(step, AGAIN * (stop - x))
             if x == kink:  # felt
-                growth.begin_anew()
+                roll.growth.begin_anew()
                 step, kink = min(step, layer), -np.inf
             if step < LEAST_STEP:
-                raise NotWoundError(
-                    f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack without "
-                    "pressure, or the core, is too soft for this tension"
-                )
-            continue
-        last, growth = found, found.growth
+                raise NotWoundError(_no_stage_beyond(x))
+            if found is None or step > UNTOLD * layer:
+                continue
+            roll.growth.begin_anew()  # a kink that nobody told of, or what nodes leave
+            found, _ = roll.stage(surface, AGREED * tolerance)
+            if found is None:
+                continue
+        roll.keep(found)
         step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
         x, kink = surface, stop
-        if told is not None:
-            told(exp(x))
-    assert last is not None
-    last.rejected = rejected
-    return last
+    return roll.wound()
+
+
+def wind_again(
+    equations: StageEquations, tension: Tension, known: BuildUp, *, tolerance: float, cells: int,
+    layer: float, told: Callable[[float], None] | None = None,
+) -> BuildUp:  # fmt: skip
+    """Wind a roll with the stages of another build-up: parameters as of :func:`wind`."""
+    roll = _Roll(equations, tension, exp(known.growth.x[0]), cells, layer, told)
+    for stage, through in zip(known.stages(), known.growth.through[1:], strict=True):
+        if through == 2:
+            roll.growth.begin_anew()
+        found, _ = roll.stage(stage.x[-1], AGREED * tolerance, stage)
+        if found is None:
+            raise NotWoundError(_no_stage_beyond(stage.x[-1]))
+        roll.keep(found)
+    return roll.wound()
+
+
+def _no_stage_beyond(x: float) -> str:
+    return (
+        f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack without pressure, or "
+        "the core, is too soft for this tension"
+    )
 
 
 def _factor(slack: float) -> float:
@@ -296,30 +403,24 @@ def _moved(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array
     return pressure_between(last.x, last.solved.P, last.solved.Q, moved)
 
 
-def _stage(
-    equations: StageEquations, tension: Tension, nodes: Array, behind: Growth, kappa: float,
-    guess: tuple[Array, Array], agreed: float,
-) -> BuildUp | None:  # fmt: skip
-    """Solve one stage together with its kappa; None where that fails."""
-    T_c = float(tension.at(np.exp(nodes[:1]))[0])
-    for _ in range(MOST_ROUNDS):
-        growth = behind.then(float(nodes[-1]), kappa)
-        source = cell_source(tension, growth, nodes)
-        solved = equations.solve(nodes, source, T_c, *guess, SETTLED * agreed)
-        if solved is None:
-            return None
-        change, kappa, guess = abs(solved.growth - kappa), solved.growth, solved[:2]
-        if change <= agreed * (2 + abs(kappa)):
-            return BuildUp(growth, nodes, source, solved)
-    return None
-
-
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     """Return C = -r T' - T (2 + kappa) in every cell."""
 
-    def source(x: Array, side: int) -> Array:
+    def source(x: Array, side: Array) -> Array:
         r = np.exp(x)
         return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
 
-    middle = (nodes[1:] + nodes[:-1]) / 2
-    return CellSource(source(nodes[:-1], 1), source(middle, 1), source(nodes[1:], -1))
+    return in_cells(nodes, source)
+
+
+def missed_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
+    """Return what the source misses in every cell, by an estimate: see :meth:`Growth.missed`."""
+    return in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.missed(x))
+
+
+def in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
+    """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
+    x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
+    n = nodes.size - 1
+    C = values(x, np.repeat([1, 1, -1], n))  # side: behind or before a kink that is a node
+    return CellSource(C[:n], C[n : 2 * n], C[2 * n :])

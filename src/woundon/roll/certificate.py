@@ -24,7 +24,10 @@ def equations_of(problem: WoundRollProblem) -> StageEquations:
     """Return the equations of a roll's stages."""
     stack, E_c = problem.stack, problem.core.effective_stiffness
     E_t, nu = stack.tangential, stack.poissons_ratio
-    return StageEquations(stack.radial.strain_at, stack.radial.modulus, E_t, E_t / E_c - 1 + nu)
+    law = stack.radial
+    return StageEquations(
+        law.strain_at, law.modulus, law.modulus_slope, E_t, E_t / E_c - 1 + nu
+    )  # fmt: skip
 
 
 def growth_of(result: WoundRollResult) -> Growth:

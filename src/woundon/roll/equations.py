@@ -17,7 +17,9 @@ multiple will do) and no T_c; its growth kappa = D p at s says what C the next l
 
     C(s) = -s T' - T (2 + kappa)
 
-Then -D P = T at s comes out, and tells how good the source is.
+Then -D P = T at s comes out, and tells how good the source is.  P and kappa of a stage are found
+together, by Newton's method: to put the kappa of one solution into the source of the next does not
+converge where steps are long.
 
 Discretised by the two-stage Lobatto rule (order four, as in scipy.integrate.solve_bvp) on given
 nodes.  Source values belong to a cell, left, middle and right, because C jumps where T has a kink.
@@ -45,6 +47,7 @@ Array = np.ndarray
 MOST_STEPS = 60
 BAND = 2  # diagonals on either side
 SETTLED = 1e-11  # change of P by a Newton step, relative
+SQUARED = 0.5  # of the root of an error, a step that leaves it: 1 to 1.2 were seen
 
 
 class CellSource(NamedTuple):
@@ -69,8 +72,8 @@ class StageEquations:
 
     Parameters
     ----------
-    strain, modulus : callable
-        F(P) and E_r(P) of the stack.
+    strain, modulus, modulus_slope : callable
+        F(P), E_r(P) and dE_r/dP of the stack.
     tangential : float
         E_t [Pa].
     core : float
@@ -79,6 +82,7 @@ class StageEquations:
 
     strain: Callable[[Array], Any]
     modulus: Callable[[Array], Any]
+    modulus_slope: Callable[[Array], Any]
     tangential: float
     core: float
     steps: int = field(default=0, init=False)  # of Newton, so far
@@ -103,33 +107,61 @@ class StageEquations:
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         return out, middle_P
 
-    def _matrix(self, x: Array, P: Array, middle_P: Array) -> Array:
-        """Return the derivative of the defects by P and Q, by diagonals as LAPACK wants them."""
+    def _matrix(self, x: Array, E: Array) -> Array:
+        """Return the derivative of the defects by P and Q, by diagonals as LAPACK wants them.
+
+        With J = [[0, 1], [own, -2]] at an end of a cell and M = 1/2 -+ h/8 J what takes that end to
+        the middle, a cell's block is -+1 - h/6 (J + 4 J_mid M), written out.
+
+        Parameters
+        ----------
+        x : (n + 1,) array
+        E : (2 n + 1,) array
+            E_r at the nodes, then in mid-cell [Pa].
+        """
         n, h = x.size - 1, x[1:] - x[:-1]
-        stiff = self.tangential / self.modulus(np.concatenate([P, middle_P])) - 1
-        ends, mid = stiff[: n + 1], stiff[n + 1 :]
-        band = np.zeros((3 * BAND + 1, 2 * (n + 1)))
+        stiff = self.tangential / E - 1
+        own, mid = stiff[: n + 1], stiff[n + 1 :]
+        twelfth, third = h * h / 12, h / 3 * mid
+        turned = twelfth * mid
+        band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
         diagonal = 2 * BAND  # entry (i, j) stands in row diagonal + i - j
-        for side, own in ((-1.0, ends[:-1]), (1.0, ends[1:])):
-            # J = [[0, 1], [own, -2]] at the end; M = 1/2 -+ h/8 J takes the end to the middle
-            turn = -side * h / 8
-            m21, m22 = turn * own, 0.5 - 2 * turn
-            first = 0 if side < 0 else 2  # columns of P and Q: this one and the next, of each cell
+        for first, side, end in ((0, -1.0, own[:-1]), (2, 1.0, own[1:])):
+            # columns of P and Q: this node's and the next one's, of each cell
             for i, j, value in (
-                (1, first, side - h / 6 * 4 * m21),
-                (1, first + 1, -h / 6 * (1 + 4 * m22)),
-                (2, first, -h / 6 * (own + 4 * (mid / 2 - 2 * m21))),
-                (2, first + 1, side - h / 6 * (-2 + 4 * (mid * turn - 2 * m22))),
+                (1, first, side + side * twelfth * end),
+                (1, first + 1, -h / 2 - side * 2 * twelfth),
+                (2, first, -h / 6 * (1 + side * h) * end - third),
+                (2, first + 1, side + h + side * (4 * twelfth + turned)),
             ):
                 band[diagonal + i - j, j : j + 2 * n : 2] = value
         band[diagonal, 0], band[diagonal - 1, 1] = -self.core, 1.0
         band[diagonal + 1, -2] = 1.0
         return band
 
+    def _linear(
+        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, *more: Array
+    ) -> tuple[Array, Array] | None:
+        """Return what the equations made linear say, a column each, and E_r at the nodes.
+
+        By what P and Q are too large, 2 n + 2 values by turns; a further lap's p and D p; and what
+        belongs to other right sides.
+        """
+        miss, middle_P = self.defects(x, source, tension, P, Q)
+        E = self.modulus(np.concatenate([P, middle_P]))
+        self.steps += 1
+        factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
+        if info != 0 or not np.isfinite(miss).all():
+            return None
+        right = np.zeros((miss.size, 2 + len(more)), order="F")
+        right[:, 0], right[-1, 1] = miss, 1.0
+        for k, column in enumerate(more):
+            right[:, 2 + k] = column
+        return lapack.dgbtrs(factors, BAND, BAND, right, pivots, overwrite_b=1)[0], E[: x.size]
+
     def solve(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array,
-        settled: float = SETTLED,
-    ) -> Solved | None:  # fmt: skip
+        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array
+    ) -> Solved | None:
         """Solve by Newton's method from a first guess; None where it does not settle.
 
         Parameters
@@ -141,25 +173,77 @@ class StageEquations:
             T_c, in the core's condition [Pa].
         P, Q : (n + 1,) arrays
             First guess [Pa].
-        settled : float
-            Change of P by the last step, relative to the largest.
         """
         for _ in range(MOST_STEPS):
-            miss, middle_P = self.defects(x, source, tension, P, Q)
-            factors, pivots, info = lapack.dgbtrf(
-                self._matrix(x, P, middle_P), BAND, BAND, overwrite_ab=1
-            )
-            if info != 0 or not np.isfinite(miss).all():
+            found = self._linear(x, source, tension, P, Q)
+            if found is None:
                 return None
-            change, _ = lapack.dgbtrs(factors, BAND, BAND, miss, pivots)
-            P, Q = P - change[::2], Q - change[1::2]
-            self.steps += 1
-            if np.max(np.abs(change[::2])) <= settled * np.max(np.abs(P)):
-                unit = np.zeros_like(miss)
-                unit[-1] = 1.0
-                more, _ = lapack.dgbtrs(factors, BAND, BAND, unit, pivots)
+            by, more = found[0].T
+            P, Q = P - by[::2], Q - by[1::2]
+            if np.max(np.abs(by[::2])) <= SETTLED * np.max(np.abs(P)):
                 return Solved(P, Q, float(more[-1]))
         return None
+
+    def lay(
+        self, x: Array, source: CellSource, more: CellSource, tension: float, P: Array, Q: Array,
+        growth: float, agreed: float,
+    ) -> Solved | None:  # fmt: skip
+        """Solve a stage together with the kappa that its own source needs; None where that fails.
+
+        Newton's method for both.  With g = E_t/E_r - 1, D kappa + kappa^2 + 2 kappa = g, so that
+        kappa at s changes by the integral of exp(2 (x - s)) p^2 times what g does, if p = 1 at s.
+
+        Parameters
+        ----------
+        x, tension, P, Q
+            As of :meth:`solve`.
+        source, more : CellSource
+            For the guess of kappa, and what one more of kappa adds.
+        growth : float
+            The guess of kappa.
+        agreed : float
+            Error of kappa that may be left, relative to kappa + 2.  A step leaves about the square
+            of what it changes.
+        """
+        by_growth, own = _of_source(x, more), source
+        half = np.diff(x) / 2
+        weight = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
+        for _ in range(MOST_STEPS):
+            found = self._linear(x, own, tension, P, Q, by_growth)
+            if found is None:
+                return None
+            (by, lap, by_one), E = found[0].T, found[1]
+            # infinite without pressure by some laws, where it counts for nothing
+            slope = np.nan_to_num(self.modulus_slope(P), posinf=0.0)
+            felt = -weight * lap[::2] ** 2 * self.tangential * slope / E**2
+            change = (lap[-1] - growth - felt @ by[::2]) / (1 + felt @ by_one[::2])
+            by += change * by_one
+            P, Q, growth = P - by[::2], Q - by[1::2], growth + float(change)
+            pressed = np.max(np.abs(by[::2])) / np.max(np.abs(P))
+            if max(pressed, abs(change) / (2 + abs(growth))) <= SQUARED * agreed**0.5:
+                return Solved(P, Q, growth)
+            own = CellSource(*(C + change * one for C, one in zip(own, more, strict=True)))
+        return None
+
+    def moved(self, x: Array, P: Array, Q: Array, by: CellSource) -> tuple[Array, Array]:
+        """Return by how much a little more source moves a solution's P and Q."""
+        middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
+        band = self._matrix(x, self.modulus(np.concatenate([P, middle])))
+        factors, pivots, info = lapack.dgbtrf(band, BAND, BAND, overwrite_ab=1)
+        self.steps += 1
+        if info != 0:
+            return np.full_like(P, np.inf), np.full_like(Q, np.inf)
+        moved, _ = lapack.dgbtrs(factors, BAND, BAND, -_of_source(x, by), pivots)
+        return moved[::2], moved[1::2]
+
+
+def _of_source(x: Array, source: CellSource) -> Array:
+    """Return what a source alone makes of the defects, (2 n + 2,)."""
+    h, (left, middle, right) = np.diff(x), source
+    out = np.zeros(2 * x.size)
+    out[1:-1:2] = h * h / 12 * (right - left)
+    out[2:-1:2] = -h / 6 * (left + 4 * middle + right + h * (right - left))
+    return out
 
 
 def pressure_between(x: Array, P: Array, Q: Array, at: Array) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ The published lap-by-lap scheme (Hakiel 1987) stands beside it: ``theories.lap_b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from math import inf, log
 from typing import Any
 
@@ -21,8 +21,8 @@ from ..errors import NotConverged
 from ..problems.roll import WoundRollProblem
 from ..results import Residuals
 from ..threads import one_thread
-from .build_up import Growth, NotWoundError, cell_source, wind
-from .certificate import certificate, changes, equations_of, shifted
+from .build_up import BuildUp, Growth, NotWoundError, cell_source, missed_source, wind, wind_again
+from .certificate import certificate, changes, equations_of, growth_of, shifted
 from .equations import Solved, pressure_between
 from .result import WoundRollResult
 
@@ -32,17 +32,19 @@ Array = np.ndarray
 Told = Callable[[float], None]
 
 DEFAULT_RTOL = 1e-3
-# tolerance and cells of the first build-up, and of each further one: half the cells more, a quarter
-# of the tolerance.  Both errors fall by four to five, a third of the change is left where they fall
-# so; few stages make it irregular, so that a change counts for the next one too
-FIRST, CELLS = 0.12, 23
+# tolerance of the stages and cells of them, for the largest rtol and each one less by a factor of
+# four; then half the cells more, until nodes and stages both leave less than asked
+FIRST, CELLS = 0.012, 23
 FINER, MORE = 0.25, 1.42
-LEFT = 0.7  # of the last change, told as error
+LEFT = 0.6  # of the change by more nodes, told as error: a third where it is of order four
+# Of the estimate for the stages: it leaves out that the stages themselves stand on earlier ones
+STAGES = 1.6
+MOST_BY_STAGES = 0.7  # of rtol
 MOST_LEVELS = 12
 COARSE = 1e-2  # what the second level is good for: for less, the first ones are left out
 ROUNDING = 1e-9
 TOLD = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
-COMPARED = 400  # radii at which two build-ups are compared
+NEAR = 0.15  # of the build-up
 
 
 @one_thread
@@ -78,19 +80,32 @@ def solve_wound_roll(
     """
     check_type("problem", problem, WoundRollProblem)
     check_options(rtol=rtol)
+    level = max(0, int(log(rtol / COARSE, FINER)))
+    tolerance, cells = FIRST * FINER**level, round(CELLS * MORE**level)
+    least = tolerance * FINER**3
+    known: BuildUp | None = None
     before: WoundRollResult | None = None
     steps, error = 0, inf
-    for level in range(max(0, int(log(rtol / COARSE, FINER))), MOST_LEVELS):
-        result = _wound(problem, FIRST * FINER**level, round(CELLS * MORE**level), told)
+    for _ in range(MOST_LEVELS):
+        known, result = _wound(problem, tolerance, cells, known, told)
         steps += result.steps
+        _pressed(result, COARSE)
+        stages = _left_by_stages(result)
+        rough = stages["peak_pressure"] / max(result.peak_pressure, 1e-300)
+        if rough > MOST_BY_STAGES * rtol and tolerance > least:
+            tolerance *= max(FINER**2, FINER**0.5 * MOST_BY_STAGES * rtol / rough)
+            known = before = None
+            continue
         if before is not None:
-            errors = _told_errors(result, _changes(before, result))
+            errors = {
+                name: by + stages[name] for name, by in _left_by_nodes(before, result).items()
+            }
             error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
-            result = result.replace(errors=errors, steps=steps)
             if error <= rtol:
-                return _admissible(result.replace(residuals=certificate(result))).checked()
-        before = result
-    _admissible(result)
+                result = result.replace(errors=errors, steps=steps)
+                return _admissible(result, known).replace(residuals=certificate(result)).checked()
+        before, cells = result, round(cells * MORE)
+    _pressed(result, ROUNDING)
     raise NotConverged(
         f"rtol={rtol:g} is not reached: the estimated error of the pressure is {error:.2g}", result
     )
@@ -110,29 +125,33 @@ def check_options(*, rtol: Any = DEFAULT_RTOL, told: Any = None) -> None:
 def layer_of(problem: WoundRollProblem) -> float:
     """Return over which part of ln r the pressure rises below a surface.
 
-    There the modulus changes by itself, or, where it does not, waves of the incremental equation
-    die out.
+    There the modulus doubles, or, where it does not, waves of the incremental equation die out.
     """
-    law, T = problem.stack.radial, problem.tension_curve.at(np.array([problem.core.radius]))
-    start = np.zeros(1)
-    E, slope = float(law.modulus(start)[0]), float(law.modulus_slope(start)[0])
-    wave = (E / problem.stack.tangential) ** 0.5
-    return float(min(E / (slope * T[0]) if slope > 0 else inf, wave, 0.3))
+    law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
+    E = float(law.modulus(0.0))
+    return min(law.reaches(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
 
 
 def _wound(
-    problem: WoundRollProblem, tolerance: float, cells: int, told: Told | None
-) -> WoundRollResult:
+    problem: WoundRollProblem, tolerance: float, cells: int, known: BuildUp | None,
+    told: Told | None,
+) -> tuple[BuildUp, WoundRollResult]:  # fmt: skip
     equations, curve = equations_of(problem), problem.tension_curve
+    layer = layer_of(problem)
     try:
-        found = wind(
-            equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
-            cells=cells, layer=layer_of(problem), told=told,
-        )  # fmt: skip
+        if known is None:
+            found = wind(
+                equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
+                cells=cells, layer=layer, told=told,
+            )  # fmt: skip
+        else:
+            found = wind_again(
+                equations, curve, known, tolerance=tolerance, cells=cells, layer=layer, told=told
+            )
     except NotWoundError as stop:
         raise NotConverged(str(stop)) from None
     result = finished(problem, found.x, found.growth, found.solved)
-    return result.replace(steps=equations.steps + result.steps)
+    return found, result.replace(steps=equations.steps + result.steps)
 
 
 def finished(
@@ -180,44 +199,62 @@ def finished(
     )  # fmt: skip
 
 
-def _changes(before: WoundRollResult, now: WoundRollResult) -> dict[str, float]:
-    """Return by what more stages and nodes change what errors are told of [Pa]."""
-    x = np.linspace(np.log(now.radius[0]), np.log(now.radius[-1]), COMPARED)
+def _left_by_nodes(before: WoundRollResult, now: WoundRollResult) -> dict[str, float]:
+    """Return what a change by more nodes leaves of errors [Pa]."""
+    x = _compared(now)
     (P0, Q0), (P1, Q1) = (
         pressure_between(np.log(r.radius), r.pressure, r.pressure_gradient, x)
         for r in (before, now)
     )
-    changes = (
-        float(np.max(np.abs(P1 - P0))),
-        abs(now.core_pressure - before.core_pressure),
-        abs(now.mid_pressure - before.mid_pressure),
-        float(np.max(np.abs(P1 + Q1 - P0 - Q0))),
-    )
-    return dict(zip(TOLD, changes, strict=True))
+    return _worst(now, LEFT * np.abs(P1 - P0), LEFT * np.abs(P1 + Q1 - P0 - Q0))
 
 
-def _told_errors(now: WoundRollResult, changed: Mapping[str, float]) -> dict[str, float]:
-    """Estimate errors from the changes, and that of the pressure from the surface's slope too.
+def _left_by_stages(result: WoundRollResult) -> dict[str, float]:
+    """Return the errors that come of the source between stages, where it is interpolated [Pa]."""
+    problem, x = result.problem, np.log(result.radius)
+    missed = missed_source(problem.tension_curve, growth_of(result), x)
+    by = equations_of(problem).moved(x, result.pressure, result.pressure_gradient, missed)
+    P, Q = (STAGES * np.interp(_compared(result), x, values) for values in by)
+    return _worst(result, np.abs(P), np.abs(P + Q))
 
-    The slope there is free of the source, so its miss tells what the stages leave.
+
+def _compared(result: WoundRollResult) -> Array:
+    """Return ln r where errors are told of: at the nodes, dense where it matters, and between."""
+    x = np.log(result.radius)
+    return np.sort(np.append(x, (x[1:] + x[:-1]) / 2))
+
+
+def _worst(result: WoundRollResult, pressure: Array, hoop: Array) -> dict[str, float]:
+    """Return the largest errors; for one place the largest ones near it, not to meet a zero."""
+    r, core, R = np.exp(_compared(result)), result.radius[0], result.radius[-1]
+    near_core, near_mid = (abs(r - place) <= NEAR * (R - core) for place in (core, (core + R) / 2))
+    worst = pressure, pressure[near_core], pressure[near_mid], hoop
+    return {name: float(np.max(errors)) for name, errors in zip(TOLD, worst, strict=True)}
+
+
+def _admissible(result: WoundRollResult, known: BuildUp) -> WoundRollResult:
+    """Return the result, if the laps press each other, within the stack's law.
+
+    At every radius the pressure rises from stage to stage, so that the roll as wound has the
+    largest, whatever changes the finished roll.
     """
-    T = float(now.problem.tension_curve.at(now.radius[-1:])[0])
-    errors = {name: LEFT * by for name, by in changed.items()}
-    errors["peak_pressure"] += abs(now.surface_slope) * layer_of(now.problem) * T
-    return errors
+    _pressed(result, ROUNDING)
+    limit, wound = result.problem.stack.limit, float(np.max(known.solved.P))
+    if max(wound, result.peak_pressure) >= limit:
+        when = " as wound" if wound > result.peak_pressure else ""
+        raise NotConverged(
+            f"the pressure reaches {max(wound, result.peak_pressure):.4g} Pa{when}, beyond the "
+            f"stack's law, which holds below {limit:.4g} Pa; less tension, or a law that reaches "
+            "farther", result
+        )  # fmt: skip
+    return result
 
 
-def _admissible(result: WoundRollResult) -> WoundRollResult:
-    """Return the result, if the laps press each other, within the stack's law."""
-    limit, loosest = result.problem.stack.limit, int(np.argmin(result.pressure))
-    if result.pressure[loosest] < -ROUNDING * result.peak_pressure:
+def _pressed(result: WoundRollResult, slack: float) -> None:
+    """Refuse a roll whose laps come apart."""
+    loosest = int(np.argmin(result.pressure))
+    if result.pressure[loosest] < -slack * result.peak_pressure:
         raise NotConverged(
             f"the laps come apart at the radius {result.radius[loosest]:.6g} m: nothing holds them "
             "where the finished roll's changes take all pressure away", result
         )  # fmt: skip
-    if result.peak_pressure >= limit:
-        raise NotConverged(
-            f"the pressure reaches {result.peak_pressure:.4g} Pa, beyond the stack's law, which "
-            f"holds below {limit:.4g} Pa; less tension, or a law that reaches farther", result
-        )  # fmt: skip
-    return result

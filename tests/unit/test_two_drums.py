@@ -1,0 +1,77 @@
+"""The nip loads of a two-drum winder: statics, closed forms, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from refusals import refused_in_one_line
+
+from woundon.problems.two_drums import GRAVITY, drum_loads, rider_load_for, roll_weight
+
+R = np.array([0.1, 0.3, 0.6])
+
+
+def test_the_weight_is_that_of_the_ring_and_the_core():
+    weight = roll_weight(R, 0.05, 680.0, core_mass=4.0)
+    np.testing.assert_allclose(weight, GRAVITY * (680 * np.pi * (R**2 - 0.05**2) + 4), rtol=1e-15)
+    assert roll_weight(0.05, 0.05, 680.0) == 0
+
+
+def test_three_equal_cylinders_that_touch():
+    """Centres on an equilateral triangle: each line of centres 30 degrees off the vertical."""
+    rear, front = drum_loads(0.25, 1000.0, 0.25, 0.0, rider_load=200.0)
+    assert rear == pytest.approx(1200 / (2 * np.cos(np.pi / 6)), rel=1e-14)
+    assert front == pytest.approx(rear, rel=1e-14)
+
+
+def test_a_roll_far_larger_than_its_drums_puts_half_its_weight_on_each():
+    """cos a tends to 1 as (d/R)^2/8, 2.5e-7 here."""
+    assert drum_loads(500.0, 1.0, 0.25, 0.01).rear == pytest.approx(0.5, rel=1e-6)
+
+
+def test_loads_on_unequal_drums_hold_the_roll():
+    """Forces along the lines of centres, whose directions are found by triangulation."""
+    first, second, gap, down = 0.3, 0.2, 0.02, 5000.0
+    rear, front = drum_loads(R, down, (first, second), gap)
+    apart = first + second + gap
+    x = np.array([
+        np.arccos((apart**2 + (r + first) ** 2 - (r + second) ** 2) / (2 * apart * (r + first)))
+        for r in R
+    ])  # fmt: skip
+    centre = (R + first) * np.array([np.cos(x), np.sin(x)])
+    from_front = centre - np.array([[apart], [0]])
+    force = rear * centre / np.hypot(*centre) + front * from_front / np.hypot(*from_front)
+    np.testing.assert_allclose(force, [np.zeros(3), np.full(3, down)], atol=1e-11 * down)
+    assert (rear < front).all()  # the larger drum pushes it onto the smaller one
+
+
+def test_the_rider_makes_the_wanted_nip_load():
+    weight = roll_weight(R, 0.05, 680.0)
+    for drum in ("rear", "front"):
+        more = rider_load_for(4000.0, R, weight, (0.3, 0.25), 0.02, drum)
+        loads = drum_loads(R[:2], weight[:2], (0.3, 0.25), 0.02, more[:2])
+        np.testing.assert_allclose(getattr(loads, drum), 4000.0, rtol=1e-13)
+    # the heaviest roll loads the nip more than wanted by itself
+    assert (more[:2] > 0).all()
+    assert more[2] < 0
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: drum_loads(0.01, 1.0, 0.25, 0.02), "radius: 0.01 is out of range; must be > gap/2"
+         " = 0.01 [m], or the roll falls between the drums"),
+        (lambda: drum_loads(9.0, 1.0, (0.3, 0.25), 0.02), "radius: 9 is out of range; must be < "
+         "2.974 [m], or the roll rolls off the smaller drum"),
+        (lambda: drum_loads("big", 1.0, 0.25, 0.02), "radius: 'big' is not a number; must be >= 0"),
+        (lambda: drum_loads(0.1, -1.0, 0.25, 0.02), "weight: -1 is out of range; must be >= 0"),
+        (lambda: drum_loads(0.1, 1.0, 0.0, 0.02), "drum_radius: 0 is out of range; must be one or"),
+        (lambda: drum_loads(0.1, 1.0, 0.2, float("nan")), "gap: nan is out of range; must be >= 0"),
+        (lambda: roll_weight(0.04, 0.05, 680.0), "radius: 0.04 is out of range; must be >= core_"),
+        (lambda: rider_load_for(1.0, 0.1, 1.0, 0.2, 0.0, "middle"), "drum: 'middle' is unknown; m"),
+    ],
+)  # fmt: skip
+def test_refused_with_one_line(make: Any, told: str):
+    refused_in_one_line(make, told)
