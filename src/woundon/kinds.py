@@ -216,18 +216,18 @@ register(
     check="woundon.roll.solve:check_options",
 )
 register(
-    "woundon.problems.air:AirNipProblem",
-    "woundon.air.solve:solve_air_nip",
-    "woundon.air.result:AirNipResult",
-    about="The winding nip with the air that the web brings.",
-    check="woundon.air.solve:check_options",
-)
-register(
     "woundon.problems.winding:WindingProblem",
     "woundon.winding.solve:solve_winding",
     "woundon.winding.result:WindingResult",
     about="The winding of a roll: what its nips add as it grows, and the stresses that stay.",
     check="woundon.winding.solve:check_options",
+)
+register(
+    "woundon.problems.air:AirNipProblem",
+    "woundon.air.solve:solve_air_nip",
+    "woundon.air.result:AirNipResult",
+    about="The winding nip with the air that the web brings.",
+    check="woundon.air.solve:check_options",
 )
 
 
