@@ -220,6 +220,8 @@ register(
     "woundon.winding.solve:solve_winding",
     "woundon.winding.result:WindingResult",
     about="The winding of a roll: what its nips add as it grows, and the stresses that stay.",
+    report="woundon.show.winding_report:winding_report",
+    plot="woundon.show.winding_plots:winding_panels",
     check="woundon.winding.solve:check_options",
 )
 register(

@@ -14,6 +14,7 @@ from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import WoundRollResult
+from .margins import WithMargins
 
 __all__ = ["WindingResult"]
 
@@ -21,7 +22,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingResult(Result):
+class WindingResult(WithMargins, Result):
     """What the winder did over the radius, what the nips added to it, and the roll wound.
 
     Arrays of length M are over the radius and linear between; those of length n are of the nips
@@ -40,6 +41,10 @@ class WindingResult(Result):
         Of the nips that were solved [m], [N/m], [m], [Pa].
     nip_felt_pressure : (n,) array
         P_e at which an effective roll has its moduli [Pa]; nan of other rolls.
+    nip_air_film, nip_friction : (n,) arrays
+        What the nips let through, at ambient pressure [m], and the friction that it leaves in them.
+    air_film : float
+        Mean of the films over the web's length, which the roll's laps hold [m].
     nip_error, nip_residual : (n,) arrays
         Their estimated discretisation error [N/m], and the largest violation of a law [1].
     interpolation_error : float
@@ -75,6 +80,9 @@ class WindingResult(Result):
     nip_felt_pressure: Annotated[
         Array, stress("P_e,k", "pressure at which an effective roll has its moduli")
     ]
+    nip_air_film: Annotated[Array, length("h_k", "film of air that they leave", "um")]
+    nip_friction: Annotated[Array, pure("mu+_k", "friction that air leaves in them")]
+    air_film: Annotated[float, length("h", "film of air between the laps", "um")]
     nip_error: Annotated[Array, line_load("WOT_k error", "their estimated discretisation error")]
     nip_residual: Annotated[Array, pure("r_k", "their largest violation of a contact law")]
     interpolation_error: Annotated[
