@@ -354,7 +354,8 @@ class _Winder:
     ) -> bool:  # fmt: skip
         """Add radii until the interpolation is good enough; tell whether any were needed."""
         added = False
-        while (errors := self._errors(answers)) and max(errors) > self.rtol:
+        allowed = (1 - STRAIGHT) * self.rtol  # the rest is for the lines between the radii told
+        while (errors := self._errors(answers)) and max(errors) > allowed:
             piece = self.pieces[int(np.argmax(errors))]
             if len(answers) >= MOST_NIPS:
                 r = self.radius(piece.misses(answers)[-1][0])
