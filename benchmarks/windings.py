@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
+from woundon.winding.bodies import hardening_roll
 
 CASE = wo.WindingProblem.example()
 COVER = wo.Cylinder(
@@ -82,27 +83,20 @@ def speed() -> None:
 
 
 def effective() -> None:
-    """What the effective roll is off, of the added tension, of the pressures."""
-    print(
-        f"{'':26s}{'WOT at the nips':>18s}{'NIT':>16s}{'mean WOT':>10s}{'P core':>8s}{'P mid':>8s}"
-    )
+    """What the effective roll is off: direct nips on the same roll, where it is small and large."""
+    print(f"{'':26s}{'radius m':>9s}{'WOT N/m':>9s}{'direct':>8s}{'off':>8s}{'of NIT':>8s}")
     for name, problem in COMPARED.items():
-        try:
-            one, two = (
-                wo.solve(problem.replace(roll_body=body)) for body in ("effective", "direct")
-            )
-        except (wo.InvalidProblem, wo.NotConverged) as stop:
-            print(f"{name:26s}{str(stop)[:90]}", flush=True)
-            continue
-        r = two.nip_radius
-        T, S = (np.interp(r, run.radius, run.wound_on_tension) for run in (one, two))
-        added = S - two.problem.at("web_tension", r)
-        off, of_added = 100 * (T / S - 1), 100 * (T - S) / np.abs(added)
-        rest = [100 * (getattr(one, n) / getattr(two, n) - 1)
-                for n in ("mean_wound_on_tension", "core_pressure", "mid_pressure")]  # fmt: skip
-        print(f"{name:26s}{off.min():8.1f} to {off.max():4.1f} %{of_added.min():7.1f} to "
-              f"{of_added.max():4.1f} %{rest[0]:8.1f} %{rest[1]:6.1f} %{rest[2]:6.1f} %",
-              flush=True)  # fmt: skip
+        run = wo.solve(problem, rtol=1e-2, agreed=1e-4)
+        for r in run.nip_radius[[1, run.nip_radius.size // 2, -1]].tolist():
+            try:
+                nip = wo.solve(problem.nip(r, hardening_roll(problem, run.roll.at(r))), nodes=65)
+            except wo.NotConverged as stop:
+                print(f"{name:26s}{r:9.3f}  {str(stop)[:80]}", flush=True)
+                continue
+            told, due = np.interp(r, run.radius, run.wound_on_tension), nip.wound_on_tension
+            of_added = (told - due) / (due - nip.problem.web_tension)
+            print(f"{name:26s}{r:9.3f}{told:9.1f}{due:8.1f}{100 * (told / due - 1):6.1f} %"
+                  f"{100 * of_added:6.1f} %", flush=True)  # fmt: skip
 
 
 def starts() -> None:

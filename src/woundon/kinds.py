@@ -216,13 +216,6 @@ register(
     check="woundon.roll.solve:check_options",
 )
 register(
-    "woundon.problems.air:AirNipProblem",
-    "woundon.air.solve:solve_air_nip",
-    "woundon.air.result:AirNipResult",
-    about="The winding nip with the air that the web brings.",
-    check="woundon.air.solve:check_options",
-)
-register(
     "woundon.problems.winding:WindingProblem",
     "woundon.winding.solve:solve_winding",
     "woundon.winding.result:WindingResult",
@@ -230,6 +223,13 @@ register(
     report="woundon.show.winding_report:winding_report",
     plot="woundon.show.winding_plots:winding_panels",
     check="woundon.winding.solve:check_options",
+)
+register(
+    "woundon.problems.air:AirNipProblem",
+    "woundon.air.solve:solve_air_nip",
+    "woundon.air.result:AirNipResult",
+    about="The winding nip with the air that the web brings.",
+    check="woundon.air.solve:check_options",
 )
 
 

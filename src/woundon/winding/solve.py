@@ -69,6 +69,7 @@ COARSE_RTOL, COARSE_NODES = 0.05, 33  # until then
 # to what the pressure that a nip's roll feels is found in one turn
 FELT_COARSELY, FELT = 0.02, 3e-3
 FIRST_SHARE = 0.6  # of mu P, to begin with
+ROUNDING = 1e-13
 LEAST_RTOL, LEAST_AGREED = 1e-6, 1e-8
 
 
@@ -200,18 +201,27 @@ class _Winder:
 
     # ---- roll and nips --------------------------------------------------------------------------
 
-    def knots(self, given: Mapping[float, float]) -> Array:
-        """Return the radii at which the tension is told: the nips', and what it takes between."""
+    def looked_at(self) -> Array:
+        """Return radii, dense near the core, among which are those where something is told [m]."""
         core, R = self.problem.ends
         least = FEWEST_LAPS * self.problem.web.thickness
         deep = core + np.exp(np.linspace(np.log(least), np.log(R - core), LOOKED_AT))
-        even = self.problem.radii(LOOKED_AT)
-        r = np.union1d(deep[:-1], even)
+        r = np.union1d(deep[:-1], self.problem.radii(LOOKED_AT))
         r = r[np.append(True, np.diff(r) > 1e-9 * R)]
         r[-1] = R
-        tension = self.tension(self.shares(given, r), r)
+        return np.asarray(r)
+
+    def needed(self, r: Array, tension: Array) -> Array:
+        """Return which radii the tension and the schedules take, drawn linear between them."""
+        curves = [tension, *(self.problem.at(name, r) for name in LOADS)]
+        within = STRAIGHT * self.rtol
+        return np.any([_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
+
+    def knots(self, given: Mapping[float, float]) -> Array:
+        """Return the radii at which the tension is told: the nips', and what it takes between."""
+        R, r = self.problem.radius, self.looked_at()
         own = [self.radius(place) for place in given]
-        found = r[_needed(r, tension, STRAIGHT * self.rtol * np.max(np.abs(tension)))]
+        found = r[self.needed(r, self.tension(self.shares(given, r), r))]
         apart = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
         return np.union1d(found[apart], own)
 
@@ -344,7 +354,8 @@ class _Winder:
     ) -> bool:  # fmt: skip
         """Add radii until the interpolation is good enough; tell whether any were needed."""
         added = False
-        while (errors := self._errors(answers)) and max(errors) > self.rtol:
+        allowed = (1 - STRAIGHT) * self.rtol  # the rest is for the lines between the radii told
+        while (errors := self._errors(answers)) and max(errors) > allowed:
             piece = self.pieces[int(np.argmax(errors))]
             if len(answers) >= MOST_NIPS:
                 r = self.radius(piece.misses(answers)[-1][0])
@@ -366,31 +377,53 @@ class _Winder:
         """Wind with a tension that takes no nip."""
         problem = self.problem
         law, at = problem.tension_law, problem.at
-        r = problem.radii(LOOKED_AT)
+        r = self.looked_at()
         if isinstance(law, Profile):
             tension = problem.curve("tension_law").at(r)
+        elif law == "fixed":
+            tension = at("web_tension", r) + at("nip_induced_tension", r)
         else:
-            tension = at("web_tension", r)
-            if law == "fixed":
-                tension = tension + at("nip_induced_tension", r)
-            else:
-                tension = tension + at("winding_force", r)
-                tension = tension + problem.roll_friction * at("nip_load", r)
-        return self._told(r, tension, self.wound(r, tension), {}, 0.0)
+            tension = at("web_tension", r) + at("winding_force", r)
+            tension = tension + problem.roll_friction * at("nip_load", r)
+        told = self.needed(r, tension)
+        drawn = np.interp(r, r[told], tension[told])
+        off = float(np.max(np.abs(drawn - tension)) / np.max(np.abs(tension)))
+        return self._told(
+            r[told], tension[told], self.wound(r[told], tension[told]), {}, off * (off > ROUNDING)
+        )
 
     def _result(
         self, r: Array, given: Mapping[float, float], answers: Mapping[float, float],
         roll: WoundRollResult,
     ) -> WindingResult:  # fmt: skip
-        shares = self.shares(given, r)
-        between = (r[1:] + r[:-1]) / 2
-        drawn = (shares[1:] + shares[:-1]) / 2 - self.shares(given, between)
-        straight = np.max(
-            np.abs(self.tension(drawn, between) / self.tension(0 * drawn, between) - 1)
-        )
-        return self._told(
-            r, self.tension(shares, r), roll, answers, max(self._errors(answers)) + straight
-        )
+        shares, fine = self.shares(given, r), self.looked_at()
+        tension = self.tension(shares, r)
+        exact = self.tension(self.shares(given, fine), fine)
+        straight = np.max(np.abs(np.interp(fine, r, tension) / exact - 1))
+        interpolation = max(self._errors(answers)) + straight + self._unseen(fine, exact)
+        return self._told(r, tension, roll, answers, interpolation)
+
+    def _unseen(self, r: Array, tension: Array) -> float:
+        """Return what schedules may do to the tension between nips, of it.
+
+        Where the nip load is off its own polynomial through the nips, so is the share; by less than
+        half as much, for NIT grows with a power of the load between 1/2 and 1.
+        """
+        at = self.problem.at
+        places = [place for piece in self.pieces for place in piece.places]
+        loads = {place: float(at("nip_load", self.radius(place))) for place in places}
+        off = np.abs(self.shares(loads, r) / at("nip_load", r) - 1) / 2
+        added = np.abs(tension - at("web_tension", r)) / tension
+        return float(np.max((off * added)[r >= self.problem.core.radius + self.first]))
+
+    def _uneven(self, interpolation: float) -> list[str]:
+        if interpolation <= 2 * self.rtol:
+            return []
+        return [
+            f"{RESOLUTION}the schedules vary so much between the {len(self.nips)} nips that the "
+            f"wound-on tension there may be {100 * interpolation:.2g} % off; smooth them, or take "
+            "them apart where they change"
+        ]
 
     def _told(
         self, r: Array, tension: Array, roll: WoundRollResult, answers: Mapping[float, float],
@@ -421,7 +454,10 @@ class _Winder:
             agreed=self.agreed,
             nips_solved=self.solved,
             residuals=Residuals(),
-            warnings=_warnings([(self.radius(p), self.nips[p].result) for p in places]),
+            warnings=(
+                *_warnings([(self.radius(p), self.nips[p].result) for p in places]),
+                *self._uneven(interpolation),
+            ),
             wound=roll,
         )
         return result.replace(errors=_errors(result))
