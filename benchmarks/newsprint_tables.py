@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from hardening_newsprint import FITTED, HELD, SHORT, TABLES, measured, rms
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.stats import f as f_distribution
 
 from woundon.show.figures import COLOURS, style
@@ -230,6 +231,9 @@ def profiles_figure() -> Any:
             axes.axhline(floor()[0], color="grey", ls=":", label="floor of any such model")
             if name != "exponent":
                 axes.set_xscale("log")
+                axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axes.xaxis.set_major_formatter("{x:g}")
+                axes.xaxis.set_minor_formatter(NullFormatter())
             axes.set_xlabel(f"{name} of G" if name == "exponent" else name)
             axes.set_ylabel("RMS [N/m]")
         axes.legend()
