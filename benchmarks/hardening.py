@@ -17,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import argparse
 from collections.abc import Callable
 from math import pi
+from operator import attrgetter
 from time import process_time
 from typing import Any
 
@@ -124,8 +125,19 @@ def priced(solve: Callable[[], Any], cold: bool) -> tuple[Any, float]:
     return result, taken / ((before + dense_solve()) / 2)
 
 
+FITTED = ("roll.stack.radial.K1", "roll.stack.radial.K2", "roll.pressure", "roll.stack.shear")
+
+
+def _differences(found: Any) -> None:
+    """Solve what central differences by the same fields take, each from the nip itself."""
+    for name in FITTED:
+        value = attrgetter(name)(found.problem)
+        for step in (2e-3, -2e-3):
+            wo.solve(found.problem.replace(**{name: value * (1 + step)}), start=found)
+
+
 def price() -> None:
-    """Print the prices of Table 2's nip, plain and wrapped, cold and from a neighbour."""
+    """Print the prices of Table 2's nip, plain and wrapped, cold, near and of derivatives."""
     web: Any = wo.material("newsprint")
     stack = wo.Stack(
         radial=wo.Pfeiffer(K1=10e3, K2=127.0),
@@ -144,9 +156,13 @@ def price() -> None:
         near = problem.replace(**{"roll.stack.radial.K2": 130.0})
         wo.solve(problem, nodes=17)  # orderings of unknowns and the like are made once
         first, cold = priced(lambda problem=problem: wo.solve(problem), cold=True)
-        _, warm = priced(lambda near=near, first=first: wo.solve(near, start=first), cold=False)
+        found, warm = priced(lambda near=near, first=first: wo.solve(near, start=first), cold=False)
         print(f"{name:8} {first.x.size:4d} nodes  cold {cold:6.0f} (asked {asked[0]})  "
               f"from a neighbour {warm:6.0f} (asked {asked[1]})", flush=True)  # fmt: skip
+        _, slopes = priced(lambda found=found: found.sensitivity(*FITTED), cold=False)
+        _, differences = priced(lambda found=found: _differences(found), cold=False)
+        print(f"{name:8} {len(FITTED)} derivatives {slopes:6.0f}, "
+              f"by central differences {differences:6.0f}", flush=True)  # fmt: skip
 
 
 def main() -> None:

@@ -27,7 +27,8 @@ def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True):
     deviations = {} if deviation is None else {"y": np.full(y.size, deviation)}
     data = Measured({"x": X[: y.size]}, {"y": y}, deviations)
     predictor = Predictor(model, data, tuple(parameters))
-    return fit_parameters(predictor, starts=starts, seed=1, profiles=profiles, quantities={})
+    named = [p.name for p in parameters if profiles]
+    return fit_parameters(predictor, starts=starts, seed=1, profiles=named, quantities={})
 
 
 LINE = (Parameter("a", -10.0, 10.0, 0.0), Parameter("b", -10.0, 10.0, 0.0))
@@ -225,6 +226,17 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
 def test_bad_fits_are_refused(data, vary, says):
     with pytest.raises(wo.InvalidProblem, match=says):
         wo.fit(paper_nip(), data, vary)
+
+
+def test_profiles_are_those_asked_for():
+    data = {"nip_load": LOADS, "tension_behind_nip": [560.0, 640.0, 700.0, 800.0]}
+    vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
+    one = wo.fit(paper_nip(), data, vary, nodes=17, starts=1, profiles=["roll_friction"])
+    assert [profile.name for profile in one.profiles] == ["roll_friction"]
+    assert "profile interval" in one.lines()[2]
+    assert "profile interval" not in one.lines()[1]
+    with pytest.raises(wo.InvalidProblem, match="profiles: 'roll_fiction' is unknown; must be "):
+        wo.fit(paper_nip(), data, vary, nodes=17, profiles=["roll_fiction"])
 
 
 def test_a_parameter_at_zero_needs_bounds():

@@ -77,6 +77,12 @@ def test_sensitivity_lists_what_matters_first(capsys: Capture):
     assert table.splitlines()[-1].startswith("winding_force is 0: NIT changes by +0.3")
 
 
+def test_rollers_have_no_sensitivity(pair, capsys: Capture):
+    assert cli.main(["solve", pair, "--sensitivity"]) == 2
+    said = "error: --sensitivity: not available for the kind 'rollers', but for nip and wrapped-nip"
+    assert said in capsys.readouterr().err
+
+
 def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
     assert cli.main([*QUICK, "--sensitivity", "--json"]) == 0
     text = capsys.readouterr().out
@@ -175,11 +181,6 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             [*WRAPPED, "--scheme", "thesis"],
             2,
             ["error: --scheme: no option of the kind 'wrapped-nip'; it has --nodes, --wrap-nodes"],
-        ),
-        (
-            [*WRAPPED, "--sensitivity"],
-            2,
-            ["error: --sensitivity: not available for the kind 'wrapped-nip', but for nip"],
         ),
         ([*QUICK, "--wrap-nodes", "30"], 2, ["error: --wrap-nodes: no option of the kind 'nip'"]),
         (
@@ -298,7 +299,7 @@ def test_help_lists_fields_outputs_and_options(kind, capsys: Capture):
     for place in wo.quantities.outputs(kind.result):
         assert f" {place.path} {place.quantity.symbol}: " in said
     assert "--rtol FLOAT" in said
-    assert ("--sensitivity" in said) == (kind.name == "nip")
+    assert ("--sensitivity" in said) == (kind.name in ("nip", "wrapped_nip"))
     # the friction's range: rollers may have none; of a roll that of its temperature change
     ranges = {"rollers": "(0 to 10)", "wound_roll": "(-1000 to 1000)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in said

@@ -75,6 +75,8 @@ class WindingNipResult(Losses, Result):
         The half widths of all meshes: what a neighbouring case starts from.
     """
 
+    DIFFERENTIATED: ClassVar[str]  # where its derivatives are found
+
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
     offset: Annotated[
@@ -142,6 +144,17 @@ class WindingNipResult(Losses, Result):
         """The way the web slips on the roll at the nip's trailing edge."""
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
 
+    def sensitivity(self, *parameters: str) -> Sensitivity:
+        """Return exact derivatives of the main outputs with respect to fields of the problem.
+
+        Parameters
+        ----------
+        parameters : str
+            Dotted names (``"roll.material.shear"``); every continuous field if none is given.
+        """
+        found: Sensitivity = kinds.fetch(self.DIFFERENTIATED)(self, parameters)
+        return found
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class NipResult(WindingNipResult):
@@ -160,6 +173,7 @@ class NipResult(WindingNipResult):
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("nip_induced_tension",)
+    DIFFERENTIATED: ClassVar[str] = "woundon.nip.sensitivity:nip_sensitivity"
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
         "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
@@ -242,13 +256,3 @@ class NipResult(WindingNipResult):
         """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
         told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.nip.solve:recomputed")(self)
         return told
-
-    def sensitivity(self, *parameters: str) -> Sensitivity:
-        """Return exact derivatives of the main outputs with respect to fields of the problem.
-
-        Parameters
-        ----------
-        parameters : str
-            Dotted names (``"roll.material.shear"``); every continuous field if none is given.
-        """
-        return kinds.fetch("woundon.nip.sensitivity:nip_sensitivity")(self, parameters)

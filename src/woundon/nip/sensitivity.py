@@ -16,10 +16,12 @@ R_theta is the equations' own change at fixed u, a difference of assembled matri
 the changed body's are made anew; nothing is solved again.
 
 The matrices are :class:`~.equations.NipMatrices`, those of the solution and of its certificate.
+What is the same for a nip with its wraps is :class:`~.differential.Differential`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +35,7 @@ from ..quantities import walk
 from ..results import ReadOnly
 from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
+from .differential import Differential
 from .equations import NipMatrices
 from .result import NipResult
 
@@ -40,16 +43,10 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-__all__ = ["Sensitivity", "continuous_fields", "nip_sensitivity"]
+__all__ = ["Sensitivity", "continuous_fields", "differentiated", "nip_sensitivity"]
 
 Array = np.ndarray
-OUTPUTS = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep")
-# relative; matrices are known to 1e-14, so their forward differences to 1e-6 at the worst
-STEP = 1e-7
-# an equilibrium inside a body is known to 1e-11
-STEP_OF_TANGENTS = 1e-5
 MOST_TOLD = 3  # parameters in one line
-NEAR_CHANGE = 1e-6  # margin of a node's law, relative, below which a zone change is announced
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,7 +57,7 @@ class Sensitivity(ReadOnly):
     ----------
     outputs : tuple of str
         ``nip_induced_tension``, ``tension_behind_nip``, ``half_width``, ``nip_width``,
-        ``drum_creep``.
+        ``drum_creep``; of a wrapped nip ``wound_on_tension`` before them.
     parameters : tuple of str
         Dotted names of the fields.
     derivatives : (outputs, parameters) array
@@ -174,22 +171,31 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
         For a name that is not a continuous field.
     """
     known = continuous_fields(result.problem)
+    return differentiated(_NipDifferential, result, parameters, known)
+
+
+def differentiated(
+    made: type[Differential], result: Any, parameters: tuple[str, ...], known: dict[str, float]
+) -> Sensitivity:
+    """Return a result's derivatives by named fields, all ``known`` ones if none is named."""
     names = parameters or tuple(known)
-    known |= _items(result.problem)
+    known = known | _items(result.problem)
     for name in names:
         if name not in known:
             raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
-    equations = _Differential(result)
-    # (unknowns, outputs)
-    adjoint = np.linalg.solve(equations.jacobian().T, equations.output_gradients().T)
-    derivatives = np.empty((len(OUTPUTS), len(names)))
+    equations = made(result)
+    # (unknowns, outputs); rows of one size, for they are of different units
+    jacobian = equations.jacobian()
+    size = np.max(np.abs(jacobian), axis=1, keepdims=True)
+    adjoint = np.linalg.solve((jacobian / size).T, equations.output_gradients().T) / size
+    derivatives = np.empty((len(made.outputs), len(names)))
     for k, name in enumerate(names):
         change, explicit = equations.changes(name, known[name])
         derivatives[:, k] = explicit - adjoint.T @ change
-    values = np.array([getattr(result, output) for output in OUTPUTS])
+    values = np.array([getattr(result, output) for output in made.outputs])
     fields = np.array([known[name] for name in names])
     return Sensitivity(
-        OUTPUTS, names, derivatives, values, fields, zone_change=equations.near_zone_change()
+        made.outputs, names, derivatives, values, fields, equations.near_zone_change()
     )
 
 
@@ -201,21 +207,21 @@ class _Unknowns:
     shift: float
     traction: Array
     creep: float
-    half_width: float
     zones: Array
 
 
-class _Differential:
-    """The residual R(u, theta) about a converged state, and what it changes by."""
+class _NipDifferential(Differential):
+    """R and J of a nip alone."""
+
+    outputs = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep")
 
     def __init__(self, result: NipResult) -> None:
+        super().__init__(result)
         problem, a, inside = result.problem, result.half_width, slice(1, -1)
-        self.result, self.problem, self.mesh = result, problem, mesh_of(result)
+        self.mesh = mesh_of(result)
         self.n = self.mesh.unknowns
         traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
-        # bodies that are not linear have their tangents about the result, which is kept fixed
         self.about = NipMatrices.loads(result.pressure[inside], traction)
-        self.step = STEP if problem.linear else STEP_OF_TANGENTS
         self.here = NipMatrices.at(problem, self.mesh, a, self.about)
         # integrated once for all fields
         made = (
@@ -228,7 +234,7 @@ class _Differential:
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
         shift = result.offset / problem.contact_radius
         zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
-        self.u = _Unknowns(result.pressure[inside], shift, traction, creep, a, zones)
+        self.u = _Unknowns(result.pressure[inside], shift, traction, creep, zones)
         self.nodes = slice(0, 2 * self.n)
         self.rest = self.residual(problem, self.here)
 
@@ -262,14 +268,8 @@ class _Differential:
         J[n + 1 : 3 * n + 1] = law
         J[3 * n + 1, 2 * n + 1 : 3 * n + 1] = made.weights
         J[3 * n + 2, p] = made.weights
-        J[:, -1] = self._by_width()
+        J[:, -1], _ = self.by_width()
         return J
-
-    def _by_width(self) -> Array:
-        """Return dR/dln a."""
-        a = self.u.half_width * np.exp(self.step)
-        wider = NipMatrices.at(self.problem, self.mesh, a, self.about)
-        return (self.residual(self.problem, wider) - self.rest) / self.step
 
     def output_gradients(self) -> Array:
         """Return J_u of the outputs, (outputs, unknowns)."""
@@ -277,28 +277,26 @@ class _Differential:
         NIT, width, creep = np.zeros((3, 3 * n + 3))
         NIT[n + 1 : 3 * n + 1] = np.tile(w, 2)
         NIT[-1] = float(w @ (u.traction[:n] + u.traction[n:]))
-        width[-1] = u.half_width
+        width[-1] = self.half_width
         # xi- = xi - c11 T_out/(2h)
         stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
         return np.array([NIT, NIT, width, 2 * width, creep])
 
-    def changes(self, name: str, value: float) -> tuple[Array, Array]:
-        """Return R_theta and the outputs' explicit J_theta for one field."""
-        step = self.step * self._size(name, value)
-        try:
-            problem = self.problem.replace(**{name: value + step})
-        except InvalidProblem:  # at the upper border of the admissible range
-            step = -step
-            problem = self.problem.replace(**{name: value + step})
-        made = self._changed(problem, name.partition(".")[0])
-        residual, outputs = self.residual(problem, made), self._outputs(problem)
-        return (residual - self.rest) / step, (outputs - self._outputs(self.problem)) / step
+    def output_values(self, problem: NipProblem, made: Matrices) -> Array:
+        """Return the outputs of another problem or half width at the fixed unknowns."""
+        w, u, n, a = made.weights, self.u, self.n, made.half_width
+        NIT = float(w @ (u.traction[:n] + u.traction[n:]))
+        T_out = problem.web_tension + NIT
+        creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
+        return np.array([NIT, T_out, a, 2 * a, creep])
 
-    def _changed(self, problem: NipProblem, part: str) -> Matrices:
-        """Assemble for a problem of which only one part is another."""
-        a, bodies = self.u.half_width, self.bodies
+    def assembled(self, problem: NipProblem, a: float, part: str) -> Matrices:
+        """Assemble for a half width and a problem of which only one part is another ('' none)."""
+        if a != self.half_width:
+            return NipMatrices.at(problem, self.mesh, a, self.about)
+        bodies = self.bodies
         if part in bodies:
             loads = self.about[problem.pair.index(part)]
             body = getattr(problem, part)
@@ -312,38 +310,10 @@ class _Differential:
         one, two = bodies.values()
         return NipMatrices.of(problem, self.mesh, a, one, two, self.about)
 
-    def _size(self, name: str, value: float) -> float:
-        """Return the scale on which a field matters."""
-        head, _, rest = name.partition(".")
-        thickness = getattr(getattr(self.problem, head), "thickness", np.inf)
-        if head in self.bodies and rest.endswith("radius") and np.isfinite(thickness):
-            return float(thickness)  # the radii of a thin layer matter by their difference
-        if value != 0:
-            return abs(value)
-        if name in ("winding_force", "web_tension"):
-            return self.problem.drum_friction * self.problem.nip_load
-        return 1 / self.problem.web.compliance.c22 if name.endswith("cross") else 1.0
-
-    def _outputs(self, problem: NipProblem) -> Array:
-        """Return the outputs of another problem at the fixed unknowns."""
-        w, u, n = self.here.weights, self.u, self.n
-        NIT = float(w @ (u.traction[:n] + u.traction[n:]))
-        T_out = problem.web_tension + NIT
-        creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
-        return np.array([NIT, T_out, u.half_width, 2 * u.half_width, creep])
-
-    def near_zone_change(self) -> str:
-        """Name the nodes whose law is kept by a hair only."""
-        r, found = self.result, []
-        for face, friction, traction, slip, zones in (
-            ("roll", self.problem.roll_friction, r.roll_traction, r.roll_slip, r.roll_zone),
-            ("drum", self.problem.drum_friction, r.drum_traction, r.drum_slip, r.drum_zone),
-        ):
-            bound = friction * r.pressure
-            spare = np.where(
-                zones == 0,
-                (bound - np.abs(traction)) / bound.max(),
-                np.abs(slip) / max(float(np.max(np.abs(slip))), 1e-300),
-            )[1:-1]
-            found += [f"{face} node {k + 1}" for k in np.nonzero(spare < NEAR_CHANGE)[0]]
-        return ", ".join(found)
+    def bounds(self) -> Iterator[tuple[str, Array, Array]]:
+        """Yield each face by name, the nodes of its tractions, and what friction can hold there."""
+        nodes = np.arange(1, self.n + 1)
+        for face, friction in (
+            ("roll", self.problem.roll_friction), ("drum", self.problem.drum_friction),
+        ):  # fmt: skip
+            yield face, nodes, friction * self.u.pressure

@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult, WindingNipResult
 from ..problems.bodies import Body
 from ..problems.fields import Description
-from ..problems.nip import NipProblem, WindingNip
+from ..problems.nip import WindingNip, WrappedNipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..results import Result
@@ -394,9 +394,9 @@ def sensitivity_text(sensitivity: Sensitivity) -> str:
 
 
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
-    """Print elasticities, what matters most for the nip-induced tension first."""
+    """Print elasticities, what matters most for the first output first."""
     ordered = sensitivity.sorted()
-    known = quantities.scalar_outputs(NipResult)
+    known = quantities.scalar_outputs(WrappedNipResult)  # it has those of a nip alone too
     # the width's elasticities are the half width's
     told = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in told)]
@@ -412,10 +412,12 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     print_columns([head, *table], widths, "<" + ">" * len(head), console)
     for name, field in zip(ordered.parameters, ordered.fields, strict=True):
         if not field:  # no percent of it; what it does all the same
-            slope = ordered.derivative("nip_induced_tension", name)
-            quantity = quantities.find(NipProblem, name)[0].quantity
+            main = ordered.outputs[0]
+            slope, symbol = ordered.derivative(main, name), known[main].symbol
+            quantity = quantities.find(WrappedNipProblem, name)[0].quantity
             unit = "unit" if quantity is None else quantity.unit.replace("1", "unit")
-            console.print(Text(f"{name} is 0: NIT changes by {slope:+.4g} N/m per {unit} of it"))
+            text = f"{name} is 0: {symbol} changes by {slope:+.4g} N/m per {unit} of it"
+            console.print(Text(text))
     if ordered.zone_change:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
         console.print(Text(text, style="bold yellow"))

@@ -147,7 +147,7 @@ def plot_fit(
 
 def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     fit = cases[0].result
-    told = "others refitted" if len(fit.profiles) > 1 else "profile"
+    told = "others refitted" if len(fit.names) > 1 else "profile"
     rms, text = _rms(fit)
     quantity = fit.quantities.get(profile.name)
     at, along = _scaled(quantity, profile.name, profile.values, words=False)

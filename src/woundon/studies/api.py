@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..io.units import parse
-from ..problems.fields import Problem, shown
+from ..problems.fields import Problem, not_one_of, shown
 from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design
 from .engine import Progress, run_study
@@ -254,7 +254,7 @@ def fit(
     columns: Mapping[str, str | None] | None = None,
     starts: int = 6,
     seed: int = 0,
-    profiles: bool = True,
+    profiles: bool | Sequence[str] = True,
     nodes: int | None = None,
     rtol: float | None = None,
     options: Mapping[str, Any] | None = None,
@@ -279,8 +279,8 @@ def fit(
         Header in the data -> name here, maybe with its unit; None for a column to leave out.
     starts, seed : int
         Starting points: the problem as it is, the others drawn.
-    profiles : bool
-        Find profile-likelihood intervals.
+    profiles : bool or sequence of str
+        Find profile-likelihood intervals: of all, or of the fields named.
     nodes, rtol, options
         As of :func:`sweep`; 65 nodes by default where the solver would choose their number itself.
         Leave ``rtol`` out: on one grid the outputs are continuous in the parameters, between grids
@@ -311,8 +311,8 @@ def fit(
     quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
     _one_unit(quantities, data)
     found = fit_parameters(
-        Predictor(model, data, parameters), starts=starts, seed=seed, profiles=profiles,
-        quantities=quantities,
+        Predictor(model, data, parameters), starts=starts, seed=seed,
+        profiles=_profiled(profiles, bounds), quantities=quantities,
     )  # fmt: skip
     estimates = dict(zip(found.names, found.estimates, strict=True))
     return replace(found, problem=model.variant(estimates))
@@ -333,6 +333,17 @@ def _bounds(vary: Any) -> dict[str, Any]:
     if not given:
         raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
     return given
+
+
+def _profiled(profiles: bool | Sequence[str], varied: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the parameters whose profiles are asked for."""
+    if isinstance(profiles, bool):
+        return tuple(varied) if profiles else ()
+    names = (profiles,) if isinstance(profiles, str) else tuple(profiles)
+    for name in names:
+        if name not in varied:
+            raise InvalidProblem.at("profiles", not_one_of(name, varied))
+    return names
 
 
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:

@@ -14,7 +14,7 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -154,7 +154,7 @@ class FitResult(ReadOnly):
 
 
 def fit_parameters(
-    predictor: Predictor, *, starts: int, seed: int, profiles: bool,
+    predictor: Predictor, *, starts: int, seed: int, profiles: Collection[str],
     quantities: Mapping[str, Quantity],
 ) -> FitResult:  # fmt: skip
     """Fit the predictor's parameters.
@@ -165,8 +165,8 @@ def fit_parameters(
     starts : int
         Number of starting points: the base value, the others by Latin hypercube.
     seed : int
-    profiles : bool
-        Whether to find profile-likelihood intervals.
+    profiles : collection of str
+        Parameters whose profile-likelihood intervals are found.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
 
@@ -194,6 +194,7 @@ def fit_parameters(
         made = tuple(
             profile_of(predictor, j, u, S, limit, spread)
             for j, spread in enumerate(_spreads(predictor, u, S))
+            if parameters[j].name in profiles
         )
         lower = min(made, key=lambda p: p.best[0]).best
         if lower[0] >= S * (1 - SAME_MINIMUM):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,38 +97,35 @@ class _Walk:
         from scipy.optimize import brentq
 
         low, high = self.predictor.parameters[self.j].ends
-        inner, near = float(self.u[self.j]), self.u
+        inner = float(self.u[self.j])
         while True:
             outer = min(max(inner + step, low), high)
-            S, u = self._refitted(outer, near)
+            S = self._refitted(outer)
             if not np.isfinite(S) or limit < S:
                 break
             if outer in (low, high):
                 return None
-            inner, near, step = outer, u, 1.6 * step
+            inner, step = outer, 1.6 * step
         if not np.isfinite(S):
             return outer  # beyond lies what cannot be solved
-        start = near
         # S grows about as the square of the distance: its root is nearly straight
         floor = self.points[0][1]
 
         def excess(at: float) -> float:
-            S, _ = self._refitted(at, start)
-            return float(np.sqrt(max(S - floor, 0.0)) - np.sqrt(limit - floor))
+            return float(np.sqrt(max(self._refitted(at) - floor, 0.0)) - np.sqrt(limit - floor))
 
         if excess(inner) >= 0:
             return inner
         return float(brentq(excess, inner, outer, xtol=1e-2 * abs(step), rtol=1e-6))
 
-    def _refitted(self, at: float, near: Array) -> tuple[float, Array]:
-        """Minimise S over the other parameters, this one held."""
+    def _refitted(self, at: float) -> float:
+        """Return the least S over the other parameters, this one held."""
         from scipy.optimize import least_squares
 
-        for known, S, u in self.points:
+        for known, S, _ in self.points:
             if known == at:
-                return S, u
+                return S
         predictor, j = self.predictor, self.j
-        others = np.delete(near, j)
 
         def whole(part: Array) -> Array:
             return np.insert(part, j, at)
@@ -138,16 +136,26 @@ class _Walk:
         def jacobian(part: Array) -> Array:
             return np.delete(predictor.jacobian(whole(part)), j, axis=1)
 
-        best = whole(others)
-        r = predictor.residuals(best)
+        low, high = np.delete(np.transpose([p.ends for p in predictor.parameters]), j, axis=1)
+        for others in self._expected(at):
+            best = whole(np.clip(others, low + 1e-9, high - 1e-9))
+            r = predictor.residuals(best)
+            if np.isfinite(r).all():
+                break
         if others.size and np.isfinite(r).all():
-            low, high = np.delete(np.transpose([p.ends for p in predictor.parameters]), j, axis=1)
             found = least_squares(
-                residuals, np.clip(others, low + 1e-9, high - 1e-9), jacobian, (low, high),
-                x_scale="jac", ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
+                residuals, np.delete(best, j), jacobian, (low, high), x_scale="jac",
+                ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
             )  # fmt: skip
             best, r = whole(found.x), found.fun
         S = float(r @ r)
         if np.isfinite(S):
             self.points.append((at, S, best))
-        return S, best
+        return S
+
+    def _expected(self, at: float) -> Iterator[Array]:
+        """Yield where the other parameters are to be looked for: as they went, as they were."""
+        (one, _, u), *more = sorted(self.points, key=lambda point: abs(point[0] - at))
+        for other, _, v in more[:1]:
+            yield np.delete(u + (v - u) * (at - one) / (other - one), self.j)
+        yield np.delete(u, self.j)

@@ -24,7 +24,7 @@ from .grid import WrapGrid, grid_for
 if TYPE_CHECKING:
     from .result import WrappedNipResult
 
-__all__ = ["certificate", "equations_of"]
+__all__ = ["certificate", "equations_of", "unknowns_of"]
 
 Array = np.ndarray
 
@@ -56,6 +56,20 @@ def _grid_of(result: WrappedNipResult) -> WrapGrid:
     return grid
 
 
+def unknowns_of(result: WrappedNipResult, equations: WrapEquations) -> tuple[Array, Array, float]:
+    """Return z, q and the rigid slip that a result reports."""
+    z = np.concatenate([
+        result.roll_pressure[equations.roll_nodes], result.pressure[equations.drum_nodes],
+        [result.offset / result.problem.contact_radius],
+    ])  # fmt: skip
+    q = np.concatenate([
+        result.roll_traction[equations.roll_q], result.drum_traction[equations.drum_q],
+    ])  # fmt: skip
+    # the solved rigid slip is referred to the tension at the far side
+    far = float(result.web_tension[-1])
+    return z, q, result.drum_creep + equations.web.c11 / result.problem.web.thickness * far
+
+
 def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals:
     """Measure every law of a result.
 
@@ -68,19 +82,10 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     problem, grid, x, a = result.problem, equations.grid, result.x, result.half_width
     P, T = problem.nip_load, result.web_tension
     problem.web.refuse(max(float(np.max(p)) for p in (result.pressure, result.roll_pressure)))
-    web, h = equations.web, problem.web.thickness
     gap, by_z, by_q = equations.indentation
     top = float(np.max(np.abs(grid.points[grid.first : grid.last])))
     top *= a / problem.contact_radius
-    z = np.concatenate([
-        result.roll_pressure[equations.roll_nodes], result.pressure[equations.drum_nodes],
-        [result.offset / problem.contact_radius],
-    ])  # fmt: skip
-    q = np.concatenate([
-        result.roll_traction[equations.roll_q], result.drum_traction[equations.drum_q],
-    ])  # fmt: skip
-    # the solved rigid slip is referred to the tension at the far side
-    creep = result.drum_creep + web.c11 / h * float(T[-1])
+    z, q, creep = unknowns_of(result, equations)
     slips = equations.slips_at_nodes(z, q, creep)
     gained = from_edge(result.roll_traction + result.drum_traction, x)
     nip = result.in_nip
@@ -110,11 +115,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
 def _friction(
     result: WrappedNipResult, equations: WrapEquations, q: Array, slips: Array, top: float
 ) -> dict[str, float]:
-    problem, last = result.problem, equations.grid.last
-    on_roll, on_drum = equations.roll_q, equations.drum_q
-    friction = np.full(q.size, problem.drum_friction)
-    behind = on_roll >= last
-    friction[: on_roll.size] = np.where(behind, problem.friction_behind, problem.roll_friction)
+    on_roll, on_drum, friction = equations.roll_q, equations.drum_q, equations.friction
     p = np.concatenate([result.roll_pressure[on_roll], result.pressure[on_drum]])
     zones = np.concatenate([result.roll_zone[on_roll], result.drum_zone[on_drum]])
     v = np.concatenate([slips[0, on_roll], slips[1, on_drum]])

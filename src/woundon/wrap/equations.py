@@ -330,34 +330,53 @@ class WrapEquations:
         roll, drum = self.roll.strain, self.drum.strain
         return np.concatenate([roll[-1] - roll[:-1], -drum[:-1]])
 
+    @cached_property
+    def node_slips(self) -> tuple[Array, Array, Array]:
+        """The slips that belong to the tractions, (m,): by z, by q, and what bodies add.
+
+        A node belongs with the cell before it; each face's last cell belongs to no unknown.
+        """
+        last = [self.roll_q.size, self.columns.size + 1]
+        by_z, by_q, offset = (
+            np.delete(part, last, axis=0) for part in (*self.slips, self.slip_offset)
+        )
+        return by_z, by_q, offset
+
+    @cached_property
+    def on_drum(self) -> Array:
+        """Which tractions act on the drum, (m,) bool."""
+        return np.arange(self.columns.size) >= self.roll_q.size
+
+    @cached_property
+    def friction(self) -> Array:
+        """Coefficient of friction at each traction, (m,)."""
+        problem, behind = self.problem, self.columns >= self.grid.last
+        on_roll = np.where(behind, problem.friction_behind, problem.roll_friction)
+        return np.where(self.on_drum, problem.drum_friction, on_roll)
+
+    @cached_property
+    def force_weights(self) -> Array:
+        """What integrates q- over the drum, by q, (m,)."""
+        return self.on_drum * (self.half_width * self.grid.weights[self.columns])
+
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; every node has a pressure of its own."""
-        problem, grid = self.problem, self.grid
+        problem = self.problem
         z, by_q = self.normal
-        n_q, m = self.roll_q.size, self.columns.size
-        # a node belongs with the cell before it; each face's last cell belongs to no unknown
-        slip_z, slip_q, offset = (
-            np.delete(part, [n_q, m + 1], axis=0) for part in (*self.slips, self.slip_offset)
-        )
+        slip_z, slip_q, offset = self.node_slips
         own = self.own_pressure
         rest = np.setdiff1d(np.arange(z.size), own)  # pressures that bound no traction
-        friction = np.full(m, problem.drum_friction)
-        friction[:n_q] = np.where(
-            self.roll_q < grid.last, problem.roll_friction, problem.friction_behind
-        )
-        creep = np.zeros(m)
-        creep[n_q:] = 1.0
-        resultant = creep * (self.half_width * grid.weights[self.columns])
+        creep, resultant = self.on_drum.astype(float), self.force_weights
         # the nip's part of F in proportion to the load that this half width carries: a steady
         # state at any width; the wrap takes what the nip cannot
         F, most = problem.winding_force, problem.drum_friction * problem.nip_load
         share = min(max(F, -most), most) / problem.nip_load
-        resultant -= share * (self.load_weights @ by_q)
+        resultant = resultant - share * (self.load_weights @ by_q)
         force = F + share * (float(self.load_weights @ z) - problem.nip_load)
         return StickSlip(
             slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own],
             offset + slip_z[:, rest] @ z[rest],
-            z[own], by_q[own], friction, faces=1,
+            z[own], by_q[own], self.friction, faces=1,
             creep=creep, resultant=resultant, force=force,
         )  # fmt: skip
 

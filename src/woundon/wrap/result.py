@@ -42,6 +42,7 @@ class WrappedNipResult(WindingNipResult):
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
+    DIFFERENTIATED: ClassVar[str] = "woundon.wrap.sensitivity:wrapped_sensitivity"
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "nip": "take the nodes in_nip of the arrays, or confined() for the nip alone",
         "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
