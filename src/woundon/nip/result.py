@@ -74,6 +74,10 @@ class WindingNipResult(Result):
         The half widths of all meshes: what a neighbouring case starts from.
     """
 
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(("roll_slip", "drum_slip", "roll_strain"), "slip_x")
+    )
+
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
     offset: Annotated[
