@@ -100,6 +100,8 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
     InvalidProblem
         For one that the solver does not have, or a text that is no number where it takes one.
     """
+    if not given:
+        return {}
     known, read = dict(solver_options(kind)), dict[str, Any]()
     for name, value in given.items():
         if name not in known:

@@ -43,22 +43,20 @@ class _Office:
     """The workers, and who has a study under way."""
 
     def __init__(self) -> None:
-        cores = usable_cores()
-        self.solvers = Pool(
-            max(2, min(cores, MOST_SOLVERS)), answers.warm_up, seconds=LIMITS["solve_seconds"]
-        )
-        # they stand back: a slider does not wait for a study
-        self.others = Pool(
-            max(2, min(cores, MOST_SOLVERS)), answers.warm_up, seconds=LIMITS["study_seconds"],
-            nice=10,
-        )  # fmt: skip
+        size, seconds = max(2, min(usable_cores(), MOST_SOLVERS)), LIMITS["solve_seconds"]
+        self.solvers = Pool(size, answers.warm_up, seconds=seconds)
+        # they stand back behind these: neither a slider nor what it draws waits for a study
+        self.others = Pool(1, answers.warm_up, seconds=seconds, nice=5)
+        self.cases = Pool(size, answers.warm_up, seconds=LIMITS["study_seconds"], nice=10)
         self.studies: dict[str, asyncio.Event] = {}
 
     async def open(self) -> None:
-        await asyncio.gather(self.solvers.open(), self.others.open())
+        for pool in (self.solvers, self.others, self.cases):  # the first that is needed first
+            await pool.open()
 
     async def close(self) -> None:
-        await asyncio.gather(self.solvers.close(), self.others.close())
+        for pool in (self.solvers, self.others, self.cases):
+            pool.close()
 
 
 def application(names: Iterable[str] = (), token: str = "") -> Guard:
@@ -194,7 +192,7 @@ def _states(app: FastAPI, office: _Office) -> None:
         tables, session = await _tables(request), _session_of(request)
         if session in office.studies:
             office.studies[session].set()
-        study = await _asked(office.others, request, "sweep", sweeps.begun, tables, rank=2)
+        study = await _asked(office.cases, request, "sweep", sweeps.begun, tables)
         stopped = asyncio.Event()
         if session:
             office.studies[session] = stopped
@@ -202,7 +200,7 @@ def _states(app: FastAPI, office: _Office) -> None:
         async def told() -> AsyncIterator[bytes]:
             try:
                 async for line in sweeps.events(
-                    office.others, study, session, request.is_disconnected, stopped
+                    office.cases, study, session, request.is_disconnected, stopped
                 ):
                     yield line
             finally:

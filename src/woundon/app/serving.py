@@ -8,6 +8,7 @@ import socket
 from collections.abc import Iterable
 from typing import Any
 
+import h11
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -25,14 +26,35 @@ LONGEST_HEAD = 32_768  # bytes
 class _Impatient(H11Protocol):
     """HTTP/1.1 that does not wait for ever for the head of a request."""
 
-    def connection_made(self, transport: Any) -> None:
-        super().connection_made(transport)
-        self._patience = asyncio.get_running_loop().call_later(HEAD_SECONDS, self._give_up)
+    _patience: asyncio.TimerHandle | None = None
 
-    def _give_up(self) -> None:
-        heads: Any = self.cycle  # None until the head of the first request is there
-        if heads is None and not self.transport.is_closing():
-            self.transport.close()
+    def connection_made(self, transport: Any) -> None:
+        """Wait for the first head."""
+        super().connection_made(transport)
+        self._wait_for_head()
+
+    def data_received(self, data: bytes) -> None:
+        """Take what has come; if that is a part of a head, wait for its rest."""
+        super().data_received(data)
+        if self.conn.their_state is not h11.IDLE:
+            self._wait_no_more()
+        elif self.conn.trailing_data[0]:
+            self._wait_for_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the connection."""
+        self._wait_no_more()
+        super().connection_lost(exc)
+
+    def _wait_for_head(self) -> None:
+        if self._patience is None:
+            loop = asyncio.get_running_loop()
+            self._patience = loop.call_later(HEAD_SECONDS, self.transport.close)
+
+    def _wait_no_more(self) -> None:
+        if self._patience is not None:
+            self._patience.cancel()
+            self._patience = None
 
 
 def listening(host: str, port: int) -> socket.socket:

@@ -17,8 +17,8 @@ import traceback
 from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, field
-from heapq import heappop, heappush
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import Any
 
@@ -106,11 +106,9 @@ class _Worker:
 class _Request:
     call: Callable[..., Any]
     given: tuple[Any, ...]
-    key: Hashable
     session: Hashable
     answer: asyncio.Future[Any]
     worker: _Worker | None = None
-    overtaken: bool = field(default=False)
 
 
 class Pool:
@@ -151,7 +149,7 @@ class Pool:
         """Start the processes."""
         await self._hire(self.size)
 
-    async def close(self) -> None:
+    def close(self) -> None:
         """End the processes, whatever they do."""
         self._closing = True
         for process in self._processes:
@@ -163,7 +161,7 @@ class Pool:
 
     async def run(
         self, call: Callable[..., Any], *given: Any, key: Hashable = None, session: Hashable = None,
-        rank: int = 0,
+        rank: int = 0, seconds: float | None = None,
     ) -> Any:  # fmt: skip
         """Return ``call(*given)`` of a worker.
 
@@ -177,6 +175,8 @@ class Pool:
             Goes to the worker that this session's last request went to, if that is idle.
         rank : int
             Lower ones first.
+        seconds : float, optional
+            In place of the pool's.
 
         Raises
         ------
@@ -187,14 +187,19 @@ class Pool:
             self._overtake(older)
         if len(self._waiting) >= self.most:
             raise Refusal(503, "busy", "too many requests are waiting; try again")
-        request = _Request(call, given, key, session, asyncio.get_running_loop().create_future())
+        answer = asyncio.get_running_loop().create_future()
+        request = _Request(call, given, session, answer)
         if key is not None:
             self._newest[key] = request
         heappush(self._waiting, (rank, next(self._number), request))
         self._hand_out()
+        late = asyncio.get_running_loop().call_later(
+            seconds or self.seconds, self._too_slow, request, seconds or self.seconds
+        )
         try:
             return await request.answer
         finally:
+            late.cancel()
             if self._newest.get(key) is request:
                 del self._newest[key]
             if not request.answer.done() or request.answer.cancelled():
@@ -211,6 +216,8 @@ class Pool:
         if not request.answer.done():
             text = "a newer request of the same session took its place, or it was cancelled"
             request.answer.set_exception(Refusal(409, "superseded", text))
+        self._waiting = [one for one in self._waiting if not one[2].answer.done()]
+        heapify(self._waiting)
         self._interrupt(request)
 
     def _interrupt(self, request: _Request) -> None:
@@ -247,10 +254,7 @@ class Pool:
         task.add_done_callback(self._tasks.discard)
 
     async def _worked(self, worker: _Worker, request: _Request) -> None:
-        loop = asyncio.get_running_loop()
-        late = loop.call_later(self.seconds, self._too_slow, worker, request)
         outcome, answer = await self._in_thread(worker.exchange, (request.call, request.given))
-        late.cancel()
         request.worker, worker.stopping = None, False
         if outcome == "died":
             self._start(self._replace(worker))
@@ -260,9 +264,9 @@ class Pool:
             _settle(request.answer, outcome, answer)
         self._hand_out()
 
-    def _too_slow(self, worker: _Worker, request: _Request) -> None:
+    def _too_slow(self, request: _Request, seconds: float) -> None:
         if not request.answer.done():
-            text = f"it took longer than {self.seconds:g} s, which a request may take"
+            text = f"it took longer than {seconds:g} s, which a request may take"
             request.answer.set_exception(Refusal(504, "too-slow", text))
         self._interrupt(request)
 
