@@ -24,7 +24,7 @@ from ..results import Result
 from .figures import COLOURS, axis_label, quantity_of, shown, symbol_text, unit_of, wrapped_text
 from .panels import Case, Panel, cases_of, drawn
 
-__all__ = ["output_panels", "plot", "plotted"]
+__all__ = ["output_panels", "panel_columns", "plot", "plotted"]
 
 LINES = ("-", "--", "-.", ":")
 
@@ -91,6 +91,15 @@ def plotted(
     given, cases = _cases(results, labels)
     figure: Figure = drawn(_common(given), cases, choice=panels, registered=False)
     return figure
+
+
+def panel_columns(results: Sequence[Result]) -> list[list[str]]:
+    """Return the names of the panels that are drawn of results, column by column."""
+    columns: dict[str, list[str]] = {}
+    for name, panel in _common(results).items():
+        if panel.shown:
+            columns.setdefault(panel.column, []).append(name)
+    return list(columns.values())
 
 
 def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[Case]]:

@@ -21,8 +21,8 @@ from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html
 from .parts import Row, output_row, row_of
-from .plots import plotted
-from .report import report_parts
+from .plots import panel_columns, plotted
+from .report import LEFT_OUT, report_parts
 
 __all__ = ["report_file"]
 
@@ -37,17 +37,20 @@ p.about { margin: 0 0 4mm; color: #444; }
 table { border-collapse: collapse; margin: 2mm 0 4mm; width: 100%; font-size: 9pt; }
 caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoid; }
 th, td { text-align: left; padding: 0.7mm 2mm 0.7mm 0; border-bottom: 0.2mm solid #ccc;
-  vertical-align: top; }
+  vertical-align: top; overflow-wrap: anywhere; }
 th { border-bottom: 0.4mm solid #555; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-tr, figure { break-inside: avoid; }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
+tr, figure, div table { break-inside: avoid; }
+div p { font-size: 9pt; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
-figure svg { width: 100%; height: auto; max-height: 230mm; }
-p.warning { border-left: 1mm solid #D55E00; padding-left: 2mm; }
-div.remarks { min-height: 45mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
+figure svg { width: 100%; height: auto; max-height: 125mm; }
+tr.differs td { background: #FFF3D6; }
+p.source { margin: 0; font-size: 9pt; color: #444; }
+* { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+div.remarks { min-height: 35mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
   break-inside: avoid; }
-footer { margin-top: 8mm; font-size: 8.5pt; color: #444; }
+footer { margin-top: 4mm; font-size: 8.5pt; color: #444; }
 @page { size: A4; margin: 15mm; }
 @media print { body { margin: 0; padding: 0; max-width: none; } }
 """
@@ -91,11 +94,12 @@ def report_file(
     body = "\n".join([
         f"<h1>{escape(title)}</h1>",
         f'<p class="about">woundon {escape(__version__)}, {escape(when)}{_from(sources)}</p>',
+        *_inputs(results, names),
         *(_comparison(results, names) if len(results) > 1 else ()),
-        *_states(results, names),
+        *_results(results, names),
+        _footer(results),
         "<h2>Remarks</h2>",
         f'<div class="remarks">{escape(remarks)}</div>',
-        _footer(results),
     ])  # fmt: skip
     return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
             f'<meta name="viewport" content="width=device-width">'
@@ -111,51 +115,45 @@ def _from(sources: Sequence[str]) -> str:
     return f", from {escape(', '.join(sources))}" if sources else ""
 
 
-def _states(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield inputs, results and figure of each state."""
+def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+    """Yield the report of each state, and the figure of all."""
     for result, name in zip(results, names, strict=True):
-        several = len(results) > 1
-        yield f"<h2>{escape(name)}: inputs</h2>" if several else "<h2>Inputs</h2>"
-        yield _inputs(result.problem)
-        yield f"<h2>{escape(name)}: results</h2>" if several else "<h2>Results</h2>"
+        yield f"<h2>{escape(name)}: results</h2>" if len(results) > 1 else "<h2>Results</h2>"
         yield parts_html(report_parts(result))
-        if not several:
-            yield from _figure([result], None)
-    if len(results) > 1:
-        yield "<h2>Figures</h2>"
-        yield from _figure(results, names)
+    yield "<h2>Figures</h2>" if len(results) > 1 else ""
+    yield from _figure(results, names if len(results) > 1 else None)
 
 
 # ---- inputs -----------------------------------------------------------------------------------
 
 
-def _inputs(problem: Description) -> str:
-    """Return a table of every field, with units; of named materials their source."""
-    rows = [_cells(place.path, _row(place)) for place in walk(problem)]
-    head = '<tr><th>field</th><th>meaning</th><th>symbol</th><th class="n">value</th><th></th></tr>'
-    text = f"<table><thead>{head}</thead><tbody>{''.join(rows)}</tbody></table>"
-    for path, name in _named(problem):
-        source = MATERIALS[name].source
-        text += f"<p>{escape(path)}: the named material {escape(name)!r}; {escape(source)}</p>"
-    return text
+def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+    """Yield a table of every field, what the states differ in told; named materials' sources."""
+    yield "<h2>Inputs</h2>"
+    told = [{place.path: place for place in walk(result.problem)} for result in results]
+    rows = []
+    for path in dict.fromkeys(path for one in told for path in one):
+        cells = [_row(one[path]) if path in one else Row("", "", "-") for one in told]
+        known = next(_row(one[path]) for one in told if path in one)
+        values = [f"{row.value_text} {row.unit}".strip() for row in cells]
+        mark = ' class="differs"' if len(set(values)) > 1 else ""
+        rows.append((mark, [path, known.meaning, known.symbol], values))
+    yield _table(["field", "meaning", "symbol"], names if len(names) > 1 else ["value"], rows)
+    sources = dict.fromkeys(named for result in results for named in _named(result.problem))
+    for path, name in sources:
+        source = f"{path}: the named material {name}; {MATERIALS[name].source}"
+        yield f'<p class="source">{escape(source)}</p>'
 
 
 def _row(place: Place) -> Row:
-    if place.quantity is not None and isinstance(place.value, tuple):
-        shown = ", ".join(f"{place.quantity.shown(value):.5g}" for value in place.value)
-        return Row(place.quantity.meaning, place.quantity.symbol, shown, place.quantity.display)
-    if place.quantity is None or not isinstance(place.value, int | float):
-        quantity = place.quantity
-        told = "not given" if place.value is None else str(place.value)
-        return Row(quantity.meaning if quantity else "", quantity.symbol if quantity else "", told)
-    return row_of(place.quantity, place.value)
-
-
-def _cells(path: str, row: Row) -> str:
-    cells = (path, row.meaning, row.symbol, row.value_text, row.unit)
-    kinds_of_cell = ("", "", "", ' class="n"', "")
-    told = (f"<td{k}>{escape(c)}</td>" for c, k in zip(cells, kinds_of_cell, strict=True))
-    return f"<tr>{''.join(told)}</tr>"
+    quantity, value = place.quantity, place.value
+    meaning, symbol = (quantity.meaning, quantity.symbol) if quantity else ("", "")
+    if quantity is not None and isinstance(value, tuple):
+        shown = ", ".join(f"{quantity.shown(one):.5g}" for one in value)
+        return Row(meaning, symbol, shown, quantity.display)
+    if quantity is not None and isinstance(value, int | float):
+        return row_of(quantity, value)
+    return Row(meaning, symbol, "not given" if value is None else str(value))
 
 
 def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
@@ -175,48 +173,44 @@ def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield what the states differ in, and their outputs with the differences from the first."""
+    """Yield the outputs that all have, side by side, and how far each is from the first."""
     yield "<h2>Comparison</h2>"
-    yield _table("Inputs that differ", names, _differing(results))
-    yield _table("Results, and their change from the first", names, _outputs(results))
+    yield _table(["", "symbol"], names, list(_outputs(results)))
+    yield f'<p class="source">Below a value: how far it is from that of {escape(names[0])}.</p>'
 
 
-def _differing(results: Sequence[Result]) -> Iterator[tuple[str, list[str]]]:
-    told = [{place.path: place for place in walk(result.problem)} for result in results]
-    for path in dict.fromkeys(path for one in told for path in one):
-        values = [one[path].value if path in one else None for one in told]
-        if len({repr(value) for value in values}) > 1:
-            rows = [_row(one[path]) if path in one else Row("", "", "-") for one in told]
-            yield path, [f"{row.value_text} {row.unit}".strip() for row in rows]
-
-
-def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str]]]:
+def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[str]]]:
     known = [scalar_outputs(result) for result in results]
+    left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
     for name in known[0]:
-        if name == "residual" or name.endswith("_error") or not all(name in one for one in known):
+        if name in left_out or not all(name in one for one in known):
             continue
-        rows = [output_row(result, name) for result in results]
-        first, *others = rows
+        first, *others = [output_row(result, name) for result in results]
         cells = [_with_error(first)]
         for row in others:
             change = float(row.value) - float(first.value)
-            share = f", {change / abs(float(first.value)):+.2%}" if float(first.value) else ""
-            cells.append(f"{_with_error(row)} ({change:+.4g}{share})")
-        yield f"{first.meaning} ({first.symbol}){f' [{first.unit}]' if first.unit else ''}", cells
+            share = f" ({change / abs(float(first.value)):+.1%})" if float(first.value) else ""
+            cells.append(f"{_with_error(row)}\n{change:+.3g}{share}")
+        unit = f" [{first.unit}]" if first.unit else ""
+        yield "", [f"{first.meaning}{unit}", first.symbol], cells
 
 
 def _with_error(row: Row) -> str:
     return f"{row.value_text} ± {row.error_text}" if row.error_text else row.value_text
 
 
-def _table(title: str, names: Sequence[str], rows: Iterator[tuple[str, list[str]]]) -> str:
-    head = "".join(f'<th class="n">{escape(name)}</th>' for name in names)
+def _table(
+    heads: Sequence[str], names: Sequence[str], rows: Sequence[tuple[str, list[str], list[str]]]
+) -> str:
+    """Return a table of rows: attributes, cells of words, cells of numbers."""
+    head = "".join(f"<th>{escape(word)}</th>" for word in heads)
+    head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
     body = ""
-    for label, cells in rows:
-        told = "".join(f'<td class="n">{escape(cell)}</td>' for cell in cells)
-        body += f"<tr><td>{escape(label)}</td>{told}</tr>"
-    return (f"<table><caption>{escape(title)}</caption><thead><tr><th></th>{head}</tr></thead>"
-            f"<tbody>{body}</tbody></table>")  # fmt: skip
+    for mark, words, numbers in rows:
+        told = "".join(f"<td>{escape(word)}</td>" for word in words)
+        told += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
+        body += f"<tr{mark}>{told}</tr>\n"
+    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
 
 
 # ---- figures and foot -------------------------------------------------------------------------
@@ -225,14 +219,21 @@ def _table(title: str, names: Sequence[str], rows: Iterator[tuple[str, list[str]
 def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[str]:
     """Yield the states' figure as inline SVG; nothing for kinds that have none in common."""
     try:
-        drawn = figure_bytes(plotted(results, labels=names), ".svg").decode()
+        columns = panel_columns(results)
     except InvalidProblem as fault:
         yield f"<p>{escape(str(fault))}</p>"
         return
-    svg = drawn[drawn.index("<svg") :]
-    # what a browser reads inside a page is HTML: no outside addresses, none that run
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    yield f'<figure role="img" aria-label="the states drawn">{svg}</figure>'
+    for number, panels in enumerate(columns):  # below each other, for a page is not wide
+        drawn = figure_bytes(plotted(results, labels=names, panels=panels), ".svg").decode()
+        svg = re.sub(
+            r"<metadata>.*?</metadata>|<!--.*?-->",
+            "",
+            drawn[drawn.index("<svg") :],
+            flags=re.DOTALL,
+        )
+        # two drawings of one page may not name their parts alike
+        svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
+        yield f'<figure role="img" aria-label="{escape(", ".join(panels))}">{svg}</figure>'
 
 
 def _footer(results: Sequence[Result]) -> str:
