@@ -26,6 +26,8 @@ from .report import LEFT_OUT, report_parts
 
 __all__ = ["report_file"]
 
+# of a drawing, what is no part of the picture
+_APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _STYLE = """\
 :root { color-scheme: light; }
 body { font: 10.5pt/1.4 "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; color: #111;
