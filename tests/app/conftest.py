@@ -1,30 +1,23 @@
 """A server of the page on a free port, as people start it; its workers are ready."""
 
 import os
-import re
-import subprocess
-import sys
-import time
 
 import httpx
 import pytest
+from page_server import serving
 
 
 @pytest.fixture(scope="session")
-def server():
+def process():
+    """A server: its address and its processes."""
+    with serving() as started:
+        yield started
+
+
+@pytest.fixture(scope="session")
+def server(process):
     """The address of a server."""
-    command = [sys.executable, "-m", "woundon", "app", "--no-browser", "--port", "0"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ)
-    address = re.search(r"http://\S+", process.stdout.readline())[0].rstrip("/")
-    for _ in range(600):
-        try:
-            httpx.get(f"{address}/api/catalogue", timeout=60)
-            break
-        except httpx.TransportError:
-            time.sleep(0.1)
-    yield address
-    process.terminate()
-    process.communicate(timeout=20)
+    return process.address
 
 
 @pytest.fixture

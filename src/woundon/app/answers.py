@@ -31,6 +31,7 @@ from .catalogue import LIMITS, tables_of
 
 __all__ = ["as_json", "curve", "problem_of", "sensitivities", "solve", "solved", "warm_up"]
 
+WARM_UP = 1.0  # seconds after which a worker is as ready as need be
 MOST_OUTPUTS = 6  # that are told where nobody names any
 MOST_SESSIONS = 32  # whose last states are kept to start from
 STEP = 1e-3  # relative, of differences in place of derivatives; a fixed grid is smooth to 1e-8
@@ -53,10 +54,12 @@ def problem_of(tables: Any) -> Problem:
 
 
 def warm_up() -> None:
-    """Import what answers need, and fill its caches, by solving what there is to start from."""
+    """Import what answers need, and fill caches, by solving what there is to start from."""
+    began = time.perf_counter()
     for kind in kinds.every():
-        with suppress(InvalidProblem):
-            state_of(solved(kind.example(), {}))
+        if time.perf_counter() - began < WARM_UP:
+            with suppress(InvalidProblem):
+                state_of(solved(kind.example(), {}))
 
 
 # ---- one state --------------------------------------------------------------------------------

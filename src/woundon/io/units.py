@@ -167,6 +167,8 @@ def alike(unit: str, *more: str) -> dict[str, float]:
     Those that have a name of their own, the ladder on which numbers are written, what mills say
     in their place, and ``more``.
     """
+    if unit != "1" and not is_unit(unit):  # of an output that nobody writes
+        return {unit: 1.0}
     due = _product(unit, _definitions()).powers if unit != "1" else {}
     own = [name for name, known in _definitions().items()
            if known.powers == due and due and name not in _SPELLINGS]  # fmt: skip
