@@ -206,6 +206,8 @@ def run(server: Server, requests: int, seed: int) -> Judge:
         if isinstance(known.get("json"), (float, int, list, dict, str)):
             content = json.dumps(known.pop("json"), default=str).encode()
             known |= {"content": content, "headers": {**dict(known.get("headers", {})), **JSON}}
+        if isinstance(known.get("data"), (bytes, str)):
+            known["content"] = known.pop("data")
         judge.send(f"described {number}", given["method"], given["url"], **known)
     for content in random_.sample(RAW, min(len(RAW), requests)):
         answer = raw(server.address, content)
@@ -232,6 +234,7 @@ def main() -> int:
     given = parser.parse_args()
     with serving() as server:
         judge = run(server, given.requests, given.seed)
+        judge.client.close()
     for fault in judge.faults:
         print(fault)
     print(f"{len(judge.faults)} faults in {sum(judge.statuses.values())} requests")

@@ -119,8 +119,8 @@ def soak(server: Server, minutes: float, rate: float) -> bool:
             if number % int(30 * rate) == 0:
                 held = server.memory()
                 memory.append((held["server"], held["workers"]))
-                print(f"{now:5.0f} s, {number} requests, {dict(statuses)}; server "
-                      f"{held['server']:.0f} MB, workers {held['workers']:.0f} MB", flush=True)  # fmt: skip
+                told = ", ".join(f"{name} {size:.0f} MB" for name, size in held.items())
+                print(f"{now:5.0f} s, {number} requests, {dict(statuses)}; {told}", flush=True)
             time.sleep(max(0.0, began + number / rate - time.monotonic()))
     half = len(memory) // 2
     if half < 1:
