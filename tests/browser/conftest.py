@@ -9,7 +9,8 @@ import pytest
 
 pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon[pages]')")
 
-from served import browsing, chromium, served
+from browsing import browsing, chromium
+from page_server import serving
 
 HERE = Path(__file__).parent
 # said by the browser of every refusal, which the page tells at its field
@@ -28,8 +29,8 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def address():
     """The address of a server."""
-    with served() as found:
-        yield found
+    with serving() as server:
+        yield server.address
 
 
 @pytest.fixture(scope="session")
