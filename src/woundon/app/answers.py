@@ -27,7 +27,8 @@ from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
 from ..show.report import report_parts
 from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
-from .catalogue import LIMITS, tables_of
+from .catalogue import LIMITS, tables_of, told_of
+from .panels import panels_of
 
 __all__ = ["as_json", "curve", "problem_of", "sensitivities", "solve", "solved", "warm_up"]
 
@@ -67,7 +68,7 @@ def warm_up() -> None:
 
 def solve(
     tables: Any, options: Mapping[str, Any], session: str = "", warm: bool = False,
-    report: bool = False,
+    report: bool = False, drawn: bool = False,
 ) -> bytes:  # fmt: skip
     """Return the solved state of a case, as JSON; see :func:`state_of`."""
     began = time.perf_counter()
@@ -78,7 +79,7 @@ def solve(
         _LAST.move_to_end(session)
         while len(_LAST) > MOST_SESSIONS:
             _LAST.popitem(last=False)
-    answer = state_of(result, report)
+    answer = state_of(result, report, drawn)
     answer["seconds"] = time.perf_counter() - began
     return as_json(answer)
 
@@ -119,8 +120,12 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
     return read
 
 
-def state_of(result: Result, report: bool = False) -> dict[str, Any]:
-    """Return what the page shows of a result, SI units, for JSON."""
+def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[str, Any]:
+    """Return what there is to show of a result, SI units, for JSON.
+
+    ``report`` adds the sections of the report; ``drawn`` gives the panels that the page draws in
+    place of the arrays.
+    """
     parts = report_parts(result) if report else []
     return {
         "kind": kinds.of(result).name,
@@ -129,9 +134,7 @@ def state_of(result: Result, report: bool = False) -> dict[str, Any]:
             name: {"value": value_of(result, name), "error": result.errors.get(name)}
             for name in scalar_outputs(result)
         },
-        "arrays": {p.path: p.value.tolist() for p in walk(result)
-                   if isinstance(p.value, np.ndarray)},
-        **_along_the_contact(result),
+        **({"panels": panels_of(result, told_of)} if drawn else _arrays(result)),
         "certificate": _certificate(result),
         "warnings": list(result.warnings),
         "geometry": _geometry(result),
@@ -156,6 +159,11 @@ def _section(section: Section) -> dict[str, Any]:
         for row in section.rows
     ]  # fmt: skip
     return {"title": section.title, "text": section.text, "rows": rows}
+
+
+def _arrays(result: Result) -> dict[str, Any]:
+    arrays = {p.path: p.value.tolist() for p in walk(result) if isinstance(p.value, np.ndarray)}
+    return {"arrays": arrays, **_along_the_contact(result)}
 
 
 def _along_the_contact(result: Any) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from ..problems.materials import MATERIALS, Material
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from ..solve_command import solver_options
 
-__all__ = ["LIMITS", "catalogue", "panels_of", "tables_of"]
+__all__ = ["LIMITS", "catalogue", "panels_of", "tables_of", "told_of"]
 
 # what the server refuses beyond; the page says so before
 LIMITS = {
@@ -99,7 +99,7 @@ def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
             of, *marks = get_args(place.field)
             yield {
                 "name": place.path,
-                **_told(place.quantity),
+                **told_of(place.quantity),
                 "array": of is np.ndarray,
                 # whole numbers have another type beside their quantity: zones, counts
                 "whole": of is int or any(isinstance(m, type) and issubclass(m, int)
@@ -124,7 +124,8 @@ def panels_of(result: type[Any]) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _told(quantity: Quantity) -> dict[str, Any]:
+def told_of(quantity: Quantity) -> dict[str, Any]:
+    """Return what the page needs to know of a quantity to show its values."""
     return {
         "symbol": quantity.symbol,
         "label": quantity.meaning,
@@ -167,7 +168,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
     if not field.is_required():
         told["default"] = field.default
     if quantity is not None:
-        told |= _told(quantity)
+        told |= told_of(quantity)
         told["typical"] = list(quantity.typical) if quantity.typical else None
     elif OF_FIELD in field.metadata:
         told |= {"unit": "holder", "shown_unit": "holder"}

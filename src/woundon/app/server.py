@@ -154,11 +154,16 @@ def _pages(app: FastAPI) -> None:
 
 def _states(app: FastAPI, office: _Office) -> None:
     @app.post("/api/solve", tags=["states"], openapi_extra=OF_CASE)
-    async def solve(request: Request, warm: bool = False, report: bool = False) -> Response:
+    async def solve(
+        request: Request, warm: bool = False, report: bool = False, drawn: bool = False
+    ) -> Response:
         """Solve a case.  What else the address says are options of the solver: ``?nodes=129``."""
-        tables, options = await _tables(request), _options(request, "warm", "report", "token")
+        tables, options = (
+            await _tables(request),
+            _options(request, "warm", "report", "drawn", "token"),
+        )
         body = await _asked(office.solvers, request, "solve", answers.solve, tables, options,
-                            _session_of(request), warm, report)  # fmt: skip
+                            _session_of(request), warm, report, drawn)  # fmt: skip
         return Response(body, media_type="application/json")
 
     @app.post("/api/curve", tags=["states"], openapi_extra=OF_CASE)
