@@ -58,7 +58,7 @@ FETCHED = """() => {
     const [page] = performance.getEntriesByType("navigation")
     const parts = [page, ...performance.getEntriesByType("resource")]
         .filter(part => !part.name.includes("/api/solve"))
-    return [page.loadEventEnd / 1000, parts.reduce((sum, part) => sum + part.decodedBodySize, 0)]
+    return [page.loadEventEnd / 1000, parts.reduce((sum, part) => sum + part.encodedBodySize, 0)]
 }"""
 
 
@@ -137,8 +137,8 @@ def studying(address: str, case: dict[str, Any]) -> Iterator[None]:
 def told(what: str, times: list[float], load: float) -> tuple[float, float]:
     """Print a row; return median and 95 %."""
     middle, late = statistics.median(times), float(np.quantile(times, 0.95))
-    print(f"{what:<34} {middle:7.0f} {late:7.0f} {load:7.1f} {middle / load:9.0f} {late / load:7.0f}",
-          flush=True)  # fmt: skip
+    print(f"{what:<34} {middle:7.0f} {late:7.0f} {load:7.1f} "
+          f"{middle / load:9.0f} {late / load:7.0f}", flush=True)  # fmt: skip
     return middle, late
 
 

@@ -6,6 +6,7 @@ request -> Guard -> route -> Pool (a worker's process: answers, sweeps, papers) 
 from __future__ import annotations
 
 import asyncio
+import gzip
 import hashlib
 import re
 from collections.abc import AsyncIterator, Callable, Iterable
@@ -18,6 +19,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, StreamingResponse
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
+from starlette.middleware.gzip import GZipMiddleware
 
 from .. import __version__
 from ..studies.runners import usable_cores
@@ -145,11 +147,14 @@ def _pages(app: FastAPI) -> None:
         tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers={"etag": tag})
-        headers = {"etag": tag, "cache-control": "no-cache"}
+        headers = {"etag": tag, "cache-control": "no-cache", "vary": "accept-encoding"}
+        if "gzip" in request.headers.get("accept-encoding", ""):
+            body = gzip.compress(body, 6, mtime=0)
+            headers["content-encoding"] = "gzip"
         return Response(body, headers=headers, media_type="application/json")
 
-    STATIC.mkdir(exist_ok=True)
-    app.mount("/static", StaticFiles(directory=STATIC), name="static")
+    # its files alone: what is streamed elsewhere must not wait for a block to fill
+    app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
 
 
 def _states(app: FastAPI, office: _Office) -> None:
@@ -158,10 +163,8 @@ def _states(app: FastAPI, office: _Office) -> None:
         request: Request, warm: bool = False, report: bool = False, drawn: bool = False
     ) -> Response:
         """Solve a case.  What else the address says are options of the solver: ``?nodes=129``."""
-        tables, options = (
-            await _tables(request),
-            _options(request, "warm", "report", "drawn", "token"),
-        )
+        tables = await _tables(request)
+        options = _options(request, "warm", "report", "drawn", "token")
         body = await _asked(office.solvers, request, "solve", answers.solve, tables, options,
                             _session_of(request), warm, report, drawn)  # fmt: skip
         return Response(body, media_type="application/json")
