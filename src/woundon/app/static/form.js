@@ -1,5 +1,6 @@
 // The form of a case, generated from the catalogue.
 import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
+import { isSchedule, profileOf } from "./schedules.js";
 import { html, useEffect, useState } from "./html.js";
 import { Symbol } from "./symbols.js";
 import { T } from "./texts.js";
@@ -171,13 +172,14 @@ function Member({ store, field, path, lone, holder }) {
     if (to === NONE) store.change(path, undefined);
     else if (to === NUMBER) store.change(path, numberOf(store, field, value));
     else if (to.startsWith("@")) store.change(path, to.slice(1));
+    else if (isSchedule(to)) store.change(path, profileOf(store, path, value));
     else {
       const next = field.members.find((one) => one.form === to);
       const before = named ? catalogue.materials.find((one) => one.name === value)?.material : isNumber ? { start: value } : value;
       store.change(path, startedMember(catalogue, field, next, before));
     }
   };
-  const label = field.label || T.fields[field.name] || field.name;
+  const label = T.fields[field.name] ?? (field.label || field.name);
   const titleOf = (form) => T.members[form] ?? catalogue.forms[form].title;
   const source = named && catalogue.materials.find((one) => one.name === value)?.source;
   const inner = isNumber || named || !member ? [] : fieldsOf(catalogue, member.form);

@@ -2,17 +2,11 @@
 import { at } from "./cases.js";
 import { html, useLayoutEffect, useRef, useState } from "./html.js";
 import { Bracket, Differences, Numbers, OnePanel, Pins, Sections, states, Verdict } from "./results.js";
+import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
-const POINTS = 5; // of a schedule that was a number or a taper
 const BOX = { width: 860, height: 230, left: 58, right: 16, top: 12, bottom: 40 };
-
-/** The fields that may follow a schedule over the radius. */
-export function schedulesOf(store) {
-  const fields = store.catalogue.forms[store.kind.form].fields;
-  return fields.filter((field) => field.members?.some((member) => member.form === "Profile"));
-}
 
 export function Winding({ store }) {
   const { state } = store;
@@ -48,25 +42,6 @@ function Margins({ store }) {
     })}</tbody></table></div></section>`;
 }
 
-/** From the core to the surface of the roll. */
-function endsOf(tables) {
-  return [tables.core?.radius ?? tables.roll?.core_radius ?? 0, tables.radius];
-}
-
-/** Points (radius, value) of whatever the schedule is. */
-function pointsOf(value, [core, surface]) {
-  if (value && Array.isArray(value.radius)) return value.radius.map((radius, k) => [radius, value.value[k]]);
-  const radii = Array.from({ length: POINTS }, (_, k) => core + ((surface - core) * k) / (POINTS - 1));
-  if (typeof value === "number") return radii.map((radius) => [radius, value]);
-  const { start, taper = 0, law } = value ?? {};
-  const laws = {
-    linear: (r) => start * (1 - (taper * (r - core)) / (surface - core)),
-    hyperbolic: (r) => start * (1 - taper * (1 - core / r)),
-    "constant-torque": (r) => (start * core) / r,
-  };
-  return radii.map((radius) => [radius, (laws[law] ?? laws.linear)(radius)]);
-}
-
 function Schedule({ store, field }) {
   const { units, state } = store;
   const tables = state.case;
@@ -81,10 +56,7 @@ function Schedule({ store, field }) {
   const top = grip ?? 1.25 * Math.max(...points.map(([, v]) => v), field.typical?.[0] ?? 0);
   const x = (r) => BOX.left + ((r - ends[0]) / (ends[1] - ends[0])) * (BOX.width - BOX.left - BOX.right);
   const y = (v) => BOX.top + (1 - v / top) * (BOX.height - BOX.top - BOX.bottom);
-  const put = (next, moving) => store.change(field.name, {
-    ...(field.members.find((member) => member.form === "Profile").kind ? { kind: "profile" } : {}),
-    radius: next.map(([r]) => Number(r.toPrecision(9))), value: next.map(([, v]) => Number(v.toPrecision(4))),
-  }, { moving });
+  const put = (next, moving) => store.change(field.name, profile(next), { moving });
   const moved = (k, r, v, moving) => {
     const next = points.map((point) => [...point]);
     const least = (field.limits?.ge ?? 0);
