@@ -163,6 +163,25 @@ def test_pinned_states_are_drawn_over_each_other_and_compared(look):
     assert seen.page.locator("[data-difference=wound_on_tension] td").count() == 8
 
 
+def test_pictures_follow_while_they_are_hovered_over_and_pinned(look, example):
+    seen = look()
+    seen.page.hover("[data-panel=tractions] .u-over")
+    seen.page.click(".pin")
+    seen.page.hover("[data-panel=zones] .u-over")
+    before = seen.page.locator("[data-panel=zones] canvas").screenshot()
+    seen.put("nip_load", "9000")
+    assert seen.page.locator("[data-panel=zones] canvas").screenshot() != before
+    seen.page.click("button.tables")
+    (live, *_), pinned = (
+        [row.split("\t") for row in text.splitlines() if row.startswith(f"{label} roll")]
+        for label in ("live", "A")
+        for text in [seen.page.inner_text(".cell-zones tbody")]
+    )
+    half = 1e3 * wo.solve(example.replace(nip_load=9000.0)).half_width
+    assert abs(float(live[1].replace("−", "-"))) == pytest.approx(half, rel=1e-3)
+    assert pinned[0][1] != live[1]
+
+
 def test_a_layered_drum_made_by_clicks(look, example):
     seen = look()
     seen.page.select_option("#f-drum", label="layered (cover)")
@@ -318,6 +337,7 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     seen.rest()
     example = wo.WoundRollProblem.example()
     assert seen.output("core_pressure") == pytest.approx(wo.solve(example).core_pressure, rel=SAME)
+    page.click(".pin")
     knob = page.locator(".knob").nth(4).bounding_box()
     x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
     page.mouse.move(x, y)
@@ -328,6 +348,7 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     schedule = [list(map(float, page.input_value(f"#f-wound_on_tension-{part}").split()))
                 for part in ("radius", "value")]  # fmt: skip
     assert schedule[1][-1] < schedule[1][0] == 350
+    assert "wound_on_tension.value" in page.inner_text(".differences")
     profile = wo.Profile(radius=[r / 1e3 for r in schedule[0]], value=schedule[1])
     result = wo.solve(example.replace(wound_on_tension=profile))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-5)  # 6 digits

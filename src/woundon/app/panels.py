@@ -241,7 +241,7 @@ def _wound_roll_panels(result: Any) -> list[Panel]:
                "dash": "solid", "side": "left", "x": _numbers(stages),
                "y": _numbers(curve.at(stages) * result.problem.web_thickness)}  # fmt: skip
     shown = [
-        ("pressure", "Pressure between the laps", {"floor": 0},
+        ("pressure", "Pressure", {"floor": 0},
          _curve(result, "pressure", "", "roll", x=r, y=between["pressure"])),
         ("hoop_stress", "Hoop stress", _cut(result),
          _curve(result, "hoop_stress", "", "drum", x=r, y=between["hoop_stress"])),

@@ -84,6 +84,11 @@ class Chart {
     else this.plot.batch(() => { this.plot.setData(data, false); this.fit(); });
   }
 
+  /** The strips of all cases below each other. */
+  rows() {
+    return this.cases.flatMap((one) => one.panel.strips.map((strip) => ({ one, strip })));
+  }
+
   axis(side, curve) {
     const { panel } = this.cases[0];
     return curve?.side === "right" ? panel.right : panel[side];
@@ -124,11 +129,13 @@ class Chart {
   }
 
   make(key, data, height) {
-    this.plot?.destroy();
+    const before = this.plot;
+    this.plot = null; // what is hovered over is no more
+    before?.destroy();
     this.key = key;
     const { ink, soft, line } = colours();
     const { panel } = this.cases[0];
-    const rows = panel.strips ? this.cases.flatMap((one) => one.panel.strips.map((strip) => ({ one, strip }))) : null;
+    const rows = panel.strips ? this.rows() : null;
     const font = "11px system-ui, sans-serif";
     const axis = (more) => ({
       stroke: soft, font, labelFont: `600 ${font}`, labelSize: 16, grid: { stroke: line, width: 1 },
@@ -143,7 +150,7 @@ class Chart {
       legend: { show: false },
       cursor: {
         drag: { x: true, y: false, setScale: false }, sync: { key: this.column, scales: ["x", null] },
-        dataIdx: (plot, series, index) => nearest(plot.data[series], plot.data[0], index),
+        dataIdx: (plot, series, index) => nearest(plot.data[series] ?? [], plot.data[0], index),
         points: { size: 6 },
       },
       scales: {
@@ -167,7 +174,7 @@ class Chart {
       })))],
       hooks: {
         drawClear: [(plot) => (rows ? null : this.areas(plot))],
-        draw: [(plot) => (rows ? this.strips(plot, rows) : this.marks(plot))],
+        draw: [(plot) => (rows ? this.strips(plot, this.rows()) : this.marks(plot))],
         setCursor: [(plot) => this.hover(plot)],
         setSelect: [(plot) => {
           const { left, width } = plot.select;
@@ -186,7 +193,8 @@ class Chart {
   tall(min, max, floor) {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
-    if (panel.y.range) return panel.y.range.map((end) => end / factor);
+    const cut = this.cases.map((one) => one.panel.y.range).filter(Boolean);
+    if (cut.length) return [Math.min(...cut.map(([end]) => end)), Math.max(...cut.map(([, end]) => end))].map((end) => end / factor);
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
       for (const area of panel.areas ?? []) {
@@ -288,7 +296,7 @@ class Chart {
   hover(plot) {
     const { panel } = this.cases[0];
     const { left, idxs } = plot.cursor;
-    if (left == null || left < 0) return this.tell(null);
+    if (left == null || left < 0 || plot !== this.plot) return this.tell(null);
     const x = plot.posToVal(left, "x");
     if (panel.strips) {
       const si = x * this.units.of(panel.x.quantity).factor;
@@ -300,7 +308,7 @@ class Chart {
     }
     return this.tell({ x, values: this.lines.map((_, k) => {
       const index = idxs?.[k + 1];
-      const value = index == null ? null : plot.data[k + 1][index];
+      const value = index == null ? null : plot.data[k + 1]?.[index];
       return value == null ? "" : digits(value);
     }) });
   }
@@ -408,7 +416,7 @@ export function Panel({ title, cases, units, height, theme, description }) {
           ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several ? "" : curve.label}
           <output class="value" data-value=${k}></output></span>`)}
         ${!several && (panel.areas ?? []).map((area) => html`<span class="entry"><span class=${`patch shade${area.shade}`}></span>
-          ±<${Symbol} of=${area.label} /></span>`)}
+          <span class="symbol">±<${Symbol} of=${area.label} /></span></span>`)}
         ${panel.strips && html`${words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
           ${cases.flatMap((one) => one.panel.strips).map((_, k) => html`<output class="value" data-value=${k} hidden></output>`)}`}
       </div>

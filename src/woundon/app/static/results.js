@@ -29,7 +29,7 @@ export function errorText(units, output, { value, error }) {
   const shown = Math.abs(units.shown(output, error));
   const size = Math.abs(units.shown(output, value));
   const last = size ? 10 ** (Math.floor(Math.log10(size)) - 4) : 0;
-  return shown < last ? `±<${digits(last, 1)}` : `± ${digits(shown, 2)}`;
+  return shown < last ? `± < ${digits(last, 1)}` : `± ${digits(shown, 2)}`;
 }
 
 function difference(units, output, from, to) {
@@ -278,7 +278,8 @@ export function Pins({ store }) {
 }
 
 function leaves(thing, prefix = "") {
-  if (thing === null || typeof thing !== "object") return [[prefix, thing]];
+  const list = Array.isArray(thing) && typeof thing[0] !== "object";
+  if (thing === null || typeof thing !== "object" || list) return [[prefix, thing]];
   return Object.entries(thing).flatMap(([name, inner]) => leaves(inner, prefix ? `${prefix}.${name}` : name));
 }
 
@@ -288,7 +289,10 @@ export function Differences({ store }) {
   const { result, solved } = state;
   const paths = [...new Set([solved, ...pinned.map((pin) => pin.case)].flatMap((one) => leaves(one).map(([path]) => path)))];
   const differing = paths.filter((path) => pinned.some((pin) => !same(at(pin.case, path), at(solved, path))));
-  const shown = (path, value) => (typeof value === "number" ? inputText(store, path, value) : value === undefined ? "–" : String(value));
+  const shown = (path, value) => {
+    if (Array.isArray(value)) return value.map((one) => (Array.isArray(one) ? one.join(" ") : inputText(store, path, one))).join(", ");
+    return typeof value === "number" ? inputText(store, path, value) : value === undefined ? "–" : String(value);
+  };
   return html`<section class="differences" aria-label=${T.compare.title}>
     <h3>${T.compare.title}</h3>
     <div class="table-scroll" tabindex="0"><table><thead><tr><th scope="col">${T.compare.results}</th><th scope="col">${T.results.unit}</th><th scope="col">${T.compare.live}</th>

@@ -51,8 +51,9 @@ export class Store {
     let holder = null;
     for (const name of path.split(".")) {
       if (/^\d+$/.test(name)) {
+        if (!holder?.members) return null;
         table = table?.[name];
-        fields = holder ? fieldsOf(catalogue, (memberOf(catalogue, holder, table) ?? holder.members[0]).form) : [];
+        fields = fieldsOf(catalogue, (memberOf(catalogue, holder, table) ?? holder.members[0]).form);
         continue;
       }
       const found = fields.find((one) => one.name === name);

@@ -6,7 +6,7 @@ import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
-const BOX = { width: 860, height: 230, left: 58, right: 16, top: 12, bottom: 40 };
+const BOX = { width: 860, height: 190, left: 58, right: 16, top: 12, bottom: 40 };
 
 export function Winding({ store }) {
   const { state } = store;
