@@ -30,6 +30,7 @@ LIMITS = {
     "sweep_cases": 2500,
     "curve_points": 41,
     "solve_seconds": 60,
+    "paper_seconds": 180,
     "study_seconds": 600,
     "compare": 4,
 }
