@@ -3,6 +3,7 @@
 import asyncio
 import hashlib
 import os
+import signal
 import time
 from contextlib import asynccontextmanager
 
@@ -50,6 +51,17 @@ def test_a_worker_that_dies_gives_one_error_and_the_next_request_is_served():
             with pytest.raises(Refusal) as raised:
                 await own.run(os._exit, 1)
             assert (raised.value.status, raised.value.kind) == (503, "worker-died")
+            assert await own.run(os.getpid) != first
+
+    run(test())
+
+
+def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error():
+    async def test():
+        async with pool() as own:
+            first = await own.run(os.getpid)
+            os.kill(first, signal.SIGKILL)
+            await asyncio.sleep(0.3)
             assert await own.run(os.getpid) != first
 
     run(test())

@@ -22,7 +22,7 @@ from ..problems.materials import MATERIALS, Material
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from ..solve_command import solver_options
 
-__all__ = ["LIMITS", "catalogue", "panels_of", "tables_of", "told_of"]
+__all__ = ["LIMITS", "catalogue", "tables_of", "told_of"]
 
 # what the server refuses beyond; the page says so before
 LIMITS = {
@@ -30,6 +30,7 @@ LIMITS = {
     "sweep_cases": 2500,
     "curve_points": 41,
     "solve_seconds": 60,
+    "paper_seconds": 180,
     "study_seconds": 600,
     "compare": 4,
 }
@@ -83,7 +84,6 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         "example": example,
         "main": list(kind.result.MAIN),
         "outputs": list(_outputs(kind.result)),
-        "panels": panels_of(kind.result),
         "exact_sensitivity": hasattr(kind.result, "sensitivity"),
         "options": [
             {"name": name, "type": option.type.__name__, "words": list(option.words),
@@ -107,23 +107,6 @@ def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
             }  # fmt: skip
 
 
-def panels_of(result: type[Any]) -> list[dict[str, Any]]:
-    """Return which arrays of a result stand in one panel: those of one unit, along one array."""
-    arrays = {told["name"]: told for told in _outputs(result) if told["array"]}
-    first = next(iter(arrays), "")
-    positions = {first, *result.ALONG.values()}
-    groups: dict[tuple[str, str, bool], list[str]] = {}
-    for name, told in arrays.items():
-        if name not in positions:
-            place = result.ALONG.get(name, first), told["shown_unit"], told["whole"]
-            groups.setdefault(place, []).append(name)
-    return [
-        {"name": names[0], "along": along, "curves": names, "whole": whole,
-         "unit": arrays[names[0]]["unit"], "shown_unit": shown}
-        for (along, shown, whole), names in groups.items()
-    ]  # fmt: skip
-
-
 def told_of(quantity: Quantity) -> dict[str, Any]:
     """Return what the page needs to know of a quantity to show its values."""
     return {
@@ -136,14 +119,6 @@ def told_of(quantity: Quantity) -> dict[str, Any]:
 
 # ---- forms ------------------------------------------------------------------------------------
 
-# where usual ranges and defaults tell no description to start from: lists of numbers; all of them
-# the stack of the examples, Pfeiffer's law with 10 kPa and 40
-_START: dict[str, dict[str, Any]] = {
-    "Polynomial": {"coefficients": [4e5, 40.0]},
-    "StackTest": {"pressure": [0.0, 20e3, 50e3, 100e3, 200e3, 400e3],
-                  "strain": [0.0, 0.0275, 0.0448, 0.0599, 0.0761, 0.0928]},
-}  # fmt: skip
-
 
 def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
     """Add the form of a description, and those of all that may stand in it."""
@@ -151,9 +126,8 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
     if name in forms:
         return
     about = (vars(model).get("__doc__") or "").strip().partition("\n")[0]
-    forms[name] = {"title": _spoken(_snake(name)), "about": about, "fields": []}
-    if name in _START:
-        forms[name]["start"] = _START[name]
+    start = {n: list(f.examples[0]) for n, f in model.model_fields.items() if f.examples}
+    forms[name] = {"title": _spoken(_snake(name)), "about": about, "fields": [], "start": start}
     for field_name, field in model.model_fields.items():
         forms[name]["fields"].append(_field(field_name, field))
         for member in members_of(field.annotation):

@@ -45,10 +45,10 @@ class _Office:
     """The workers, and who has a study under way."""
 
     def __init__(self) -> None:
-        size, seconds = max(2, min(usable_cores(), MOST_SOLVERS)), LIMITS["solve_seconds"]
-        self.solvers = Pool(size, answers.warm_up, seconds=seconds)
-        # they stand back behind these: neither a slider nor what it draws waits for a study
-        self.others = Pool(1, answers.warm_up, seconds=seconds, nice=5)
+        size = max(2, min(usable_cores(), MOST_SOLVERS))
+        self.solvers = Pool(size, answers.warm_up, seconds=LIMITS["solve_seconds"])
+        # neither a slider nor what is drawn around it waits for a study, which stands back
+        self.others = Pool(1, answers.warm_up, seconds=LIMITS["paper_seconds"], nice=1)
         self.cases = Pool(size, answers.warm_up, seconds=LIMITS["study_seconds"], nice=10)
         self.studies: dict[str, asyncio.Event] = {}
 

@@ -238,6 +238,9 @@ class Pool:
             worker.process.kill()
 
     def _hand_out(self) -> None:
+        for dead in [w for w in self._idle if not w.process.is_alive()]:
+            self._idle.remove(dead)
+            self._start(self._replace(dead))
         while self._idle and self._waiting:
             _, _, request = heappop(self._waiting)
             if request.answer.done():
