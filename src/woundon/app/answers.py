@@ -136,6 +136,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
         },
         **({"panels": panels_of(result, told_of)} if drawn else _arrays(result)),
         "certificate": _certificate(result),
+        "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
         "warnings": list(result.warnings),
         "geometry": _geometry(result),
         "sections": [_section(part) for part in parts if isinstance(part, Section)],
@@ -150,6 +151,13 @@ def _certificate(result: Result) -> dict[str, Any]:
         "laws": dict(result.residuals.items()),
         "text": line.text,
     }
+
+
+def _margin(margin: Any) -> dict[str, Any]:
+    told = {
+        name: getattr(margin, name) for name in ("name", "value", "limit", "radius", "ok", "note")
+    }
+    return told | {"quantity": told_of(margin.quantity)}
 
 
 def _section(section: Section) -> dict[str, Any]:

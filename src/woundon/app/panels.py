@@ -257,6 +257,27 @@ def _wound_roll_panels(result: Any) -> list[Panel]:
     return [*panels, _panel("tension", "radius", _axis("Radius", radius), along, [tension])]
 
 
+def _winding_panels(result: Any) -> list[Panel]:
+    """Return the schedules and what the nips made of them, then the roll's panels."""
+
+    def over_radius(name: str, label: str, names: dict[str, tuple[str, str, str]]) -> Panel:
+        first = next(iter(names))
+        curves = [_curve(result, of, words, role, x=result.radius, dash=dash)
+                  for of, (words, role, dash) in names.items()]  # fmt: skip
+        return _panel(name, "radius", _axis("Radius", _quantity(result, "radius")),
+                      _axis(label, _quantity(result, first)), curves)  # fmt: skip
+
+    tensions = {
+        "web_tension": ("before the nip", "web", "dashdot"),
+        "wound_on_tension": ("wound on", "roll", "solid"),
+    }
+    loads = {"nip_load": ("nip load", "drum", "solid"),
+             "winding_force": ("winding force", "web", "dashed")}  # fmt: skip
+    pressure, hoop, hardness, _ = _wound_roll_panels(result.roll)
+    return [over_radius("tension", "Tension", tensions), pressure, hoop,
+            over_radius("loads", "Nip load, winding force", loads), hardness]  # fmt: skip
+
+
 def _cut(result: Any) -> dict[str, Any]:
     """Return where the axis of the hoop stress is cut off: at both ends it is many times higher."""
     deepest = float(result.least_hoop_stress)
@@ -288,4 +309,5 @@ _PANELS: dict[str, Callable[[Any], list[Panel]]] = {
     "wrapped_nip": _wrapped_panels,
     "rollers": _roller_panels,
     "wound_roll": _wound_roll_panels,
+    "winding": _winding_panels,
 }

@@ -52,7 +52,7 @@ export const T = {
   panels: {
     tractions: "Tangential tractions and friction bounds", slips: "Slip and web tension in the nip", zones: "Zones",
     pressure: "Pressure", wrap_tension: "Web tension behind the nip", wrap_pressure: "Pressure behind the nip",
-    hoop_stress: "Hoop stress", radial_modulus: "Hardness", tension: "Wound-on tension", slip: "Slip",
+    hoop_stress: "Hoop stress", radial_modulus: "Hardness", tension: "Tension over the radius", loads: "Nip load and winding force", slip: "Slip",
     curve: (field) => `Tension against ${field}`, bars: "What the answer depends on",
     barsOf: (output) => `Change of ${output} in % for 1 % more of`, more: "1 % more",
     describe: (title, lines) => `${title}: ${lines}. Arrow keys read values, plus and minus zoom, 0 shows all.`,
@@ -83,7 +83,7 @@ export const T = {
   winding: {
     title: "The roll wound with a schedule of tension", schedule: "Schedule", drag: "Drag the points, or move them with the arrow keys",
     add: "Add a point", drop: "Remove the point", ends: "core to surface", points: "points",
-    use: "Wind with this nip's wound-on tension", margins: "Margins", ok: "holds", bad: "fails", limit: "limit", radius: "Radius",
+    use: "Wind with this nip's wound-on tension", margins: "Margins", good: "holds", bad: "fails", open: "not checked", limit: "limit", radius: "Radius",
     point: (k, r, v) => `point ${k}: ${v} at radius ${r}`, straight: "Make a schedule of points", about: "Drag the points of the schedule; the roll is computed as you drag.",
   },
   thesis: { title: "Figures of the thesis, computed here", choose: "Figure or table", compute: "Compute", wait: "Computing", seconds: (s) => `about ${s} s` },

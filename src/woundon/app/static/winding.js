@@ -28,6 +28,9 @@ export function Winding({ store }) {
       <${Bracket} store=${store} /><${Differences} store=${store} /><${Sections} store=${store} />`}`;
 }
 
+const MARKS = { good: "✓", bad: "✗", open: "–" };
+const word = ({ ok }) => (ok == null ? "open" : ok ? "good" : "bad");
+
 function Margins({ store }) {
   const { margins } = store.state.result;
   if (!margins?.length) return null;
@@ -35,10 +38,10 @@ function Margins({ store }) {
   return html`<section class="tab-card"><h2>${T.winding.margins}</h2><div class="table-scroll" tabindex="0"><table class="margins"><thead><tr>
       <th scope="col"></th><th scope="col">${T.results.value}</th><th scope="col">${T.winding.limit}</th><th scope="col">${T.winding.radius}</th><th scope="col"></th></tr></thead>
     <tbody>${margins.map((margin) => {
-      const quantity = { unit: margin.unit ?? "1", shown_unit: margin.shown_unit ?? "" };
+      const { quantity } = margin;
       const text = (value) => (value == null ? "–" : `${digits(units.shown(quantity, value))} ${units.text(quantity)}`);
-      return html`<tr key=${margin.name} class=${margin.ok ? "good" : "bad"}><th scope="row">${margin.label ?? margin.name}</th><td>${text(margin.value)}</td><td>${text(margin.limit)}</td>
-        <td>${margin.radius == null ? "–" : digits(units.shown({ unit: "m", shown_unit: "mm" }, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${margin.ok ? "✓" : "✗"}</span> ${margin.ok ? T.winding.ok : T.winding.bad}</td></tr>`;
+      return html`<tr key=${margin.name} class=${word(margin)} title=${margin.note}><th scope="row">${margin.name}<span class="quiet"> ${quantity.label}</span></th><td>${text(margin.value)}</td><td>${text(margin.limit)}</td>
+        <td>${margin.radius == null ? "–" : digits(units.shown({ unit: "m", shown_unit: "mm" }, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${MARKS[word(margin)]}</span> ${T.winding[word(margin)]}</td></tr>`;
     })}</tbody></table></div></section>`;
 }
 
