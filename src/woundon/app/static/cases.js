@@ -88,7 +88,7 @@ export function groupsOf(catalogue, kind, titles) {
   const plain = new Map();
   const inTable = new Map(Object.entries(kind.groups ?? {}).flatMap(([group, names]) => names.map((name) => [name, group])));
   for (const field of fieldsOf(catalogue, kind.form)) {
-    const own = field.type === "member" && !field.number && !inTable.has(field.name);
+    const own = field.type === "member" && !field.number && !field.choices?.length && !inTable.has(field.name);
     if (own) {
       groups.push({ name: field.name, title: titles[field.name] ?? field.label, fields: [field] });
       continue;

@@ -163,14 +163,17 @@ function Member({ store, field, path, lone, holder }) {
   const { catalogue, state } = store;
   const value = at(state.case, path);
   const member = memberOf(catalogue, field, value);
-  const named = typeof value === "string";
+  const words = field.choices ?? [];
+  const isWord = words.includes(value);
+  const named = typeof value === "string" && !isWord;
   const isNumber = typeof value === "number";
-  const choices = field.members.length + (field.number ? 1 : 0) + (field.named ? 1 : 0) + (field.optional ? 1 : 0) > 1;
-  const chosen = named ? `@${value}` : isNumber ? NUMBER : value == null ? NONE : member?.form;
+  const choices = field.members.length + words.length + (field.number ? 1 : 0) + (field.named ? 1 : 0) + (field.optional ? 1 : 0) > 1;
+  const chosen = isWord ? `#${value}` : named ? `@${value}` : isNumber ? NUMBER : value == null ? NONE : member?.form;
   const choose = (event) => {
     const to = event.target.value;
     if (to === NONE) store.change(path, undefined);
     else if (to === NUMBER) store.change(path, numberOf(store, field, value));
+    else if (to.startsWith("#")) store.change(path, to.slice(1));
     else if (to.startsWith("@")) store.change(path, to.slice(1));
     else if (isSchedule(to)) store.change(path, profileOf(store, path, value));
     else {
@@ -182,13 +185,14 @@ function Member({ store, field, path, lone, holder }) {
   const label = T.fields[field.name] ?? (field.label || field.name);
   const titleOf = (form) => T.members[form] ?? catalogue.forms[form].title;
   const source = named && catalogue.materials.find((one) => one.name === value)?.source;
-  const inner = isNumber || named || !member ? [] : fieldsOf(catalogue, member.form);
+  const inner = isNumber || named || isWord || !member ? [] : fieldsOf(catalogue, member.form);
   const body = html`
     ${choices && html`<div class="member-choice">
       <label for=${idOf(path)} class=${lone ? "hidden" : ""}>${label}</label>
       <select id=${idOf(path)} value=${chosen} onChange=${choose}>
         ${field.optional && html`<option value=${NONE} selected=${chosen === NONE}>${T.form.none}</option>`}
         ${field.number && html`<option value=${NUMBER} selected=${chosen === NUMBER}>${T.form.oneNumber}</option>`}
+        ${words.map((word) => html`<option value=${`#${word}`} selected=${word === value}>${word}</option>`)}
         ${field.members.map((one) => html`<option value=${one.form} selected=${chosen === one.form}>${titleOf(one.form)}</option>`)}
         ${field.named && html`<optgroup label=${T.form.named}>${catalogue.materials.map(({ name }) => html`<option value=${`@${name}`} selected=${chosen === `@${name}`}>${name}</option>`)}</optgroup>`}
       </select>

@@ -14,7 +14,7 @@ import { Winding } from "./winding.js";
 
 const TABS = ["case", "study", "winding", "thesis"];
 const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
-const ROLLS = ["winding", "wound_roll"]; // shown in the tab of their own
+const ROLLS = ["wound_roll", "winding"]; // shown in a tab of their own, the quick one first
 
 function Page({ store }) {
   const state = useStore(store);

@@ -21,7 +21,7 @@ export function headlines(kind, result) {
   const main = kind.main.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
   const told = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
   const rest = scalars.filter((output) => !main.includes(output) && !told.includes(output) && !output.whole);
-  return [...main, ...told, ...(told.length ? [] : rest.slice(0, 7))];
+  return [...main, ...told, ...(main.length + told.length > 2 ? [] : rest.slice(0, 7))];
 }
 
 export function errorText(units, output, { value, error }) {
