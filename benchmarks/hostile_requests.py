@@ -10,8 +10,8 @@ damaged    cases and studies with one to four places overwritten: nan, 1e308, te
 raw        bytes that are no HTTP, heads without end, lengths that lie
 
 Every answer must be below 500 (or say that the server is busy, or that it took too long), come
-within the stated time limit, and be problem+json where it refuses; in the end the server must solve a case, and hold no more
-memory than it may.
+within the stated time limit, and be problem+json where it refuses; in the end the server must
+solve a case, and hold no more memory than it may.
 """
 
 from __future__ import annotations

@@ -3,6 +3,9 @@
 import json
 import subprocess
 import sys
+import tomllib
+from importlib import metadata
+from pathlib import Path
 
 import pytest
 
@@ -183,6 +186,35 @@ def test_the_command_refuses_in_one_line(tmp_path, args, told):
     assert done.returncode == 2
     assert told in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+# ---- figures of plug-ins ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def installed(monkeypatch):
+    """The entry points as pyproject.toml has them, whatever is installed here."""
+    tables = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    points = tables["project"]["entry-points"]["woundon.exhibits"]
+
+    def entry_points(group):
+        return [metadata.EntryPoint(name, value, group) for name, value in points.items()]
+
+    monkeypatch.setattr(kinds, "entry_points", entry_points)
+
+
+def test_a_figure_of_the_thesis_is_drawn(installed):
+    from jorkama2001 import exhibits
+    from woundon.app import papers
+    from woundon.app.catalogue import exhibits as plugins
+
+    told = {one["name"]: one for plugin in plugins() for one in plugin.known()}
+    assert set(told) == {name for name in exhibits.NAMES if name.startswith("fig")}
+    assert told["fig15"]["label"] == "Fig. 15"
+    assert told["fig15"]["title"].startswith("how the nip makes tension")
+    assert b"<svg" in papers.exhibit("fig15")
+    with pytest.raises(wo.InvalidProblem, match="did you mean 'fig15'"):
+        papers.exhibit("fig151")
 
 
 # ---- the catalogue ----------------------------------------------------------------------------

@@ -78,13 +78,31 @@ def test_of_one_key_the_newest_request_wins():
             newest = await asyncio.gather(
                 own.run(pow, 1, 1, key="other"), own.run(os.getpid, key="slider")
             )
-            # interrupted, not waited for, and by the same process
+            # interrupted after its grace, not waited for, and by the same process
             assert time.monotonic() - began < 25
             assert newest == [1, pid]
             for old in (under_way, waiting):
                 with pytest.raises(Refusal) as raised:
                     await old
                 assert (raised.value.status, raised.value.kind) == (409, "superseded")
+
+    run(test())
+
+
+def test_what_is_nearly_done_comes_to_its_end():
+    """A stream of newer requests, each before the older is done, does not starve a slider."""
+
+    async def test():
+        async with pool() as own:
+            await own.run(os.getpid)
+            tasks = []
+            for _ in range(10):
+                tasks.append(asyncio.create_task(own.run(time.sleep, 0.3, key="slider")))
+                await asyncio.sleep(0.1)
+            done = await asyncio.gather(*tasks, return_exceptions=True)
+            assert sum(one is None for one in done) >= 3
+            assert any(isinstance(one, Refusal) for one in done)
+            assert done[-1] is None
 
     run(test())
 

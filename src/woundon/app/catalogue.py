@@ -22,7 +22,7 @@ from ..problems.materials import MATERIALS, Material
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from ..solve_command import solver_options
 
-__all__ = ["LIMITS", "catalogue", "tables_of", "told_of"]
+__all__ = ["LIMITS", "catalogue", "exhibits", "tables_of", "told_of"]
 
 # what the server refuses beyond; the page says so before
 LIMITS = {
@@ -55,8 +55,14 @@ def catalogue() -> dict[str, Any]:
         ],
         "units": _units(forms, told),
         "systems": {"SI": {}, "mill": MILL},
+        "exhibits": [one for plugin in exhibits() for one in plugin.known()],
         "limits": LIMITS,
     }
+
+
+def exhibits() -> list[Any]:
+    """Return who has figures to show: modules with ``known()`` and ``drawn(name)``."""
+    return [found.load() for found in kinds.entry_points(group="woundon.exhibits")]
 
 
 def tables_of(description: Any) -> dict[str, Any]:

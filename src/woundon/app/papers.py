@@ -18,9 +18,9 @@ from ..io.python_texts import to_python
 from ..io.result_files import writer_for
 from ..problems.fields import shown
 from .answers import as_json, problem_of, solved
-from .catalogue import LIMITS, tables_of
+from .catalogue import LIMITS, exhibits, tables_of
 
-__all__ = ["figure", "python_text", "read_case", "report", "result_file", "written_case"]
+__all__ = ["exhibit", "figure", "python_text", "read_case", "report", "result_file", "written_case"]
 
 
 def read_case(body: Any) -> bytes:
@@ -85,6 +85,15 @@ def report(body: Any) -> bytes:
         return report_file(
             results, labels, title=asked.get("title", ""), remarks=asked.get("remarks", "")
         ).encode()
+
+
+def exhibit(name: str) -> bytes:
+    """Return a figure of a plug-in, computed now, as SVG."""
+    owners = {one["name"]: plugin for plugin in exhibits() for one in plugin.known()}
+    if name not in owners:
+        raise InvalidProblem.at("name", f"{shown(name)} is unknown{did_you_mean(name, owners)}")
+    drawn: bytes = owners[name].drawn(name)
+    return drawn
 
 
 # ---- what is asked ----------------------------------------------------------------------------

@@ -262,6 +262,12 @@ def _papers(app: FastAPI, office: _Office) -> None:
                             await _tables(request), format, chosen, rank=1)  # fmt: skip
         return _attached(body, f"figure.{format}")
 
+    @app.get("/api/thesis/{name}", tags=["in and out"])
+    async def exhibit(request: Request, name: str) -> Response:
+        """Compute a figure that the catalogue names among its exhibits."""
+        body = await _asked(office.others, request, "exhibit", papers.exhibit, name, rank=2)
+        return Response(body, media_type=_TYPES["svg"])
+
 
 def _attached(body: bytes, name: str) -> Response:
     headers = {"content-disposition": f'attachment; filename="{name}"'}

@@ -2,8 +2,9 @@
 
     pool.run(call, *given, key=(session, what))     the answer, in the order of rank and arrival
 
-Of one key the newest request wins: an older one that waits is dropped, one under way is
-interrupted.  A worker that does not heed that, or dies, is replaced.
+Of one key the newest request wins: an older one that waits is dropped, one under way has a moment
+to come to its end, for else a busy machine would never end any, and is then interrupted.  A worker
+that does not heed that, or dies, is replaced.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ from .refusals import Refusal, refusal_of
 __all__ = ["Pool"]
 
 MEMORY = 4 * 2**30  # of a worker's address space [bytes]
-HEED = 1.0  # seconds until a worker that is interrupted must have heeded
+GRACE = 1.0  # seconds that work under way may go on when a newer request has come
+HEED = 5.0  # seconds until a worker that is interrupted must have heeded
 DIED = "the process that worked at this died; it has been replaced, send the request again"
 _STARTING = threading.Lock()
 _ON_SIGNAL = hasattr(signal, "SIGUSR1")
@@ -106,6 +108,7 @@ class _Worker:
 class _Request:
     call: Callable[..., Any]
     given: tuple[Any, ...]
+    key: Hashable
     session: Hashable
     answer: asyncio.Future[Any]
     worker: _Worker | None = None
@@ -139,6 +142,7 @@ class Pool:
         self._idle: list[_Worker] = []
         self._waiting: list[tuple[int, int, _Request]] = []
         self._newest: dict[Hashable, _Request] = {}
+        self._under_way = set[Hashable]()
         self._number = count()
         self._tasks: set[asyncio.Task[Any]] = set()
         self._closing = False
@@ -188,7 +192,7 @@ class Pool:
         if len(self._waiting) >= self.most:
             raise Refusal(503, "busy", "too many requests are waiting; try again")
         answer = asyncio.get_running_loop().create_future()
-        request = _Request(call, given, session, answer)
+        request = _Request(call, given, key, session, answer)
         if key is not None:
             self._newest[key] = request
         heappush(self._waiting, (rank, next(self._number), request))
@@ -205,19 +209,18 @@ class Pool:
             if not request.answer.done() or request.answer.cancelled():
                 self._interrupt(request)  # who asked is gone
 
-    def cancel(self, key: Hashable) -> bool:
-        """Drop or interrupt the newest request of a key; tell whether there was one."""
-        request = self._newest.get(key)
-        if request is not None:
-            self._overtake(request)
-        return request is not None
-
     def _overtake(self, request: _Request) -> None:
-        if not request.answer.done():
-            text = "a newer request of the same session took its place, or it was cancelled"
-            request.answer.set_exception(Refusal(409, "superseded", text))
+        if request.worker is not None:
+            asyncio.get_running_loop().call_later(GRACE, self._drop, request)
+            return
+        self._drop(request)
         self._waiting = [one for one in self._waiting if not one[2].answer.done()]
         heapify(self._waiting)
+
+    def _drop(self, request: _Request) -> None:
+        if not request.answer.done():
+            text = "a newer request of the same session took its place"
+            request.answer.set_exception(Refusal(409, "superseded", text))
         self._interrupt(request)
 
     def _interrupt(self, request: _Request) -> None:
@@ -241,15 +244,22 @@ class Pool:
         for dead in [w for w in self._idle if not w.process.is_alive()]:
             self._idle.remove(dead)
             self._start(self._replace(dead))
+        held = list[tuple[int, int, _Request]]()
         while self._idle and self._waiting:
-            _, _, request = heappop(self._waiting)
+            rank, number, request = heappop(self._waiting)
             if request.answer.done():
+                continue
+            if request.key in self._under_way:  # nobody has two workers
+                held.append((rank, number, request))
                 continue
             own = (w for w in self._idle if request.session and w.session == request.session)
             worker = next(own, self._idle[0])
             self._idle.remove(worker)
             worker.session, request.worker = request.session, worker
+            self._under_way |= {request.key} - {None}
             self._start(self._worked(worker, request))
+        for one in held:
+            heappush(self._waiting, one)
 
     def _start(self, work: Any) -> None:
         task = asyncio.get_running_loop().create_task(work)
@@ -259,6 +269,7 @@ class Pool:
     async def _worked(self, worker: _Worker, request: _Request) -> None:
         outcome, answer = await self._in_thread(worker.exchange, (request.call, request.given))
         request.worker, worker.stopping = None, False
+        self._under_way.discard(request.key)
         if outcome == "died":
             self._start(self._replace(worker))
         else:
