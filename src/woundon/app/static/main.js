@@ -26,7 +26,7 @@ function Page({ store }) {
   useEffect(() => {
     const keys = (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-      if (/^(textarea|text)$/.test(event.target.type) && store.state.drafts[event.target.id]) return;
+      if (event.target.matches("textarea, dialog input")) return; // these have their own
       event.preventDefault();
       if (event.shiftKey) store.redo();
       else store.undo();

@@ -17,7 +17,7 @@ export class Store {
     const first = catalogue.kinds.find((kind) => kind.name === "wrapped_nip") ?? catalogue.kinds[0];
     this.state = {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
-      tab: "case", past: [], future: [], faults: {}, problem: "", drafts: {},
+      tab: "case", past: [], future: [], faults: {}, problem: "",
       result: null, solved: null, extras: {}, busy: false, pins: [], tables: false,
       others: {}, study: null, message: "",
     };
@@ -72,33 +72,23 @@ export class Store {
   /** Change one field; a slider that moves makes one step of undo. */
   change(path, value, { moving = false } = {}) {
     const next = changed(this.state.case, path, value);
-    if (same(next, this.state.case)) return this.draft(path, undefined);
-    const drafts = { ...this.state.drafts };
-    delete drafts[path];
+    if (same(next, this.state.case)) return;
     const { past } = this.state;
     const step = past.at(-1);
     const merged = moving && step?.path === path && this.moving;
     this.moving = moving;
     this.set({
-      case: next, drafts, future: [],
+      case: next, future: [],
       past: merged ? past : [...past, { path, kind: this.state.kind, case: this.state.case }].slice(-KEPT),
     });
     this.solve(moving);
-  }
-
-  /** What is typed and is no number yet. */
-  draft(path, text, fault) {
-    const drafts = { ...this.state.drafts };
-    if (text === undefined) delete drafts[path];
-    else drafts[path] = { text, fault };
-    this.set({ drafts });
   }
 
   /** Take a whole case: another kind, one from a file or a link. */
   take(kind, tables) {
     const past = [...this.state.past, { kind: this.state.kind, case: this.state.case }].slice(-KEPT);
     this.moving = false;
-    this.set({ kind, case: tables, past, future: [], drafts: {}, faults: {}, problem: "" });
+    this.set({ kind, case: tables, past, future: [], faults: {}, problem: "" });
     this.solve();
   }
 
@@ -117,7 +107,7 @@ export class Store {
     const here = { path: last.path, kind: this.state.kind, case: this.state.case };
     this.set({
       [from]: this.state[from].slice(0, -1), [to]: [...this.state[to], here],
-      kind: last.kind, case: last.case, drafts: {}, faults: {}, problem: "",
+      kind: last.kind, case: last.case, faults: {}, problem: "",
     });
     this.solve();
   }
