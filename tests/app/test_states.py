@@ -26,7 +26,9 @@ def test_a_state_is_that_of_solve_to_the_last_digit(client, cases, name):
     told = answer.json()
     with unwarned():
         result = wo.solve(kinds.named(name).example())
-    for output in scalar_outputs(result):
+    # other tests may have given results of this process more outputs
+    assert set(type(result).MAIN) <= set(told["outputs"]) <= set(scalar_outputs(result))
+    for output in told["outputs"]:
         assert same(told["outputs"][output]["value"], float(value_of(result, output))), output
     for output, error in result.errors.items():
         assert same(told["outputs"][output]["error"], error)
@@ -80,7 +82,7 @@ def test_a_warm_state_agrees_with_a_cold_one(client, cases):
         assert warm[name]["value"] == pytest.approx(cold[name]["value"], rel=1e-7)
 
 
-@pytest.mark.parametrize("name", [n for n in KINDS if n != "wound_roll"])
+@pytest.mark.parametrize("name", ["nip", "wrapped_nip", "rollers"])
 def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
     told = client.post("/api/solve", json=cases[name]).json()
     first, last = told["nip"]
