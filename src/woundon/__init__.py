@@ -23,11 +23,15 @@ _HOME = {
     "Isotropic": "problems.materials",
     "Layer": "problems.bodies",
     "Layered": "problems.bodies",
+    "Limits": "problems.limits",
+    "Margin": "winding.margins",
+    "Margins": "winding.margins",
     "Material": "problems.materials",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
     "NoSteadyState": "errors",
     "NotConverged": "errors",
+    "OptimisedSchedule": "studies.schedule",
     "Orthotropic": "problems.materials",
     "Pfeiffer": "problems.radial_laws",
     "Polynomial": "problems.radial_laws",
@@ -51,6 +55,8 @@ _HOME = {
     "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
+    "WindingProblem": "problems.winding",
+    "WindingResult": "winding.result",
     "WoundRoll": "problems.wound_roll",
     "WoundRollProblem": "problems.roll",
     "WoundRollResult": "roll.result",
@@ -62,12 +68,15 @@ _HOME = {
     "kinds": "",
     "load_case": "io.case_files",
     "load_result": "io.result_files",
+    "margins": "winding.margins",
     "material": "problems.materials",
+    "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
     "solve": "kinds",
     "solve_air_nip": "air.solve",
     "solve_nip": "nip.solve",
     "solve_rollers": "rollers.solve",
+    "solve_winding": "winding.solve",
     "solve_wound_roll": "roll.solve",
     "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
@@ -92,11 +101,15 @@ __all__ = [
     "Isotropic",
     "Layer",
     "Layered",
+    "Limits",
+    "Margin",
+    "Margins",
     "Material",
     "NipProblem",
     "NipResult",
     "NoSteadyState",
     "NotConverged",
+    "OptimisedSchedule",
     "Orthotropic",
     "Pfeiffer",
     "Polynomial",
@@ -120,6 +133,8 @@ __all__ = [
     "Tractions",
     "ValidityWarning",
     "Web",
+    "WindingProblem",
+    "WindingResult",
     "WoundRoll",
     "WoundRollProblem",
     "WoundRollResult",
@@ -132,12 +147,15 @@ __all__ = [
     "kinds",
     "load_case",
     "load_result",
+    "margins",
     "material",
+    "optimise_schedule",
     "plot",
     "solve",
     "solve_air_nip",
     "solve_nip",
     "solve_rollers",
+    "solve_winding",
     "solve_wound_roll",
     "solve_wrapped_nip",
     "sweep",
@@ -177,6 +195,7 @@ if TYPE_CHECKING:
     from .problems.bodies import Layered as Layered
     from .problems.bodies import Rigid as Rigid
     from .problems.fields import Problem as Problem
+    from .problems.limits import Limits as Limits
     from .problems.materials import Isotropic as Isotropic
     from .problems.materials import Material as Material
     from .problems.materials import Orthotropic as Orthotropic
@@ -194,6 +213,7 @@ if TYPE_CHECKING:
     from .problems.schedules import Profile as Profile
     from .problems.schedules import Taper as Taper
     from .problems.stack import Stack as Stack
+    from .problems.winding import WindingProblem as WindingProblem
     from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity
     from .results import Residuals as Residuals
@@ -208,7 +228,14 @@ if TYPE_CHECKING:
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
     from .studies.fit import FitResult as FitResult
+    from .studies.schedule import OptimisedSchedule as OptimisedSchedule
+    from .studies.schedule import optimise_schedule as optimise_schedule
     from .studies.sobol import SobolIndices as SobolIndices
+    from .winding.margins import Margin as Margin
+    from .winding.margins import Margins as Margins
+    from .winding.margins import margins as margins
+    from .winding.result import WindingResult as WindingResult
+    from .winding.solve import solve_winding as solve_winding
     from .wrap.result import WrappedNipResult as WrappedNipResult
     from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 

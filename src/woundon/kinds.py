@@ -29,8 +29,10 @@ if TYPE_CHECKING:
     from .problems.nip import NipProblem, WrappedNipProblem
     from .problems.roll import WoundRollProblem
     from .problems.rollers import RollerProblem
+    from .problems.winding import WindingProblem
     from .roll.result import WoundRollResult
     from .rollers.result import RollerResult
+    from .winding.result import WindingResult
     from .wrap.result import WrappedNipResult
 
 __all__ = [
@@ -220,6 +222,15 @@ register(
     about="The winding nip with the air that the web brings.",
     check="woundon.air.solve:check_options",
 )
+register(
+    "woundon.problems.winding:WindingProblem",
+    "woundon.winding.solve:solve_winding",
+    "woundon.winding.result:WindingResult",
+    about="The winding of a roll: what its nips add as it grows, and the stresses that stay.",
+    report="woundon.show.winding_report:winding_report",
+    plot="woundon.show.winding_plots:winding_panels",
+    check="woundon.winding.solve:check_options",
+)
 
 
 @cache
@@ -304,6 +315,8 @@ def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
 @overload
 def solve(problem: AirNipProblem, **options: Any) -> AirNipResult: ...
 @overload
+def solve(problem: WindingProblem, **options: Any) -> WindingResult: ...
+@overload
 def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
@@ -314,6 +327,7 @@ def solve(problem: Any, **options: Any) -> Any:
     :class:`~woundon.RollerProblem`      two rollers in contact without a web
     :class:`~woundon.WoundRollProblem`   the stresses that winding leaves in a roll
     :class:`~woundon.AirNipProblem`      the nip with its wraps, and the air that the web brings
+    :class:`~woundon.WindingProblem`     nips as a roll grows, and the roll that they wind
     ===================================  =====================================================
 
     and whatever :func:`woundon.kinds.register` made known.
@@ -325,14 +339,15 @@ def solve(problem: Any, **options: Any) -> Any:
     options
         Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
         :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`,
-        :func:`~woundon.solve_air_nip`): ``nodes`` fixes the grid, ``rtol`` refines it, ...
+        :func:`~woundon.solve_air_nip`, :func:`~woundon.solve_winding`): ``nodes`` fixes the grid,
+        ``rtol`` refines it, ...
 
     Returns
     -------
     Result
         Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
         :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`,
-        :class:`~woundon.AirNipResult`, ...
+        :class:`~woundon.AirNipResult`, :class:`~woundon.WindingResult`, ...
 
     Raises
     ------

@@ -212,8 +212,9 @@ def _walk_value(place: Place) -> Iterator[Place]:
     elif isinstance(value, tuple) and any(hasattr(type(v), "model_fields") for v in value):
         for k, item in enumerate(value):
             yield from _walk_value(place._replace(path=f"{path}.{k}", value=item))
-    else:
-        yield place._replace(quantity=_as_chosen(path, place.quantity))
+    else:  # a word in a number's place is none
+        quantity = None if isinstance(value, str) else place.quantity
+        yield place._replace(quantity=_as_chosen(path, quantity))
 
 
 def _walk_annotation(place: Place) -> Iterator[Place]:

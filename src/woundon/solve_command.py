@@ -10,6 +10,7 @@ from __future__ import annotations
 import inspect
 import itertools
 import re
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from pathlib import Path
@@ -258,8 +259,12 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
 
 
 def _solved(problem: Any, options: Mapping[str, Any]) -> Any:
-    with unwarned():  # the report shows them
-        return kinds.solve(problem, **options)
+    """Solve; a solver that tells its progress shows it as a bar, where somebody watches."""
+    tells = "progress" in inspect.signature(kinds.of(problem).solver).parameters
+    watched = tells and sys.stderr.isatty()
+    shows = kinds.fetch("woundon.studies.progress:growing_bar")() if watched else nullcontext()
+    with shows as progress, unwarned():  # the report shows the warnings
+        return kinds.solve(problem, **options, **({"progress": progress} if watched else {}))
 
 
 def _show(result: Any, sensitivity: Any) -> None:

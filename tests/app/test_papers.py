@@ -176,7 +176,7 @@ def test_the_command_writes_a_report_of_cases(tmp_path):
 @pytest.mark.parametrize(
     ("args", "told"),
     [(["no.toml"], "no.toml"), (["case.toml", "--out", "a.pdf"], "a.pdf: the ending '.pdf'"),
-     (["case.toml", "--set", "nip_load=-1"], "nip_load: -1 is out of range"), ([], "CASES")],
+     (["case.toml", "--set", "nip_load=-1"], "nip_load: -1 is out of range")],
 )  # fmt: skip
 def test_the_command_refuses_in_one_line(tmp_path, args, told):
     from woundon.io.case_files import template
@@ -220,9 +220,11 @@ def test_a_figure_of_the_thesis_is_drawn(installed):
 # ---- the catalogue ----------------------------------------------------------------------------
 
 
-def test_the_catalogue_has_every_field_and_output_with_its_units(catalogue):
+def test_the_catalogue_has_every_field_and_output():
+    from woundon.app.catalogue import catalogue as made
     from woundon.quantities import outputs, walk
 
+    catalogue = made.__wrapped__()  # anew: other tests may have given results more outputs
     for kind in catalogue["kinds"]:
         own = kinds.named(kind["name"])
         paths = set(_paths(catalogue, kind["form"]))

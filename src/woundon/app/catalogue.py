@@ -17,7 +17,7 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
 from ..io.units import MILL, alike
-from ..problems.fields import Family
+from ..problems.fields import Description, Family
 from ..problems.materials import MATERIALS, Material
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from ..solve_command import solver_options
@@ -156,7 +156,8 @@ def _field(name: str, field: Any) -> dict[str, Any]:
         "limits": _marked(field, gt="gt", ge="ge", lt="lt", le="le"),
     }
     if not field.is_required():
-        told["default"] = field.default
+        default = field.get_default(call_default_factory=True)
+        told["default"] = tables_of(default) if isinstance(default, Description) else default
     if quantity is not None:
         told |= told_of(quantity)
         told["typical"] = list(quantity.typical) if quantity.typical else None

@@ -12,11 +12,11 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
-from ..problems.fields import Problem, shown
+from ..problems.fields import Problem, is_word, shown
 from ..problems.materials import Material, material
 from ..quantities import Place, Quantity, find, is_list, members_of
 from .case_texts import SCHEMA, template, to_toml
@@ -318,23 +318,13 @@ def _value(value: Any, places: list[Place], path: str, faults: Faults) -> Any:
     if isinstance(value, list) and any(is_list(p.field.annotation) for p in places):
         return [_value(item, places, f"{path}.{k}", faults) for k, item in enumerate(value)]
     quantity = next((p.quantity for p in places if p.quantity), None)
-    words = [word for p in places for word in _words(p.field.annotation)]
-    if quantity is None or (isinstance(value, str) and value in words):
+    if quantity is None or any(is_word(value, p.field.annotation) for p in places):
         return value
     try:
         return parse(value, quantity.unit, path)
     except InvalidProblem as fault:
         faults += fault.faults
         return value
-
-
-def _words(annotation: Any) -> Iterator[str]:
-    """Yield the words that an annotation admits beside numbers."""
-    for part in get_args(annotation):
-        if get_origin(annotation) is Literal:
-            yield part
-        else:
-            yield from _words(part)
 
 
 def _helped(field: str, text: str, model: type[Any]) -> tuple[str, str]:

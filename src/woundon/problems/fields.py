@@ -23,11 +23,13 @@ from typing import (
     Any,
     ClassVar,
     Generic,
+    Literal,
     NoReturn,
     Self,
     TypeVar,
     dataclass_transform,
     get_args,
+    get_origin,
     overload,
 )
 
@@ -40,7 +42,7 @@ from ..quantities import members_of, quantity_of
 
 __all__ = [
     "Description", "Family", "Number", "Numbers", "Problem", "admissible", "best_match", "bounds",
-    "no_such_field", "not_one_of", "shown",
+    "is_word", "no_such_field", "not_one_of", "shown",
 ]  # fmt: skip
 
 
@@ -192,8 +194,9 @@ class Description(BaseModel, metaclass=Described):
     @classmethod
     def _in_si(cls, name: str, value: Any) -> Any:
         """Return a field's value, a text with a unit as a number in SI."""
-        quantity = quantity_of(cls.model_fields[name])
-        if quantity is None or not isinstance(value, str):
+        field = cls.model_fields[name]
+        quantity = quantity_of(field)
+        if quantity is None or not isinstance(value, str) or is_word(value, field.annotation):
             return value
         # io comes later on the data's way, hence by name
         return import_module("woundon.io.units").parse(value, quantity.unit, name)
@@ -363,6 +366,21 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is out of place; must be {admissible(field)}"
     value = value if isinstance(value, Real) else float(value)  # an array of no dimension
     return f"{shown(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
+
+
+def is_word(value: Any, annotation: Any) -> bool:
+    """Tell whether a text stands for a word that a field admits, and for no number with a unit."""
+    words = _words_of(annotation)
+    return isinstance(value, str) and bool(words) and (
+        value in words or not _takes_a_number(annotation)
+    )  # fmt: skip
+
+
+def _words_of(annotation: Any) -> tuple[str, ...]:
+    parts = get_args(annotation)
+    if get_origin(annotation) is Literal:
+        return parts
+    return tuple(word for part in parts for word in _words_of(part))
 
 
 def not_one_of(value: Any, known: Iterable[str]) -> str:

@@ -217,9 +217,11 @@ def letter(axes: Axes, text: str) -> None:
 
 def legend_above(axes: Axes, handles: list[Any]) -> None:
     """Put the legend above the panel, where it covers no data."""
+    many = {"columnspacing": 0.8, "handlelength": 1.1, "handletextpad": 0.4}
+    few = {"columnspacing": 1.4, "handlelength": 2.2}
     axes.legend(
         handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(handles),
-        borderaxespad=0.2, columnspacing=1.4, handlelength=2.2,
+        borderaxespad=0.2, **(many if len(handles) > 4 else few),
     )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """Reports as HTML: tables that a notebook shows, in its own colours, light or dark.
 
-Every text is escaped.  There is no colour of a letter or a ground here; a table takes those of the
-page that it stands on.
+Every text is escaped.  Letters and grounds have no colour here, they take those of the page; only
+marks have one, of zones and of a limit that is not kept.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..contact.zones import zone_runs
 from ..problems.fields import Description
-from .parts import Line, Part, Row, Section, ZoneStrips
+from .parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
 from .report import field_rows, report_parts
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ __all__ = ["description_html", "parts_html", "result_html", "table_html"]
 LEFT = "text-align:left"
 RIGHT = "text-align:right"
 QUIET = "opacity:0.75"
+ALARM = "display:inline-block;background:#B00020;color:#FFFFFF;font-weight:bold;padding:0 0.4em"
 _ZONES = {-1: "#E69F00", 0: "#BBBBBB", 1: "#56B4E9"}
 
 
@@ -57,6 +58,8 @@ def _division(texts: Sequence[str]) -> str:
 def _part(part: Part) -> str:
     if isinstance(part, Section):
         return _section(part)
+    if isinstance(part, Verdicts):
+        return _verdicts(part)
     return _strips(part) if isinstance(part, ZoneStrips) else _line(part)
 
 
@@ -83,6 +86,25 @@ def _row(row: Row) -> str:
         (f"{row.unit}{error}{row.note}", LEFT),
     ]  # fmt: skip
     return "<tr>{}</tr>".format("".join(f'<td style="{s}">{escape(c)}</td>' for c, s in cells))
+
+
+def _verdicts(part: Verdicts) -> str:
+    names = ("", "value", "limit", "", "worst at", "", "")
+    head = "".join(f'<th style="{LEFT}">{name}</th>' for name in names)
+    rows = "\n".join(map(_verdict, part.rows))
+    caption = f'<caption style="{LEFT};font-weight:bold">{escape(part.title)}</caption>'
+    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>\n{rows}\n</tbody></table>"
+
+
+def _verdict(row: Verdict) -> str:
+    word = escape(row.word)
+    word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
+    cells = [
+        (escape(row.meaning), LEFT), (escape(row.value), RIGHT), (escape(row.limit), RIGHT),
+        (escape(row.unit), LEFT), (escape(row.place), LEFT), (word, LEFT),
+        (escape(row.below), f"{LEFT};{QUIET};max-width:28em"),
+    ]  # fmt: skip
+    return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
 
 
 def _strips(part: ZoneStrips) -> str:

@@ -23,9 +23,9 @@ from ..rollers.result import RollerResult
 from ..wrap.result import WrappedNipResult
 
 __all__ = [
-    "Line", "Part", "Row", "Section", "ZoneStrips", "certificate_line", "field_row",
-    "friction_bounds", "nip_zones", "output_row", "roller_zones", "row_of", "warning_lines",
-    "zone_line", "zone_strips",
+    "Line", "Part", "Row", "Section", "Verdict", "Verdicts", "ZoneStrips", "certificate_line",
+    "field_row", "friction_bounds", "nip_zones", "output_row", "roller_zones", "row_of",
+    "warning_lines", "zone_line", "zone_strips",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -114,7 +114,45 @@ class Line:
     tone: str = ""
 
 
-Part = Section | ZoneStrips | Line
+@dataclass(frozen=True)
+class Verdict:
+    """One row of a table of limits.
+
+    Attributes
+    ----------
+    meaning, value, limit, unit, place, word : str
+        What is judged, its value and limit, where it is worst, whether the limit is kept.
+    tone : str
+        Of the word, as of a :class:`Line`.
+    note, left_out : str
+        What is to be said of this one, and what the criterion does not know of.
+    """
+
+    meaning: str
+    value: str
+    limit: str
+    unit: str
+    place: str
+    word: str
+    tone: str
+    note: str
+    left_out: str
+
+    @property
+    def below(self) -> str:
+        """What stands below the row."""
+        return f"{self.note}. " * bool(self.note) + f"Leaves out: {self.left_out}"
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """A table of limits under a title."""
+
+    title: str
+    rows: tuple[Verdict, ...]
+
+
+Part = Section | ZoneStrips | Verdicts | Line
 
 
 # ---- rows from quantities -----------------------------------------------------------------------

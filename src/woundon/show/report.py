@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from ..nip.sensitivity import Sensitivity
 
 __all__ = [
-    "field_rows", "nip_report", "outputs_report", "print_report", "print_sensitivity",
-    "report_parts", "report_text", "roller_report", "rows_of",
+    "field_rows", "nip_report", "outputs_report", "plain_console", "print_report",
+    "print_sensitivity", "report_parts", "report_text", "roller_report", "rows_of",
     "sensitivity_text", "wrapped_report",
 ]  # fmt: skip
 
@@ -59,11 +59,12 @@ def report_parts(result: Result) -> list[Part]:
 def report_text(result: Result) -> str:
     """Return the report of a result of any kind as plain text."""
     paper = StringIO()
-    print_report(result, _console(paper))
+    print_report(result, plain_console(paper))
     return paper.getvalue().rstrip("\n")
 
 
-def _console(paper: StringIO) -> Console:
+def plain_console(paper: StringIO) -> Console:
+    """Return what writes plain text, as wide as reports are."""
     return Console(
         file=paper, width=WIDTH, color_system=None, legacy_windows=False,
         force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
@@ -365,7 +366,7 @@ def _field(problem: Description, name: str, value: Any, under: str) -> Row:
 def sensitivity_text(sensitivity: Sensitivity) -> str:
     """Return elasticities as plain text, as the command line prints them."""
     paper = StringIO()
-    print_sensitivity(sensitivity, _console(paper))
+    print_sensitivity(sensitivity, plain_console(paper))
     return paper.getvalue().strip("\n")
 
 

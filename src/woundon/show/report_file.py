@@ -39,7 +39,8 @@ p.about { margin: 0 0 4mm; color: #444; }
 table { border-collapse: collapse; margin: 2mm 0 4mm; width: 100%; font-size: 9pt; }
 caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoid; }
 th, td { text-align: left; padding: 0.7mm 2mm 0.7mm 0; border-bottom: 0.2mm solid #ccc;
-  vertical-align: top; overflow-wrap: anywhere; }
+  vertical-align: top; }
+td:first-child { overflow-wrap: anywhere; }
 th { border-bottom: 0.4mm solid #555; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
 tr, figure, div table { break-inside: avoid; }

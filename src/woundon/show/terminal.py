@@ -8,7 +8,7 @@ from textwrap import wrap
 from rich.console import Console
 from rich.text import Text
 
-from .parts import Line, Part, Row, Section, ZoneStrips, zone_line
+from .parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
 
 __all__ = ["WIDTH", "print_columns", "print_parts"]
 
@@ -27,7 +27,8 @@ def print_parts(parts: Iterable[Part], console: Console) -> None:
     marks, plus_minus = (ASCII_MARKS, "+-") if ascii_only else (MARKS, "±")
     # of all sections alike, that their columns stand below each other
     rows = [row for part in parts if isinstance(part, Section) for row in part.rows]
-    widths = [max(map(len, column)) for column in zip(*(_cells(r, "") for r in rows), strict=True)]
+    cells = [("", "", "", ""), *(_cells(r, "") for r in rows)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     before: Part | None = None
     for part in parts:
         if before is not None and not (isinstance(part, Line) and isinstance(before, Line)):
@@ -39,6 +40,8 @@ def print_parts(parts: Iterable[Part], console: Console) -> None:
                 _print(Text(f" {line}", style="dim"), console)
         elif isinstance(part, ZoneStrips):
             _print_zones(part, marks, console)
+        elif isinstance(part, Verdicts):
+            _print_verdicts(part, console)
         else:
             _print(Text(part.text, style=TONES.get(part.tone, "")), console)
         before = part
@@ -88,3 +91,21 @@ def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> N
     words = {0: "stick", 1: part.faster, -1: part.slower}
     legend = "   ".join(f"{marks[zone]} {word}" for zone, word in words.items())
     _print(Text(" " * indent + legend, style="dim"), console)
+
+
+def _print_verdicts(part: Verdicts, console: Console) -> None:
+    """Print a table of limits, and below each row what its criterion leaves out."""
+    head = (part.title, "value", "limit", "", "worst at", "")
+    table = [(row.meaning, row.value, row.limit, row.unit, row.place) for row in part.rows]
+    widths = [max(map(len, column)) for column in zip(head[:5], *table, strict=True)]
+
+    def line(cells: Iterable[str]) -> str:
+        told = zip("<>><<", cells, widths, strict=True)
+        return "  ".join(f"{cell:{side}{width}}" for side, cell, width in told)
+
+    _print(Text(line(head[:5]).rstrip(), style="bold"), console)
+    for row, cells in zip(part.rows, table, strict=True):
+        text = Text(f" {line(cells)}  ")
+        _print(text.append(row.word, style=TONES.get(row.tone, "")), console)
+        for told in wrap(row.below, WIDTH - 5):
+            _print(Text(f"     {told}", style="dim"), console)

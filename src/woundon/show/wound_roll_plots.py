@@ -13,6 +13,7 @@ from ..problems.roll import WoundRollProblem
 from ..quantities import find
 from ..roll.result import WoundRollResult
 from .figures import COLOURS, axis_label, quantity_of, shown
+from .margin_plots import Disc
 from .panels import NEUTRAL, Case, Panel
 
 __all__ = ["wound_roll_panels"]
@@ -31,6 +32,7 @@ def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
     - hardness: the modulus through the stack
     - tension: the wound-on tension, on the stages of the build-up
     - displacement outward since a lap was laid (if asked for)
+    - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     """
     return {
         "pressure": Panel(OverRadius("pressure", "Pressure $P$"), "left", height=2.8),
@@ -39,6 +41,14 @@ def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
         "tension": Panel(_draw_tension, "right", height=2.6),
         "displacement": Panel(
             OverRadius("displacement", "Displacement $u$"), "left", height=2.6, shown=False
+        ),
+        "disc": Panel(Disc("pressure", "Pressure $P$"), "disc", width=5.4, height=4.4, shown=False),
+        "hoop_disc": Panel(
+            Disc("hoop_stress", r"Hoop stress $\sigma_t$"),
+            "hoop",
+            width=5.4,
+            height=4.4,
+            shown=False,
         ),
     }
 

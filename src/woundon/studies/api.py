@@ -35,7 +35,7 @@ from .sobol import SobolIndices, saltelli_design, sobol_indices_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["fit", "global_sensitivity", "study_of", "sweep"]
+__all__ = ["fit", "global_sensitivity", "in_si", "study_of", "sweep"]
 
 FIT_NODES = 65
 
@@ -147,7 +147,7 @@ def study_of(
         over, design = _cases(problem, over, columns, design), "table"
     return (
         _varied(problem, over, outputs, tie, options or {}),
-        make_design(_in_si(problem, over), design, samples, seed),
+        make_design(in_si(problem, over), design, samples, seed),
     )
 
 
@@ -181,7 +181,7 @@ def _options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[s
     return {**named, **(options or {})}
 
 
-def _in_si(problem: Problem, over: Any) -> Any:
+def in_si(problem: Problem, over: Any) -> Any:
     """Return values, ranges or bounds by field with their texts with units in SI."""
     if not isinstance(over, Mapping):
         return over
@@ -237,7 +237,7 @@ def global_sensitivity(
         Also if a case of the ranges cannot be solved: the indices need every one.
     """
     model = _varied(problem, over, outputs, tie, _options(nodes, rtol, options))
-    cases = saltelli_design(_in_si(problem, over), samples, seed)
+    cases = saltelli_design(in_si(problem, over), samples, seed)
     table = run_study(
         model, cases, runner_for(workers, scheduler),
         out=out, resume=resume, progress=progress,
@@ -302,7 +302,7 @@ def fit(
     data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
     given = _on_one_grid(problem, _options(nodes, rtol, options))
     model = model_of(problem, tuple(data.outputs), tie, given)
-    bounds = _in_si(problem, _bounds(vary))
+    bounds = in_si(problem, _bounds(vary))
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
     for parameter in parameters:

@@ -18,7 +18,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-__all__ = ["bar"]
+__all__ = ["bar", "growing_bar"]
 
 
 class _Rate(ProgressColumn):
@@ -55,11 +55,25 @@ def bar(
     unit : str
         Of the rate: ".../s" or ".../min".
     """
+    with _progress() as progress:
+        task = progress.add_task(label, total=size, completed=done, begun_with=done, unit=unit)
+        yield lambda more: progress.advance(task, more)
+
+
+@contextmanager
+def growing_bar(
+    label: str = "solving", unit: str = "nips/s"
+) -> Iterator[Callable[[int, int], None]]:
+    """Provide a function to tell how many are done, and how many are expected by now."""
+    with _progress() as progress:
+        task = progress.add_task(label, total=None, begun_with=0, unit=unit)
+        yield lambda done, size: progress.update(task, completed=done, total=size)
+
+
+def _progress() -> Progress:
     console = _Channel(stderr=True)
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _Rate(),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
-    with Progress(*columns, console=console) as progress:
-        task = progress.add_task(label, total=size, completed=done, begun_with=done, unit=unit)
-        yield lambda more: progress.advance(task, more)
+    return Progress(*columns, console=console)

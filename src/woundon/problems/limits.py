@@ -1,0 +1,83 @@
+"""What a wound roll must bear: the limits that its margins are measured by."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from ..quantities import Quantity, line_load, pure, stress
+from .fields import Description, Number
+
+__all__ = ["Limits"]
+
+
+class Limits(Description):
+    """Limits of a wound roll; one that is None is not checked, and reports say so.
+
+    Parameters
+    ----------
+    layer_friction : float, optional
+        Coefficient of friction between laps; by default that of web and roll where the winding
+        is known.
+    torque_share : float
+        Largest share of the torque which friction between laps can carry that may be asked of it;
+        0.5 is a safety of two.
+    acceleration : float
+        Of the web at a start or a stop which the core alone drives or brakes [m/s^2]; needs the
+        web's density.
+    compression : float, optional
+        Largest stress along the web in compression [Pa]; 0 allows none.
+    blocking_pressure : float, optional
+        Between laps, beyond which they stick or mark each other [Pa].
+    core_pressure : float, optional
+        That the core bears [Pa]; without it the elastic collapse of a thin tube.
+    web_strength : float, optional
+        Tension that the web bears [N/m].
+    slack_tension : float, optional
+        Tension at and below which the web runs slack [N/m].
+
+    Raises
+    ------
+    InvalidProblem
+        For a limit out of range.
+    """
+
+    layer_friction: Annotated[
+        Number | None, pure("mu_l", "friction between laps", (0.1, 0.6)), Field(gt=0, le=10)
+    ] = None
+    torque_share: Annotated[
+        Number, pure("S_M", "largest share of the torque that friction can carry", (0.1, 1.0)),
+        Field(gt=0, le=1),
+    ] = 1.0  # fmt: skip
+    acceleration: Annotated[
+        Number,
+        Quantity("a", "m/s^2", "acceleration of the web at a start or stop by the core",
+                 typical=(0.0, 2.0)),
+        Field(ge=0, le=1000),
+    ] = 0.0  # fmt: skip
+    compression: Annotated[
+        Number | None,
+        stress("S_c", "largest compression along the web", typical=(0.0, 500e3)),
+        Field(ge=0, le=1e12),
+    ] = None
+    blocking_pressure: Annotated[
+        Number | None,
+        stress("P_b", "pressure at which laps block", typical=(100e3, 3e6)),
+        Field(gt=0, le=1e12),
+    ] = None
+    core_pressure: Annotated[
+        Number | None,
+        stress("P_cc", "pressure that the core bears", "MPa", (0.5e6, 10e6)),
+        Field(gt=0, le=1e12),
+    ] = None
+    web_strength: Annotated[
+        Number | None,
+        line_load("T_b", "tension that the web bears", (500.0, 10e3)),
+        Field(gt=0, le=1e8),
+    ] = None
+    slack_tension: Annotated[
+        Number | None,
+        line_load("T_s", "tension below which the web runs slack", (5.0, 100.0)),
+        Field(gt=0, le=1e8),
+    ] = None

@@ -1,0 +1,319 @@
+"""The winding of a roll through a nip: what the winder sets over the radius, and what it winds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, model_validator
+
+from ..errors import InvalidProblem, NoSteadyState
+from ..quantities import Quantity, angle, length, line_load, pure
+from .bodies import AnyBody, Body, Rigid
+from .fields import Number, Problem, not_one_of, shown
+from .limits import Limits
+from .materials import material
+from .nip import Friction, Web, WrappedNipProblem
+from .radial_laws import Pfeiffer
+from .roll import Core, WoundRollProblem
+from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
+from .stack import AnyStack, Stack
+
+if TYPE_CHECKING:
+    from .fields import Given
+
+__all__ = ["WindingProblem"]
+
+Array = np.ndarray
+LAWS = ("nip", "friction", "fixed")
+# what the winder sets over the radius: least and largest value
+SCHEDULES: dict[str, tuple[float, float]] = {
+    "web_tension": (1e-6, 1e6),
+    "nip_load": (1e-12, 1e7),
+    "winding_force": (-1e7, 1e7),
+    "torque_split": (0.0, 1.0),
+    "nip_induced_tension": (-1e6, 1e6),
+    "tension_law": (1e-6, 1e6),
+}
+LOADS = ("nip_load", "winding_force", "web_tension")
+# of the nip, at every radius
+SAME = frozenset({"web", "drum", "roll_friction", "drum_friction", "roll_wrap", "drum_wrap",
+                  "wrap_friction"})  # fmt: skip
+LOOKED_AT = 257  # radii at which a load case must have a steady state, beside all kinks
+
+
+def _law(value: Any) -> Any:
+    """Return a table of tensions as a profile; refuse what is neither a law's name nor a table."""
+    if isinstance(value, Mapping):
+        return Profile(**value)
+    if isinstance(value, str) and value not in LAWS:
+        raise InvalidProblem(f"{not_one_of(value, LAWS)}, or a Profile of the wound-on tension")
+    if not isinstance(value, str | Profile):
+        text = "must be 'nip', 'friction', 'fixed' or a Profile of the wound-on tension"
+        raise InvalidProblem(f"{shown(value)} is out of place; {text}")
+    return value
+
+
+if TYPE_CHECKING:
+    TensionLaw = Given[
+        Literal["nip", "friction", "fixed"] | Profile, str | Profile | Mapping[str, Any]
+    ]
+else:
+    TensionLaw = Annotated[Literal["nip", "friction", "fixed"] | Profile, BeforeValidator(_law)]
+
+
+class WindingProblem(Problem):
+    """The winding of a roll: the nip adds tension as the roll grows, the roll's pressure bears it.
+
+    Parameters
+    ----------
+    web : Web
+    stack : Stack
+        The web's layers in the roll.
+    core : Core
+    drum : Rigid, HalfPlane, Cylinder or another Body
+    radius : float
+        R of the finished roll [m].
+    roll_friction, drum_friction, roll_wrap, drum_wrap, wrap_friction
+        As of :class:`~woundon.problems.nip.WrappedNipProblem`.
+    web_tension, nip_load, winding_force : float, Taper or Profile
+        T_in, P and F over the radius [N/m]; F = 0: centre winding.
+    torque_split : float, Taper or Profile, optional
+        Share of the web tension that the drum pulls, F = -torque_split T_in, instead of F: 0 is
+        centre winding, 1 surface winding.
+    roll_body : "effective", "direct" or "linear"
+        What the nip feels of the roll.  "effective": a linear cylinder with E_r at the pressure of
+        wound roll and nip, an estimate.  "direct": the hardening roll with all it has been wound
+        to.  "linear": a cylinder of the web's own moduli, whatever the stack.
+    tension_law : "nip", "friction", "fixed" or Profile
+        Where the wound-on tension comes from.  "nip": the wrapped nip, solved.  "friction":
+        T_in + F + roll_friction P, a nip that slips throughout.  "fixed": T_in +
+        nip_induced_tension.  A Profile is the wound-on tension itself [N/m].
+    nip_induced_tension : float, Taper or Profile, optional
+        WOT - T_in [N/m], with tension_law "fixed" only.
+    density : float, optional
+        Of the web [kg/m^3]; with it the roll has a mass.
+    limits : Limits
+        What the roll must bear: its margins are measured by them.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault; a schedule with the radius.
+    NoSteadyState
+        Where the drum would slide at some radius.
+    """
+
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "wrap": ("roll_wrap", "drum_wrap", "wrap_friction")
+    }
+
+    web: Annotated[Web, Field(description="the paper or film")]
+    stack: AnyStack
+    core: Core
+    drum: Annotated[AnyBody, Field(description="the winding drum")]
+    radius: Annotated[
+        Number, length("R", "radius of the finished roll", typical=(0.1, 0.75)),
+        Field(gt=0, le=100),
+    ]  # fmt: skip
+    roll_friction: Annotated[
+        Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
+    ]
+    drum_friction: Annotated[
+        Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), Friction
+    ]
+    web_tension: Annotated[
+        WindingSchedule, line_load("T_in", "web tension before the nip", (50.0, 1000.0))
+    ]
+    nip_load: Annotated[WindingSchedule, line_load("P", "nip load", (500.0, 10e3))]
+    winding_force: Annotated[
+        WindingSchedule,
+        line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
+    ] = 0.0  # type: ignore[assignment]
+    torque_split: Annotated[
+        WindingSchedule | None,
+        pure("s_F", "share of the web tension that the drum pulls, -F/T_in", (0.0, 1.0)),
+    ] = None
+    roll_wrap: Annotated[
+        Number,
+        angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
+        Field(ge=0, le=pi * (1 + 1e-12)),
+    ] = pi
+    drum_wrap: Annotated[
+        Number,
+        angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)),
+        Field(ge=0, le=pi * (1 + 1e-12)),
+    ] = 0.0
+    wrap_friction: Annotated[
+        Number | None,
+        pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
+        Field(ge=1e-6, le=10.0),
+    ] = None
+    roll_body: Annotated[
+        Literal["effective", "direct", "linear"],
+        Field(description="what the nip feels of the roll"),
+    ] = "effective"
+    tension_law: Annotated[
+        TensionLaw, line_load("WOT", "law, or table, of the wound-on tension", (50.0, 1500.0))
+    ] = "nip"  # type: ignore[assignment]
+    nip_induced_tension: Annotated[
+        WindingSchedule | None,
+        line_load("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
+    ] = None
+    density: Annotated[
+        Number | None,
+        Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
+        Field(gt=0, le=3e4),
+    ] = None
+    limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
+
+    @model_validator(mode="after")
+    def _windable(self) -> Self:
+        try:  # core, laps and density as of any wound roll
+            self.wound_roll(1.0)
+        except InvalidProblem as fault:
+            places = {"web_thickness": "web.thickness"}
+            raise InvalidProblem([(places.get(f, f), t) for f, t in fault.faults]) from None
+        faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
+        faults += self._misfits()
+        if faults:
+            raise InvalidProblem(faults)
+        if self.tension_law in ("nip", "friction"):
+            self._has_steady_state()
+        return self
+
+    def _misfits(self) -> Iterator[tuple[str, str]]:
+        """Yield what does not go together."""
+        fixed = self.tension_law == "fixed"
+        if fixed != (self.nip_induced_tension is not None):
+            law = shown(self.tension_law) if isinstance(self.tension_law, str) else "a table"
+            yield ("nip_induced_tension",
+                   "missing; must be given [N/m] with tension_law = 'fixed'" if fixed
+                   else f"is given beside tension_law = {law}; must be left out")  # fmt: skip
+        if self.torque_split is not None and self.winding_force != 0.0:
+            yield ("torque_split", "is given beside winding_force; must be one of the two")
+        if self.limits.acceleration and self.density is None:
+            text = f"{shown(self.limits.acceleration)} is given without the web's density"
+            yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
+        if self.drum.confined_only:
+            yield "drum", "is an estimate for nips without wraps; must be another body"
+
+    def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
+        """Yield what is wrong with a schedule: numbers out of range, a table too short."""
+        schedule = getattr(self, name)
+        if schedule is None or isinstance(schedule, str):
+            return
+        low, high = SCHEDULES[name]
+        unit = "" if name == "torque_split" else " [N/m]"
+        must = f"must be >= {low:g} and <= {high:g}{unit}"
+        wrong = [
+            (f"{name}{part}", f"{shown(value)} is out of range; {must}")
+            for part, value in values_of(schedule).items()
+            if not low <= value <= high
+        ]
+        if isinstance(schedule, Profile):
+            wrong += self._short(name, schedule)
+        yield from wrong
+        if isinstance(schedule, Taper) and not wrong:
+            value = float(self.curve(name).at(np.array(self.radius)))
+            if not low <= value <= high:
+                text = f"{shown(schedule.taper)} is out of range; leaves {shown(value)} at the "
+                yield f"{name}.taper", f"{text}radius {self.radius:.6g} [m], {must}"
+
+    def _short(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
+        """Yield at which end a table does not reach as far as the roll."""
+        core, R, last = self.core.radius, self.radius, len(table.radius) - 1
+        for k, beyond, must in (
+            (0, table.radius[0] > core * (1 + 1e-9), f"<= core.radius = {core:.6g}"),
+            (last, table.radius[-1] < R * (1 - 1e-9), f">= radius = {R:.6g}"),
+        ):
+            if beyond:
+                text = f"{shown(table.radius[k])} is out of range; must be {must} [m], for the "
+                yield f"{name}.radius.{k}", f"{text}whole roll is wound"
+
+    def _has_steady_state(self) -> None:
+        r = self.radii(LOOKED_AT)
+        P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
+        nip, wrap = self.drum_friction * P, self.drum_friction * self.drum_wrap
+        low, high = -nip + T * np.expm1(-wrap), nip + T * np.expm1(wrap)
+        slides = ~((low < F) & (high > F))
+        if slides.any():
+            k = int(np.argmax(slides))
+            name, means = "winding_force", ""
+            if self.torque_split is not None:
+                name, means = "torque_split", f" means a winding force of {F[k]:.6g} [N/m], which"
+            value = float(self.curve(name).at(r[k]))
+            raise NoSteadyState.at(
+                name,
+                f"{shown(value)} at the radius {r[k]:.6g} [m]{means} is out of range; must be > "
+                f"{low[k]:.6g} and < {high[k]:.6g} [N/m] there, what friction can carry, or the "
+                "drum slides",
+            )
+
+    # ---- schedules ------------------------------------------------------------------------------
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Radii of core and finished roll [m]."""
+        return self.core.radius, self.radius
+
+    def curve(self, name: str) -> Curve:
+        """Return the schedule of a field over the radius."""
+        return Curve(getattr(self, name), *self.ends)
+
+    def at(self, name: str, r: Any) -> Array:
+        """Return the values of a field's schedule at radii [m]; F follows from a torque split."""
+        r = np.asarray(r, dtype=float)
+        if name == "winding_force" and self.torque_split is not None:
+            return -self.curve("torque_split").at(r) * self.curve("web_tension").at(r)
+        return self.curve(name).at(r)
+
+    @property
+    def kinks(self) -> dict[float, float]:
+        """Radii at which a schedule has a kink [m], and how sharp it is: r |d slope|/value."""
+        found: dict[float, float] = {}
+        for name in SCHEDULES:
+            schedule = getattr(self, name)
+            if isinstance(schedule, Profile):
+                curve = self.curve(name)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
+                for r, bend in zip(curve.kinks.tolist(), sharp.tolist(), strict=True):
+                    found[r] = max(found.get(r, 0.0), bend)
+        return dict(sorted(found.items()))
+
+    def radii(self, count: int) -> Array:
+        """Return so many radii from the core to the surface, and those of all kinks [m]."""
+        return np.union1d(np.linspace(*self.ends, count), list(self.kinks))
+
+    # ---- what it is made of ---------------------------------------------------------------------
+
+    def nip(self, radius: float, roll: Body) -> WrappedNipProblem:
+        """Return the nip when the roll has a radius [m], the roll given as a body."""
+        same: dict[str, Any] = {
+            name: getattr(self, name) for name in WrappedNipProblem.model_fields if name in SAME
+        }
+        same |= {name: float(self.at(name, radius)) for name in LOADS}
+        return WrappedNipProblem(**same, roll=roll)
+
+    def wound_roll(self, wound_on_tension: float | Taper | Profile) -> WoundRollProblem:
+        """Return the roll that is wound with a tension over the radius [N/m]."""
+        return WoundRollProblem(
+            core=self.core, radius=self.radius, stack=self.stack, web_thickness=self.web.thickness,
+            wound_on_tension=wound_on_tension, density=self.density,
+        )  # fmt: skip
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return newsprint of the thesis's Table 2 on a hard drum; K1 and K2 are illustrative."""
+        stack = Stack(
+            radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
+        )
+        return cls(
+            web=Web(thickness=66e-6, material=material("newsprint")), stack=stack,
+            core=Core(radius=0.05, stiffness=1e9), drum=Rigid(radius=0.25), radius=0.6,
+            roll_friction=0.19, drum_friction=0.2,
+            web_tension=Taper(start=350.0, taper=0.3), nip_load=2000.0, density=680.0,
+        )  # fmt: skip

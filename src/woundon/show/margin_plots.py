@@ -1,0 +1,138 @@
+"""The reserves of a roll over its radius, and the roll seen from its side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from .. import kinds
+from ..roll.result import WoundRollResult
+from ..winding.margins import Margin, Margins
+from .figures import COLOURS, axis_label, quantity_of
+from .panels import NEUTRAL, Case, Panel, cases_of, drawn
+
+__all__ = ["Bars", "Disc", "disc_of", "draw_reserves", "levels_of", "plot_schedule"]
+
+ALARM = "#B00020"
+AROUND = 181  # spokes of a disc, its first and last the same
+OUTWARD = 200
+MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn
+ROUNDING = 1e-9
+BAR = 0.12  # of a reserve at the core alone, of the build-up
+
+
+def draw_reserves(axes: Axes, margins: Margins, colour: str | None = None) -> list[Any]:
+    """Draw what is left of every limit over the radius, red below nothing."""
+    lines, deepest = [], 0.0
+    for margin, own in zip(margins, COLOURS, strict=False):
+        if margin.checked:
+            lines.append(_draw_reserve(axes, margin, margins, colour or own))
+            deepest = min(deepest, margin.reserve)
+    low = 1.2 * deepest if deepest else LEAST
+    axes.axhspan(low, 0, color=ALARM, alpha=0.12, linewidth=0)
+    axes.axhline(0, color=ALARM, linewidth=1.0)
+    axes.annotate("limit", (0.99, 0), (0, 2), ("axes fraction", "data"), "offset points",
+                  color=ALARM, ha="right", va="bottom")  # fmt: skip
+    axes.set_ylim(low, MOST)
+    axes.set_ylabel("Reserve, share of the limit")
+    return lines
+
+
+def _draw_reserve(axes: Axes, margin: Margin, margins: Margins, colour: str) -> Any:
+    r, reserve = 1e3 * margin.over_radius, margin.reserve_of(margin.values)
+    if r.size == 1:  # of the core alone
+        ends = [1e3 * other.over_radius[-1] for other in margins if other.over_radius.size > 1]
+        r, reserve = np.array([r[0], r[0] + BAR * (max(ends) - r[0])]), np.repeat(reserve, 2)
+    (line,) = axes.plot(r, np.minimum(reserve, 2 * MOST), color=colour, label=margin.name)
+    axes.plot(1e3 * margin.radius, min(margin.reserve, MOST), "o", markersize=4, clip_on=False,
+              color=colour if margin.ok else ALARM, zorder=3)  # fmt: skip
+    return line
+
+
+@dataclass(frozen=True)
+class Disc:
+    """What draws an output of a wound roll on its side, as a coloured disc."""
+
+    name: str
+    words: str
+    roll: str = ""  # of the result, the roll itself where empty
+
+    def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+        """Draw the first case."""
+        result = cases[0].result
+        roll: WoundRollResult = getattr(result, self.roll) if self.roll else result
+        quantity = quantity_of(roll, self.name)
+        mesh = disc_of(axes, roll, self.name, (0.0, 0.0), levels_of(roll, self.name))
+        figure = axes.get_figure()
+        assert figure is not None
+        beyond = "max" if self.name == "hoop_stress" else "neither"
+        figure.colorbar(mesh, ax=axes, label=axis_label(self.words, quantity), extend=beyond)
+        axes.set_aspect("equal")
+        axes.margins(0.03)
+        axes.grid(False)
+        axes.set_xlabel(axis_label("$x$", quantity_of(roll, "radius")))
+        axes.set_ylabel(axis_label("$y$", quantity_of(roll, "radius")))
+        return []
+
+
+def levels_of(roll: WoundRollResult, name: str) -> tuple[float, float, str]:
+    """Return the ends of a scale for an output, in its unit for display, and its colours."""
+    r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
+    values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
+    if values.min() > -ROUNDING * values.max():
+        return 0.0, float(values.max()), "viridis"
+    # the web's tension at both ends, many times what is inside, would pale all else
+    high = min(float(values.max()), -2 * float(values.min()))
+    high = max(high, -float(values.min()))
+    return -high, high, "RdBu"  # as much colour to either sign
+
+
+def disc_of(
+    axes: Axes, roll: WoundRollResult, name: str, centre: tuple[float, float],
+    levels: tuple[float, float, str],
+) -> Any:  # fmt: skip
+    """Draw a roll on its side, coloured by an output; return what a scale is made for."""
+    r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
+    values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
+    angle = np.linspace(0, 2 * np.pi, AROUND)
+    (x0, y0), (low, high, colours) = centre, levels
+    x, y = (1e3 * np.outer(r, way(angle)) for way in (np.cos, np.sin))
+    mesh = axes.pcolormesh(
+        x0 + x, y0 + y, np.repeat(values[:, None], AROUND, 1), cmap=colours, vmin=low, vmax=high,
+        shading="gouraud", rasterized=True,
+    )  # fmt: skip
+    axes.fill(x0 + x[0], y0 + y[0], facecolor="#D9D9D9", edgecolor=NEUTRAL, linewidth=0.8)
+    return mesh
+
+
+def plot_schedule(found: Any, path: Any = None, choice: Any = None) -> Any:
+    """Draw a winding before and after its schedule was optimised."""
+    cases = cases_of([found.before, found.after], ["before", "after"])
+    panels = dict(kinds.of(found.after).plot(found.after))
+    panels["reserves"] = Panel(Bars(found), "reserves", width=4.2, height=3.2)
+    return drawn(panels, cases, path, choice=choice)
+
+
+@dataclass(frozen=True, eq=False)
+class Bars:
+    """What draws the reserves before and after, bar beside bar."""
+
+    found: Any
+
+    def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+        """Draw them."""
+        before, after = self.found.margins_before, self.found.margins_after
+        kept = [name for name in (m.name for m in after) if after[name].checked]
+        at = np.arange(len(kept))
+        for margins, case, shift in zip((before, after), cases, (-0.2, 0.2), strict=True):
+            reserves = np.array([margins[name].reserve for name in kept])
+            axes.barh(at + shift, 100 * np.clip(reserves, -1, 1), 0.38, color=case.colour)
+        axes.axvline(0, color=ALARM, linewidth=1.2)
+        axes.set_yticks(at, kept)
+        axes.invert_yaxis()
+        axes.set_xlabel("Reserve, share of the limit, at most 100 [%]")
+        return []

@@ -1,0 +1,175 @@
+"""The panels of a winding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..quantities import Quantity
+from ..roll.result import WoundRollResult
+from ..winding.result import WindingResult
+from .figures import COLOURS, axis_label, quantity_of, shown
+from .margin_plots import Disc, disc_of, draw_reserves, levels_of
+from .panels import NEUTRAL, Case, Panel
+
+__all__ = ["winding_panels"]
+
+Cases = Sequence[Case]
+STAGES = 6  # drawn, of which the last is the finished roll
+POINTS = 601
+ABOVE = 2.5  # times the depth of the compression
+# (output, what its curve is called, line style)
+TENSIONS = (
+    ("wound_on_tension", "wound on (WOT)", "-"),
+    ("web_tension", "web ($T_{in}$)", "--"),
+    ("nip_induced_tension", "by the nip (NIT)", ":"),
+)
+
+
+def winding_panels(result: WindingResult) -> dict[str, Panel]:
+    """Return the panels of a winding, over the radius.
+
+    - tension: T_in, NIT and WOT, the nips that were solved as dots
+    - pressure, hoop_stress: at stages of the build-up, the later the darker
+    - reserves: what is left of each limit
+    - loads: nip load and winding force (if asked for)
+    - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
+    - film: its pressure as it grows, on one scale (if asked for)
+    """
+    return {
+        "tension": Panel(_draw_tension, "left", height=3.0),
+        "reserves": Panel(_draw_reserves, "left", height=3.0),
+        "pressure": Panel(Stages("pressure", "Pressure $P$"), "right", height=3.0),
+        "hoop_stress": Panel(Stages("hoop_stress", r"Hoop stress $\sigma_t$"), "right", height=3.0),
+        "loads": Panel(_draw_loads, "left", height=2.6, shown=False),
+        "disc": Panel(Disc("pressure", "Pressure $P$", "roll"), "disc", 5.4, 4.4, shown=False),
+        "hoop_disc": Panel(
+            Disc("hoop_stress", r"Hoop stress $\sigma_t$", "roll"), "hoop", 5.4, 4.4, shown=False
+        ),
+        "film": Panel(_draw_film, "film", width=11.0, height=2.6, shown=False),
+    }
+
+
+def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
+    handles: list[Any] = []
+    for case in cases:
+        result, lines = case.result, []
+        for (name, words, dashes), own in zip(TENSIONS, COLOURS, strict=False):
+            (line,) = axes.plot(
+                shown(result, "radius"), shown(result, name), dashes, label=words,
+                color=case.or_own(own),
+            )  # fmt: skip
+            lines.append(line)
+        at = quantity_of(result, "nip_radius").shown(result.nip_radius)
+        axes.plot(at, shown(result, "nip_wound_on_tension"), ".", color=case.or_own(COLOURS[0]))
+        handles = handles or lines
+    axes.set_ylabel(axis_label("Tension", quantity_of(cases[0].result, "wound_on_tension")))
+    axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
+    _along(axes, cases)
+    return handles
+
+
+def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
+    handles: list[Any] = []
+    for case in cases:
+        x, result = shown(case.result, "radius"), case.result
+        lines = [
+            *axes.plot(x, shown(result, "nip_load"), color=case.or_own(COLOURS[0]),
+                       label="nip load $P$"),
+            *axes.plot(x, shown(result, "winding_force"), "--", color=case.or_own(COLOURS[1]),
+                       label="winding force $F$"),
+        ]  # fmt: skip
+        handles = handles or lines
+    axes.set_ylabel(axis_label("Load", quantity_of(cases[0].result, "nip_load")))
+    _along(axes, cases)
+    return handles
+
+
+def _draw_reserves(axes: Axes, cases: Cases) -> list[Any]:
+    """Draw the reserves over the radius; of several cases each in its colour."""
+    handles: list[Any] = []
+    for case in cases:
+        lines = draw_reserves(axes, case.result.margins, case.colour)
+        handles = handles or lines
+    _along(axes, cases)
+    return handles if cases[0].alone else []
+
+
+@dataclass(frozen=True)
+class Stages:
+    """What draws an output of the roll as it grows; of several windings the finished rolls."""
+
+    name: str
+    words: str
+
+    def __call__(self, axes: Axes, cases: Cases) -> list[Any]:
+        """Draw it."""
+        quantity = quantity_of(cases[0].result.roll, self.name)
+        for case in cases:
+            colour, rolls = case.or_own(COLOURS[0]), [case.result.roll]
+            if case.alone:
+                rolls = _stages(case.result)
+            for k, roll in enumerate(rolls, 1):
+                x, y = _curve(roll, self.name, quantity)
+                axes.plot(
+                    x, y, color=colour, alpha=k / len(rolls), linewidth=1.0 + (roll is rolls[-1])
+                )
+        axes.set_ylabel(axis_label(self.words, quantity))
+        if self.name == "hoop_stress":
+            _cut(axes, [quantity.shown(c.result.roll.least_hoop_stress) for c in cases])
+        else:
+            axes.set_ylim(bottom=0)
+        _along(axes, cases)
+        return []
+
+
+def _stages(result: WindingResult) -> list[WoundRollResult]:
+    core, radius = float(result.radius[0]), float(result.radius[-1])
+    surfaces = np.linspace(core, radius, STAGES + 1)[1:-1].tolist()
+    return [*(result.roll.at(s) for s in surfaces), result.roll]
+
+
+def _curve(roll: WoundRollResult, name: str, quantity: Quantity) -> tuple[Any, Any]:
+    r = np.linspace(roll.radius[0], roll.radius[-1], POINTS)
+    return quantity_of(roll, "radius").shown(r), quantity.shown(roll.at_radius(r)[name])
+
+
+def _cut(axes: Axes, deepest: list[Any]) -> None:
+    """Cut hoop stresses off above, where both ends have many times what is inside."""
+    axes.axhline(0, color=NEUTRAL, linewidth=0.8)
+    low = min(deepest)
+    if low < 0:
+        axes.axhspan(1.2 * low, 0, color=COLOURS[1], alpha=0.08, linewidth=0)
+        axes.set_ylim(1.2 * low, min(axes.get_ylim()[1], -ABOVE * low))
+
+
+def _draw_film(axes: Axes, cases: Cases) -> list[Any]:
+    """Draw the pressure of the roll as it grows, disc beside disc, on one scale."""
+    rolls = _stages(cases[0].result)
+    quantity = quantity_of(rolls[-1], "pressure")
+    low, high, colours = levels_of(max(rolls, key=lambda roll: roll.peak_pressure), "pressure")
+    place, room = 0.0, 1e3 * 0.1 * float(rolls[-1].radius[-1])
+    for roll in rolls:
+        R = 1e3 * float(roll.radius[-1])
+        mesh = disc_of(axes, roll, "pressure", (place + R, R), (low, high, colours))
+        axes.text(place + R, -0.5 * room, f"{R:.0f}", ha="center", va="top")
+        place += 2 * R + room
+    figure = axes.get_figure()
+    assert figure is not None
+    figure.colorbar(mesh, ax=axes, label=axis_label("Pressure $P$", quantity), pad=0.01)
+    axes.set_xlim(0, place - room)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.text(0, 1.0, "radius [mm]", transform=axes.transAxes, va="top")
+    return []
+
+
+def _along(axes: Axes, cases: Cases) -> None:
+    quantity = quantity_of(cases[0].result, "radius")
+    axes.set_xlabel(axis_label("Radius $r$", quantity))
+    radii = [quantity.shown(case.result.radius[k]) for case in cases for k in (0, -1)]
+    axes.set_xlim(min(radii), max(radii))

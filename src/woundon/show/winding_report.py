@@ -1,0 +1,71 @@
+"""The report of a winding: what the winder did, what the nips added, the roll, and its margins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..problems.schedules import Profile, Taper
+from ..quantities import find
+from ..winding.result import WindingResult
+from .margins import margins_part
+from .parts import Line, Part, Row, Section, field_row, output_row
+from .report import rows_of
+
+__all__ = ["winding_report"]
+
+SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
+ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length"]
+# told otherwise, or by the margins
+LEFT_OUT = frozenset({
+    "residual", "nodes", "roll_rtol", "nips_solved", "mean_wound_on_tension", "mass",
+    "mean_nip_induced_tension", "interpolation_error", "torque_share", "largest_compression",
+    "largest_core_pressure", "largest_tension", "least_tension", "least_reserve",
+})  # fmt: skip
+LAWS = {
+    "friction": "Tension by the law T_in + F + mu P: a nip that slips throughout.",
+    "fixed": "Tension by the law T_in + NIT, with NIT as given.",
+}
+BODIES = {
+    "effective": "The nip feels a linear roll with E_r at the pressure of wound roll and nip: an "
+    "estimate; roll_body = 'direct' solves the hardening roll.",
+    "direct": "",
+    "linear": "The nip feels a roll of the web's own moduli, whatever is wound into it.",
+}
+
+
+def winding_report(result: WindingResult) -> list[Part]:
+    """Return the report of a winding."""
+    problem, nips = result.problem, result.nip_radius.size
+    how = f"{nips} radii, {result.nips_solved} nips of {result.nodes} nodes solved" if nips else ""
+    law = problem.tension_law if isinstance(problem.tension_law, str) else "table"
+    text = LAWS.get(law, "") if law != "nip" else BODIES[problem.roll_body]
+    text = text or "Tension as given, over the radius." * (law == "table")
+    means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
+    errors = ["interpolation_error"] if nips else []
+    mass = ["mass"] if problem.density is not None else []
+    return [
+        *([Line(how, "quiet")] if how else []),
+        Section("Winding", (
+            field_row(problem.core, "radius"), field_row(problem, "radius"), *_schedules(result),
+        )),
+        Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
+        Section("Wound roll", rows_of(result, ROLL + mass, leave=LEFT_OUT)),
+        margins_part(result.margins),
+    ]  # fmt: skip
+
+
+def _schedules(result: WindingResult) -> Iterator[Row]:
+    """Yield what the winder set: a number, or the values at core and surface."""
+    problem = result.problem
+    for name in SCHEDULES:
+        schedule = getattr(problem, name)
+        if schedule is None or (name == "winding_force" and problem.torque_split is not None):
+            continue
+        if not isinstance(schedule, Taper | Profile):
+            yield field_row(problem, name)
+            continue
+        quantity = find(problem, name)[0].quantity
+        assert quantity is not None
+        for where, value in zip(("core", "surface"), problem.at(name, problem.ends), strict=True):
+            yield Row(f"{quantity.meaning}, at the {where}", quantity.symbol,
+                      quantity.shown(float(value)), quantity.display)  # fmt: skip

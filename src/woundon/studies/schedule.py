@@ -1,0 +1,412 @@
+r"""Which schedule holds best?  A few fields of a winding, its margins as constraints.
+
+    a goal    min f(u)  so that  m_i(u) >= 0
+    no goal   max t     so that  m_i(u) >= t    the smallest reserve as large as can be
+
+u are the fields as shares of their ranges, m_i the reserves of the margins that have limits.  Each
+evaluation winds a roll; there are few fields, and no derivatives: a margin is the worst over the
+radius, with a kink where its place jumps, and has the error of the winding.  COBYLA (Powell 1994,
+in SciPy) is made for that: linear models on a simplex of n + 1 windings, a trust region.  The best
+schedules stand where as many limits meet as there are fields, which linear models find quickly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+
+from .. import kinds
+from ..errors import InvalidProblem, NotConverged
+from ..problems.fields import Problem, shown
+from ..quantities import Quantity, value_of
+from ..results import ReadOnly
+from .api import in_si
+from .engine import Progress
+from .kind_model import KindModel, field_quantity, get_field, model_of
+from .progress import bar
+
+__all__ = ["OptimisedSchedule", "optimise_schedule"]
+
+Array = np.ndarray
+# what a winder sets; what a winding does not have is left out
+USUAL = {"web_tension.taper": (0.0, 0.7), "torque_split": (0.0, 1.0)}
+USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # of what it is
+FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
+ROOM = 1e-4  # of a limit, left so that the end of the search keeps it
+FAILED = -1.0  # reserve of a winding that cannot be solved
+BINDING = 0.01  # of a limit: how near to it a margin binds
+LEAST_EVALUATIONS = 5
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OptimisedSchedule(ReadOnly):
+    """The best schedule found, beside that it began with.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The fields varied.
+    start, values : (n,) arrays
+        Before and after, SI.
+    before, after : Result
+        The windings; ``after`` is the best feasible one, or where there is none that with the
+        smallest violation.
+    margins_before, margins_after : Margins
+    feasible : bool
+        Whether all limits are kept.
+    binding : tuple of str
+        The margins that hold it back: violated, or nearest to their limits.
+    tried : (k, n) array
+        All that was wound, SI.
+    reserves : (k,) array
+        The smallest reserve of each; nan where it could not be wound.
+    goal : str
+        What was asked for.
+    goals : (k,) array
+        Its values, SI.
+    ended : str
+        How the search ended.
+    ranges : (n, 2) array
+        Of the fields, SI.
+    quantities : mapping of str to Quantity
+        Of the fields.
+    """
+
+    names: tuple[str, ...]
+    start: Array
+    values: Array
+    before: Any
+    after: Any
+    margins_before: Any
+    margins_after: Any
+    feasible: bool
+    binding: tuple[str, ...]
+    tried: Array
+    reserves: Array
+    goal: str
+    goals: Array
+    ended: str
+    ranges: Array
+    quantities: Mapping[str, Quantity | None]
+
+    @property
+    def problem(self) -> Any:
+        """The winding with the best schedule."""
+        return self.after.problem
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{n}={v:.4g}" for n, v in zip(self.names, self.values, strict=True))
+        return f"OptimisedSchedule({told}; {'holds' if self.feasible else 'no schedule holds'})"
+
+    def lines(self) -> list[str]:
+        """Return what was found as lines of text."""
+        words = "A schedule that holds" if self.feasible else "NO schedule was found that holds"
+        told = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
+        ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)
+        for name, old, new, end in zip(self.names, self.start, self.values, ends, strict=True):
+            quantity = self.quantities[name]
+            size, unit = (quantity.shown(1.0), quantity.display) if quantity else (1.0, "")
+            mark = "  at the end of its range" * bool(end.any())
+            told.append(
+                f"  {name:<24} {old * size:>14.4g} -> {new * size:.4g} {unit}{mark}".rstrip()
+            )
+        told.append(f"  {'margin':<24} {'reserve before':>14} -> after")
+        for old, new in zip(self.margins_before, self.margins_after, strict=True):
+            if new.checked:
+                mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
+                then, now = 100 * old.reserve, 100 * new.reserve
+                told.append(f"  {new.name:<24} {then:>12.4g} % -> {now:.4g} %{mark}")
+            else:
+                told.append(f"  {new.name:<24} not checked: {new.note}")
+        return told
+
+    def plot(self, path: Any = None, panels: Any = None) -> Any:
+        """Draw the winding before and after: schedules, stresses, reserves.
+
+        Parameters
+        ----------
+        path : path, optional
+            As of :func:`woundon.plot`.
+        panels : str or sequence of str, optional
+            Those of the winding, and "reserves".
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        return kinds.fetch("woundon.show.margin_plots:plot_schedule")(self, path, panels)
+
+
+def optimise_schedule(
+    problem: Problem,
+    over: Mapping[str, tuple[Any, Any]] | None = None,
+    *,
+    limits: Any = None,
+    minimise: str | None = None,
+    maximise: str | None = None,
+    evaluations: int = 60,
+    progress: bool | Progress = False,
+    options: Mapping[str, Any] | None = None,
+) -> OptimisedSchedule:
+    """Find the schedule that keeps all limits of a roll, best by a goal.
+
+    Parameters
+    ----------
+    problem : WindingProblem or WoundRollProblem
+        Where the search begins; values outside their ranges are brought to the ends.
+    over : mapping, optional
+        Dotted name of a field -> (low, high), SI or texts with units.  By default
+        ``web_tension.taper`` from 0 to 0.7, ``torque_split`` from 0 to 1 and ``nip_load`` from a
+        quarter to twice of what it is; those that the winding has as numbers.
+    limits : Limits, optional
+        By default the winding's own; a roll alone has none.
+    minimise, maximise : str, optional
+        A scalar output, as best as the limits allow; without it the smallest reserve is made as
+        large as can be.
+    evaluations : int
+        Windings at most.  Ctrl-C ends the search earlier, with the best so far.
+    progress : bool or callable
+        Show rate and time left, or call with (windings done, at most).
+    options : mapping
+        Of the kind's solver, e.g. ``{"rtol": 1e-4}``.
+
+    Returns
+    -------
+    OptimisedSchedule
+        Also where no schedule holds: it tells which margins bind.
+
+    Raises
+    ------
+    InvalidProblem
+        For names or ranges at fault, or where no margin has a limit.
+    NotConverged
+        If the winding that the search begins with cannot be solved.
+    """
+    model = model_of(problem, minimise or maximise, None, options or {})
+    search = _Search(model, _ranges(problem, over), limits, _goal(minimise, maximise), evaluations)
+    with search.shown(progress):
+        search.begin()
+        ended = search.run()
+    return search.found(ended)
+
+
+def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float]:
+    if minimise is not None and maximise is not None:
+        raise InvalidProblem.at("maximise", "is given beside minimise; must be one of the two")
+    return (maximise, -1.0) if maximise is not None else (minimise, 1.0)
+
+
+def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
+    """Return the ranges of the fields varied, SI."""
+    given = _usual(problem) if over is None else in_si(problem, over)
+    if not given:
+        text = "nothing to vary; must be a mapping of fields to (low, high)"
+        raise InvalidProblem.at("over", text)
+    for name, ends in given.items():
+        if field_quantity(problem, name) is None or not isinstance(get_field(problem, name), float):
+            raise InvalidProblem.at(
+                name, f"{shown(get_field(problem, name))} is not a number, so it cannot be varied"
+            )
+        try:
+            low, high = (float(end) for end in ends)
+        except (TypeError, ValueError):
+            text = f"{shown(ends)} is out of place; must be (low, high)"
+            raise InvalidProblem.at(name, text) from None
+        if not -inf < low < high < inf:
+            raise InvalidProblem.at(
+                name, f"({low:g}, {high:g}) is out of range; must be low < high"
+            )
+        given[name] = (low, high)
+    return given
+
+
+def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
+    """Return the usual ranges of what the problem has as a number."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for name, (low, high) in (USUAL | USUAL_SHARES).items():
+        try:
+            value = get_field(problem, name)
+        except InvalidProblem:
+            continue
+        if isinstance(value, float):
+            size = value if name in USUAL_SHARES else 1.0
+            ranges[name] = (low * size, high * size)
+    return ranges
+
+
+class _Stop(Exception):
+    """All evaluations are used up."""
+
+
+@dataclass
+class _Wound:
+    """One evaluation."""
+
+    values: tuple[float, ...]
+    result: Any
+    margins: Any
+    reserves: Array
+    goal: float
+
+    @property
+    def least(self) -> float:
+        return float(self.reserves.min())
+
+
+class _Search:
+    """The search: what was wound so far, and what SciPy is asked to do."""
+
+    def __init__(
+        self, model: KindModel, ranges: Mapping[str, tuple[float, float]], limits: Any,
+        goal: tuple[str | None, float], evaluations: int,
+    ) -> None:  # fmt: skip
+        if isinstance(evaluations, bool) or not isinstance(evaluations, int) or (
+            evaluations < LEAST_EVALUATIONS
+        ):  # fmt: skip
+            text = f"{shown(evaluations)} is out of range; must be >= {LEAST_EVALUATIONS}"
+            raise InvalidProblem.at("evaluations", text)
+        self.model, self.limits, self.goal, self.sign = model, limits, *goal
+        self.names = tuple(ranges)
+        self.low, self.high = np.array(list(ranges.values())).T
+        self.most, self.why_not = evaluations, ""
+        self.wound: dict[tuple[float, ...], _Wound] = {}
+        self.tell: Callable[[], None] = lambda: None
+
+    # ---- winding ---------------------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """Wind what the search begins with."""
+        problem = self.model.problem
+        given = np.array([get_field(problem, name) for name in self.names])
+        self.first = np.clip(given, self.low, self.high)
+        self.before = self._solved(problem)
+        self.checked = [m.name for m in self.before[1] if m.checked]
+        if not self.checked:
+            text = "none is given; must be one at least, or there is nothing to keep"
+            raise InvalidProblem.at("limits", text)
+        self.scale = abs(value_of(self.before[0], self.goal)) or 1.0 if self.goal else 1.0
+        if np.array_equal(given, self.first):
+            self._keep(tuple(self.first.tolist()), *self.before)
+
+    def _solved(self, problem: Any) -> tuple[Any, Any]:
+        near = [case.result for case in self.wound.values() if case.result is not None]
+        result = self.model.solve(problem, near[-1] if near else None)
+        return result, kinds.fetch("woundon.winding.margins:margins")(result, self.limits)
+
+    def at(self, u: Array) -> _Wound:
+        """Return the winding at shares of the ranges, wound if it was not yet."""
+        values = tuple((self.low + np.clip(u, 0, 1) * (self.high - self.low)).tolist())
+        if values in self.wound:
+            return self.wound[values]
+        if len(self.wound) >= self.most:
+            raise _Stop
+        try:
+            solved = self._solved(self.model.variant(dict(zip(self.names, values, strict=True))))
+        except (InvalidProblem, NotConverged) as fault:
+            self.why_not = str(fault).partition("\n")[0]
+            failed = np.full(len(self.checked), FAILED)
+            self.wound[values] = _Wound(values, None, None, failed, nan)
+        else:
+            self._keep(values, *solved)
+        self.tell()
+        return self.wound[values]
+
+    def _keep(self, values: tuple[float, ...], result: Any, margins: Any) -> None:
+        reserves = np.array([margins[name].reserve for name in self.checked])
+        goal = float(value_of(result, self.goal)) if self.goal else float(reserves.min())
+        self.wound[values] = _Wound(values, result, margins, reserves, goal)
+
+    # ---- searching -------------------------------------------------------------------------------
+
+    def run(self) -> str:
+        """Search; return how it ended."""
+        from scipy.optimize import Bounds, NonlinearConstraint, minimize
+
+        n, own = len(self.names), self.goal is not None
+        start = (self.first - self.low) / (self.high - self.low)
+        try:
+            first = self.at(start)
+            room = 0 if own else 1  # for t
+            begun = np.append(start, [] if own else np.clip(first.least, -1, 1))
+            end = minimize(
+                self._objective, begun, method="COBYLA",
+                bounds=Bounds([0.0] * n + [-2.0] * room, [1.0] * n + [1.0] * room),
+                constraints=NonlinearConstraint(self._constraints, ROOM, np.inf),
+tol=LAST_STEP,
+                options={"rhobeg": FIRST_STEP, "maxiter": 20 * self.most},
+            )  # fmt: skip
+        except _Stop:
+            return f"stopped after {self.most} windings"
+        except KeyboardInterrupt:
+            return "interrupted"
+        return "converged" if end.status == 0 else str(end.message).rstrip(".").lower()
+
+    def _objective(self, v: Array) -> float:
+        if self.goal is None:
+            return -float(v[-1])
+        goal = self.at(v).goal
+        return self.sign * goal / self.scale if goal == goal else 1.0 + abs(self.sign)
+
+    def _constraints(self, v: Array) -> Array:
+        if self.goal is not None:
+            return self.at(v).reserves
+        return np.minimum(self.at(v[:-1]).reserves, 2.0) - v[-1]
+
+    # ---- the answer ------------------------------------------------------------------------------
+
+    def found(self, ended: str) -> OptimisedSchedule:
+        """Return the best of all that was wound."""
+        done = [case for case in self.wound.values() if case.result is not None]
+        if not done:
+            raise NotConverged(f"no schedule in these ranges can be wound: {self.why_not}")
+        holding = [case for case in done if case.least >= 0]
+        if holding and self.goal is not None:
+            best = min(holding, key=lambda case: self.sign * case.goal)
+        else:
+            best = max(holding or done, key=lambda case: case.least)
+        nearest = max(best.least, 0.0) + BINDING
+        goal = f"{'most' if self.sign < 0 else 'least'} {self.goal}" if self.goal else (
+            "largest smallest reserve"
+        )  # fmt: skip
+        every = list(self.wound.values())
+        problem = self.model.problem
+        return OptimisedSchedule(
+            names=self.names,
+            start=np.array([get_field(problem, name) for name in self.names]),
+            values=np.array(best.values),
+            before=self.before[0],
+            after=best.result,
+            margins_before=self.before[1],
+            margins_after=best.margins,
+            feasible=best.least >= 0,
+            binding=tuple(name for name, reserve in zip(self.checked, best.reserves, strict=True)
+                          if reserve <= nearest),
+            tried=np.array([case.values for case in every]),
+            reserves=np.array([case.least if case.result is not None else nan for case in every]),
+            goal=goal,
+            goals=np.array([case.goal for case in every]),
+            ended=ended,
+            ranges=np.column_stack([self.low, self.high]),
+            quantities={name: field_quantity(problem, name) for name in self.names},
+        )  # fmt: skip
+
+    @contextmanager
+    def shown(self, progress: bool | Progress) -> Iterator[None]:
+        """Tell how many are wound."""
+        if callable(progress):
+            self.tell = lambda: progress(len(self.wound), self.most)
+            yield
+        elif progress:
+            with bar(0, self.most, "winding", "windings/min") as advance:
+                self.tell = lambda: advance(1)
+                yield
+        else:
+            yield

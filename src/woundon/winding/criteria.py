@@ -1,0 +1,56 @@
+"""What laps and cores bear, in closed form; sources in docs/theory/margins.md."""
+
+from __future__ import annotations
+
+from math import nan, pi
+from typing import Any
+
+import numpy as np
+
+from ..problems.materials import Isotropic
+from ..problems.roll import Core
+
+__all__ = ["collapse_pressure", "torque_carried", "torque_share"]
+
+Array = np.ndarray
+THIN = 10  # radius over thickness beyond which a tube collapses as a thin one
+
+
+def torque_carried(r: Array, s: float, tension: float, density: float, acceleration: float) -> Any:
+    """Return the torque through the laps at radii, per metre of width [N].
+
+    That of the core's pull, and of what speeds up or stops all that is wound outside.
+
+    Parameters
+    ----------
+    r : (M,) array
+        [m].
+    s : float
+        The roll's surface [m].
+    tension : float
+        Pulled by the core at the surface [N/m].
+    density, acceleration : float
+        Of the web [kg/m^3], [m/s^2].
+    """
+    inertia = pi / 2 * density * (s**4 - np.asarray(r) ** 4)
+    return abs(tension) * s + inertia * acceleration / s
+
+
+def torque_share(r: Array, P: Array, friction: float, torque: Array) -> Array:
+    """Return the torque over what friction carries, 2 pi r^2 mu P, at radii [1]."""
+    capacity = 2 * pi * np.asarray(r) ** 2 * friction * np.maximum(P, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(torque > 0, torque / capacity, 0.0)
+
+
+def collapse_pressure(core: Core) -> float:
+    """Return the external pressure at which a long thin tube collapses [Pa]; nan of other cores.
+
+    E/(4 (1 - nu^2)) (t/r)^3, r the mean radius, for r/t > 10: Saunders and Windenberg (1931), after
+    Roark, table 35, case 19a.
+    """
+    if core.inner_radius is None or not isinstance(core.material, Isotropic):
+        return nan
+    t, r = core.radius - core.inner_radius, (core.radius + core.inner_radius) / 2
+    E, nu = core.material.youngs_modulus, core.material.poissons_ratio
+    return E / (4 * (1 - nu**2)) * (t / r) ** 3 if r / t > THIN else nan

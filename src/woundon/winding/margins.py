@@ -1,0 +1,409 @@
+r"""Will the roll hold?  What a wound roll bears against what is asked of it.
+
+    slip         M / (2 pi r^2 mu P)     torque through a cylinder of laps over what they can carry,
+                 M = T s + (pi/2) rho (s^4 - r^4) a/s    s surface, T the tension the core pulls
+    compression  max of -sigma_t         stars and buckles need the web to be pressed along itself
+    blocking     max of P                laps that stick to each other
+    core         P at the core           against E/(4 (1 - nu^2)) (t/r)^3, a thin tube's collapse
+    strength     max of WOT, h sigma_t   against what the web bears
+    slack        min of T_in, WOT        against what keeps it taut
+
+Each is looked for over the radius of the finished roll and, but for blocking, which takes time, of
+stages of its build-up.  Sources: docs/theory/margins.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import nan
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from .. import kinds
+from ..errors import InvalidProblem, one_of
+from ..problems.limits import Limits
+from ..problems.roll import Core
+from ..quantities import Quantity, line_load, strain, stress
+from ..roll.result import WoundRollResult
+from .criteria import collapse_pressure, torque_carried, torque_share
+
+__all__ = ["Margin", "Margins", "Pull", "WithMargins", "margins"]
+
+Array = np.ndarray
+STAGES = 16  # of the build-up that are looked at, the finished roll with them
+PLACES = 400  # radii of each
+# The outermost laps carry by tension what the formula asks of their friction, one lap after the
+# other: P = WOT/r a lap gives a share of 1/(2 pi mu n) to the n-th, below 2 % at the fiftieth
+TAIL_LAPS = 50
+ALIKE = 1e-3  # by which stages differ that are told to be alike: what they err by default
+
+
+@dataclass(frozen=True)
+class Margin:
+    """One margin of a roll.
+
+    Attributes
+    ----------
+    name : str
+        "slip", "compression", "blocking", "core", "strength" or "slack".
+    value : float
+        What the roll has, where it is worst; SI, nan if it cannot be told.
+    limit : float
+        What it may have at most (of "slack": must at least); nan where no limit is given.
+    radius : float
+        Where it is worst [m].
+    scale : float
+        What the reserve is a share of: the limit, or where that is 0 the wound-on stress.
+    quantity : Quantity
+        Of value and limit.
+    left_out : str
+        What the criterion does not know of.
+    note : str
+        At which stage it is worst, where the limit comes from, or why there is none.
+    over_radius, values : (K,) arrays
+        Radii [m], and the worst value at each over all stages that are looked at.
+    """
+
+    name: str
+    value: float
+    limit: float
+    radius: float
+    scale: float
+    quantity: Quantity
+    left_out: str
+    note: str = ""
+    over_radius: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
+    values: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
+
+    @property
+    def checked(self) -> bool:
+        """Whether there are a value and a limit."""
+        return self.value == self.value and self.limit == self.limit
+
+    @property
+    def reserve(self) -> float:
+        """How far the value is from its limit, as a share of it; < 0 if violated, nan unchecked."""
+        return float(self.reserve_of(self.value))
+
+    def reserve_of(self, value: Any) -> Any:
+        """Return the reserve that other values would have."""
+        room = value - self.limit if self.name == "slack" else self.limit - value
+        return room / self.scale
+
+    @property
+    def ok(self) -> bool | None:
+        """Whether the limit is kept; None where it was not checked."""
+        return self.reserve >= 0 if self.checked else None
+
+    @property
+    def verdict(self) -> str:
+        """A word: "holds", "VIOLATED", "not checked"."""
+        return {True: "holds", False: "VIOLATED", None: "not checked"}[self.ok]
+
+
+class Margins(tuple[Margin, ...]):
+    """All margins of a roll, those without a limit too; by number or by name."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        """Return a margin by its number or name."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        for margin in self:
+            if margin.name == key:
+                return margin
+        raise KeyError(f"no margin {key!r}; known: {', '.join(margin.name for margin in self)}")
+
+    @property
+    def violated(self) -> tuple[str, ...]:
+        """Names of those whose limit is not kept."""
+        return tuple(margin.name for margin in self if margin.ok is False)
+
+    @property
+    def least(self) -> Margin | None:
+        """That with the smallest reserve; None where none was checked."""
+        return min((m for m in self if m.checked), key=lambda m: m.reserve, default=None)
+
+    def __str__(self) -> str:
+        return str(kinds.fetch("woundon.show.margins:margins_text")(self))
+
+    def _repr_html_(self) -> str:
+        return str(kinds.fetch("woundon.show.margins:margins_html")(self))
+
+
+# ---- what is known of a winding -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Pull:
+    """What of a winding is not in the roll that it has left.
+
+    Attributes
+    ----------
+    friction : float, optional
+        Between web and roll; None where it is not known.
+    radius : (K,) array
+        [m].
+    core : (K,) array
+        Tension that the core's torque pulls [N/m].
+    web_tension : (K,) array
+        Before the nip [N/m]; empty where it is not known.
+    assumed : str
+        What had to be assumed.
+    """
+
+    friction: float | None
+    radius: Array
+    core: Array
+    web_tension: Array
+    assumed: str = ""
+
+    @classmethod
+    def of(cls, result: Any) -> Pull:
+        """Return that of a winding; of a roll alone as if the core pulled all its tension."""
+        if not isinstance(result, WoundRollResult):
+            # the drum takes F of what the web pulls: the roll's moment about its axis
+            r, core = result.radius, result.web_tension + result.winding_force
+            return cls(result.problem.roll_friction, r, core, result.web_tension)
+        r, nothing = result.radius, np.zeros(0)
+        tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
+        return cls(None, r, tension, nothing, "taken as centre-wound without a nip")
+
+
+class _State(NamedTuple):
+    """A roll at a stage of its build-up."""
+
+    surface: float
+    r: Array
+    P: Array
+    hoop: Array
+
+
+def _states(roll: WoundRollResult) -> list[_State]:
+    """Return stages of the build-up, the finished roll last."""
+    core, radius = float(roll.radius[0]), float(roll.radius[-1])
+    least = core + 2 * TAIL_LAPS * roll.problem.web_thickness  # with laps below the tail's
+    surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
+    stages = [roll.at(s) for s in surfaces[surfaces >= least].tolist()]
+    return [_state(stage) for stage in (*stages, roll)]
+
+
+def _state(roll: WoundRollResult) -> _State:
+    r = np.unique([*roll.radius, *np.linspace(roll.radius[0], roll.radius[-1], PLACES)])
+    found = roll.at_radius(r)
+    return _State(float(roll.radius[-1]), r, found["pressure"], found["hoop_stress"])
+
+
+# ---- the margins --------------------------------------------------------------------------------
+
+SHARE = strain("M/M_c", "torque, of what friction between laps carries")
+COMPRESSION = stress("S", "largest compression along the web")
+BLOCKING = stress("P_max", "largest pressure between laps")
+CORE = stress("P_c,max", "largest pressure on the core")
+STRENGTH = line_load("T_max", "largest tension of the web")
+SLACK = line_load("T_min", "least tension before and behind the nip")
+LEFT_OUT = {
+    "slip": "air between laps, friction that falls once they slide, the slip under the nip, the "
+    f"outermost {TAIL_LAPS} laps, the drum's help at a start or stop, impacts",
+    "compression": "at which depth a lap buckles: stars need compression, but their supported laps "
+    "bear some of it; impacts, moisture, uneven thickness",
+    "blocking": "time, temperature, moisture and the chemistry of the surfaces; ridges across the "
+    "width, where the pressure is higher",
+    "core": "the core's own strength and creep, a tube of paper's layers, the roll's support "
+    "against collapse, chucks, notches and ends",
+    "strength": "flaws, splices, cut edges, bending and shear in the nip, tension that is uneven "
+    "across the width, creep",
+    "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
+}
+NO_LIMIT = "no limit given"
+
+
+def margins(result: Any, limits: Limits | None = None) -> Margins:
+    """Return the margins of a roll: will it hold?
+
+    Parameters
+    ----------
+    result : WindingResult or WoundRollResult
+        Of a roll alone neither friction nor torque are known: it is taken as wound by its core, and
+        the friction between laps is ``limits.layer_friction``.
+    limits : Limits, optional
+        By default those of the winding's problem.
+
+    Returns
+    -------
+    Margins
+        Of every kind, also where no limit is given.
+
+    Raises
+    ------
+    InvalidProblem
+        For anything else than a roll, or an acceleration of a web without density.
+    """
+    roll = result if isinstance(result, WoundRollResult) else getattr(result, "roll", None)
+    if not isinstance(roll, WoundRollResult):
+        names = one_of(("WindingResult", "WoundRollResult"))
+        raise InvalidProblem.at(
+            "result", f"{type(result).__name__} is out of place; must be a {names}"
+        )
+    limits = limits or getattr(result.problem, "limits", None) or Limits()
+    if limits.acceleration and roll.problem.density is None:
+        text = (
+            f"{limits.acceleration:g} is given, but the web has no density, which its inertia needs"
+        )
+        raise InvalidProblem.at("limits.acceleration", text)
+    pull, states = Pull.of(result), _states(roll)
+    return Margins((
+        _slip(states, roll, limits, pull), _compression(states, roll, limits),
+        _blocking(states[-1], limits), _core(states, roll.problem.core, limits),
+        _strength(states[-1], roll, limits, pull), _slack(roll, limits, pull),
+    ))  # fmt: skip
+
+
+class _Found(NamedTuple):
+    """The worst value: where, of which stage if not of the finished roll; worst values over r."""
+
+    value: float
+    radius: float
+    stage: str
+    r: Array
+    values: Array
+
+
+def _margin(
+    name: str, found: _Found, limit: float | None, quantity: Quantity, note: str = "",
+    scale: float = nan,
+) -> Margin:  # fmt: skip
+    bound = nan if limit is None else limit
+    note = "; ".join(filter(None, (found.stage, note or NO_LIMIT * (limit is None))))
+    return Margin(
+        name, found.value, bound, found.radius, bound or scale, quantity, LEFT_OUT[name], note,
+        found.r, found.values,
+    )  # fmt: skip
+
+
+def _worst(states: list[_State], values: list[Array]) -> _Found:
+    """Return the largest value over all states."""
+    state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
+    final, last = states[-1], values[-1]
+    if own.max() - last.max() <= ALIKE * abs(own.max()):
+        state, own = final, last
+    k = int(np.argmax(own))
+    stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
+    over = [
+        np.interp(final.r[: last.size], state.r[: v.size], v, right=-np.inf)
+        for state, v in zip(states, values, strict=True)
+    ]
+    return _Found(
+        float(own[k]), float(state.r[k]), stage, final.r[: last.size], np.max(over, axis=0)
+    )
+
+
+def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
+    friction = limits.layer_friction or pull.friction
+    if friction is None:
+        nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
+        return _margin("slip", nothing, nan, SHARE, "the friction between laps is not given")
+    # each stage below the surface of the one before: what is new on it holds by its own tension
+    tail, core = TAIL_LAPS * float(roll.problem.web_thickness), float(roll.radius[0])
+    R = states[-1].surface
+    reach = [core, *(state.surface for state in states[:-2]), R - min(tail, (R - core) / 2)]
+    shares = []
+    for (s, r, P, _), end in zip(states, reach[-len(states) :], strict=True):
+        tension = float(np.interp(s, pull.radius, pull.core))
+        torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
+        shares.append(torque_share(r, P, friction, torque)[r <= end])
+    return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
+
+
+def _compression(states: list[_State], roll: WoundRollResult, limits: Limits) -> Margin:
+    found = _worst(states, [-state.hoop for state in states])
+    wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
+    return _margin("compression", found, limits.compression, COMPRESSION, scale=wound_on)
+
+
+def _blocking(final: _State, limits: Limits) -> Margin:
+    return _margin("blocking", _worst([final], [final.P]), limits.blocking_pressure, BLOCKING)
+
+
+def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
+    found = _worst(states, [state.P[:1] for state in states])
+    limit, why, collapse = limits.core_pressure, "", collapse_pressure(core)
+    if limit is None and collapse == collapse:
+        limit, why = collapse, "its limit is the elastic collapse of a thin tube"
+    elif limit is None:
+        why = NO_LIMIT + ", and the core is not a thin tube"
+    return _margin("core", found, limit, CORE, why)
+
+
+def _strength(final: _State, roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
+    # the hoop stress at the surface is the wound-on stress, but for the discretisation
+    hoop = roll.problem.web_thickness * final.hoop[:-1]
+    found = _extreme(np.argmax, *_tensions(roll, pull), (final.r[:-1], hoop))
+    return _margin("strength", found, limits.web_strength, STRENGTH)
+
+
+def _slack(roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
+    found = _extreme(np.argmin, *_tensions(roll, pull))
+    return _margin("slack", found, limits.slack_tension, SLACK)
+
+
+def _tensions(roll: WoundRollResult, pull: Pull) -> list[tuple[Array, Array]]:
+    """Return radii and tensions of the web: wound on, and before the nip where it is known."""
+    wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
+    before = [(pull.radius, pull.web_tension)] if pull.web_tension.size else []
+    return [(roll.radius, wound_on), *before]
+
+
+def _extreme(where: Callable[..., Any], first: tuple[Array, Array], *more: Any) -> _Found:
+    """Return the largest or smallest of values over their radii."""
+    r = first[0]
+    values = np.array([first[1], *(np.interp(r, *other) for other in more)])
+    row, k = np.unravel_index(where(values), values.shape)
+    over = values[where(values, axis=0), np.arange(r.size)]
+    return _Found(float(values[row, k]), float(r[k]), "", r, over)
+
+
+class WithMargins:
+    """The margins of a winding among its outputs; a base of its result."""
+
+    problem: Any
+
+    @cached_property
+    def margins(self) -> Margins:
+        """All margins, by the problem's limits; see :func:`margins`."""
+        return margins(self)
+
+    @property
+    def torque_share(self) -> Annotated[float, SHARE]:
+        """Largest share of what friction between laps carries that the torque takes [1]."""
+        return float(self.margins["slip"].value)
+
+    @property
+    def largest_compression(self) -> Annotated[float, COMPRESSION]:
+        """Largest -sigma_t at any stage [Pa]; < 0 where there is none."""
+        return float(self.margins["compression"].value)
+
+    @property
+    def largest_core_pressure(self) -> Annotated[float, CORE]:
+        """Largest P at the core at any stage [Pa]."""
+        return float(self.margins["core"].value)
+
+    @property
+    def largest_tension(self) -> Annotated[float, STRENGTH]:
+        """Largest tension of the web, in the span, as wound on and in the roll [N/m]."""
+        return float(self.margins["strength"].value)
+
+    @property
+    def least_tension(self) -> Annotated[float, SLACK]:
+        """Least tension of the web before and behind the nip [N/m]."""
+        return float(self.margins["slack"].value)
+
+    @property
+    def least_reserve(self) -> Annotated[float, strain("m", "smallest reserve of all margins")]:
+        """Smallest reserve of the margins that have a limit, as a share of it [1]."""
+        least = self.margins.least
+        return least.reserve if least is not None else nan

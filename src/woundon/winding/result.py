@@ -1,0 +1,160 @@
+"""A winding: the nips' tension over the radius, and the roll that it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from .. import kinds
+from ..problems.winding import WindingProblem
+from ..quantities import Quantity, length, line_load, pure, strain, stress
+from ..results import Residuals, Result
+from ..roll.result import WoundRollResult
+from .margins import WithMargins
+
+__all__ = ["WindingResult"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WindingResult(WithMargins, Result):
+    """What the winder did over the radius, what the nips added to it, and the roll wound.
+
+    Arrays of length M are over the radius and linear between; those of length n are of the nips
+    that were solved, none where the tension's law takes none.
+
+    Attributes
+    ----------
+    problem : WindingProblem
+    radius : (M,) array
+        From the core to the surface [m].
+    web_tension, nip_load, winding_force : (M,) arrays
+        T_in, P, F [N/m].
+    nip_induced_tension, wound_on_tension : (M,) arrays
+        NIT = WOT - T_in, and WOT [N/m].
+    nip_radius, nip_wound_on_tension, nip_half_width, nip_peak_pressure : (n,) arrays
+        Of the nips that were solved [m], [N/m], [m], [Pa].
+    nip_felt_pressure : (n,) array
+        P_e at which an effective roll has its moduli [Pa]; nan of other rolls.
+    nip_error, nip_residual : (n,) arrays
+        Their estimated discretisation error [N/m], and the largest violation of a law [1].
+    interpolation_error : float
+        What the wound-on tension between them may be off, of it [1].
+    nodes, nips_solved : int
+        Of each nip, and how many were solved in all turns.
+    roll_rtol, agreed : float
+        To which the roll was solved, and to which it and the nips agree, of the tension [1].
+    """
+
+    MAIN: ClassVar[tuple[str, ...]] = (
+        "mean_wound_on_tension", "core_pressure", "mid_pressure", "least_hoop_stress",
+    )  # fmt: skip
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
+        "pressure": "it is the roll's: result.roll.pressure",
+        "hoop_stress": "it is the roll's: result.roll.hoop_stress",
+        "at": "a stage of the build-up is one of the roll: result.roll.at(radius)",
+        "wound": "the roll is result.roll",
+    })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_felt_pressure", "nip_error"})
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(
+        ("nip_wound_on_tension", "nip_half_width", "nip_peak_pressure", "nip_felt_pressure",
+         "nip_error", "nip_residual"), "nip_radius",
+    ))  # fmt: skip
+
+    problem: WindingProblem
+    radius: Annotated[Array, length("r", "radius")]
+    web_tension: Annotated[Array, line_load("T_in", "web tension before the nip")]
+    nip_load: Annotated[Array, line_load("P", "nip load")]
+    winding_force: Annotated[Array, line_load("F", "winding force")]
+    nip_induced_tension: Annotated[Array, line_load("NIT", "nip-induced tension, WOT - T_in")]
+    wound_on_tension: Annotated[Array, line_load("WOT", "wound-on tension")]
+    nip_radius: Annotated[Array, length("r_k", "radii of the nips solved")]
+    nip_wound_on_tension: Annotated[Array, line_load("WOT_k", "their wound-on tension")]
+    nip_half_width: Annotated[Array, length("a_k", "their half-width")]
+    nip_peak_pressure: Annotated[Array, stress("p_max,k", "their largest pressure")]
+    nip_felt_pressure: Annotated[
+        Array, stress("P_e,k", "pressure at which an effective roll has its moduli")
+    ]
+    nip_error: Annotated[Array, line_load("WOT_k error", "their estimated discretisation error")]
+    nip_residual: Annotated[Array, pure("r_k", "their largest violation of a contact law")]
+    interpolation_error: Annotated[
+        float, strain("e_i", "error of the wound-on tension between the nips, of it")
+    ]
+    nodes: Annotated[int, pure("N", "nodes of each nip")]
+    roll_rtol: Annotated[float, pure("rtol", "accepted error of the roll's pressure")]
+    agreed: Annotated[float, pure("e_c", "to what of the tension nips and roll agree")]
+    nips_solved: Annotated[int, pure("n_nip", "nips solved")] = 0
+    wound: WoundRollResult | None = field(default=None, compare=False, metadata={"saved": False})
+
+    @property
+    def roll(self) -> WoundRollResult:
+        """The finished roll, and by its ``at`` every stage of its build-up.
+
+        A result that was loaded winds it again.
+        """
+        if self.wound is None:
+            again = kinds.fetch("woundon.winding.roll:wound_again")(self)
+            object.__setattr__(self, "wound", again)
+        assert self.wound is not None
+        return self.wound
+
+    @property
+    def mean_wound_on_tension(
+        self,
+    ) -> Annotated[float, line_load("WOT_m", "wound-on tension, mean over the length of web")]:
+        """Mean of WOT over the web's length [N/m]."""
+        r = self.radius
+        return float(np.trapezoid(self.wound_on_tension * r, r) / np.trapezoid(r, r))
+
+    @property
+    def mean_nip_induced_tension(
+        self,
+    ) -> Annotated[float, line_load("NIT_m", "nip-induced tension, mean over the length of web")]:
+        """Mean of NIT over the web's length [N/m]."""
+        r = self.radius
+        return float(np.trapezoid(self.nip_induced_tension * r, r) / np.trapezoid(r, r))
+
+    @property
+    def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
+        """P at the core of the finished roll [Pa]."""
+        return self.roll.core_pressure
+
+    @property
+    def peak_pressure(self) -> Annotated[float, stress("P_max", "largest pressure in the roll")]:
+        """Largest P in the finished roll [Pa]."""
+        return self.roll.peak_pressure
+
+    @property
+    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure half-way to the surface")]:
+        """P half-way between core and surface [Pa]."""
+        return self.roll.mid_pressure
+
+    @property
+    def least_hoop_stress(
+        self,
+    ) -> Annotated[float, stress("sigma_min", "smallest stress along the web, < 0 compression")]:
+        """Smallest sigma_t of the finished roll [Pa]."""
+        return self.roll.least_hoop_stress
+
+    @property
+    def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
+        """Length of web on the roll [m]."""
+        return self.roll.length
+
+    @property
+    def mass(
+        self,
+    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
+        """Of the web alone [kg/m]; nan where its density is not given."""
+        return self.roll.mass
+
+    def certified(self) -> Residuals:
+        """Return the certificate measured anew, from the problem and the arrays held here."""
+        from .certificate import certificate
+
+        return certificate(self)

@@ -1,0 +1,65 @@
+"""The roll of a winding, from the wound-on tension over the radius."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import NoSteadyState
+from ..problems.schedules import Profile
+from ..problems.winding import WindingProblem
+from ..roll.result import WoundRollResult
+from ..roll.solve import solve_wound_roll
+from .result import WindingResult
+
+__all__ = ["wind", "wound_again"]
+
+Array = np.ndarray
+STRAIGHT = 1e-13  # of a tension, by which a point on a line may miss it
+
+
+def wind(problem: WindingProblem, r: Array, tension: Array, rtol: float) -> WoundRollResult:
+    """Return the roll wound with a tension that is linear between radii.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    r, tension : (M,) arrays
+        Radii [m], wound-on tension there [N/m].
+    rtol : float
+        Of the roll's pressure.
+
+    Raises
+    ------
+    NoSteadyState
+        For a tension that is not positive everywhere.
+    """
+    least = int(np.argmin(tension))
+    if not tension[least] > 0:
+        raise NoSteadyState.at(
+            "web_tension",
+            f"the wound-on tension falls to {tension[least]:.6g} [N/m] at the radius "
+            f"{r[least]:.6g} [m]; must be > 0, or no lap is wound on",
+        )
+    return solve_wound_roll(problem.wound_roll(_schedule(r, tension)), rtol=rtol)
+
+
+def wound_again(result: WindingResult) -> WoundRollResult:
+    """Return the roll of a result that does not have it, for it comes from a file."""
+    return wind(result.problem, result.radius, result.wound_on_tension, result.roll_rtol)
+
+
+def _schedule(r: Array, tension: Array) -> float | Profile:
+    """Return a tension over the radius without the points that stand on a line between others.
+
+    So a tension that is linear is wound as one, with no kink where there is none.
+    """
+    if np.ptp(tension) <= STRAIGHT * np.max(tension):
+        return float(tension[0])
+    keep = [0]
+    for k in range(1, r.size - 1):
+        share = (r[k] - r[keep[-1]]) / (r[k + 1] - r[keep[-1]])
+        line = tension[keep[-1]] + share * (tension[k + 1] - tension[keep[-1]])
+        if abs(line - tension[k]) > STRAIGHT * tension[k] / min(share, 1 - share):
+            keep.append(k)
+    keep.append(r.size - 1)
+    return Profile(radius=r[keep], value=tension[keep])

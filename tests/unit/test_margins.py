@@ -1,0 +1,217 @@
+"""Margins of a wound roll: each criterion against a closed form, each seen to fail."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+from refusals import refused_in_one_line
+from scipy.integrate import quad
+
+import woundon as wo
+from woundon.roll.theories import constant_moduli
+from woundon.winding import margins as module
+from woundon.winding.criteria import collapse_pressure, torque_carried, torque_share
+
+NAMES = ("slip", "compression", "blocking", "core", "strength", "slack")
+MU = 0.19
+
+
+@pytest.fixture(scope="module")
+def problem() -> wo.WoundRollProblem:
+    return wo.WoundRollProblem.example()
+
+
+@pytest.fixture(scope="module")
+def roll(problem: wo.WoundRollProblem) -> wo.WoundRollResult:
+    return wo.solve(problem)
+
+
+def reserve(problem: wo.WoundRollProblem, name: str, **limits: float) -> float:
+    """Return the reserve of one margin of a roll wound for it."""
+    found = wo.margins(wo.solve(problem), wo.Limits(**limits))[name].reserve
+    assert isinstance(found, float)
+    return found
+
+
+# ---- closed forms -------------------------------------------------------------------------------
+
+
+def test_the_torque_of_a_start_is_that_of_the_rings_outside() -> None:
+    r, s, T, rho, a = 0.07, 0.4, 300.0, 680.0, 1.5
+    inertia = quad(lambda x: 2 * pi * x**3 * rho, r, s)[0]  # of rings, per metre of width
+    assert torque_carried(np.array(r), s, T, rho, a) == pytest.approx(T * s + inertia * a / s)
+
+
+def test_the_share_is_that_of_the_friction_all_around() -> None:
+    r, P, torque = 0.07, 40e3, 9.0
+    carried = quad(lambda angle: MU * P * r * r, 0, 2 * pi)[0]
+    assert torque_share(np.array(r), P, MU, np.array(torque)) == pytest.approx(torque / carried)
+    assert torque_share(np.array(r), 0.0, MU, np.array(torque)) == np.inf
+    assert torque_share(np.array(r), 0.0, MU, np.array(0.0)) == 0  # none is asked of them
+
+
+def test_a_thin_tube_collapses_as_in_its_source() -> None:
+    """The worked example there: 29e6 psi, 0.29, r = 6.75 in, t = 0.375 in collapses at 1357 psi."""
+    inch, psi = 0.0254, 6894.757
+    steel = wo.Isotropic(youngs_modulus=29e6 * psi, poissons_ratio=0.29)
+    tube = {"radius": 6.9375 * inch, "inner_radius": 6.5625 * inch, "material": steel}
+    assert collapse_pressure(wo.Core(**tube)) == pytest.approx(1357 * psi, rel=5e-4)  # its digits
+    # of a thicker one, and of a core of which only the stiffness is known, nothing is claimed
+    assert np.isnan(collapse_pressure(wo.Core(**{**tube, "inner_radius": 6.2 * inch})))
+    assert np.isnan(collapse_pressure(wo.Core(radius=0.1, stiffness=1e9)))
+
+
+def test_a_roll_in_closed_form_slips_where_and_as_it_should() -> None:
+    """Constant moduli: P is known in closed form, and so is the share, over all radii."""
+    stack = wo.Stack(radial=40e6, tangential=4e9, poissons_ratio=0.01, shear=10e6)
+    core, h, T = wo.Core(radius=0.05, stiffness=2e8), 100e-6, 200.0
+    problem = wo.WoundRollProblem(
+        core=core, radius=0.2, stack=stack, web_thickness=h, wound_on_tension=T
+    )
+    found = wo.margins(wo.solve(problem, rtol=1e-5), wo.Limits(layer_friction=MU))["slip"]
+    r = np.linspace(0.05, 0.2 - module.TAIL_LAPS * h, 2001)
+    P = constant_moduli(problem, r).pressure
+    share = T * 0.2 / (2 * pi * r**2 * MU * P)
+    assert found.value == pytest.approx(share.max(), rel=1e-4)  # ten times the solver's
+    assert found.radius == pytest.approx(r[np.argmax(share)], abs=0.15 / module.PLACES)
+
+
+# ---- over the build-up --------------------------------------------------------------------------
+
+
+def test_what_is_worst_before_the_roll_is_finished_is_found(problem: wo.WoundRollProblem) -> None:
+    """A tension that ends low asks most of the laps when the roll is half wound."""
+    falls = wo.Profile(radius=[0.0445, 0.09, 0.1, 0.15], value=[400.0, 400.0, 200.0, 200.0])
+    roll = wo.solve(problem.replace(wound_on_tension=falls))
+    found = wo.margins(roll, wo.Limits(layer_friction=MU))
+    slip = found["slip"]
+    assert slip.note.startswith("when the roll was 90.66 mm")
+    half = roll.at(0.09065625)
+    torque = wo.margins(half, wo.Limits(layer_friction=MU))["slip"]
+    assert slip.value == pytest.approx(torque.value, rel=2e-3)  # what stages err by default
+    assert found["blocking"].note == "no limit given"  # which takes time: of the finished roll
+
+
+def test_the_stages_that_are_looked_at_suffice(
+    problem: wo.WoundRollProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sixty-four stages in place of sixteen change no value by more than 2 %."""
+    rises = wo.Profile(radius=[0.0445, 0.1, 0.15], value=[250.0, 500.0, 200.0])
+    roll = wo.solve(problem.replace(wound_on_tension=rises, density=None))
+    few = wo.margins(roll, wo.Limits(layer_friction=MU))
+    monkeypatch.setattr(module, "STAGES", 64)
+    many = wo.margins(roll, wo.Limits(layer_friction=MU))
+    for one, other in zip(few, many, strict=True):
+        assert one.value == pytest.approx(other.value, rel=0.02), one.name
+
+
+# ---- what every winder knows --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "limits", "change"),
+    [
+        ("slip", {"layer_friction": MU}, {"wound_on_tension": 600.0}),  # P grows like T^2
+        ("compression", {"compression": 1e5},
+         {"wound_on_tension": wo.Taper(start=350.0, taper=0.4)}),
+        ("blocking", {"blocking_pressure": 4e5}, {"wound_on_tension": 250.0}),
+        ("core", {"core_pressure": 4e5}, {"core.stiffness": 1e8}),  # it gives way
+        ("strength", {"web_strength": 1e3}, {"wound_on_tension": 250.0}),
+        ("slack", {"slack_tension": 50.0}, {"wound_on_tension": 450.0}),
+    ],
+)  # fmt: skip
+def test_each_margin_grows_with_what_is_known_to_help(
+    problem: wo.WoundRollProblem, name: str, limits: dict[str, float], change: dict[str, object]
+) -> None:
+    assert reserve(problem.replace(**change), name, **limits) > reserve(problem, name, **limits)
+
+
+def test_friction_helps_and_a_start_by_the_core_asks_for_more(roll: wo.WoundRollResult) -> None:
+    def share(**limits: float) -> float:
+        return float(wo.margins(roll, wo.Limits(**limits))["slip"].value)
+
+    assert share(layer_friction=2 * MU) == pytest.approx(share(layer_friction=MU) / 2)
+    assert share(layer_friction=MU, acceleration=2.0) > share(layer_friction=MU)
+    # a share of half is a safety of two
+    safe = wo.margins(roll, wo.Limits(layer_friction=MU, torque_share=0.5))["slip"]
+    assert safe.reserve == pytest.approx(1 - 2 * share(layer_friction=MU))
+
+
+# ---- limits -------------------------------------------------------------------------------------
+
+KEPT = {
+    "layer_friction": MU, "compression": 3e5, "blocking_pressure": 5e5, "core_pressure": 5e5,
+    "web_strength": 1e3, "slack_tension": 50.0,
+}  # fmt: skip
+BROKEN = {
+    "slip": {"torque_share": 0.05}, "compression": {"compression": 0.0},
+    "blocking": {"blocking_pressure": 2e5}, "core": {"core_pressure": 2e5},
+    "strength": {"web_strength": 300.0}, "slack": {"slack_tension": 400.0},
+}  # fmt: skip
+
+
+def test_all_margins_may_hold(roll: wo.WoundRollResult) -> None:
+    found = wo.margins(roll, wo.Limits(**KEPT))
+    assert tuple(margin.name for margin in found) == NAMES
+    assert all(margin.ok is True for margin in found)
+    assert found.violated == ()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_margin_can_fail_and_fails_alone(roll: wo.WoundRollResult, name: str) -> None:
+    found = wo.margins(roll, wo.Limits(**{**KEPT, **BROKEN[name]}))
+    assert found.violated == (name,)
+    assert found.least is found[name]
+    assert found[name].reserve < 0
+    told = str(found)
+    assert told.count("VIOLATED") == 1
+    assert found._repr_html_().count("#B00020") == 1  # in red, and in a word
+
+
+def test_none_is_silently_absent(roll: wo.WoundRollResult) -> None:
+    found = wo.margins(roll)
+    assert [margin.ok for margin in found] == [None] * 6
+    assert found.least is None
+    told = str(found)
+    for name in NAMES:
+        assert f" {name}: " in told
+        assert found[name].left_out.split(",")[0][:20] in " ".join(told.split())
+    assert told.count("not checked") == 6
+    assert told.count("no limit given") == 5
+    assert "the friction between laps is not given" in told
+
+
+def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.WoundRollProblem) -> None:
+    board = wo.Isotropic(youngs_modulus=3e9, poissons_ratio=0.3)
+    thin = wo.Core(radius=0.0445, inner_radius=0.0425, material=board)
+    margin = wo.margins(wo.solve(problem.replace(core=thin)))["core"]
+    assert margin.limit == collapse_pressure(thin)
+    assert margin.ok is False
+    assert "elastic collapse of a thin tube" in margin.note
+
+
+def test_margins_are_found_by_name_and_number(roll: wo.WoundRollResult) -> None:
+    found = wo.margins(roll)
+    assert found["core"] is found[3]
+    with pytest.raises(KeyError, match="known: slip, compression"):
+        found["telescope"]
+
+
+def test_bad_input_is_refused(roll: wo.WoundRollResult, problem: wo.WoundRollProblem) -> None:
+    refused_in_one_line(
+        lambda: wo.margins(problem),  # type: ignore[arg-type]
+        "result: WoundRollProblem is out of place; must be a WindingResult or WoundRollResult",
+    )
+    light = wo.solve(problem.replace(density=None))
+    refused_in_one_line(
+        lambda: wo.margins(light, wo.Limits(acceleration=1.0)),
+        "limits.acceleration: 1 is given, but the web has no density",
+    )
+    refused_in_one_line(
+        lambda: wo.Limits(torque_share=1.5), "torque_share: 1.5 is out of range; must be > 0"
+    )
+    refused_in_one_line(
+        lambda: wo.Limits(compression=-1), "compression: -1 is out of range; must be >= 0"
+    )

@@ -1,0 +1,226 @@
+"""Windings: the coupling of nips and roll, what is told of it, and that its laws can fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.results import ACCEPTED_RESIDUAL
+from woundon.winding.bodies import effective_cylinder, felt_pressure
+from woundon.winding.interpolation import Piece, leja
+
+CASE = wo.WindingProblem.example().replace(radius=0.12)
+COARSE: dict[str, Any] = {"nodes": 33, "rtol": 5e-3}
+SEEN = 1e4 * ACCEPTED_RESIDUAL
+
+
+@cache
+def wound(body: str = "linear") -> wo.WindingResult:
+    return wo.solve(CASE.replace(roll_body=body), **COARSE)
+
+
+@cache
+def braked() -> wo.WindingResult:
+    return wo.solve(CASE.replace(tension_law="friction", winding_force=-50.0))
+
+
+# ---- interpolation ------------------------------------------------------------------------------
+
+
+def test_leja_points_are_ends_and_then_as_far_from_others_as_can_be():
+    assert leja(3) == (0.0, 1.0, 0.5)
+    # x (1 - x)|x - 1/2| is largest at 1/2 -+ 1/sqrt(12); the search has 4000 steps
+    assert min(abs(leja(4)[3] - 0.5 - s / np.sqrt(12)) for s in (-1, 1)) < 3e-4
+    assert leja(9)[:4] == leja(4)
+
+
+def test_a_piece_meets_polynomials_exactly_and_tells_its_misses():
+    piece = Piece(-3.0, 1.0)
+    values = {x: x**3 - 2 * x for x in piece.places}
+    x = np.linspace(-3, 1, 101)
+    np.testing.assert_allclose(piece.at(x, values), x**3 - 2 * x, atol=1e-11)
+    np.testing.assert_allclose(piece.at(np.array(piece.places), values), list(values.values()))
+    assert max(miss for _, miss in piece.misses(values)) < 1e-11
+    # a kink is missed, and told
+    kinked = {x: abs(x + 0.9) for x in piece.places}
+    off = np.max(np.abs(piece.at(x, kinked) - np.abs(x + 0.9)))
+    assert max(miss for _, miss in piece.misses(kinked)) > 0.3 * off
+
+
+# ---- coupling -----------------------------------------------------------------------------------
+
+
+def test_each_nip_answers_what_the_roll_was_wound_with():
+    """Solved again by hand at a radius of the result, on the roll that the result tells."""
+    run = wound("effective")
+    k = run.nip_radius.size // 2
+    r = float(run.nip_radius[k])
+    roll = effective_cylinder(run.problem, r, float(run.nip_felt_pressure[k]))
+    nip = wo.solve(run.problem.nip(r, roll), nodes=33)
+    told = np.interp(r, run.radius, run.wound_on_tension)
+    assert nip.wound_on_tension == pytest.approx(told, rel=2 * run.agreed)
+    assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(told, rel=1e-12)
+    # and the roll so far asks for the modulus that it has; what is left is a second-order change
+    assert felt_pressure(run.roll.at(r), nip) == pytest.approx(
+        float(run.nip_felt_pressure[k]), rel=1e-4
+    )
+
+
+def test_what_the_winder_sets_is_told_over_the_radius():
+    run = wound()
+    r = run.radius
+    np.testing.assert_allclose(run.web_tension, CASE.curve("web_tension").at(r), rtol=1e-14)
+    np.testing.assert_allclose(run.nip_induced_tension, run.wound_on_tension - run.web_tension)
+    assert (r[0], r[-1]) == (0.05, 0.12)
+    assert set(run.nip_radius) <= set(r)
+    assert run.mass == pytest.approx(680 * np.pi * (0.12**2 - 0.05**2))
+    assert run.mean_wound_on_tension == pytest.approx(
+        np.trapezoid(run.wound_on_tension * r, r) / np.trapezoid(r, r)
+    )
+
+
+def test_the_interpolation_error_is_told():
+    """Nips at radii that took no part miss the curve by no more than is told."""
+    run = wound()
+    for r in (0.057, 0.075, 0.1):
+        nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
+        told = np.interp(r, run.radius, run.wound_on_tension)
+        off = abs(wo.solve(nip, nodes=33).wound_on_tension / told - 1)
+        assert off <= run.interpolation_error <= 1.5 * 5e-3
+    assert run.errors["mean_wound_on_tension"] > run.interpolation_error * 400
+
+
+@pytest.mark.parametrize("schedule", [300.0, wo.Taper(start=400.0, taper=0.3)])
+def test_with_the_law_of_friction_it_is_the_uncoupled_roll(schedule: Any):
+    """T_in + mu+ P of a constant load is linear where T_in is: the same roll, to rounding."""
+    problem = CASE.replace(tension_law="friction", web_tension=schedule, **{"stack.radial": 20e6})
+    run = wo.solve(problem)
+    more = 0.19 * 2000.0
+    if isinstance(schedule, float):
+        alone = schedule + more
+    else:
+        start = schedule.start + more
+        alone = wo.Taper(start=start, taper=schedule.taper * schedule.start / start)
+    roll = wo.solve(problem.wound_roll(alone))
+    r = np.linspace(0.05, 0.12, 50)
+    P, Q = run.roll.at_radius(r)["pressure"], roll.at_radius(r)["pressure"]
+    np.testing.assert_allclose(P, Q, atol=1e-9 * roll.peak_pressure)
+    assert run.nip_radius.size == 0
+
+
+def test_the_other_laws():
+    fixed = wo.solve(CASE.replace(tension_law="fixed", nip_induced_tension=120.0))
+    np.testing.assert_allclose(fixed.wound_on_tension, fixed.web_tension + 120.0)
+    table = wo.Profile(radius=[0.05, 0.08, 0.2], value=[500.0, 400.0, 300.0])
+    given = wo.solve(CASE.replace(tension_law=table))
+    np.testing.assert_allclose(given.wound_on_tension, table.at(given.radius))
+    surface = wo.solve(CASE.replace(tension_law="friction", torque_split=1.0, nip_load=3000.0))
+    np.testing.assert_allclose(surface.wound_on_tension, 0.19 * 3000.0)  # T_in cancels
+
+
+def test_a_tension_that_leaves_a_lap_slack_is_refused_with_the_radius():
+    with pytest.raises(
+        wo.NoSteadyState, match=r"wound-on tension falls to -5.* at the radius 0.12"
+    ):
+        wo.solve(CASE.replace(tension_law="fixed", nip_induced_tension=-250.0))
+
+
+def test_a_nip_that_has_no_steady_state_is_told_with_its_radius(monkeypatch: pytest.MonkeyPatch):
+    def slack(*_: Any, **__: Any) -> Any:
+        raise wo.NoSteadyState.at("web_tension", "5 leaves the web slack")
+
+    monkeypatch.setattr("woundon.winding.solve.solve_wrapped_nip", slack)
+    with pytest.raises(wo.NoSteadyState, match=r"web_tension: at the radius 0.0525 m: 5 leaves"):
+        wo.solve(CASE)
+
+
+def test_progress_is_told():
+    seen: list[tuple[int, int]] = []
+    run = wo.solve(
+        CASE.replace(roll_body="linear"), **COARSE, progress=lambda *told: seen.append(told)
+    )
+    assert [done for done, _ in seen] == list(range(1, run.nips_solved + 1))
+    assert all(done <= expected for done, expected in seen)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"rtol": 0.0}, "rtol: 0 is out of range"),
+        ({"nodes": 5}, "nodes: 5 is out of range"),
+        ({"agreed": 1.0}, "agreed: 1 is out of range"),
+        ({"start": 3}, "start: 3 is out of place; must be a WindingResult"),
+    ],
+)
+def test_options_are_checked(options: dict[str, Any], text: str):
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.solve(CASE, **options)
+
+
+# ---- the certificate ----------------------------------------------------------------------------
+
+Corrupt = Callable[[Any], dict[str, Any]]
+
+
+def changed(name: str, node: int, by: float) -> Corrupt:
+    def corrupt(run: Any) -> dict[str, Any]:
+        values = getattr(run, name).copy()
+        values[node] += by * np.max(np.abs(values))
+        return {name: values}
+
+    return corrupt
+
+
+def of_roll(**changes: Callable[[Any], Any]) -> Corrupt:
+    return lambda run: {
+        "wound": run.roll.replace(**{name: make(run.roll) for name, make in changes.items()})
+    }
+
+
+@pytest.mark.parametrize(
+    ("law", "corrupt"),
+    [
+        ("roll", of_roll(pressure=lambda roll: roll.pressure * 1.01)),
+        ("roll_tension", of_roll(problem=lambda roll: roll.problem.replace(wound_on_tension=400))),
+        ("nips", lambda run: {"nip_residual": run.nip_residual + 1e-3}),
+        ("coupling", changed("nip_wound_on_tension", 2, 0.5)),
+        ("tension_balance", changed("nip_induced_tension", 3, 0.01)),
+        ("schedules", changed("nip_load", 1, 0.01)),
+        ("schedules", changed("web_tension", 1, 0.01)),
+        ("schedules", changed("winding_force", 1, 0.01)),
+        ("reach", changed("radius", -1, 0.01)),
+        ("reach", lambda run: {"radius": run.radius[[0, 2, 1, *range(3, run.radius.size)]]}),
+    ],
+)
+def test_every_law_can_fail(law: str, corrupt: Corrupt):
+    run = braked() if law == "schedules" else wound()
+    assert getattr(run.certified(), law) <= ACCEPTED_RESIDUAL
+    assert getattr(run.replace(**corrupt(run)).certified(), law) > SEEN
+
+
+# ---- files --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", [".nc", ".json"])
+def test_a_file_gives_the_winding_back_with_its_roll(tmp_path: Path, ending: str):
+    run = wound("effective")
+    path = tmp_path / f"run{ending}"
+    run.save(path)
+    again = wo.load_result(path, verify=True)
+    assert again == run
+    np.testing.assert_array_equal(again.roll.pressure, run.roll.pressure)
+    assert again.certified() == run.certified()
+
+
+def test_a_sweep_winds_many():
+    laws = CASE.replace(tension_law="friction", web_tension=300.0)
+    table = wo.sweep(laws, {"nip_load": [500.0, 1500.0]}, outputs=["mean_wound_on_tension"])
+    np.testing.assert_allclose(
+        table["mean_wound_on_tension"], 300 + 0.19 * np.array([500, 1500]), rtol=1e-12
+    )

@@ -1,0 +1,122 @@
+"""Margins of a winding: its torque, its outputs, its report and figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from refusals import refused_in_one_line
+
+import woundon as wo
+from woundon.io.case_texts import to_toml
+from woundon.show.winding_plots import winding_panels
+
+LIMITS = wo.Limits(compression=100e3, blocking_pressure=2e6, web_strength=2e3, slack_tension=50.0)
+OUTPUTS = {
+    "torque_share": "slip", "largest_compression": "compression", "peak_pressure": "blocking",
+    "largest_core_pressure": "core", "largest_tension": "strength", "least_tension": "slack",
+}  # fmt: skip
+
+
+def winding(**changes: Any) -> wo.WindingProblem:
+    """Return a small winding whose nip adds what is given, quickly solved."""
+    fields: dict[str, Any] = {
+        **dict(wo.WindingProblem.example()), "radius": 0.12, "web_tension": 300.0, "limits": LIMITS,
+        "tension_law": "fixed", "nip_induced_tension": 100.0,
+    }  # fmt: skip
+    return wo.WindingProblem(**{**fields, **changes})
+
+
+@pytest.fixture(scope="module")
+def wound() -> wo.WindingResult:
+    return wo.solve(winding())
+
+
+def test_the_core_carries_what_the_drum_does_not(wound: wo.WindingResult) -> None:
+    """With NIT given the roll is the same whatever drives it; the torque is that of T_in + F."""
+    half = wo.solve(winding(torque_split=0.5))
+    surface = wo.solve(winding(torque_split=1.0))
+    assert half.core_pressure == wound.core_pressure
+    assert half.torque_share == pytest.approx(wound.torque_share / 2)
+    assert surface.torque_share == 0
+    # of a roll alone NIT, which has no moment about the axis, is not told from T_in
+    alone = wo.margins(wound.roll, wo.Limits(layer_friction=0.19))["slip"].value
+    assert alone == pytest.approx(wound.torque_share * 400 / 300, rel=1e-6)
+
+
+def test_a_stop_by_the_core_counts_where_the_drum_drives() -> None:
+    stopped = wo.solve(winding(torque_split=1.0, limits=wo.Limits(acceleration=2.0)))
+    assert stopped.torque_share > 0
+    slower = wo.solve(winding(torque_split=1.0, limits=wo.Limits(acceleration=1.0)))
+    assert stopped.torque_share == pytest.approx(2 * slower.torque_share)
+
+
+def test_the_friction_is_the_rolls_unless_one_is_given(wound: wo.WindingResult) -> None:
+    rough = wo.solve(winding(limits=wo.Limits(layer_friction=0.38)))
+    assert rough.torque_share == pytest.approx(wound.torque_share / 2)
+
+
+def test_the_web_runs_slack_before_the_nip(wound: wo.WindingResult) -> None:
+    """The span has less tension than the roll: T_in counts."""
+    assert wound.margins["slack"].value == 300
+    assert wound.margins["strength"].value == pytest.approx(400)
+    tight = wo.margins(wound, LIMITS.replace(slack_tension=350.0))
+    assert tight.violated == ("compression", "slack")
+
+
+def test_margins_are_outputs_that_studies_vary(wound: wo.WindingResult) -> None:
+    for name, margin in OUTPUTS.items():
+        assert getattr(wound, name) == pytest.approx(wound.margins[margin].value)
+    assert wound.margins.violated == ("compression",)
+    assert wound.least_reserve == wound.margins["compression"].reserve < 0
+    found = wo.sweep(winding(), {"web_tension": [200.0, 300.0]}, [*OUTPUTS, "least_reserve"])
+    assert found.largest_compression.values[1] == wound.largest_compression
+    assert found.least_reserve.values[0] > found.least_reserve.values[1]
+
+
+def test_they_are_measured_again_from_a_file(wound: wo.WindingResult, tmp_path: Path) -> None:
+    wound.save(tmp_path / "wound.nc")
+    again = wo.load_result(tmp_path / "wound.nc")
+    assert again.problem.limits == LIMITS
+    for old, new in zip(wound.margins, again.margins, strict=True):
+        assert new.value == pytest.approx(old.value, rel=1e-12)
+
+
+def test_limits_stand_in_a_case_file(tmp_path: Path) -> None:
+    text = to_toml(winding())
+    assert "[limits]" in text
+    (tmp_path / "case.toml").write_text(text)
+    assert wo.load_case(tmp_path / "case.toml") == winding()
+
+
+def test_the_report_ends_with_the_margins(wound: wo.WindingResult) -> None:
+    told = str(wound)
+    for name in ("slip", "compression", "blocking", "core", "strength", "slack"):
+        assert f"\n {name}: " in told
+    assert "VIOLATED by" in told
+    assert "not checked" in told  # the core, of which only the stiffness is known
+    assert "#B00020" in wound._repr_html_()
+
+
+def test_an_acceleration_needs_a_density() -> None:
+    refused_in_one_line(
+        lambda: winding(density=None, limits=wo.Limits(acceleration=1.0)),
+        "limits.acceleration: 1 is given without the web's density",
+    )
+
+
+def test_every_panel_is_drawn(wound: wo.WindingResult, tmp_path: Path) -> None:
+    for name in winding_panels(wound):
+        wound.plot(tmp_path / f"{name}.png", panels=name)
+        assert (tmp_path / f"{name}.png").stat().st_size > 5_000
+    figure = wo.plot([wound, wo.solve(winding(torque_split=0.5))], tmp_path / "two.png")
+    assert len(figure.axes) == 4
+
+
+def test_a_schedule_is_sought_over_what_a_winder_sets() -> None:
+    problem = winding(torque_split=0.2, web_tension=wo.Taper(start=300.0, taper=0.1))
+    found = wo.optimise_schedule(problem, evaluations=5, options={"rtol": 1e-2})
+    assert found.names == ("web_tension.taper", "torque_split", "nip_load")
+    assert found.ranges.tolist() == [[0, 0.7], [0, 1], [500, 4000]]
+    assert found.margins_after.least.reserve >= found.margins_before.least.reserve
