@@ -353,3 +353,26 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     profile = wo.Profile(radius=[r / 1e3 for r in schedule[0]], value=schedule[1])
     result = wo.solve(example.replace(wound_on_tension=profile))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-5)  # 6 digits
+
+
+def test_a_winding_tells_its_margins(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option(".kind", "winding")
+    # the quick ones: no nip is solved
+    page.wait_for_selector("[id='f-tension_law']")
+    page.select_option("[id='f-tension_law']", label="friction")
+    page.wait_for_selector(".margins", timeout=120_000)
+    seen.rest()
+    result = wo.solve(wo.WindingProblem.example().replace(tension_law="friction"))
+    assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-6)
+    told = page.inner_text(".margins tbody")
+    assert all(margin.name in told for margin in result.margins)
+    page.fill("[id='f-limits-core_pressure']", "1")  # [kPa]: no core bears so little
+    page.locator("[id='f-limits-core_pressure']").blur()
+    seen.rest()
+    failing = page.locator(".margins tr.bad")
+    assert "core" in failing.inner_text()
+    assert "fails" in failing.inner_text()
