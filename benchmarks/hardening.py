@@ -1,6 +1,7 @@
 """Random nips of hardening rolls: the certificate, or a clear refusal; and what they cost.
 
     python benchmarks/hardening.py cases --cases 300     certificate <= 1e-8, told errors, refusals
+    python benchmarks/hardening.py cases --web           the web hardens too, by the roll's stack
     python benchmarks/hardening.py price                 Table 2's nip, in dense solves of 398 x 398
 
 Prices are processor time over that of a dense solve, measured before and after each nip.
@@ -72,7 +73,7 @@ def random_nip(rng: np.random.Generator) -> wo.Problem:
     return plain.wrapped(roll_wrap=rng.uniform(0.3, pi)) if rng.random() < 0.4 else plain
 
 
-def cases(count: int, seed: int, nodes: int) -> int:
+def cases(count: int, seed: int, nodes: int, web: bool = False) -> int:
     """Solve random nips; return how many ended otherwise than by certificate or refusal."""
     rng, ends, failed = np.random.default_rng(seed), {"solved": 0, "refused": 0}, 0
     worst = 0.0
@@ -80,6 +81,8 @@ def cases(count: int, seed: int, nodes: int) -> int:
         problem: Any = None
         try:
             problem = random_nip(rng)
+            if web:
+                problem = problem.replace(**{"web.material": problem.roll.stack})
             result = wo.solve(problem, nodes=nodes)
         except REFUSED as stop:
             ends["refused"] += 1
@@ -153,10 +156,11 @@ def main() -> None:
     asked.add_argument("--cases", type=int, default=300)
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--nodes", type=int, default=33)
+    asked.add_argument("--web", action="store_true")
     given = asked.parse_args()
     if given.what == "price":
         price()
-    elif cases(given.cases, given.seed, given.nodes):
+    elif cases(given.cases, given.seed, given.nodes, given.web):
         raise SystemExit(1)
 
 

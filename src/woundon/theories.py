@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .arguments import check_type
-from .elasticity import half_plane, strip
+from .elasticity import half_plane
 from .errors import InvalidProblem
 from .problems.bodies import Body, contact_radius
 from .problems.nip import NipProblem, WindingNip, WrappedNipProblem
@@ -170,8 +170,7 @@ def jalkanen(problem: WindingNip, approach: float) -> float:
     """
     check_type("problem", problem, *_NIPS)
     t, R = problem.web.thickness, problem.roll.radius
-    A_rr, A_tt, A_rt, _, D = problem.web.material.stiffness
-    E_t = 1 / strip.compliance(A_rr, A_tt, A_rt, D).c11
+    E_t = 1 / problem.web.compliance.c11
     return E_t * t * approach / R
 
 

@@ -22,10 +22,11 @@ import numpy as np
 from .contact.loop import Before, Level
 from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns
-from .contact.schemes import Mesh, scheme_of
+from .contact.schemes import Graded, Mesh, scheme_of
 from .contact.stick_slip import StickSlip, StickSlipSolution
+from .contact.width import WidthNotFound, width_for_load
 from .errors import InvalidProblem
-from .problems.bodies import ContactProblem, half_width_guess
+from .problems.bodies import Body, ContactProblem, half_width_guess
 
 __all__ = [
     "About", "Matrices", "PairContact", "PairEquations", "PairState", "approach", "far_outside",
@@ -39,6 +40,8 @@ About = tuple[Tractions, Tractions] | None
 SHARE = (
     0.3  # of the largest pressure, under which a linear body is about as stiff as a hardening one
 )
+SLACK = 0.5  # of the load that flattens a thin tube, from which a contact's is looked at
+PARTED = 0.05  # of the largest pressure: less of it in the middle, friction may take away
 GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
 
 
@@ -82,10 +85,13 @@ class Matrices:
         """Assemble for the half width ``a`` [m], bodies that are not linear about their loads."""
         loads = about or (None, None)
         pairs = zip(problem.bodies, loads, strict=True)
-        return cls.of(problem, mesh, a, *(body.respond(mesh, a, load) for body, load in pairs))
+        one, two = (body.respond(mesh, a, load) for body, load in pairs)
+        return cls.of(problem, mesh, a, one, two, about)
 
     @classmethod
-    def of(cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response) -> Self:
+    def of(
+        cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response, about: About = None
+    ) -> Self:
         """Assemble for the half width ``a`` [m] and given responses of the bodies."""
         raise NotImplementedError
 
@@ -180,15 +186,19 @@ class PairEquations:
         return self.made_of.at(self.problem, self.mesh, self.matrices.half_width, state.known)
 
 
-def frictionless_load(problem: Any, mesh: Mesh, a: float) -> float:
-    """Return the load that a frictionless contact of half width ``a`` carries [N/m]."""
+def frictionless_pressure(problem: Any, mesh: Mesh, a: float) -> Array:
+    """Return the pressure of a frictionless contact of half width ``a`` at the nodes, (n,) [Pa]."""
     slope_p = problem.thinning / a * mesh.slope[:-1]
     for body in problem.bodies:
         if not body.rigid:
             slope_p += body.respond(mesh, a).pressure_slope()
     gap = mesh.middle * (a / problem.contact_radius)
-    pressure = solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
-    return float(a * mesh.grid.weights @ pressure)
+    return solve_normal(slope_p, gap, np.empty((gap.size, 0)))[:-1, 0]
+
+
+def frictionless_load(problem: Any, mesh: Mesh, a: float) -> float:
+    """Return the load that a frictionless contact of half width ``a`` carries [N/m]."""
+    return float(a * mesh.grid.weights @ frictionless_pressure(problem, mesh, a))
 
 
 def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
@@ -252,16 +262,47 @@ class PairContact:
     problem: Any
 
     equations_of: ClassVar[type[PairEquations]]
+    load_field: ClassVar[str] = "nip_load"
 
     @property
     def load(self) -> float:
         """What the pressure must carry [N/m]."""
-        raise NotImplementedError
+        return float(getattr(self.problem, self.load_field))
 
     def __post_init__(self) -> None:
         for name, body in zip(self.problem.pair, self.problem.bodies, strict=True):
             if body.unresolved:
                 raise InvalidProblem.at(name, body.unresolved)
+            flattens = SLACK * body.bending_load(self.problem.contact_radius)
+            if self.problem.linear and self.load > flattens:  # else its linear stand-in tells
+                self._refuse_flattened(name, body)
+
+    def _refuse_flattened(self, name: str, body: Body) -> None:
+        """Refuse a load that flattens an open tube, so that one contact does not carry it.
+
+        Without friction, which changes little of it.
+        """
+        mesh, load = Graded().mesh(33), self.load
+
+        def evaluate(a: float) -> tuple[bool, float]:
+            p = frictionless_pressure(self.problem, mesh, a)
+            middle = p[np.abs(mesh.columns) < 0.5]
+            return bool(middle.min() > PARTED * p.max()), float(a * mesh.grid.weights @ p)
+
+        try:
+            in_one = width_for_load(evaluate, load, self.guess(), 1e-2, widest=self.widest)[0]
+        except WidthNotFound:
+            in_one = False
+        if in_one:
+            return
+        tried = [evaluate(a) for a in np.geomspace(1e-3, 1.0, 60) * self.widest]
+        most = max((carried for one, carried in tried if one and carried < load), default=0.0)
+        raise InvalidProblem.at(
+            self.load_field,
+            f"{load:.6g} is out of range; must be < {most:.3g} [N/m], about: the {name} is a tube, "
+            f"{body.thickness:.4g} m thick in all on an open bore, which more load bends instead "
+            "of being carried by one contact; a rigid core or stiffer or thicker layers are needed",
+        )
 
     @cached_property  # asked for with every width that is tried
     def widest(self) -> float:
@@ -287,19 +328,14 @@ class PairContact:
 
     @property
     def settles_apart(self) -> bool:
-        """Whether a body is not linear."""
+        """Whether a body, or the web between them, is not linear."""
         return not self.problem.linear
 
     def stand_in(self, peak: float | None) -> Self | None:
         """Return the contact of linear bodies as stiff as these are under a largest pressure."""
         pressure = SHARE * (peak or self.load / half_width_guess(self.load, *self.problem.bodies))
-        linear = {
-            name: body.stand_in(pressure)
-            for name, body in zip(self.problem.pair, self.problem.bodies, strict=True)
-        }
-        if None in linear.values():
-            return None
-        return replace(self, problem=self.problem.replace(**linear))
+        linear = self.problem.stand_in(pressure)
+        return None if linear is None else replace(self, problem=linear)
 
     def guess(self) -> float:
         """Return a half width to start from [m]."""

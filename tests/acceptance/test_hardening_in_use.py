@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hardening import random_nip  # of benchmarks/
-from hardening_cases import NEWSPRINT, nip, roll
+from hardening_cases import NEWSPRINT, linear, nip, roll
 
 import woundon as wo
 from woundon.elasticity import hardening_ring
@@ -134,9 +134,30 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
         wo.solve_nip(nip(body), nodes=17)
 
 
+FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
+
+
+def test_a_modulus_that_turns_negative_is_refused() -> None:
+    """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
+    body = roll().replace(**{"stack.radial": FALLS})
+    web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).wrapped()
+    for problem, told in (
+        (nip(body), "roll: the pressure in it"),
+        (web, "web.material: the press"),
+    ):
+        with pytest.raises(wo.InvalidProblem, match=rf"{told}.* law ends at 4.455e\+05"):
+            wo.solve(problem, nodes=17)
+        light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
+        assert light.residuals.largest <= 1e-8
+
+
 @pytest.mark.parametrize(
     ("fields", "text"),
     [
+        (
+            {"stack.radial": FALLS, "pressure": 500e3},
+            "pressure: 500000 is out of range; must be >= 0 and < 445500 ",
+        ),
         ({"pressure": -1.0}, "pressure: -1 is out of range; must be >= 0"),
         ({"core_radius": 0.1}, "core_radius: 0.1 is out of range"),
         ({"hardening": "secant"}, "hardening"),

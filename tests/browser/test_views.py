@@ -16,8 +16,8 @@ def test_a_view_fits_and_is_open_to_all(look, width, height, scheme):
     background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
     light = sum(map(int, background.removeprefix("rgb(").rstrip(")").split(","))) > 3 * 128
     assert light == (scheme == "light")
-    for tab in ("case", "study", "winding"):
-        page.click(f"#tab-{tab}")
+    for tab in page.eval_on_selector_all("[role=tab]", "tabs => tabs.map(tab => tab.id)"):
+        page.click(f"#{tab}")
         seen.rest()
         wide = page.evaluate("() => document.scrollingElement.scrollWidth")
         assert wide <= width, tab

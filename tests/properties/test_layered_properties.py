@@ -8,8 +8,8 @@ from layered import ending, random_layered
 import woundon as wo
 
 # some of the 300 of benchmarks/layered.py: coatings of micrometres, open bores, graded rolls, and
-# cases that are refused: 34 is a thin shell that bulges away from the roll
-SEEDS = [0, 1, 3, 4, 5, 6, 13, 17, 24, 34, 42]
+# cases that are refused: 3, 34 and 219 are tubes that the load flattens
+SEEDS = [0, 1, 3, 4, 5, 6, 13, 17, 24, 34, 42, 219]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -18,12 +18,13 @@ def test_solved_or_refused(seed: int) -> None:
     if how == "solved":
         assert residual <= 1e-8
     else:
-        assert any(why in how for why in ("must be", "too soft", "the surfaces part"))
+        assert how.startswith("refused: ")
+        assert "must be" in how
 
 
 def test_the_sample_is_one_of_every_sort() -> None:
     endings = [ending(seed)[0].partition(":")[0] for seed in (0, 3, 4)]
-    assert sorted(set(endings)) == ["NOT SOLVED", "refused", "solved"]
+    assert sorted(set(endings)) == ["refused", "solved"]
     drums = {random_layered(seed).drum.core for seed in (0, 1, 5, 6, 42)}
     rolls = {type(random_layered(seed).roll) for seed in (0, 1, 5, 6, 42)}
     assert drums == {"rigid", "free"}

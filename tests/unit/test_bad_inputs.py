@@ -22,7 +22,8 @@ from woundon.cli import main
 
 BODY = "Rigid, HalfPlane, Cylinder, Layered or WoundRoll (or a table of its fields)"
 MATERIAL = (
-    "Orthotropic or Isotropic (or a table of its fields, or a name that 'woundon materials' lists)"
+    "Orthotropic, Isotropic or Stack (or a table of its fields, or a name that "
+    "'woundon materials' lists)"
 )
 LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
 UNITS = "(units are read in case files and by replace)"
@@ -392,7 +393,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ),
     (
         {"web": {"thickness": 66e-6, "material": {"kind": "wood"}}},
-        "web.material.kind: 'wood' is unknown; must be 'orthotropic' or 'isotropic'",
+        "web.material.kind: 'wood' is unknown; must be 'orthotropic', 'isotropic' or 'stack'",
     ),
     (
         {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},

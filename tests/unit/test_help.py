@@ -165,7 +165,7 @@ def test_an_instance_offers_its_fields_and_no_more_than_works(kind: str) -> None
 @pytest.mark.parametrize("cls", DESCRIPTIONS)
 def test_help_is_about_the_class(cls: type[Any]) -> None:
     text = pydoc.render_doc(cls, renderer=pydoc.plaintext)
-    assert text.count("\n") < 130  # pydantic's own methods alone make 450 lines
+    assert text.count("\n") < 140  # pydantic's own methods alone make 450 lines
     for word in ("model_", "pydantic_", "BeforeValidator", "Annotated", "Quantity("):
         assert word not in text
     assert inspect.getdoc(cls) in re.sub(r"^ \| ? ?", "", text, flags=re.M)
@@ -187,7 +187,7 @@ def test_help_has_every_field_with_symbol_unit_and_range(cls: type[Any]) -> None
 
 
 def test_signatures_are_plain() -> None:
-    assert str(inspect.signature(wo.Web)) == "(*, thickness: 'float', material: 'Material') -> None"
+    assert str(inspect.signature(wo.Web)) == "(*, thickness: 'float', material: 'Solid') -> None"
     told = str(inspect.signature(wo.RollerProblem))
     assert "tangential_load: 'float | None' = None" in told
     assert "motion: \"Literal['rolling', 'static']\" = 'rolling'" in told

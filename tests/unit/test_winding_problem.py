@@ -116,3 +116,12 @@ def test_settings_reach_laws_and_schedules():
 def test_a_word_is_no_quantity_when_replaced():
     assert CASE.replace(tension_law="friction").tension_law == "friction"
     assert CASE.replace(nip_load="2 kN/m").nip_load == 2000.0
+
+
+def test_a_linear_roll_needs_a_web_that_does_not_harden():
+    hardening = wo.WindingProblem.example()
+    web = wo.Web(thickness=66e-6, material=hardening.stack)
+    refused_in_one_line(
+        lambda: hardening.replace(web=web, roll_body="linear"),
+        "roll_body: 'linear' needs the moduli of a web that does not harden",
+    )

@@ -232,6 +232,73 @@ def test_bad_input_is_refused(film_nip, changes, said):
     refused_in_one_line(lambda: film_nip.replace(**changes), said)
 
 
+# ---- the winding ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def winding(film_nip):
+    stack = wo.Stack(
+        radial=wo.Pfeiffer(K1=5e3, K2=100.0), tangential=5e9, poissons_ratio=0.01, shear=10e6
+    )
+    return wo.WindingProblem(
+        web=film_nip.web, stack=stack, core=wo.Core(radius=0.05, stiffness=2e9), radius=0.2,
+        drum=film_nip.drum, roll_friction=0.25, drum_friction=0.4, web_tension=100.0,
+        nip_load=300.0,
+    )  # fmt: skip
+
+
+def wind(problem, speed):
+    air = wo.Air(roughness=0.3e-6)
+    # coarse: trends and laws are looked at here, not digits
+    return wo.solve(problem.replace(web_speed=speed, air=air), nodes=33, rtol=0.05)
+
+
+@pytest.fixture(scope="module")
+def windings(winding):
+    return {speed: wind(winding, speed) for speed in (0.0, 2.0, 4.0)}
+
+
+def test_a_winding_at_rest_has_no_air(winding, windings):
+    dry, still = wo.solve(winding, nodes=33, rtol=0.05), windings[0.0]
+    assert np.array_equal(still.wound_on_tension, dry.wound_on_tension)
+    assert np.array_equal(still.roll.pressure, dry.roll.pressure)
+    assert still.margins["slip"].value == dry.margins["slip"].value
+
+
+def test_speed_softens_the_roll_and_takes_its_slip_margin(windings):
+    still, fast, faster = windings.values()
+    assert still.air_film == 0 < fast.air_film < faster.air_film
+    assert still.mid_pressure > fast.mid_pressure > faster.mid_pressure
+    # less web on the same radius
+    assert still.length > fast.length > faster.length
+    assert (faster.nip_friction <= fast.nip_friction + 1e-6).all()
+    # the laps below the surface float: nothing carries the core's torque there
+    assert still.margins["slip"].value < fast.margins["slip"].value < 1
+    assert faster.margins["slip"].value > 1
+
+
+def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
+    fast = windings[2.0]
+    assert fast.residual < 1e-8
+    assert fast.roll.problem.web_thickness == fast.problem.web.thickness + fast.air_film
+    assert replace(fast, air_film=fast.air_film * 1.01).certified().air > 1e-8
+    again = replace(fast, wound=None)  # as from a file
+    assert again.mid_pressure == pytest.approx(fast.mid_pressure, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"web_speed": 5.0}, "air: missing; must be given with web_speed"),
+        ({"air": wo.Air(roughness=1e-6)}, "web_speed: missing; must be given with air"),
+        ({"web_speed": 5.0, "air": wo.Air(roughness=1e-6), "tension_law": "friction"},
+         "air: needs tension_law = 'nip'"),
+    ],
+)  # fmt: skip
+def test_air_that_does_not_fit_a_winding_is_refused(winding, changes, said):
+    refused_in_one_line(lambda: winding.replace(**changes), said)
+
+
 # ---- the roll ------------------------------------------------------------------------------------
 
 

@@ -371,6 +371,49 @@ def test_layers_between_rollers() -> None:
     assert max(rolling.residuals.largest, static.residuals.largest) <= 1e-8
 
 
+# ---- thin tubes ---------------------------------------------------------------------------------
+
+
+def test_the_load_that_flattens_a_thin_tube() -> None:
+    """4 pi B/(3 R R*) of a ring with B = E' h^3/12; thick ones and rigid cores are no rings."""
+    R, R_star, E = 0.2, 0.06, 2e9 / (1 - 0.3**2)
+    plastic, missed = wo.Isotropic(youngs_modulus=2e9, poissons_ratio=0.3), []
+    for h in (4e-3, 2e-3):
+        tube = wo.Layered(radius=R, layers=[wo.Layer(thickness=h, material=plastic)], core="free")
+        mean = R - h / 2
+        ring = 4 * np.pi * E * h**3 / 12 / (3 * mean * R_star)
+        missed.append(tube.bending_load(R_star) / ring - 1)
+    assert abs(missed[1]) < 0.02
+    assert missed[0] == pytest.approx(2 * missed[1], rel=0.2)  # of first order in h/R
+    assert tube.replace(core="rigid").bending_load(R_star) == np.inf
+    # two halves are one
+    half = wo.Layer(thickness=h / 2, material=plastic)
+    assert tube.replace(layers=[half, half]).bending_load(R_star) == pytest.approx(
+        tube.bending_load(R_star), rel=1e-9
+    )
+
+
+def test_a_load_that_flattens_a_tube_is_refused() -> None:
+    """A little below what a ring bears it is solved, above it is told how much is borne."""
+    tube = drum((2e-3, wo.Isotropic(youngs_modulus=2e9, poissons_ratio=0.3)), core="free")
+    problem = THREE.replace(drum=tube, winding_force=0.0, web_tension=0.0)
+    borne = tube.bending_load(problem.contact_radius)
+    assert wo.solve(problem.replace(nip_load=0.7 * borne), nodes=33).residuals.largest <= 1e-8
+    for nip in (problem, problem.wrapped()):
+        heavy = nip.replace(nip_load=1.5 * borne)
+        told = (
+            r"nip_load: .* must be < \S+ \[N/m\], about: the drum is a tube, 0.002 m thick in all"
+        )
+        with pytest.raises(wo.InvalidProblem, match=told) as refused:
+            wo.solve(heavy)
+        ((_, text),) = refused.value.faults
+        limit = float(text.partition("must be < ")[2].split()[0])
+        assert 0.7 * borne < limit < 1.2 * borne
+    pair = wo.RollerProblem(upper=wo.Rigid(radius=0.1), lower=tube, load=5 * borne, friction=0.2)
+    with pytest.raises(wo.InvalidProblem, match=r"load: .* the lower is a tube"):
+        wo.solve(pair)
+
+
 @pytest.mark.parametrize(
     ("make", "told"),
     [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,11 +11,11 @@ from ..results import Residuals
 from .films import escaped_film, foil_film, friction_share, nip_film
 
 if TYPE_CHECKING:
-    from ..problems.air import AirNipProblem
+    from ..problems.air import Air, AirNipProblem
     from ..wrap.result import WrappedNipResult
     from .result import AirNipResult
 
-__all__ = ["certificate", "edge_of", "films_of"]
+__all__ = ["certificate", "edge_of", "films_of", "friction_between"]
 
 LEAST = 1e-6  # a nip without any friction is not solved
 NEAR, FEWEST = 0.1, 5  # of the half width, and nodes, on which the edge's rise is taken
@@ -32,6 +32,15 @@ def edge_of(solved: WrappedNipResult) -> float:
     count = max(int(np.sum(s < NEAR * solved.half_width)), FEWEST)
     s, p = s[:count], p[:count]
     return float(np.polynomial.polynomial.polyfit(s, p / np.sqrt(s), 2, w=np.sqrt(s))[0])
+
+
+def friction_between(film: float, pressure: Any, air: Air) -> Any:
+    """Return which share of their friction laps have under a pressure [1], an array of its shape.
+
+    The film that they hold, ``film`` at ambient pressure [m], is pressed together: none leaves.
+    """
+    pressed = film * air.ambient_pressure / (air.ambient_pressure + np.asarray(pressure))
+    return friction_share(pressed, air.roughness, air.full_friction, air.no_friction)
 
 
 def films_of(problem: AirNipProblem, edge: float, half_width: float) -> dict[str, float]:

@@ -10,15 +10,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..problems.air import AirNipProblem
-from ..problems.air_law import AirBetween
+from ..problems.air import AirNipProblem, with_film
 from ..problems.fields import shown
 from ..problems.nip import WrappedNipProblem
-from ..problems.radial_laws import SolidLaw
 from ..problems.roll import WoundRollProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
-from .films import friction_share
+from .certificate import friction_between
 
 __all__ = ["AirNipResult"]
 
@@ -107,10 +105,7 @@ class AirNipResult(Result):
         pressure : array_like
             P [Pa].
         """
-        air = self.problem.air
-        film = self.film * air.ambient_pressure / (air.ambient_pressure + np.asarray(pressure))
-        share = friction_share(film, air.roughness, air.full_friction, air.no_friction)
-        return self.problem.roll_friction * share
+        return self.problem.roll_friction * friction_between(self.film, pressure, self.problem.air)
 
     def wound(self, roll: WoundRollProblem) -> WoundRollProblem:
         """Return a roll whose laps keep the film between them; see :class:`~woundon.AirBetween`.
@@ -125,25 +120,14 @@ class AirNipResult(Result):
         InvalidProblem
             If the web's thickness is not the nip's, or the roll's stack has air already.
         """
-        stack, web = roll.stack, roll.web_thickness
+        web = roll.web_thickness
         if abs(web / self.problem.web.thickness - 1) > 1e-9:
             raise InvalidProblem.at(
                 "web_thickness",
                 f"{shown(web)} is out of range; must be the nip's, "
                 f"{self.problem.web.thickness:.6g} [m]",
             )
-        if self.film == 0:
-            return roll
-        p_a = self.problem.air.ambient_pressure
-        if not isinstance(stack.radial, SolidLaw):
-            raise InvalidProblem.at("stack.radial", "has air already; must be without")
-        law = AirBetween(law=stack.radial, film=self.film, web_thickness=web, ambient_pressure=p_a)
-        solid = web / (web + self.film)
-        return roll.replace(
-            stack=stack.replace(radial=law, tangential=stack.tangential * solid),
-            web_thickness=web + self.film,
-            density=None if roll.density is None else roll.density * solid,
-        )
+        return with_film(roll, self.film, self.problem.air)
 
     def certified(self) -> Residuals:
         """Return the certificate measured anew, from the problem and the numbers held here."""

@@ -10,6 +10,8 @@ changes K, so that two or three turns are enough.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..arguments import check_type
@@ -22,7 +24,7 @@ from ..wrap.solve import check_options, solve_wrapped_nip
 from .certificate import certificate, edge_of, films_of
 from .result import AirNipResult
 
-__all__ = ["check_options", "solve_air_nip"]
+__all__ = ["check_options", "solve_air_nip", "solved_with_air"]
 
 MOST_TURNS = 30
 SETTLED = 1e-10
@@ -57,15 +59,41 @@ def solve_air_nip(
         As of the nip; if film and friction do not settle.
     """
     check_type("problem", problem, AirNipProblem)
-    frictions = problem.roll_friction, problem.friction_behind
+    with unwarned():
+        solved, found = solved_with_air(problem, nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
+    return _result(problem, solved, found)
+
+
+def solved_with_air(
+    problem: AirNipProblem,
+    frictions: tuple[float, float] | None = None,
+    settled: float = SETTLED,
+    **options: Any,
+) -> tuple[WrappedNipResult, dict[str, float]]:
+    """Return the nip with the friction that its air leaves, and films and frictions by name.
+
+    Parameters
+    ----------
+    problem : AirNipProblem
+    frictions : (float, float), optional
+        In the nip and behind it, to begin with; those without air by default.
+    settled : float
+        To what of them they are to agree.
+    options
+        Of :func:`~woundon.solve_wrapped_nip`.
+
+    Raises
+    ------
+    NotConverged
+        If film and friction do not settle.
+    """
+    frictions = frictions or (problem.roll_friction, problem.friction_behind)
     for _ in range(MOST_TURNS):
-        nip = problem.without_air(*frictions)
-        with unwarned():
-            solved = solve_wrapped_nip(nip, nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
+        solved = solve_wrapped_nip(problem.without_air(*frictions), **options)
         found = films_of(problem, edge_of(solved), solved.half_width)
         left = found["roll_friction"], found["wrap_friction"]
-        if np.allclose(left, frictions, rtol=SETTLED, atol=0):
-            return _result(problem, solved, found)
+        if np.allclose(left, frictions, rtol=settled, atol=0):
+            return solved, found
         frictions = left
     raise NotConverged(f"film and friction did not settle in {MOST_TURNS} turns", None)
 

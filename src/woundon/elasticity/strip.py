@@ -4,9 +4,13 @@ To leading order in the thickness 2h the web carries one pressure p through its 
 tension T(x) with dT/dx = q+ + q-; its strain and its change of thickness are
 
     eps(x)         = c11 T(x)/(2h) - c12 p(x)
-    v+(x) - v-(x)  = c12 T(x) - 2h c22 p(x)
+    v+(x) - v-(x)  = c12 T(x) - 2h F(p(x))
 
-with the plane-strain compliances of the web's own material.
+with the plane-strain compliances of the web's own material: F = c22 p of a linear one.  That of a
+stack follows from one potential (:mod:`woundon.problems.stack`), which has c11 = 1/E_t and
+c12 = -nu/E_t under any pressure, so that F = int dp/E_r alone is not linear, and c22 = F' is its
+tangent.  The shear that the faces' friction puts through the web enters neither: by its thickness
+it is small against what is kept, of any material.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from ..contact.certificate import (
 )
 from ..results import Residuals
 from ..two_bodies import Matrices, mesh_of, within
-from .equations import NipMatrices, web_compliance
+from .equations import NipMatrices
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -43,13 +43,14 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         Its equations; see :func:`matrices_of`.
     """
     problem, a, inside = result.problem, result.half_width, slice(1, -1)
+    problem.web.refuse(float(np.max(result.pressure)))
     P, T_in = problem.nip_load, problem.web_tension
     p, x = result.pressure[inside], result.x
     q_roll, q_drum = result.roll_traction, result.drum_traction
     q = np.concatenate([q_roll[inside], q_drum[inside]])
     zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
     gained = from_edge(q_roll + q_drum, x)
-    c11 = web_compliance(problem.web).c11
+    c11 = problem.web.compliance.c11
     # the solved rigid slip holds the web's strain behind the nip too
     creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
     v = made.slips(p, q, creep)

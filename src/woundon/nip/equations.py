@@ -3,11 +3,12 @@ r"""The nip's equations on a mesh: bodies and web joined into a normal and a sti
 With tractions of the web on the roll q+ and on the drum q- (along +x), pressure p on both faces,
 T = T_in + int (q+ + q-), 1/R* = 1/R1 + 1/R2 and the web's compliances c:
 
-    indentation (82), differentiated      v1' + v2' + c12 (q+ + q-) - 2h c22 p' + Delta/R* = x/R*
+    indentation (82), differentiated      v1' + v2' + c12 (q+ + q-) - 2h F(p)' + Delta/R* = x/R*
     slip at the roll (133)                v+ = eps - eps1 - [eps - eps1](x = a)
     slip at the drum (133)                v- = eps - eps2 + xi-
     strain of the web (72)                eps = c11 T/(2h) - c12 p
 
+F = c22 p, but of a web that hardens: there it is linearised about known pressures, as bodies are.
 The first is linear in p and Delta and is solved for them once:  p = p0 + K q  (the normal problem).
 Put into the other two it leaves the stick-slip problem in q = (q+, q-) and one rigid slip,
 xi = xi- + c11 T_out/(2h), which the winding force fixes.  T_in drops out: the winding theorem.
@@ -28,19 +29,11 @@ import numpy as np
 from ..contact.response import Response, Tractions
 from ..contact.schemes import Mesh
 from ..contact.stick_slip import StickSlip
-from ..elasticity.strip import Compliance, compliance
-from ..problems.nip import Web
-from ..two_bodies import Matrices, PairEquations, PairState
+from ..two_bodies import About, Matrices, PairEquations, PairState
 
-__all__ = ["NipEquations", "NipMatrices", "web_compliance"]
+__all__ = ["NipEquations", "NipMatrices"]
 
 Array = np.ndarray
-
-
-def web_compliance(web: Web) -> Compliance:
-    """Return the web's plane-strain compliances [1/Pa]."""
-    rr, tt, rt, _, along = web.material.stiffness
-    return compliance(rr, tt, rt, along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +45,17 @@ class NipMatrices(Matrices):
     """
 
     @classmethod
-    def of(cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response) -> Self:
+    def of(
+        cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response, about: About = None
+    ) -> Self:
         """Assemble for the half width ``a`` [m] and given responses of roll and drum."""
-        web, thickness = web_compliance(problem.web), problem.web.thickness
+        web, thickness = problem.web.compliance, problem.web.thickness
         n, N = mesh.unknowns, mesh.unknowns + 1
         value = mesh.value[:-1]
-        slope_p = problem.thinning / a * mesh.slope[:-1]
+        # the web's thinning varies linearly between the nodes, as the pressure does
+        known = np.zeros(n) if about is None else np.maximum(about[0].pressure, 0.0)
+        thinned, by_pressure = problem.web.thinned(known)
+        slope_p = mesh.slope[:-1] * (-by_pressure / a)
         slope_q = np.empty((N, 2 * n))
         slope_q[:, :n] = slope_q[:, n:] = web.c12 * value
         # the web: its tension between the point and the trailing edge, and its squeezing
@@ -69,6 +67,8 @@ class NipMatrices(Matrices):
         through[2 * n :] = squeeze[-1]
         gap = mesh.middle * (a / problem.contact_radius)
         top, offset = float(np.max(gap)), np.zeros(2 * N)
+        if not problem.web.linear:
+            gap = gap + mesh.slope[:-1] @ (thinned - by_pressure * known) / a
         for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
             if body.rigid:
                 continue

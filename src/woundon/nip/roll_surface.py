@@ -12,7 +12,6 @@ from ..contact.grid import Grid
 from ..contact.response import Response, Tractions
 from ..contact.schemes import interpolation_rank
 from ..errors import InvalidProblem
-from .equations import web_compliance
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -106,6 +105,6 @@ def wound_on_tension_estimate(result: NipResult, angle: float) -> float:
             f"{angle:.6g} is out of range; must be >= {edge_angle:.4g}, the nip's trailing edge, "
         )
         raise InvalidProblem.at("angle", f"{text}and <= {pi:.6g} [rad]")
-    c11 = web_compliance(problem.web).c11
+    c11 = problem.web.compliance.c11
     far, edge = roll_strain(result, np.array([angle * problem.roll.radius, result.half_width]))
     return float(result.tension_behind_nip + problem.web.thickness / c11 * (far - edge))

@@ -33,7 +33,7 @@ from ..quantities import walk
 from ..results import ReadOnly
 from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
-from .equations import NipMatrices, web_compliance
+from .equations import NipMatrices
 from .result import NipResult
 
 if TYPE_CHECKING:
@@ -224,7 +224,7 @@ class _Differential:
         )
         self.bodies = dict(zip(problem.pair, made, strict=True))
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
-        c11 = web_compliance(problem.web).c11
+        c11 = problem.web.compliance.c11
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
         shift = result.offset / problem.contact_radius
         zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
@@ -279,7 +279,7 @@ class _Differential:
         NIT[-1] = float(w @ (u.traction[:n] + u.traction[n:]))
         width[-1] = u.half_width
         # xi- = xi - c11 T_out/(2h)
-        stretch = web_compliance(self.problem.web).c11 / self.problem.web.thickness
+        stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
         return np.array([NIT, NIT, width, 2 * width, creep])
@@ -302,7 +302,8 @@ class _Differential:
         if part in bodies:
             loads = self.about[problem.pair.index(part)]
             bodies = bodies | {part: getattr(problem, part).respond(self.mesh, a, loads)}
-        return NipMatrices.of(problem, self.mesh, a, *bodies.values())
+        one, two = bodies.values()
+        return NipMatrices.of(problem, self.mesh, a, one, two, self.about)
 
     def _size(self, name: str, value: float) -> float:
         """Return the scale on which a field matters."""
@@ -314,14 +315,14 @@ class _Differential:
             return abs(value)
         if name in ("winding_force", "web_tension"):
             return self.problem.drum_friction * self.problem.nip_load
-        return self.problem.web.material.stiffness.shear if name.endswith("cross") else 1.0
+        return 1 / self.problem.web.compliance.c22 if name.endswith("cross") else 1.0
 
     def _outputs(self, problem: NipProblem) -> Array:
         """Return the outputs of another problem at the fixed unknowns."""
         w, u, n = self.here.weights, self.u, self.n
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
         T_out = problem.web_tension + NIT
-        creep = u.creep - web_compliance(problem.web).c11 / problem.web.thickness * T_out
+        creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
         return np.array([NIT, T_out, u.half_width, 2 * u.half_width, creep])
 
     def near_zone_change(self) -> str:

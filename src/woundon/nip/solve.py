@@ -32,7 +32,7 @@ from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
-from .equations import NipEquations, NipMatrices, web_compliance
+from .equations import NipEquations, NipMatrices
 from .result import NipResult
 from .validity import nip_warnings, web_far_outside
 
@@ -162,11 +162,6 @@ class NipContact(PairContact):
     equations_of: ClassVar[type[PairEquations]] = NipEquations
 
     @property
-    def load(self) -> float:
-        """P [N/m]."""
-        return float(self.problem.nip_load)
-
-    @property
     def outside(self) -> str:
         """What of the problem lies far outside the model, and what to change."""
         web = web_far_outside(self.problem, 2 * self.guess())
@@ -202,7 +197,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         extrapolation=NIT - whole,
         half_width=state.half_width,
         approach=approach(
-            problem, made, state, web_compliance(problem.web).c12 * (T_in + whole)
+            problem, made, state, problem.web.compliance.c12 * (T_in + whole)
         ),
         offset=state.shift * problem.contact_radius,
         **told,
@@ -279,7 +274,7 @@ def slip_ratios(
 
 def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:
     """Return xi- (thesis eq. 93): the solved rigid slip holds the web's strain behind the nip."""
-    c11 = web_compliance(problem.web).c11
+    c11 = problem.web.compliance.c11
     T_out = problem.web_tension + whole
     return float(state.solution.creep - c11 / problem.web.thickness * T_out)
 
@@ -301,7 +296,7 @@ def recomputed(result: NipResult) -> dict[str, tuple[float, float]]:
         traction=np.concatenate([result.roll_traction[inside], result.drum_traction[inside]]),
         shift=result.offset / problem.contact_radius,
     )  # fmt: skip
-    behind = web_compliance(problem.web).c12 * float(result.web_tension[-1])
+    behind = problem.web.compliance.c12 * float(result.web_tension[-1])
     delta = approach(problem, matrices_of(result), state, behind)
     slips = slip_ratios(problem, vars(result), sub_cell=scheme_of(result.scheme).refines)
     # meshes are fitted before they are extrapolated, and then leave thousandths at most

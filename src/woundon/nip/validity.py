@@ -9,7 +9,6 @@ import numpy as np
 from ..errors import RESOLUTION
 from ..problems.nip import WindingNip
 from ..validity import pair_warnings, past, zone_warnings
-from .equations import web_compliance
 from .result import WindingNipResult
 
 __all__ = ["nip_warnings", "web_far_outside"]
@@ -59,7 +58,7 @@ def _surface_strains(r: WindingNipResult) -> Iterator[str]:
 def _web_strain(r: WindingNipResult) -> Array:
     """Return the web's strain (thesis eq. 72) along all of it, (N,)."""
     web = r.problem.web
-    c = web_compliance(web)
+    c = web.compliance
     p = getattr(r, "roll_pressure", r.pressure)  # on a wrap nothing else presses
     return c.c11 / web.thickness * r.web_tension - c.c12 * p
 
@@ -81,12 +80,12 @@ def _roll_strain(r: WindingNipResult) -> Array:
 
 
 def _web(r: WindingNipResult) -> Iterator[str]:
-    web, stiffness = r.problem.web, r.problem.web.material.stiffness
-    peak, strain = float(np.max(r.pressure)), _web_strain(r)
+    web, peak, strain = r.problem.web, float(np.max(r.pressure)), _web_strain(r)
+    modulus = web.radial_modulus(peak)
     yield from past(
-        "pressure on the web", peak / stiffness.rr,
+        "pressure on the web", peak / modulus,
         f"the peak pressure {peak / 1e6:.3g} MPa is {{}} of the web's radial stiffness "
-        f"{stiffness.rr / 1e6:.3g} MPa",
+        f"{modulus / 1e6:.3g} MPa",
     )  # fmt: skip
     k = int(np.argmax(np.abs(strain)))
     yield from past(
@@ -120,7 +119,7 @@ def web_far_outside(problem: WindingNip, width: float) -> Iterator[str]:
     tension = problem.web_tension + (problem.roll_friction + problem.drum_friction) * (
         problem.nip_load
     )
-    strain = web_compliance(web).c11 / web.thickness * tension
+    strain = web.compliance.c11 / web.thickness * tension
     if strain > FAR_STRAIN:
         yield (
             f"this is far outside the model: tensions up to {tension:.3g} N/m (web tension, and "

@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Any
 
 from ..problems.nip import NipProblem
-from .equations import web_compliance
 from .result import NipResult
 from .validity import nip_warnings
 
@@ -29,7 +28,7 @@ SHIFTED = MappingProxyType({
 def at_tension(result: NipResult, T_in: float) -> NipResult:
     """Return the result of the same nip under the web tension T_in [N/m]."""
     step, web = T_in - result.problem.web_tension, result.problem.web
-    c = web_compliance(web)
+    c = web.compliance
     moved = result.replace(
         problem=result.problem.replace(web_tension=T_in),
         web_tension=result.web_tension + step,

@@ -8,12 +8,15 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, stress
+from .air_law import AirBetween
 from .bodies import HalfPlane
 from .fields import Description, Number, shown
 from .materials import Isotropic
 from .nip import Web, WrappedNip, WrappedNipProblem
+from .radial_laws import SolidLaw
+from .roll import WoundRollProblem
 
-__all__ = ["Air", "AirNipProblem", "WebSpeed"]
+__all__ = ["Air", "AirNipProblem", "WebSpeed", "with_film"]
 
 WebSpeed = Annotated[
     Number, Quantity("V", "m/s", "web speed", "m/s", (1.0, 50.0)), Field(ge=0, le=200)
@@ -72,6 +75,38 @@ class Air(Description):
                 f"{self.full_friction:.6g} [1]",
             )
         return self
+
+
+def with_film(roll: WoundRollProblem, film: float, air: Air) -> WoundRollProblem:
+    """Return a roll whose laps hold a film of air between them; see :class:`.AirBetween`.
+
+    Parameters
+    ----------
+    roll : WoundRollProblem
+        Without air.
+    film : float
+        At ambient pressure [m].
+    air : Air
+
+    Raises
+    ------
+    InvalidProblem
+        If the roll's stack has air already.
+    """
+    if film == 0:
+        return roll
+    stack, web = roll.stack, roll.web_thickness
+    if not isinstance(stack.radial, SolidLaw):
+        raise InvalidProblem.at("stack.radial", "has air already; must be without")
+    law = AirBetween(
+        law=stack.radial, film=film, web_thickness=web, ambient_pressure=air.ambient_pressure
+    )
+    solid = web / (web + film)
+    return roll.replace(
+        stack=stack.replace(radial=law, tangential=stack.tangential * solid),
+        web_thickness=web + film,
+        density=None if roll.density is None else roll.density * solid,
+    )
 
 
 class AirNipProblem(WrappedNip):

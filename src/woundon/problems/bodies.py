@@ -14,12 +14,14 @@ from functools import cached_property
 from math import inf, log1p, pi, sqrt
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..contact.response import Response
 from ..contact.schemes import RESOLVED
 from ..elasticity import cylinder, half_plane
 from ..elasticity.kernels import SurfaceKernels
+from ..elasticity.layers import stacked_compliance
 from ..errors import InvalidProblem
 from ..quantities import length
 from .fields import Description, Family, Number, Problem
@@ -122,6 +124,13 @@ class Body(Family):
         """
         material = self.surface_material
         return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
+
+    def bending_load(self, contact_radius: float) -> float:
+        """Return about the line load that bends an open tube off a gap 1/R* [N/m].
+
+        inf of all other bodies.
+        """
+        return inf
 
     def stand_in(self, pressure: float) -> Body | None:
         """Return a linear body as stiff as this one is under a pressure; None where unknown.
@@ -338,6 +347,18 @@ class Layered(KernelBody):
         """Any half width: kernels that are too short to interpolate are integrated exactly [m]."""
         return inf
 
+    def bending_load(self, contact_radius: float) -> float:
+        """Return about the line load that bends an open tube off a gap 1/R* [N/m].
+
+        A thin ring of bending stiffness B, held around its bore, is made flatter by a line load P
+        by P R/(pi B) sum_(n>1) 1/(n^2 - 1) = 3 P R/(4 pi B), and Y_2 = R^3/(9 B) tells its B.
+        Where that is 1/R* the ring leaves the other body in the middle of their contact.
+        """
+        if self.core == "rigid":
+            return inf
+        Y_2 = float(stacked_compliance(np.array([2.0]), self._stack, free=True)[0, 0, 0])
+        return 4 * pi * self.radius**2 / (27 * Y_2 * contact_radius)
+
     def kernels(self) -> SurfaceKernels:
         """Return the influence functions of all layers together."""
         return cylinder.layered_kernels(self.radius, self._stack, self.core == "free")
@@ -394,6 +415,15 @@ class ContactProblem(Problem):
     def thinning(self) -> float:
         """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
         return 0.0
+
+    def stand_in(self, pressure: float) -> Self | None:
+        """Return the problem of linear bodies, as stiff as these under a pressure [Pa].
+
+        None where a body tells none.
+        """
+        pairs = zip(self.pair, self.bodies, strict=True)
+        linear = {name: body.stand_in(pressure) for name, body in pairs}
+        return None if None in linear.values() else self.replace(**linear)
 
     @model_validator(mode="after")
     def _deforms(self) -> Self:

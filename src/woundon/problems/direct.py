@@ -48,7 +48,8 @@ def respond(
     try:
         found = ring.about(fineness(nodes), a, a * nodes, own, p, q)
     except NoEquilibrium as stop:
-        raise NotConverged(str(stop)) from None
+        text = f"{stop}; more pressure wound in, a lower load or a smaller shear_exponent may do"
+        raise NotConverged(text) from None
     by_p, by_q, rest = found.gradients(a * grid.points)
 
     def places(points: Array | None) -> Array:

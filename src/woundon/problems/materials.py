@@ -49,14 +49,14 @@ class Stiffness(NamedTuple):
 class Solid(Family):
     """What webs and rolls are made of: linear elastic materials, and stacks that harden."""
 
-
-class Material(Solid, abstract=True):
-    """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
-
     @property
     def stiffness(self) -> Stiffness:
         """The plane-strain stiffness A_rr, A_tt, A_rt, G [Pa]."""
         raise NotImplementedError
+
+
+class Material(Solid, abstract=True):
+    """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
 
     @classmethod
     def made(cls, value: Any) -> Any:

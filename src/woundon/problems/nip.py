@@ -3,23 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from math import exp, pi
-from typing import Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+import numpy as np
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
-from ..elasticity.strip import compliance
+from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure
 from . import wound_roll as wound_roll  # it joins the bodies
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
-from .materials import AnyMaterial, material
+from .materials import Material, Solid, material
+from .radial_laws import Constant
+from .stack import Stack
+
+if TYPE_CHECKING:
+    from .fields import Given
 
 __all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNip", "WrappedNipProblem"]
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
 Friction = Field(ge=LEAST_FRICTION, le=10.0)
+
+
+Array = np.ndarray
+
+
+def _solid(value: Any) -> Any:
+    return Material.made(value) if isinstance(value, str) else Solid.made(value)
+
+
+if TYPE_CHECKING:
+    AnySolid = Given[Solid, Solid | str | Mapping[str, Any]]
+else:
+    AnySolid = Annotated[SerializeAsAny[Solid], BeforeValidator(_solid)]
 
 
 class Web(Description):
@@ -29,14 +49,62 @@ class Web(Description):
     ----------
     thickness : float
         2h [m], 0.1 um to 10 mm.
-    material : Orthotropic or Isotropic
-        The web's own plane-strain stiffness.
+    material : Orthotropic, Isotropic or Stack
+        The web's own plane-strain stiffness.  Of a stack the web hardens under the nip's pressure,
+        from none; its shear modulus plays no part.
     """
 
     thickness: Annotated[
         Number, length("2h", "web thickness", "um", (10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)
     ]
-    material: AnyMaterial
+    material: AnySolid
+
+    @property
+    def linear(self) -> bool:
+        """Whether it is as stiff under any pressure: not a stack whose modulus changes."""
+        stack = self.material
+        return not isinstance(stack, Stack) or isinstance(stack.radial, Constant)
+
+    @cached_property
+    def compliance(self) -> Compliance:
+        """Its plane-strain compliances [1/Pa]; c22, through it, is that without pressure."""
+        rr, tt, rt, _, along = self.material.stiffness
+        return compliance(rr, tt, rt, along)
+
+    def thinned(self, p: Array) -> tuple[Array, Array]:
+        """Return by how much pressures [Pa] make it thinner [m], and the derivatives [m/Pa]."""
+        if not isinstance(self.material, Stack):
+            by_p = np.full(p.shape, self.thickness * self.compliance.c22)
+            return by_p * p, by_p
+        radial = self.material.radial
+        return self.thickness * radial.strain_at(p), self.thickness / radial.modulus(p)
+
+    def radial_modulus(self, pressure: float) -> float:
+        """Return A_rr; of a stack the mean modulus up to a pressure, P/F(P) [Pa]."""
+        if isinstance(self.material, Stack):
+            return pressure / float(self.material.radial.strain_at(pressure))
+        return self.material.stiffness.rr
+
+    def refuse(self, pressure: float) -> None:
+        """Refuse a largest pressure [Pa] beyond the law of a stack.
+
+        Raises
+        ------
+        InvalidProblem
+        """
+        if isinstance(self.material, Stack) and pressure > self.material.limit:
+            raise InvalidProblem.at(
+                "web.material",
+                f"the pressure on the web reaches {pressure:.4g} [Pa], and its stack's law ends at "
+                f"{self.material.limit:.4g}: a lower nip load or another law is needed",
+            )
+
+    def stand_in(self, pressure: float) -> Self:
+        """Return the linear web that is as thin as this one under a pressure [Pa]."""
+        if not isinstance(self.material, Stack):
+            return self
+        modulus = min(self.radial_modulus(pressure), 0.9 * self.material.stiffest)
+        return self.replace(material=self.material.replace(radial=modulus))
 
 
 class WindingNip(ContactProblem):
@@ -82,11 +150,20 @@ class WindingNip(ContactProblem):
                 )  # fmt: skip
         return given
 
+    @cached_property
+    def linear(self) -> bool:
+        """Whether the bodies and the web are."""
+        return self.web.linear and all(body.linear for body in self.bodies)
+
     @property
     def thinning(self) -> float:
-        """-2h c22 of the web [m/Pa]."""
-        rr, tt, rt, _, along = self.web.material.stiffness
-        return -self.web.thickness * compliance(rr, tt, rt, along).c22
+        """-2h c22 of the web [m/Pa], without pressure."""
+        return -self.web.thickness * self.web.compliance.c22
+
+    def stand_in(self, pressure: float) -> Self | None:
+        """Return the nip of linear bodies and a linear web; None where a body tells none."""
+        linear = super().stand_in(pressure)
+        return None if linear is None else linear.replace(web=self.web.stand_in(pressure))
 
     @classmethod
     def example(cls) -> Self:

@@ -101,6 +101,11 @@ class Stack(Solid):
         """Pressure beyond which the stack is not admissible [Pa]: its law ends, or its energy."""
         return min(self.radial.highest, self.radial.reaches(self.stiffest))
 
+    @cached_property
+    def stiffness(self) -> Stiffness:
+        """The plane-strain stiffness A_rr, A_tt, A_rt, G without pressure [Pa]."""
+        return self.tangent(0.0)._replace(along=self.tangential)
+
     def tangent(self, P: float | Array, wound: float | Array | None = None) -> Stiffness:
         """Return the tangent stiffness A_rr, A_tt, A_rt, G without shear [Pa].
 

@@ -11,10 +11,11 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import Quantity, angle, length, line_load, pure
+from .air import Air, AirNipProblem, WebSpeed, with_film
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
-from .materials import material
+from .materials import Material, material
 from .nip import Friction, Web, WrappedNipProblem
 from .radial_laws import Pfeiffer
 from .roll import Core, WoundRollProblem
@@ -95,6 +96,11 @@ class WindingProblem(Problem):
         WOT - T_in [N/m], with tension_law "fixed" only.
     density : float, optional
         Of the web [kg/m^3]; with it the roll has a mass.
+    web_speed : float, optional
+        V [m/s], with air only.
+    air : Air, optional
+        What the web brings of it takes friction from nip and laps, and softens the roll; with
+        tension_law "nip".
     limits : Limits
         What the roll must bear: its margins are measured by them.
 
@@ -169,6 +175,9 @@ class WindingProblem(Problem):
     ] = None
     limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
 
+    web_speed: WebSpeed | None = None
+    air: Air | None = None
+
     @model_validator(mode="after")
     def _windable(self) -> Self:
         try:  # core, laps and density as of any wound roll
@@ -194,9 +203,17 @@ class WindingProblem(Problem):
                    else f"is given beside tension_law = {law}; must be left out")  # fmt: skip
         if self.torque_split is not None and self.winding_force != 0.0:
             yield ("torque_split", "is given beside winding_force; must be one of the two")
+        if self.roll_body == "linear" and not isinstance(self.web.material, Material):
+            yield "roll_body", "'linear' needs the moduli of a web that does not harden"
         if self.limits.acceleration and self.density is None:
             text = f"{shown(self.limits.acceleration)} is given without the web's density"
             yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
+        if self.air is not None and self.web_speed is None:
+            yield "web_speed", "missing; must be given with air"
+        if self.air is None and self.web_speed is not None:
+            yield "air", "missing; must be given with web_speed"
+        if self.air is not None and self.tension_law != "nip":
+            yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
         if self.drum.confined_only:
             yield "drum", "is an estimate for nips without wraps; must be another body"
 
@@ -298,12 +315,20 @@ class WindingProblem(Problem):
         same |= {name: float(self.at(name, radius)) for name in LOADS}
         return WrappedNipProblem(**same, roll=roll)
 
-    def wound_roll(self, wound_on_tension: float | Taper | Profile) -> WoundRollProblem:
-        """Return the roll that is wound with a tension over the radius [N/m]."""
-        return WoundRollProblem(
+    def with_air(self, nip: WrappedNipProblem) -> AirNipProblem:
+        """Return a nip with the air of this winding, which must have some."""
+        fields: dict[str, Any] = {name: getattr(nip, name) for name in type(nip).model_fields}
+        return AirNipProblem(**fields | {"web_speed": self.web_speed, "air": self.air})
+
+    def wound_roll(
+        self, wound_on_tension: float | Taper | Profile, film: float = 0.0
+    ) -> WoundRollProblem:
+        """Return the roll that is wound with a tension over the radius [N/m], and air [m]."""
+        roll = WoundRollProblem(
             core=self.core, radius=self.radius, stack=self.stack, web_thickness=self.web.thickness,
             wound_on_tension=wound_on_tension, density=self.density,
         )  # fmt: skip
+        return roll if self.air is None else with_film(roll, film, self.air)
 
     @classmethod
     def example(cls) -> Self:

@@ -20,7 +20,7 @@ import numpy as np
 from ..contact.response import Response, Tractions
 from ..contact.schemes import Mesh
 from ..contact.stick_slip import StickSlip
-from ..two_bodies import Matrices, PairEquations
+from ..two_bodies import About, Matrices, PairEquations
 
 __all__ = ["RollerEquations", "RollerMatrices"]
 
@@ -32,7 +32,9 @@ class RollerMatrices(Matrices):
     """The matrices of two rollers: one face, m = n."""
 
     @classmethod
-    def of(cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response) -> Self:
+    def of(
+        cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response, about: About = None
+    ) -> Self:
         """Assemble for the half width ``a`` [m] and given responses of upper and lower roller."""
         n, (up_p, up_q, up_strain_p, up_strain_q) = mesh.unknowns, one.gradients
         low_p, low_q, low_strain_p, low_strain_q = two.gradients

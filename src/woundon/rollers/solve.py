@@ -96,11 +96,7 @@ class RollerContact(PairContact):
     """Two rollers as the loop sees them."""
 
     equations_of: ClassVar[type[PairEquations]] = RollerEquations
-
-    @property
-    def load(self) -> float:
-        """P [N/m]."""
-        return float(self.problem.load)
+    load_field: ClassVar[str] = "load"
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""

@@ -21,7 +21,9 @@ from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult, WindingNipResult
 from ..problems.bodies import Body
 from ..problems.fields import Description
-from ..problems.nip import NipProblem
+from ..problems.nip import NipProblem, WindingNip
+from ..problems.stack import Stack
+from ..problems.wound_roll import WoundRoll
 from ..results import Result
 from ..rollers.result import RollerResult
 from ..wrap.result import WrappedNipResult
@@ -120,6 +122,7 @@ def nip_report(result: NipResult) -> list[Part]:
              "wound_on_tension_estimate"]  # fmt: skip
     return [
         _how(result),
+        *_hardening(result.problem),
         Section("Loads", _loads(result)),
         Section(HELD, rows_of(result, names + NIP, approach=_level(result)), BRACKETS),
         nip_zones(result),
@@ -130,6 +133,14 @@ def nip_report(result: NipResult) -> list[Part]:
 def _how(result: WindingNipResult) -> Line:
     systems = f"{result.iterations} linear systems"
     return Line(f"{result.scheme} scheme, {result.nodes} nodes, {systems}", "quiet")
+
+
+def _hardening(problem: WindingNip) -> Iterator[Line]:
+    """Say of a nip with a stack in it whether the nip's pressure hardens roll and web."""
+    if isinstance(problem.roll, WoundRoll) or isinstance(problem.web.material, Stack):
+        told = (f"the {name} {'does not harden' if part.linear else 'hardens'}"
+                for name, part in (("roll", problem.roll), ("web", problem.web)))  # fmt: skip
+        yield Line(f"under the nip's pressure {', '.join(told)}", "quiet")
 
 
 def _loads(result: WindingNipResult) -> tuple[Row, ...]:
@@ -163,6 +174,7 @@ def wrapped_report(result: WrappedNipResult) -> list[Part]:
         loads.append(field_row(problem, "wrap_friction"))
     return [
         _how(result),
+        *_hardening(problem),
         Section("Loads and wraps", tuple(loads)),
         Section(WRAPPED if problem.roll_wrap else HELD, _wrapped_rows(result)),
         nip_zones(result),

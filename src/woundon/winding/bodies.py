@@ -21,7 +21,7 @@ import numpy as np
 
 from ..errors import NotConverged
 from ..problems.bodies import Body, Cylinder
-from ..problems.materials import Orthotropic
+from ..problems.materials import Material, Orthotropic
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..problems.wound_roll import WoundRoll
@@ -145,7 +145,9 @@ def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) 
 
 
 def _linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
-    return Cylinder(radius=radius, core_radius=problem.core.radius, material=problem.web.material)
+    material = problem.web.material
+    assert isinstance(material, Material)  # as the problem asks
+    return Cylinder(radius=radius, core_radius=problem.core.radius, material=material)
 
 
 def hardening_roll(problem: WindingProblem, stage: WoundRollResult) -> WoundRoll:

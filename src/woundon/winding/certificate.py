@@ -28,6 +28,9 @@ def certificate(result: WindingResult) -> Residuals:
     coupling
         That each nip, on the roll wound so far, answers the tension told: to ``agreed`` of it,
         which counts as 1e-8.
+    air
+        That the laps hold the mean of the nips' films: to ``agreed`` of a lap, which counts as
+        1e-8.
     tension_balance
         That WOT - T_in is the nip-induced tension, of the largest WOT.
     schedules
@@ -46,6 +49,7 @@ def certificate(result: WindingResult) -> Residuals:
         roll_tension=largest(np.abs(wound - WOT)) / unit,
         nips=largest(result.nip_residual),
         coupling=largest(np.abs(answers)) * ACCEPTED_RESIDUAL / result.agreed,
+        air=_air_missed(result) * ACCEPTED_RESIDUAL / result.agreed,
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
         schedules=max(
@@ -57,3 +61,10 @@ def certificate(result: WindingResult) -> Residuals:
             largest(np.abs(r[[0, -1]] / problem.ends - 1)), 0.0 if (steps > 0).all() else 1.0
         ),
     )
+
+
+def _air_missed(result: WindingResult) -> float:
+    """Return by what of a lap the air between laps misses the mean of the nips' films."""
+    r, h = result.nip_radius, result.nip_air_film
+    mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
+    return abs(result.air_film - mean) / float(result.problem.web.thickness)

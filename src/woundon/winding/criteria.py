@@ -36,7 +36,7 @@ def torque_carried(r: Array, s: float, tension: float, density: float, accelerat
     return abs(tension) * s + inertia * acceleration / s
 
 
-def torque_share(r: Array, P: Array, friction: float, torque: Array) -> Array:
+def torque_share(r: Array, P: Array, friction: float | Array, torque: Array) -> Array:
     """Return the torque over what friction carries, 2 pi r^2 mu P, at radii [1]."""
     capacity = 2 * pi * np.asarray(r) ** 2 * friction * np.maximum(P, 0)
     with np.errstate(divide="ignore", invalid="ignore"):

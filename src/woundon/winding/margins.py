@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from math import nan
 from typing import Annotated, Any, NamedTuple
 
@@ -24,6 +24,7 @@ import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, one_of
+from ..problems.air import Air
 from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, line_load, strain, stress
@@ -154,6 +155,8 @@ class Pull:
         Before the nip [N/m]; empty where it is not known.
     assumed : str
         What had to be assumed.
+    left : callable
+        Which share of the friction air between laps leaves under a pressure P [1].
     """
 
     friction: float | None
@@ -161,6 +164,7 @@ class Pull:
     core: Array
     web_tension: Array
     assumed: str = ""
+    left: Callable[[Array], Array] = np.ones_like
 
     @classmethod
     def of(cls, result: Any) -> Pull:
@@ -168,10 +172,19 @@ class Pull:
         if not isinstance(result, WoundRollResult):
             # the drum takes F of what the web pulls: the roll's moment about its axis
             r, core = result.radius, result.web_tension + result.winding_force
-            return cls(result.problem.roll_friction, r, core, result.web_tension)
+            problem = result.problem
+            if problem.air is None:
+                return cls(problem.roll_friction, r, core, result.web_tension)
+            left = partial(_left, result.air_film, air=problem.air)
+            return cls(problem.roll_friction, r, core, result.web_tension, left=left)
         r, nothing = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
         return cls(None, r, tension, nothing, "taken as centre-wound without a nip")
+
+
+def _left(film: float, P: Array, air: Air) -> Array:
+    share: Array = kinds.fetch("woundon.air.certificate:friction_between")(film, P, air)
+    return share
 
 
 class _State(NamedTuple):
@@ -289,7 +302,7 @@ def _worst(states: list[_State], values: list[Array]) -> _Found:
     """Return the largest value over all states."""
     state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
     final, last = states[-1], values[-1]
-    if own.max() - last.max() <= ALIKE * abs(own.max()):
+    if last.max() == own.max() or own.max() - last.max() <= ALIKE * abs(own.max()):
         state, own = final, last
     k = int(np.argmax(own))
     stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
@@ -315,7 +328,7 @@ def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pul
     for (s, r, P, _), end in zip(states, reach[-len(states) :], strict=True):
         tension = float(np.interp(s, pull.radius, pull.core))
         torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
-        shares.append(torque_share(r, P, friction, torque)[r <= end])
+        shares.append(torque_share(r, P, friction * pull.left(np.maximum(P, 0)), torque)[r <= end])
     return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
 
 

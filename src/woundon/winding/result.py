@@ -41,6 +41,10 @@ class WindingResult(WithMargins, Result):
         Of the nips that were solved [m], [N/m], [m], [Pa].
     nip_felt_pressure : (n,) array
         P_e at which an effective roll has its moduli [Pa]; nan of other rolls.
+    nip_air_film, nip_friction : (n,) arrays
+        What the nips let through, at ambient pressure [m], and the friction that it leaves in them.
+    air_film : float
+        Mean of the films over the web's length, which the roll's laps hold [m].
     nip_error, nip_residual : (n,) arrays
         Their estimated discretisation error [N/m], and the largest violation of a law [1].
     interpolation_error : float
@@ -80,6 +84,9 @@ class WindingResult(WithMargins, Result):
     nip_felt_pressure: Annotated[
         Array, stress("P_e,k", "pressure at which an effective roll has its moduli")
     ]
+    nip_air_film: Annotated[Array, length("h_k", "film of air that they leave", "um")]
+    nip_friction: Annotated[Array, pure("mu+_k", "friction that air leaves in them")]
+    air_film: Annotated[float, length("h", "film of air between the laps", "um")]
     nip_error: Annotated[Array, line_load("WOT_k error", "their estimated discretisation error")]
     nip_residual: Annotated[Array, pure("r_k", "their largest violation of a contact law")]
     interpolation_error: Annotated[

@@ -17,7 +17,9 @@ Array = np.ndarray
 STRAIGHT = 1e-13  # of a tension, by which a point on a line may miss it
 
 
-def wind(problem: WindingProblem, r: Array, tension: Array, rtol: float) -> WoundRollResult:
+def wind(
+    problem: WindingProblem, r: Array, tension: Array, rtol: float, film: float = 0.0
+) -> WoundRollResult:
     """Return the roll wound with a tension that is linear between radii.
 
     Parameters
@@ -27,6 +29,8 @@ def wind(problem: WindingProblem, r: Array, tension: Array, rtol: float) -> Woun
         Radii [m], wound-on tension there [N/m].
     rtol : float
         Of the roll's pressure.
+    film : float
+        Of air between the laps, at ambient pressure [m].
 
     Raises
     ------
@@ -40,12 +44,14 @@ def wind(problem: WindingProblem, r: Array, tension: Array, rtol: float) -> Woun
             f"the wound-on tension falls to {tension[least]:.6g} [N/m] at the radius "
             f"{r[least]:.6g} [m]; must be > 0, or no lap is wound on",
         )
-    return solve_wound_roll(problem.wound_roll(_schedule(r, tension)), rtol=rtol)
+    return solve_wound_roll(problem.wound_roll(_schedule(r, tension), film), rtol=rtol)
 
 
 def wound_again(result: WindingResult) -> WoundRollResult:
     """Return the roll of a result that does not have it, for it comes from a file."""
-    return wind(result.problem, result.radius, result.wound_on_tension, result.roll_rtol)
+    return wind(
+        result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
+    )
 
 
 def _schedule(r: Array, tension: Array) -> float | Profile:

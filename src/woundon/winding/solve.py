@@ -26,9 +26,11 @@ from typing import Any
 
 import numpy as np
 
+from ..air.solve import solved_with_air
 from ..arguments import check_type, tolerance, whole_number
 from ..errors import RESOLUTION, InvalidProblem, NotConverged, unwarned
 from ..problems.bodies import Body
+from ..problems.nip import WrappedNipProblem
 from ..problems.roll import FEWEST_LAPS
 from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
@@ -151,6 +153,9 @@ class _Winder:
     solved: int = 0  # nips
     coarse: bool = False  # whether a turn is far from the last
     nips: dict[float, Felt] = field(default_factory=dict)  # by place, ln(r - r_c)
+    film: float = 0.0  # of air, that the roll was wound with
+    films: dict[float, float] = field(default_factory=dict)  # that the nips let through, by radius
+    frictions: dict[float, tuple[float, float]] = field(default_factory=dict)  # that they leave
 
     # ---- radii and places -----------------------------------------------------------------------
 
@@ -212,7 +217,8 @@ class _Winder:
 
     def wound(self, r: Array, tension: Array) -> WoundRollResult:
         """Return the roll wound with a tension."""
-        return wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * self.coarse))
+        self.film = self.mean_film()
+        return wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * self.coarse), self.film)
 
     def nip(self, place: float, roll: WoundRollResult) -> float:
         """Solve the nip at a place on a roll; return the share y that it answers."""
@@ -221,7 +227,7 @@ class _Winder:
         with _at(radius):
             stage = roll if radius == self.problem.radius else roll.at(radius)
             felt = solved_nip(
-                self.problem,
+                self.on(roll),
                 stage,
                 before,
                 self._solve,
@@ -232,18 +238,48 @@ class _Winder:
         gained = felt.tension - float(at("web_tension", radius))
         return gained / (self.problem.roll_friction * float(at("nip_load", radius)))
 
+    def on(self, roll: WoundRollResult) -> WindingProblem:
+        """Return the problem with the stack of a roll, air and all."""
+        stack = roll.problem.stack
+        return self.problem if stack is self.problem.stack else self.problem.replace(stack=stack)
+
     def _nearest(self, place: float) -> Felt | None:
         found = min(self.nips, key=lambda other: abs(other - place), default=None)
         return None if found is None else self.nips[found]
 
     def _solve(self, roll: Body, start: WrappedNipResult | None) -> WrappedNipResult:
         nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
-        result = solve_wrapped_nip(self.problem.nip(roll.radius, roll), nodes=nodes, start=start)
+        result = self._with_its_air(self.problem.nip(roll.radius, roll), nodes, start)
         self.solved += 1
         if self.progress is not None:
             points = sum(len(piece.places) for piece in self.pieces)
             self.progress(self.solved, max(EXPECTED_TURNS * points, self.solved))
         return result
+
+    def _with_its_air(
+        self, nip: WrappedNipProblem, nodes: int, start: WrappedNipResult | None
+    ) -> WrappedNipResult:
+        """Solve a nip, with the friction that its air leaves; keep the film."""
+        radius = nip.roll.radius
+        if self.problem.air is None:
+            self.films[radius] = 0.0
+            return solve_wrapped_nip(nip, nodes=nodes, start=start)
+        near = min(self.films, key=lambda other: abs(other - radius), default=None)
+        result, found = solved_with_air(
+            self.problem.with_air(nip), None if near is None else self.frictions[near], self.agreed,
+            nodes=nodes, start=start,
+        )  # fmt: skip
+        self.films[radius] = found["film"]
+        self.frictions[radius] = found["roll_friction"], found["wrap_friction"]
+        return result
+
+    def mean_film(self) -> float:
+        """Return the mean of the nips' films over the length of web [m]."""
+        if not any(self.films.values()):
+            return 0.0
+        r = np.array(sorted(self.films))
+        h = np.array([self.films[radius] for radius in r.tolist()])
+        return float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else float(h[0])
 
     # ---- the loop -------------------------------------------------------------------------------
 
@@ -261,6 +297,8 @@ class _Winder:
             answers = {place: self.nip(place, roll) for place in given}
             added = not self.coarse and self._refined(given, answers, roll)
             change = max(abs(self._off(place, share)) for place, share in given.items())
+            # of a lap, what more of air it would hold
+            change = max(change, abs(self.mean_film() - self.film) / self.problem.web.thickness)
             settled = not added and not self.coarse
             if settled and turn >= PATIENT and change <= self.rtol:
                 self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
@@ -372,6 +410,9 @@ class _Winder:
             nip_half_width=np.array([felt.result.half_width for felt in nips]),
             nip_peak_pressure=np.array([felt.result.peak_pressure for felt in nips]),
             nip_felt_pressure=np.array([felt.pressure for felt in nips]),
+            nip_air_film=np.array([self.films[self.radius(place)] for place in places]),
+            nip_friction=np.array([felt.result.problem.roll_friction for felt in nips]),
+            air_film=self.film,
             nip_error=np.array([felt.result.wound_on_tension_error for felt in nips]),
             nip_residual=np.array([felt.result.residual for felt in nips]),
             interpolation_error=float(interpolation),

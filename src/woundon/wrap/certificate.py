@@ -67,6 +67,7 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     """
     problem, grid, x, a = result.problem, equations.grid, result.x, result.half_width
     P, T = problem.nip_load, result.web_tension
+    problem.web.refuse(max(float(np.max(p)) for p in (result.pressure, result.roll_pressure)))
     web, h = equations.web, problem.web.thickness
     gap, by_z, by_q = equations.indentation
     top = float(np.max(np.abs(grid.points[grid.first : grid.last])))

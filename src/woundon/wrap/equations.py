@@ -37,7 +37,6 @@ from ..contact import lapack
 from ..contact.response import Tractions
 from ..contact.stick_slip import StickSlip, StickSlipSolution
 from ..elasticity.strip import Compliance
-from ..nip.equations import web_compliance
 from ..problems.nip import WrappedNipProblem
 from .face import Face, face
 from .grid import WrapGrid
@@ -123,7 +122,7 @@ class WrapEquations:
     @cached_property
     def web(self) -> Compliance:
         """The web's compliances."""
-        return web_compliance(self.problem.web)
+        return self.problem.web.compliance
 
     @cached_property
     def roll(self) -> Face:
@@ -222,10 +221,14 @@ class WrapEquations:
         by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
         by_q = web.c12 * grid.value[cells][:, self.columns]
         by_z[:, :n_p] = self.roll.slope_p[own]
-        thinner = problem.web.thickness * web.c22 / (a * grid.cells[cells])
-        k = np.arange(gap.size)
-        by_z[k, k] += thinner
-        by_z[k, k + 1] -= thinner
+        known, nip = self.about.roll, slice(grid.first, grid.last + 1)
+        p = np.zeros(gap.size + 1) if known is None else np.maximum(known.pressure[nip], 0.0)
+        thinned, by_p = problem.web.thinned(p)
+        length, k = a * grid.cells[cells], np.arange(gap.size)
+        by_z[k, k] += by_p[:-1] / length
+        by_z[k, k + 1] -= by_p[1:] / length
+        if not problem.web.linear:
+            gap = gap + np.diff(thinned - by_p * p) / length
         by_z[:, n_p:-1] += self.drum.slope_p[cells, self.drum_p]
         by_z[:, -1] = 1.0
         by_q[:, :n_q] += self.roll.slope_q[own, 1:-1]

@@ -23,7 +23,6 @@ from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halv
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState
-from ..nip.equations import web_compliance
 from ..nip.solve import slip_ratios, told_by
 from ..nip.validity import nip_warnings, web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
@@ -177,11 +176,6 @@ class WrapContact(PairContact):
     cells: int
     nodes: int
 
-    @property
-    def load(self) -> float:
-        """P [N/m]."""
-        return float(self.problem.nip_load)
-
     def grid(self, mesh: Mesh, a: float) -> WrapGrid:
         """Return the grid for a half width: the arcs' ends stay where they are in space."""
         cells = max(8, self.cells * (mesh.nodes.size - 1) // (self.nodes - 1))
@@ -256,7 +250,7 @@ class WrapContact(PairContact):
         if name != "drum_creep" or not problem.drum_wrap:
             return super().grain(name, mesh)
         hoop = problem.drum.compliance * problem.web_tension / problem.drum.radius
-        own = web_compliance(problem.web).c11 / problem.web.thickness * problem.web_tension
+        own = problem.web.compliance.c11 / problem.web.thickness * problem.web_tension
         return float(ENTRY * hoop + ROUNDING * own)
 
 
@@ -343,7 +337,7 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     """Return the mutual approach, from the indentation at the trailing edge [m]."""
     problem, a, web, grid = equations.problem, state.half_width, equations.web, equations.grid
     v = web.c12 * state.tension[grid.last]
-    v -= problem.web.thickness * web.c22 * state.roll_pressure[grid.last]
+    v -= float(problem.web.thinned(state.roll_pressure[grid.last :][:1])[0][0])
     roll, drum = slice(grid.first, None), slice(0, grid.last + 1)
     for face, own, p, q in (
         (equations.roll, roll, state.roll_pressure, state.roll_traction),

@@ -16,7 +16,7 @@ export function Form({ store }) {
   const narrow = matchMedia("(max-width: 820px)").matches; // there the first group alone is open
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
     ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<details class="group" open=${!narrow || k === 0} key=${`${kind.name}.${group.name}`} data-group=${group.name}>
-      <summary>${group.title}</summary>
+      <summary>${group.title.charAt(0).toUpperCase() + group.title.slice(1)}</summary>
       <div class="fields">${group.fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: group.fields.length === 1 }} />`)}</div>
     </details>`)}
   </form>`;

@@ -16,9 +16,10 @@ const ROWS = 33; // of a table of a panel
 export function headlines(kind, result) {
   const { outputs } = result;
   const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null);
-  const first = T.order.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
-  if (first.length >= 3) return first;
-  const main = kind.main.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
+  const named = (names) => names.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
+  const main = named(kind.main);
+  const usual = named(T.order);
+  if (usual.length >= 3) return [...new Set([...main, ...usual])];
   const told = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
   const rest = scalars.filter((output) => !main.includes(output) && !told.includes(output) && !output.whole);
   return [...main, ...told, ...(main.length + told.length > 2 ? [] : rest.slice(0, 7))];
@@ -109,7 +110,8 @@ function cells(panels) {
 }
 
 export function OnePanel({ store, name, cases, title, height = 200 }) {
-  const shown = title ?? T.panels[name] ?? cases[0].panel.y.label;
+  const words = title ?? T.panels[name] ?? cases[0].panel.y.label;
+  const shown = words.charAt(0).toUpperCase() + words.slice(1);
   const lines = cases[0].panel.curves.map((curve) => `${symbolText(curve.symbol)} ${curve.label}`).join(", ");
   return html`<div class=${`cell cell-${name}`}>
     <${Panel} title=${shown} cases=${cases} units=${store.units} height=${height} theme=${store.state.theme}
@@ -164,12 +166,12 @@ const ROLES = ["roll", "drum", "web"];
 const LINES = ["solid", "dashed", "dashdot"];
 
 function curvePanel(store, kind, told) {
-  const names = Object.keys(told.outputs);
+  const names = Object.keys(told.outputs).filter((name) => !/error/.test(name));
   const field = store.catalogue.forms[kind.form].fields.find((one) => one.name === told.field);
   const first = store.output(names[0], kind);
   return {
     name: "curve", column: "curve", x: { label: field.label, quantity: field, range: [told.values[0], told.values.at(-1)] },
-    y: { label: T.panels.curve("").trim().split(" ")[0], quantity: first }, areas: [],
+    y: { label: first.unit === "N/m" ? T.panels.tensions : first.label, quantity: first }, areas: [],
     marks: [{ along: "y", value: told.at, label: "" }],
     curves: names.filter((name) => store.output(name, kind).unit === first.unit).map((name, k) => ({
       name, symbol: store.output(name, kind).symbol, label: "", role: ROLES[k % 3], dash: LINES[k % 3], side: "left",
@@ -186,7 +188,7 @@ function Curve({ store }) {
   if (!told || !at(store.state.case, told.field)) return html`<div class="curve-cell" ref=${place}><p class="quiet waits">${T.panels.waits}</p></div>`;
   const cases = states(store, (state) => state.extras.curve?.kind === kind.name && state.extras.curve.told && curvePanel(store, kind, state.extras.curve.told));
   const label = cases[0].panel.x.label;
-  return html`<div class=${`curve-cell${stale ? " stale" : ""}`} ref=${place}><${OnePanel} store=${store} name="curve" cases=${cases} title=${T.panels.curve(label)} /></div>`;
+  return html`<div class=${`curve-cell${stale ? " stale" : ""}`} ref=${place}><${OnePanel} store=${store} name="curve" cases=${cases} title=${T.panels.curve(cases[0].panel.y.label, label)} /></div>`;
 }
 
 /** By how much the answer changes for one percent more of each field. */

@@ -16,7 +16,7 @@ export const T = {
   },
   bodies: { roll: "wound roll", drum: "winding drum", upper: "upper roller", lower: "lower roller" },
   kinds: {
-    nip: "Nip alone", wrapped_nip: "Nip with wraps", rollers: "Two rollers", wound_roll: "Wound roll", winding: "Winding",
+    nip: "Nip alone", wrapped_nip: "Nip with wraps", air_nip: "Nip with air", rollers: "Two rollers", wound_roll: "Wound roll", winding: "Winding",
   },
   members: {
     Rigid: "rigid", HalfPlane: "elastic half-plane", Cylinder: "elastic cylinder on a core", Layered: "layered (cover)",
@@ -45,7 +45,7 @@ export const T = {
     value: "value", unit: "unit",
   },
   drawing: {
-    title: "Roll, drum and web, to scale", rigid: "rigid", web: "web", thicker: "drawn thicker",
+    title: "Drawn to scale", rigid: "rigid", web: "web", thicker: "drawn thicker",
     whole: (a, ra, b, rb) => `${a} of radius ${ra}${b ? ` above ${b} of radius ${rb}` : ""}, drawn to scale`,
     lens: (width) => `The nip drawn to scale, ${width} wide, with its zones of stick and slip`,
   },
@@ -53,7 +53,7 @@ export const T = {
     tractions: "Tangential tractions and friction bounds", slips: "Slip and web tension in the nip", zones: "Zones",
     pressure: "Pressure", wrap_tension: "Web tension behind the nip", wrap_pressure: "Pressure behind the nip",
     hoop_stress: "Hoop stress", radial_modulus: "Hardness", tension: "Tension over the radius", loads: "Nip load and winding force", slip: "Slip",
-    curve: (field) => `Tension against ${field}`, bars: "What the answer depends on",
+    curve: (output, field) => `${output} against ${field}`, tensions: "Tension", bars: "What the answer depends on",
     barsOf: (output) => `Change of ${output} in % for 1 % more of`,
     describe: (title, lines) => `${title}: ${lines}. Arrow keys read values, plus and minus zoom, 0 shows all.`,
     table: "as a table",

@@ -28,6 +28,7 @@ export function Winding({ store }) {
       <${Bracket} store=${store} /><${Differences} store=${store} /><${Sections} store=${store} />`}`;
 }
 
+const LENGTH = { unit: "m", shown_unit: "mm" };
 const MARKS = { good: "✓", bad: "✗", open: "–" };
 const word = ({ ok }) => (ok == null ? "open" : ok ? "good" : "bad");
 
@@ -36,12 +37,12 @@ function Margins({ store }) {
   if (!margins?.length) return null;
   const { units } = store;
   return html`<section class="tab-card"><h2>${T.winding.margins}</h2><div class="table-scroll" tabindex="0"><table class="margins"><thead><tr>
-      <th scope="col"></th><th scope="col">${T.results.value}</th><th scope="col">${T.winding.limit}</th><th scope="col">${T.winding.radius}</th><th scope="col"></th></tr></thead>
+      <th scope="col"></th><th scope="col">${T.results.value}</th><th scope="col">${T.winding.limit}</th><th scope="col">${units.label(T.winding.radius, LENGTH)}</th><th scope="col"></th></tr></thead>
     <tbody>${margins.map((margin) => {
       const { quantity } = margin;
       const text = (value) => (value == null ? "–" : `${digits(units.shown(quantity, value))} ${units.text(quantity)}`);
       return html`<tr key=${margin.name} class=${word(margin)} title=${margin.note}><th scope="row">${margin.name}<span class="quiet"> ${quantity.label}</span></th><td>${text(margin.value)}</td><td>${text(margin.limit)}</td>
-        <td>${margin.radius == null ? "–" : digits(units.shown({ unit: "m", shown_unit: "mm" }, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${MARKS[word(margin)]}</span> ${T.winding[word(margin)]}</td></tr>`;
+        <td>${margin.radius == null ? "–" : digits(units.shown(LENGTH, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${MARKS[word(margin)]}</span> ${T.winding[word(margin)]}</td></tr>`;
     })}</tbody></table></div></section>`;
 }
 
@@ -55,7 +56,7 @@ function Schedule({ store, field }) {
   const svg = useRef(null);
   const drag = useRef(null);
   const [grip, setGrip] = useState(null);
-  const length = { unit: "m", shown_unit: "mm" };
+  const length = LENGTH;
   const top = grip ?? 1.25 * Math.max(...points.map(([, v]) => v), field.typical?.[0] ?? 0);
   const x = (r) => BOX.left + ((r - ends[0]) / (ends[1] - ends[0])) * (BOX.width - BOX.left - BOX.right);
   const y = (v) => BOX.top + (1 - v / top) * (BOX.height - BOX.top - BOX.bottom);
@@ -99,7 +100,7 @@ function Schedule({ store, field }) {
       ${ticks.map((tick) => html`<g key=${tick}><path d=${`M${BOX.left} ${y(units.si(field, tick))}H${BOX.width - BOX.right}`} class="grid-line" /><text x=${BOX.left - 6} y=${y(units.si(field, tick)) + 4} class="end">${digits(tick, 4)}</text></g>`)}
       ${radii.map((tick) => html`<text key=${tick} x=${x(units.si(length, tick))} y=${BOX.height - BOX.bottom + 16}>${digits(tick, 4)}</text>`)}
       <text x=${(BOX.left + BOX.width - BOX.right) / 2} y=${BOX.height - 6} class="name">${units.label(T.winding.radius, length)}</text>
-      <text transform=${`translate(14 ${(BOX.height - BOX.bottom + BOX.top) / 2}) rotate(-90)`} class="name">${units.label(field.label, field)}</text>
+      <text transform=${`translate(14 ${(BOX.height - BOX.bottom + BOX.top) / 2}) rotate(-90)`} class="name">[${units.text(field)}]</text>
       <path d=${`M${points.map(([r, v]) => `${x(r)} ${y(v)}`).join("L")}`} class=${`schedule-line${own ? "" : " other"}`} />
       ${points.map(([r, v], k) => html`<circle key=${k} cx=${x(r)} cy=${y(v)} r="7" class="knob" tabindex="0" role="slider" aria-valuenow=${Number(units.shown(field, v).toPrecision(4))}
         aria-valuemin="0" aria-valuemax=${Number(units.shown(field, top).toPrecision(4))} aria-valuetext=${T.winding.point(k + 1, `${digits(units.shown(length, r), 4)} ${units.text(length)}`, `${digits(units.shown(field, v), 4)} ${units.text(field)}`)}
