@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 
 import woundon as wo
 from woundon.nip.roll_surface import roll_strain
-from woundon.show.figures import legend_above, save_figure, style
+from woundon.show.figures import figure_bytes, legend_above, save_figure, style
 from woundon.show.nip_plots import nip_panels
 from woundon.show.panels import Case, drawn
 from woundon.studies.processes import in_processes
 from woundon.wrap.grid import Influence, OpenGrid
 
 __all__ = [
-    "draw_slips", "in_processes", "nip_figure", "roll_strain", "save_figure", "strain_under",
-    "style",
+    "draw_slips", "figure_bytes", "in_processes", "nip_figure", "roll_strain", "save_figure",
+    "strain_under", "style",
 ]  # fmt: skip
 
 Array = np.ndarray

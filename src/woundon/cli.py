@@ -30,6 +30,11 @@ COMMANDS = "woundon.commands"
 
 # imported when they are called: name, where, what they do
 _LATE = {
+    "app": ("woundon.app.commands:app", "Open the nip and the roll in the browser."),
+    "report": (
+        "woundon.app.commands:report",
+        "Write a report of solved cases: one HTML file that prints well.",
+    ),
     "sweep": ("woundon.studies.commands:sweep", "Solve all cases of a study file."),
     "fit": ("woundon.studies.commands:fit", "Fit fields of a case to measured data."),
     "sensitivity": (

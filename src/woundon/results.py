@@ -136,11 +136,14 @@ class Result(ReadOnly):
         Names that people may look for in vain, with what there is instead.
     MAY_BE_NAN : set of str, optional
         Fields that may be nan; in a file all others must be finite.  None where that is not told.
+    ALONG : mapping of str to str
+        Arrays that run along another one than the first, with its name.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ()
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
     MAY_BE_NAN: ClassVar[frozenset[str] | None] = None
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     problem: Any
     residuals: Residuals

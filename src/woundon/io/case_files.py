@@ -24,7 +24,10 @@ from .columns import with_columns
 from .files import read_whole
 from .units import parse
 
-__all__ = ["apply_settings", "load_case", "make_problem", "read_case", "template", "to_toml"]
+__all__ = [
+    "apply_settings", "check_like_a_case", "load_case", "make_problem", "read_case",
+    "tables_of_text", "template", "to_toml",
+]  # fmt: skip
 
 LARGEST = 10_000_000  # bytes; a case file has some hundreds, a wound roll's tables some thousands
 DEEPEST = 20  # tables in tables
@@ -74,7 +77,19 @@ def read_case(path: str | Path) -> dict[str, Any]:
     InvalidProblem
         If the file cannot be read, is empty, or is no TOML (with the line).
     """
-    content = read_whole(path, LARGEST)
+    return dict(
+        with_columns(tables_of_text(read_whole(path, LARGEST), str(path)), Path(path).parent)
+    )
+
+
+def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
+    """Return the tables of a case file's content, as written; no other file is looked into.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is empty, or is no TOML (with the line); ``where`` it stands is told.
+    """
     try:
         # Windows editors put a mark before the first byte of UTF-8
         text = content.decode("utf-8-sig")
@@ -83,21 +98,31 @@ def read_case(path: str | Path) -> dict[str, Any]:
         case = tomllib.loads(text)
     except UnicodeDecodeError as fault:
         why = f"is not UTF-8 text, from byte {fault.start}; save it as UTF-8"
-        raise InvalidProblem.at(str(path), why) from None
+        raise InvalidProblem.at(where, why) from None
     except RecursionError:
-        raise InvalidProblem.at(str(path), "is not a case file: it is nested too deeply") from None
+        raise InvalidProblem.at(where, "is not a case file: it is nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
         why = f"is not valid TOML: {fault}{_line_at_fault(text, str(fault))}"
-        raise InvalidProblem.at(str(path), why) from None
+        raise InvalidProblem.at(where, why) from None
     except ValueError:  # Python's limit on the digits of a whole number
         text = "is not a case file: it has a number of thousands of digits"
-        raise InvalidProblem.at(str(path), text) from None
-    if unlike := _unlike_a_case(case):
-        raise InvalidProblem.at(str(path), f"is not a case file: {unlike}")
+        raise InvalidProblem.at(where, text) from None
+    check_like_a_case(case, where)
     if not case.keys() - {"schema"}:
         text = "is empty; 'woundon new > case.toml' writes a case to start from"
-        raise InvalidProblem.at(str(path), text)
-    return dict(with_columns(case, Path(path).parent))
+        raise InvalidProblem.at(where, text)
+    return case
+
+
+def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
+    """Refuse tables that are larger or deeper than those of any case.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    if unlike := _unlike_a_case(case):
+        raise InvalidProblem.at(where, f"is not a case file: {unlike}")
 
 
 def _unlike_a_case(case: Mapping[str, Any]) -> str:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 
-__all__ = ["factor", "is_unit", "known_units", "parse", "written"]
+__all__ = ["MILL", "alike", "factor", "is_unit", "known_units", "parse", "written"]
 
 # one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
@@ -93,6 +93,12 @@ _LADDERS = {
     "rad": ("deg", "rad"),
 }
 
+# what North American mills say, by the unit in which a quantity is shown else
+MILL = {
+    "um": "mil", "mm": "in", "m": "ft", "N/m": "pli", "Pa": "psi", "kPa": "psi", "MPa": "ksi",
+    "GPa": "ksi", "m/s": "fpm", "kg/m": "lb/ft", "kg/m^3": "lb/ft^3",
+}  # fmt: skip
+
 _EXAMPLES = {
     "m": ", e.g. '66 um' or 66e-6",
     "N/m": ", e.g. '3.5 kN/m', '20 pli' or 3500",
@@ -157,6 +163,24 @@ def known_units() -> tuple[str, ...]:
 def is_unit(text: str) -> bool:
     """Tell whether a text is a unit that is understood."""
     return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
+
+
+def alike(unit: str, *more: str) -> dict[str, float]:
+    """Return the units in which a quantity may be told: name -> how many of the SI ``unit``.
+
+    Those that have a name of their own, the ladder on which numbers are written, what mills say
+    in their place, and ``more``.
+    """
+    if unit != "1" and not is_unit(unit):  # of an output that nobody writes
+        return {unit: 1.0}
+    due = _product(unit, _definitions()).powers if unit != "1" else {}
+    own = [name for name, known in _definitions().items()
+           if known.powers == due and due and name not in _SPELLINGS]  # fmt: skip
+    names = dict.fromkeys((unit, *_LADDERS.get(unit, ()), *own, *(("%",) * (unit == "1")), *more))
+    names |= dict.fromkeys(MILL[name] for name in list(names) if name in MILL)
+    sizes = {"" if name == "1" else name: _converted(name, unit) if name != "1" else Fraction(1)
+             for name in names}  # fmt: skip
+    return dict(sorted(((n, float(s)) for n, s in sizes.items() if s), key=lambda of: of[1]))
 
 
 def factor(text: str, unit: str, field: str) -> Fraction:

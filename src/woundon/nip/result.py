@@ -76,6 +76,9 @@ class WindingNipResult(Losses, Result):
     """
 
     DIFFERENTIATED: ClassVar[str]  # where its derivatives are found
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(("roll_slip", "drum_slip", "roll_strain"), "slip_x")
+    )
 
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]

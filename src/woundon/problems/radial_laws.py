@@ -232,7 +232,12 @@ class Polynomial(SolidLaw):
 
     coefficients: Annotated[
         Numbers,
-        Field(min_length=1, max_length=12, description="c_0, c_1, ... of E_r, P in Pa"),
+        Field(
+            min_length=1,
+            max_length=12,
+            description="c_0, c_1, ... of E_r, P in Pa",
+            examples=[(4e5, 40.0)],
+        ),
     ]
 
     @field_validator("coefficients")
@@ -376,11 +381,13 @@ class StackTest(SolidLaw):
     """
 
     pressure: Annotated[
-        Numbers, stress("P_i", "pressures of a stack test"), Field(min_length=4, max_length=10_000)
-    ]
+        Numbers, stress("P_i", "pressures of a stack test"),
+        Field(min_length=4, max_length=10_000, examples=[(10e3, 50e3, 200e3, 500e3)]),
+    ]  # fmt: skip
     strain: Annotated[
-        Numbers, strain("eps_i", "strains of a stack test"), Field(min_length=4, max_length=10_000)
-    ]
+        Numbers, strain("eps_i", "strains of a stack test"),
+        Field(min_length=4, max_length=10_000, examples=[(0.017, 0.045, 0.076, 0.098)]),
+    ]  # fmt: skip
 
     @model_validator(mode="after")
     def _rises(self) -> Self:

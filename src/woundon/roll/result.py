@@ -59,6 +59,9 @@ class WoundRollResult(Result):
         "wound_on_tension": "it is the problem's: result.problem.wound_on_tension",
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(("growth", "stage_order"), "stage_radius")
+    )
 
     radius: Annotated[Array, length("r", "radius")]
     pressure: Annotated[Array, stress("P", "pressure between the laps")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import nan
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -52,6 +53,7 @@ class RollerResult(Losses, Result):
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
         {"creepage", "rolling_resistance", "shift", "traction_error"}
     )
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType({"slip": "slip_x"})
 
     problem: RollerProblem
     creepage: Annotated[

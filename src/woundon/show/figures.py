@@ -32,6 +32,7 @@ from .parts import ZoneStrips
 
 __all__ = [
     "COLOURS", "Picture", "along_contact", "axis_label", "check_format", "draw_zones",
+    "figure_bytes",
     "legend_above", "letter", "quantity_of", "save_figure", "shown", "style", "symbol_text",
     "unit_of", "wrapped_text",
 ]  # fmt: skip
@@ -137,11 +138,15 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> 
     OSError
         If the file cannot be written; the one that was there stays as it was.
     """
-    ending = check_format(path)
+    write_whole(path, figure_bytes(figure, check_format(path), dpi=dpi))
+
+
+def figure_bytes(figure: Figure, ending: str, *, dpi: int | None = None) -> bytes:
+    """Return a figure in the format of an ending that :func:`check_format` admits."""
     drawn = BytesIO()
     with style():
         figure.savefig(drawn, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
-    write_whole(path, drawn.getvalue())
+    return drawn.getvalue()
 
 
 # ---- labels from quantities ---------------------------------------------------------------------

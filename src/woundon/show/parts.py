@@ -20,10 +20,12 @@ from ..nip.result import WindingNipResult
 from ..quantities import Quantity
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone
 from ..rollers.result import RollerResult
+from ..wrap.result import WrappedNipResult
 
 __all__ = [
     "Line", "Part", "Row", "Section", "Verdict", "Verdicts", "ZoneStrips", "certificate_line",
-    "field_row", "nip_zones", "output_row", "roller_zones", "row_of", "warning_lines", "zone_line",
+    "field_row", "friction_bounds", "nip_zones", "output_row", "roller_zones", "row_of",
+    "warning_lines", "zone_line", "zone_strips",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -237,6 +239,27 @@ def nip_zones(result: WindingNipResult) -> ZoneStrips:
 def roller_zones(result: RollerResult) -> ZoneStrips:
     """Return the zones of two rollers."""
     return ZoneStrips(result.x, {"contact": result.zone}, "lower faster", "lower slower")
+
+
+def zone_strips(result: Result) -> ZoneStrips | None:
+    """Return the zones of a contact of any kind; None where there are none."""
+    if isinstance(result, WindingNipResult):
+        return nip_zones(result)
+    return roller_zones(result) if isinstance(result, RollerResult) else None
+
+
+def friction_bounds(result: Result) -> dict[str, Array]:
+    """Return mu p, which no traction exceeds, by the traction's name [Pa]."""
+    problem = result.problem
+    if isinstance(result, RollerResult):
+        return {"traction": problem.friction * result.pressure}
+    if not isinstance(result, WindingNipResult):
+        return {}
+    on_roll, mu = result.pressure, np.full(result.x.shape, problem.roll_friction)
+    if isinstance(result, WrappedNipResult):
+        on_roll = result.roll_pressure
+        mu[result.in_nip.stop :] = problem.friction_behind
+    return {"roll_traction": mu * on_roll, "drum_traction": problem.drum_friction * result.pressure}
 
 
 def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:

@@ -24,7 +24,7 @@ from ..results import Result
 from .figures import COLOURS, axis_label, quantity_of, shown, symbol_text, unit_of, wrapped_text
 from .panels import Case, Panel, cases_of, drawn
 
-__all__ = ["output_panels", "plot"]
+__all__ = ["output_panels", "panel_columns", "plot", "plotted"]
 
 LINES = ("-", "--", "-.", ":")
 
@@ -79,6 +79,30 @@ def plot(
         For a panel that there is not, for results that have none in common, for another ending of
         the path.
     """
+    given, cases = _cases(results, labels)
+    return drawn(_common(given), cases, path, ax, panels)
+
+
+def plotted(
+    results: Sequence[Result] | Result, *, labels: Sequence[str] | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Figure:  # fmt: skip
+    """Return the figure of :func:`plot` for a file: no window or notebook knows of it."""
+    given, cases = _cases(results, labels)
+    figure: Figure = drawn(_common(given), cases, choice=panels, registered=False)
+    return figure
+
+
+def panel_columns(results: Sequence[Result]) -> list[list[str]]:
+    """Return the names of the panels that are drawn of results, column by column."""
+    columns: dict[str, list[str]] = {}
+    for name, panel in _common(results).items():
+        if panel.shown:
+            columns.setdefault(panel.column, []).append(name)
+    return list(columns.values())
+
+
+def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[Case]]:
     given: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
     for result in given:
         check_type("results", result, Result)
@@ -88,7 +112,7 @@ def plot(
         labels = _labels(given) if len(given) > 1 else [""]
     elif isinstance(labels, str) or len(labels) != len(given):
         raise InvalidProblem.at("labels", f"{said(labels)} must be {len(given)}, one a result")
-    return drawn(_common(given), cases_of(given, labels), path, ax, panels)
+    return given, cases_of(given, labels)
 
 
 def _common(results: Sequence[Result]) -> dict[str, Panel]:

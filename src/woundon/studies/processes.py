@@ -27,7 +27,7 @@ from typing import Any, TypeVar
 
 from ..threads import environment
 
-__all__ = ["WorkerDied", "in_processes", "stoppable"]
+__all__ = ["WorkerDied", "in_processes", "started", "stoppable"]
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -122,22 +122,8 @@ class _Crew:
 
     def hire(self, count: int) -> None:
         """Start processes, all at once."""
-        spawn, pipes = multiprocessing.get_context("spawn"), []
-        with _shielded(self.script):
-            for _ in range(count):
-                ours, theirs = spawn.Pipe()
-                # a daemon: ended with this process even where nobody closes the generator
-                process = spawn.Process(target=_serve, args=(theirs, self.work), daemon=True)
-                self.processes.append(process)
-                process.start()
-                theirs.close()
-                pipes.append(ours)
-        for pipe in pipes:
-            try:
-                pipe.recv()
-            except (EOFError, OSError):
-                raise RuntimeError(NO_START + NO_GUARD * self.script) from None
-        self.idle += pipes
+        for _, pipe in started(self.work, count, self.processes, self.script):
+            self.idle.append(pipe)
 
     def give(self, number: int, item: Any) -> None:
         """Send an item to a process that waits."""
@@ -164,6 +150,44 @@ class _Crew:
             if process.pid is not None:
                 process.kill()
                 process.join()
+
+
+def started(
+    work: Callable[[Any], Any], count: int, known: list[Any], script: bool = False
+) -> list[tuple[Any, Any]]:
+    """Start processes, all at once; return each with its pipe: send an item, receive the answer.
+
+    Parameters
+    ----------
+    work : callable
+        As of :func:`in_processes`; what comes through the pipe is (fault or None, answer).
+    count : int
+    known : list
+        Takes the processes up before they start: whoever holds it can end them.
+    script : bool
+        Whether they need something that is defined in the main script.
+
+    Raises
+    ------
+    RuntimeError
+        If they do not start.
+    """
+    spawn, made = multiprocessing.get_context("spawn"), list[tuple[Any, Any]]()
+    with _shielded(script):
+        for _ in range(count):
+            ours, theirs = spawn.Pipe()
+            # a daemon: ended with this process even where nobody ends it
+            process = spawn.Process(target=_serve, args=(theirs, work), daemon=True)
+            known.append(process)
+            process.start()
+            theirs.close()
+            made.append((process, ours))
+    for _, pipe in made:
+        try:
+            pipe.recv()
+        except (EOFError, OSError):
+            raise RuntimeError(NO_START + NO_GUARD * script) from None
+    return made
 
 
 def _serve(pipe: Any, work: Callable[[Any], Any]) -> None:

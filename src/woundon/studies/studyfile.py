@@ -16,7 +16,7 @@ from ..problems.fields import Problem
 from .design import DESIGNS
 from .kind_model import field_quantity
 
-__all__ = ["StudyFile", "load_study"]
+__all__ = ["StudyFile", "load_study", "study_of_tables"]
 
 SCHEMA = 1
 _KNOWN = ("schema", "case", "outputs", "over", "columns", "tie", "design", "solver")
@@ -67,18 +67,30 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
         For a file that cannot be read, or fields, values or units at fault.
     """
     path = Path(path)
-    told = read_case(path)
+    return study_of_tables(read_case(path), path.parent, ranges=ranges)
+
+
+def study_of_tables(
+    told: Mapping[str, Any], folder: Path | None, *, ranges: bool = False
+) -> StudyFile:
+    """Return the study that a file's tables describe; without a ``folder`` they may name no file.
+
+    Raises
+    ------
+    InvalidProblem
+        As of :func:`load_study`.
+    """
     for name in told:
         if name not in _KNOWN:
             raise InvalidProblem.at(name, f"no such field{did_you_mean(name, _KNOWN)}")
     if told.get("schema") != SCHEMA:
         raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
-    problem = _base(told.get("case"), path.parent)
+    problem = _base(told.get("case"), folder)
     design = _design(_table(told, "design"))
     drawn = ranges or design.get("design", "grid") not in ("grid", "table")
     over: Mapping[str, Any] | Path
-    if isinstance(told.get("over"), str) and not drawn:
-        over = path.parent / told["over"]
+    if isinstance(told.get("over"), str) and not drawn and folder is not None:
+        over = folder / told["over"]
     else:
         over = {
             name: _values(problem, name, given, drawn)
@@ -103,8 +115,8 @@ def _columns(told: Mapping[str, Any]) -> dict[str, str | None] | None:
     return {header: name or None for header, name in columns.items()}
 
 
-def _base(case: Any, folder: Path) -> Problem:
-    if isinstance(case, str):
+def _base(case: Any, folder: Path | None) -> Problem:
+    if isinstance(case, str) and folder is not None:
         return load_case(folder / case)
     if isinstance(case, Mapping):
         return make_problem({"schema": SCHEMA, **case})

@@ -65,6 +65,10 @@ class WindingResult(WithMargins, Result):
         "wound": "the roll is result.roll",
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_felt_pressure", "nip_error"})
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(
+        ("nip_wound_on_tension", "nip_half_width", "nip_peak_pressure", "nip_felt_pressure",
+         "nip_error", "nip_residual"), "nip_radius",
+    ))  # fmt: skip
 
     problem: WindingProblem
     radius: Annotated[Array, length("r", "radius")]

@@ -1,0 +1,38 @@
+"""The thesis's figures one by one, for the page of woundon: which there are, and each drawn."""
+
+from __future__ import annotations
+
+import ast
+from importlib import resources
+
+from .exhibits import NAMES, chosen, made_by, modules
+from .inside import figure_bytes
+
+__all__ = ["drawn", "known"]
+
+
+def known() -> list[dict[str, str]]:
+    """Return name, label and title of each figure; nothing is computed, nothing imported."""
+    told = []
+    for name in (name for name in NAMES if name.startswith("fig")):
+        (module,) = modules([name])
+        source = resources.files(__package__).joinpath(f"{module}.py").read_text(encoding="utf-8")
+        about = (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+        title = about.partition(": ")[2].rstrip(".") or about
+        label = f"Fig. {name.removeprefix('fig')}"
+        told.append({"name": name, "label": label, "title": title})
+    return told
+
+
+def drawn(name: str) -> bytes:
+    """Compute a figure by the accurate scheme and return it as SVG.
+
+    Raises
+    ------
+    InvalidProblem
+        For a name that is none.
+    """
+    (module,) = modules(chosen([name]))
+    exhibit = next(one for one in made_by(module, "graded") if one.name == name)
+    assert exhibit.draw is not None  # of figures, which are all that is known here
+    return figure_bytes(exhibit.draw(), ".svg")

@@ -1,0 +1,338 @@
+"""What the page asks for, answered from a case's tables: the functions that run in workers.
+
+Each takes what came over the wire, parsed, and returns what goes back.  Whatever is wrong with it
+is raised as everywhere (:mod:`woundon.errors`); :mod:`.refusals` puts it into words of HTTP.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from math import isinf
+from typing import Any
+
+import numpy as np
+from pydantic_core import to_json
+
+from .. import kinds
+from ..contact.zones import zone_runs
+from ..errors import InvalidProblem, NotConverged, unwarned
+from ..io.case_files import SCHEMA, check_like_a_case, make_problem
+from ..problems.fields import Problem, bounds, shown
+from ..quantities import find, scalar_outputs, value_of, walk
+from ..results import ACCEPTED_RESIDUAL, Result
+from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
+from ..show.report import report_parts
+from ..solve_command import solver_options
+from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
+from .catalogue import LIMITS, tables_of, told_of
+from .panels import panels_of
+
+__all__ = ["as_json", "curve", "problem_of", "sensitivities", "solve", "solved", "warm_up"]
+
+WARM_UP = 1.0  # seconds after which a worker is as ready as need be
+MOST_OUTPUTS = 6  # that are told where nobody names any
+MOST_SESSIONS = 32  # whose last states are kept to start from
+STEP = 1e-3  # relative, of differences in place of derivatives; a fixed grid is smooth to 1e-8
+_LAST: OrderedDict[str, Result] = OrderedDict()
+
+
+def problem_of(tables: Any) -> Problem:
+    """Return the problem of a case's tables from JSON.
+
+    Raises
+    ------
+    InvalidProblem
+        Also for tables that name files: none is opened for somebody far away.
+    """
+    if not isinstance(tables, Mapping):
+        text = f"{shown(tables)} is out of place; must be the tables of a case file"
+        raise InvalidProblem(text)
+    check_like_a_case(tables)
+    return make_problem({"schema": SCHEMA, **tables})
+
+
+def warm_up() -> None:
+    """Import what answers need, and fill caches, by solving what there is to start from."""
+    began = time.perf_counter()
+    for kind in kinds.every():
+        if time.perf_counter() - began < WARM_UP:
+            with suppress(InvalidProblem):
+                state_of(solved(kind.example(), {}))
+
+
+# ---- one state --------------------------------------------------------------------------------
+
+
+def solve(
+    tables: Any, options: Mapping[str, Any], session: str = "", warm: bool = False,
+    report: bool = False, drawn: bool = False,
+) -> bytes:  # fmt: skip
+    """Return the solved state of a case, as JSON; see :func:`state_of`."""
+    began = time.perf_counter()
+    problem = problem_of(tables)
+    result = solved(problem, options, _LAST.get(session) if warm else None)
+    if session:
+        _LAST[session] = result
+        _LAST.move_to_end(session)
+        while len(_LAST) > MOST_SESSIONS:
+            _LAST.popitem(last=False)
+    answer = state_of(result, report, drawn)
+    answer["seconds"] = time.perf_counter() - began
+    return as_json(answer)
+
+
+def as_json(answer: Any) -> bytes:
+    """Return JSON; what is nan is null."""
+    return to_json(answer, inf_nan_mode="null")
+
+
+def solved(problem: Problem, options: Mapping[str, Any], start: Result | None = None) -> Any:
+    """Return a problem's result, its warnings told in it alone."""
+    model = KindModel(problem, (), checked_options(kinds.of(problem), options))
+    with unwarned():
+        return model.solve(problem, start)
+
+
+def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options of a kind's solver, their texts read.
+
+    Raises
+    ------
+    InvalidProblem
+        For one that the solver does not have, or a text that is no number where it takes one.
+    """
+    if not given:
+        return {}
+    known, read = dict(solver_options(kind)), dict[str, Any]()
+    for name, value in given.items():
+        if name not in known:
+            text = f"no option of the kind {kind.command!r}; it has {', '.join(known) or 'none'}"
+            raise InvalidProblem.at(name, text)
+        of = known[name].type
+        try:
+            read[name] = of(value) if isinstance(value, str) else value
+        except ValueError:
+            text = f"must be a {'whole ' * (of is int)}number, got {shown(value)}"
+            raise InvalidProblem.at(name, text) from None
+    return read
+
+
+def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[str, Any]:
+    """Return what there is to show of a result, SI units, for JSON.
+
+    ``report`` adds the sections of the report; ``drawn`` gives the panels that the page draws in
+    place of the arrays.
+    """
+    parts = report_parts(result) if report else []
+    return {
+        "kind": kinds.of(result).name,
+        "problem": tables_of(result.problem),
+        "outputs": {
+            name: {"value": value_of(result, name), "error": result.errors.get(name)}
+            for name in scalar_outputs(result)
+        },
+        **({"panels": panels_of(result, told_of)} if drawn else _arrays(result)),
+        "certificate": _certificate(result),
+        "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
+        "warnings": list(result.warnings),
+        "geometry": _geometry(result),
+        "sections": [_section(part) for part in parts if isinstance(part, Section)],
+    }  # fmt: skip
+
+
+def _certificate(result: Result) -> dict[str, Any]:
+    line = certificate_line(result.residuals)
+    return {
+        "ok": bool(result.residuals.largest <= ACCEPTED_RESIDUAL),
+        "residual": result.residuals.largest,
+        "laws": dict(result.residuals.items()),
+        "text": line.text,
+    }
+
+
+def _margin(margin: Any) -> dict[str, Any]:
+    told = {
+        name: getattr(margin, name) for name in ("name", "value", "limit", "radius", "ok", "note")
+    }
+    return told | {"quantity": told_of(margin.quantity)}
+
+
+def _section(section: Section) -> dict[str, Any]:
+    rows = [
+        {"label": row.meaning, "symbol": row.symbol, "value": row.value, "unit": row.unit,
+         "value_text": row.value_text, "error_text": row.error_text, "note": row.note}
+        for row in section.rows
+    ]  # fmt: skip
+    return {"title": section.title, "text": section.text, "rows": rows}
+
+
+def _arrays(result: Result) -> dict[str, Any]:
+    arrays = {p.path: p.value.tolist() for p in walk(result) if isinstance(p.value, np.ndarray)}
+    return {"arrays": arrays, **_along_the_contact(result)}
+
+
+def _along_the_contact(result: Any) -> dict[str, Any]:
+    """Return the nip's nodes, its zones and what friction allows there, where there are any."""
+    strips = zone_strips(result)
+    if strips is None:
+        return {"nip": None, "zones": [], "zone_words": {}, "bounds": []}
+    own = getattr(result, "in_nip", slice(0, len(strips.x)))
+    return {
+        "nip": [own.start, own.stop - 1],
+        "zones": [{"name": face, "runs": zone_runs(strips.x, zones)}
+                  for face, zones in strips.faces.items()],
+        "zone_words": {"-1": strips.slower, "0": "stick", "1": strips.faster},
+        "bounds": [{"of": name, "values": values.tolist()}
+                   for name, values in friction_bounds(result).items()],
+    }  # fmt: skip
+
+
+def _geometry(result: Any) -> dict[str, Any]:
+    """Return what a drawing to scale needs [m, rad]."""
+    problem = result.problem
+    web = getattr(problem, "web", None)
+    drawn = {name: getattr(result, name, None) for name in ("half_width", "offset", "approach")}
+    wraps = {name: getattr(problem, name, None) for name in ("roll_wrap", "drum_wrap")}
+    return {
+        "bodies": [_body(name, getattr(problem, name)) for name in getattr(problem, "pair", ())],
+        "web": None if web is None else {"thickness": web.thickness},
+        **wraps,
+        **drawn,
+    }
+
+
+def _body(name: str, body: Any) -> dict[str, Any]:
+    deep = not body.rigid and isinf(body.thickness)
+    layers = getattr(body, "layers", None)
+    if layers is None and not (body.rigid or deep):
+        layers = [body]
+    return {
+        "name": name,
+        "radius": body.radius,
+        "rigid": body.rigid,
+        "deep": deep,
+        "core": None if body.rigid or deep else getattr(body, "core", "rigid"),
+        "layers": [{"thickness": layer.thickness} for layer in layers or ()],
+    }
+
+
+# ---- around a state ---------------------------------------------------------------------------
+
+
+def curve(
+    tables: Any, field: str, options: Mapping[str, Any], points: int = 11,
+    low: float | None = None, high: float | None = None, outputs: Sequence[str] = (),
+) -> bytes:  # fmt: skip
+    """Return outputs against one field around a case, as JSON.
+
+    Each state starts from the one before it.  By default from half to one and a half of the
+    field's value.
+    """
+    problem = problem_of(tables)
+    at = get_field(problem, field)
+    quantity = field_quantity(problem, field)
+    if quantity is None or isinstance(at, bool) or not isinstance(at, int | float):
+        raise InvalidProblem.at(field, f"{shown(at)} is not a number, so it cannot be varied")
+    if not 2 <= points <= LIMITS["curve_points"]:
+        text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
+        raise InvalidProblem.at("points", text)
+    kind = kinds.of(problem)
+    named = tuple(outputs) or _usual_outputs(problem)
+    model = model_of(problem, named, {}, checked_options(kind, options))
+    values = _spread(problem, field, float(at), points, low, high)
+    found: list[tuple[float, ...]] = []
+    failures, start = [], None
+    for value in values:
+        try:
+            answer = model.run({field: value}, start)
+        except (InvalidProblem, NotConverged, ArithmeticError) as fault:
+            failures.append({"value": value, "why": str(fault)})
+            found.append((np.nan,) * len(named))
+            continue
+        found.append(answer.values)
+        start = answer.state
+    columns = zip(*found, strict=True)
+    return as_json({
+        "field": field, "unit": quantity.unit, "at": at, "values": values,
+        "outputs": dict(zip(named, columns, strict=True)), "failures": failures,
+    })  # fmt: skip
+
+
+def _usual_outputs(problem: Problem) -> tuple[str, ...]:
+    """Return the main outputs of a problem's kind, and of a nip's its tensions; at least some."""
+    known = measurable(problem)
+    tensions = ("nip_induced_tension", "tension_behind_nip")
+    main = kinds.of(problem).result.MAIN
+    named = dict.fromkeys((*main, *(name for name in tensions if name in known)))
+    return tuple(named or list(known)[:MOST_OUTPUTS])
+
+
+def _spread(
+    problem: Problem, field: str, at: float, points: int, low: float | None, high: float | None
+) -> list[float]:
+    """Return values around one, within what the field admits."""
+    span = max(abs(at) / 2, 0.0) or _typical_span(problem, field)
+    ends = [at - span if low is None else low, at + span if high is None else high]
+    if not ends[0] < ends[1]:
+        text = f"{shown(ends[0])} is out of range; must be < high = {shown(ends[1])}"
+        raise InvalidProblem.at("low", text)
+    for place in find(problem, field)[:1]:
+        for sign, bound in bounds(place.field):
+            pick = max if sign.startswith(">") else min
+            ends = [pick(end, bound) for end in ends]
+    return [float(value) for value in np.linspace(ends[0], ends[1], points)]
+
+
+def _typical_span(problem: Problem, field: str) -> float:
+    quantity = field_quantity(problem, field)
+    low, high = (quantity.typical if quantity else None) or (-1.0, 1.0)
+    return (high - low) / 2
+
+
+def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
+    """Return how much the outputs depend on each field, the most important first, as JSON.
+
+    Exact where the kind's results tell it, else by central differences on one grid.
+    """
+    problem = problem_of(tables)
+    result = solved(problem, options)
+    if hasattr(result, "sensitivity"):
+        found = result.sensitivity().sorted()
+        return as_json({
+            "method": "exact", "outputs": found.outputs, "parameters": found.parameters,
+            "elasticities": found.elasticities.tolist(),
+            "derivatives": found.derivatives.tolist(), "zone_change": found.zone_change,
+        })  # fmt: skip
+    return as_json(_differences(problem, result, options))
+
+
+def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> dict[str, Any]:
+    kind = kinds.of(problem)
+    named = _usual_outputs(problem)
+    given = dict(options)
+    if "nodes" in dict(solver_options(kind)) and not given.keys() & {"nodes", "rtol"}:
+        given["nodes"] = result.nodes  # from grid to grid the outputs jump by their errors
+    model = model_of(problem, named, {}, checked_options(kind, given))
+    here = np.array(model.run({}, None).values)
+    fields = {
+        place.path: place.value
+        for place in walk(problem)
+        if isinstance(place.value, float) and place.quantity is not None and place.value
+    }
+    slopes = dict[str, Any]()
+    for name, value in fields.items():
+        with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at the edge of its range
+            ends = [np.array(model.run({name: value * (1 + way * STEP)}, result).values)
+                    for way in (-1, 1)]  # fmt: skip
+            slopes[name] = (ends[1] - ends[0]) / (2 * STEP * value)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = {n: slope * fields[n] / here for n, slope in slopes.items()}
+    order = sorted(slopes, key=lambda name: -abs(np.nan_to_num(shares[name][0])))
+    return {
+        "method": "differences", "outputs": named, "parameters": order,
+        "elasticities": np.transpose([shares[name] for name in order]).tolist(),
+        "derivatives": np.transpose([slopes[name] for name in order]).tolist(), "zone_change": "",
+    }  # fmt: skip

@@ -1,0 +1,233 @@
+"""What can be described and what comes of it, as the page's forms and panels need it.
+
+Nothing here knows a field or an output by its name: kinds, descriptions, named materials and units
+are walked, and whoever registers a kind or joins a family finds it on the page.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
+
+import numpy as np
+
+from .. import __version__, kinds
+from ..errors import InvalidProblem
+from ..io.case_texts import SCHEMA
+from ..io.units import MILL, alike
+from ..problems.fields import Description, Family
+from ..problems.materials import MATERIALS, Material
+from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
+from ..solve_command import solver_options
+
+__all__ = ["LIMITS", "catalogue", "exhibits", "tables_of", "told_of"]
+
+# what the server refuses beyond; the page says so before
+LIMITS = {
+    "body_bytes": 1_000_000,
+    "sweep_cases": 2500,
+    "curve_points": 41,
+    "solve_seconds": 60,
+    "paper_seconds": 180,
+    "study_seconds": 600,
+    "compare": 4,
+}
+
+
+@cache
+def catalogue() -> dict[str, Any]:
+    """Return kinds, forms, materials, units and limits, for JSON."""
+    forms: dict[str, Any] = {}
+    told = []
+    for kind in kinds.every():
+        _add_form(kind.problem, forms)
+        told.append(_kind(kind))
+    return {
+        "version": __version__,
+        "schema": SCHEMA,
+        "kinds": told,
+        "forms": forms,
+        "materials": [
+            {"name": name, "source": known.source, "material": tables_of(known.material)}
+            for name, known in MATERIALS.items()
+        ],
+        "units": _units(forms, told),
+        "systems": {"SI": {}, "mill": MILL},
+        "exhibits": [one for plugin in exhibits() for one in plugin.known()],
+        "limits": LIMITS,
+    }
+
+
+def exhibits() -> list[Any]:
+    """Return who has figures to show: modules with ``known()`` and ``drawn(name)``."""
+    return [found.load() for found in kinds.entry_points(group="woundon.exhibits")]
+
+
+def tables_of(description: Any) -> dict[str, Any]:
+    """Return the tables of a description: what a case file of it says, in SI and without groups."""
+    tables: dict[str, Any] = description.model_dump(mode="json", exclude_none=True)
+    return tables
+
+
+# ---- kinds ------------------------------------------------------------------------------------
+
+
+def _kind(kind: kinds.Kind) -> dict[str, Any]:
+    own = set(kind.problem.model_fields)
+    try:
+        example = tables_of(kind.example())
+    except InvalidProblem:
+        example = None
+    return {
+        "name": kind.name,
+        "title": _spoken(kind.name),
+        "about": kind.about,
+        "form": kind.problem.__name__,
+        "groups": {name: list(fields) for name, fields in kind.problem.tables.items()},
+        "with": [k.name for k in kinds.every() if own < set(k.problem.model_fields)],
+        "example": example,
+        "main": list(kind.result.MAIN),
+        "outputs": list(_outputs(kind.result)),
+        "exact_sensitivity": hasattr(kind.result, "sensitivity"),
+        "options": [
+            {"name": name, "type": option.type.__name__, "words": list(option.words),
+             "about": option.about}
+            for name, option in solver_options(kind)
+        ],
+    }  # fmt: skip
+
+
+def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
+    for place in outputs(result):
+        if place.quantity is not None:
+            of, *marks = get_args(place.field)
+            yield {
+                "name": place.path,
+                **told_of(place.quantity),
+                "array": of is np.ndarray,
+                # whole numbers have another type beside their quantity: zones, counts
+                "whole": of is int or any(isinstance(m, type) and issubclass(m, int)
+                                          for m in marks),
+            }  # fmt: skip
+
+
+def told_of(quantity: Quantity) -> dict[str, Any]:
+    """Return what the page needs to know of a quantity to show its values."""
+    return {
+        "symbol": quantity.symbol,
+        "label": quantity.meaning,
+        "unit": quantity.unit,
+        "shown_unit": quantity.display,
+    }
+
+
+# ---- forms ------------------------------------------------------------------------------------
+
+
+def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
+    """Add the form of a description, and those of all that may stand in it."""
+    name = model.__name__
+    if name in forms:
+        return
+    about = (vars(model).get("__doc__") or "").strip().partition("\n")[0]
+    start = {n: list(f.examples[0]) for n, f in model.model_fields.items() if f.examples}
+    forms[name] = {"title": _spoken(_snake(name)), "about": about, "fields": [], "start": start}
+    for field_name, field in model.model_fields.items():
+        forms[name]["fields"].append(_field(field_name, field))
+        for member in members_of(field.annotation):
+            _add_form(member, forms)
+
+
+def _field(name: str, field: Any) -> dict[str, Any]:
+    annotation, quantity = field.annotation, quantity_of(field)
+    members = members_of(annotation)
+    told: dict[str, Any] = {
+        "name": name,
+        "symbol": "",
+        "label": field.description or _spoken(name).lower(),
+        "type": _type(annotation),
+        "required": field.is_required(),
+        "optional": NoneType in get_args(annotation),
+        "unit": "",
+        "shown_unit": "",
+        "typical": None,
+        "limits": _marked(field, gt="gt", ge="ge", lt="lt", le="le"),
+    }
+    if not field.is_required():
+        default = field.get_default(call_default_factory=True)
+        told["default"] = tables_of(default) if isinstance(default, Description) else default
+    if quantity is not None:
+        told |= told_of(quantity)
+        told["typical"] = list(quantity.typical) if quantity.typical else None
+    elif OF_FIELD in field.metadata:
+        told |= {"unit": "holder", "shown_unit": "holder"}
+    if members:
+        families = [m for m in members if issubclass(m, Family)]
+        told["members"] = [
+            {"kind": m.member_name() if m in families and len(families) > 1 else None,
+             "form": m.__name__} for m in members
+        ]  # fmt: skip
+        told["number"] = not is_list(annotation) and _admits(annotation, float)
+        told["named"] = any(issubclass(m, Material) for m in members)
+    words = list(_words(annotation))
+    if words:
+        told["choices"] = words
+    if is_list(annotation):
+        told |= _marked(field, min_length="min_items", max_length="max_items")
+    return told
+
+
+def _type(annotation: Any) -> str:
+    """Return what stands in a field: see the page's forms."""
+    if members_of(annotation):
+        return "members" if is_list(annotation) else "member"
+    if is_list(annotation):
+        return "pairs" if any(is_list(part) for part in get_args(annotation)) else "numbers"
+    if any(_words(annotation)):
+        return "choice"
+    return "number" if _admits(annotation, float) else "text"
+
+
+def _admits(annotation: Any, wanted: type) -> bool:
+    return annotation is wanted or any(_admits(part, wanted) for part in get_args(annotation))
+
+
+def _words(annotation: Any) -> Iterator[str]:
+    for part in get_args(annotation):
+        if get_origin(annotation) is Literal:
+            yield part
+        elif get_origin(part) is not None:
+            yield from _words(part)
+
+
+def _marked(field: Any, **names: str) -> dict[str, float]:
+    """Return what marks of a field say, by our names for them."""
+    return {ours: getattr(part, theirs) for theirs, ours in names.items()
+            for part in field.metadata if hasattr(part, theirs)}  # fmt: skip
+
+
+# ---- words and units --------------------------------------------------------------------------
+
+
+def _units(forms: Mapping[str, Any], told: list[Any]) -> dict[str, Any]:
+    """Return for each SI unit those that its quantities may be told in, the smallest first."""
+    places = [f for form in forms.values() for f in form["fields"]]
+    places += [output for kind in told for output in kind["outputs"]]
+    shown: dict[str, list[str]] = {}
+    for place in places:
+        if place["unit"] not in ("", "holder"):
+            shown.setdefault(place["unit"], []).append(place["shown_unit"] or "1")
+    return {
+        unit: [{"name": name, "factor": size} for name, size in alike(unit, *names).items()]
+        for unit, names in shown.items()
+    }
+
+
+def _snake(name: str) -> str:
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).strip("_")
+
+
+def _spoken(name: str) -> str:
+    return name.replace("_", " ").capitalize()

@@ -1,0 +1,313 @@
+"""What the page draws of a result: curves, bounds, zones and marks as plain data.
+
+Each kind's panels here are those of its figures (``show``), told instead of drawn: the page draws
+them while somebody moves a slider.  A kind that is not named below has its arrays drawn over the
+first of them, so that a plug-in's results are seen too.
+
+A panel is a dict of
+
+- ``name``, ``column`` (panels of one column share what runs along x), ``x``, ``y``, ``right``: the
+  axes, each ``{"label", "quantity"}``; x also ``log`` and ``range``, y also ``floor``
+- ``curves``: ``{"name", "symbol", "label", "role", "dash", "side", "x", "y"}``
+- ``areas``: ``{"label", "shade", "x", "low", "high"}``, what is shaded behind them
+- ``marks``: ``{"along", "value", "label"}``, lines across
+- ``strips``: ``{"label", "runs": [[zone, from, to], ...]}`` in place of curves, and ``words``
+
+Numbers are SI; what is not finite is None.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from .. import kinds, quantities
+from ..contact.zones import zone_runs
+from ..quantities import Quantity
+from ..results import Result
+from ..show.parts import friction_bounds, zone_strips
+
+__all__ = ["panels_of"]
+
+Array = np.ndarray
+Panel = dict[str, Any]
+Told = Callable[[Quantity], Mapping[str, Any]]
+DIGITS = 8  # significant ones: a curve is drawn, the outputs are exact
+POINTS = 241  # of a curve that is known between its nodes too
+ABOVE = 5  # times the depth of the compression
+
+
+def panels_of(result: Result, told: Told) -> list[Panel]:
+    """Return the panels of a result of any kind.
+
+    Parameters
+    ----------
+    result : Result
+    told : callable
+        What tells a quantity: its symbol, unit and how it is shown.
+    """
+    panels = _PANELS.get(kinds.of(result).name, _any_panels)(result)
+    for panel in panels:
+        for axis in filter(None, (panel["x"], panel["y"], panel.get("right"))):
+            axis["quantity"] = dict(told(axis["quantity"]))
+    return panels
+
+
+def _numbers(values: Array) -> list[float | None]:
+    """Return rounded values; None where not finite."""
+    v = np.asarray(values, dtype=float)
+    finite = np.isfinite(v)
+    size = np.where(finite & (np.abs(v) > 1e-290), np.abs(v), 1.0)
+    scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
+    rounded = (np.round(np.where(finite, v, 0.0) * scale) / scale).tolist()
+    return [value if ok else None for value, ok in zip(rounded, finite.tolist(), strict=True)]
+
+
+def _quantity(result: Any, name: str) -> Quantity:
+    place = quantities.output(result, name)
+    assert place is not None
+    assert place.quantity is not None
+    return place.quantity
+
+
+def _curve(
+    result: Any, name: str, label: str, role: str, *, x: Array, own: slice = slice(None),
+    dash: str = "solid", side: str = "left", y: Array | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Return a curve of an output, or of values ``y`` told in its place."""
+    values = getattr(result, name)[own] if y is None else y
+    return {
+        "name": name, "symbol": _quantity(result, name).symbol, "label": label, "role": role,
+        "dash": dash, "side": side, "x": _numbers(x), "y": _numbers(values),
+    }  # fmt: skip
+
+
+def _axis(label: str, quantity: Quantity, **more: Any) -> dict[str, Any]:
+    return {"label": label, "quantity": quantity, **more}
+
+
+def _panel(name: str, column: str, x: Any, y: Any, curves: list[Any], **more: Any) -> Panel:
+    return {"name": name, "column": column, "x": x, "y": y, "curves": curves} | more
+
+
+# ---- the nip ------------------------------------------------------------------------------------
+
+
+def _nip_panels(result: Any) -> list[Panel]:
+    own = result.in_nip
+    x, slip_x = result.x[own], result.slip_x[own]
+    edge = 1.03 * result.half_width
+
+    def along() -> dict[str, Any]:
+        return _axis("Position along the nip", _quantity(result, "x"), range=[-edge, edge])
+
+    def axis(label: str, name: str, **more: Any) -> dict[str, Any]:
+        return _axis(label, _quantity(result, name), **more)
+
+    tractions = [
+        _curve(result, "roll_traction", "on the roll", "roll", x=x, own=own),
+        _curve(result, "drum_traction", "on the drum", "drum", x=x, own=own, dash="dashed"),
+    ]
+    slips = [
+        _curve(result, "roll_slip", "at the roll", "roll", x=slip_x, own=own),
+        _curve(result, "drum_slip", "at the drum", "drum", x=slip_x, own=own, dash="dashed"),
+        _curve(result, "web_tension", "web tension", "web", x=x, own=own, dash="dashdot",
+               side="right"),
+    ]  # fmt: skip
+    return [
+        _panel("tractions", "nip", along(), axis("Tangential traction", "roll_traction"),
+               tractions, areas=_bounds(result, own)),
+        _zones(result, along(), axis("", "roll_zone")),
+        _panel("slips", "nip", along(), axis("Relative slip speed", "roll_slip"), slips,
+               right=axis("Web tension", "web_tension")),
+        _panel("pressure", "nip", along(), axis("Pressure", "pressure", floor=0),
+               _pressures(result, x, own)),
+    ]  # fmt: skip
+
+
+def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
+    if not hasattr(result, "roll_pressure"):
+        return [_curve(result, "pressure", "in the nip", "web", x=x, own=own)]
+    return [
+        _curve(result, "roll_pressure", "on the roll", "roll", x=x, own=own),
+        _curve(result, "pressure", "on the drum", "drum", x=x, own=own, dash="dashed"),
+    ]
+
+
+def _bounds(result: Any, own: slice = slice(None)) -> list[dict[str, Any]]:
+    """Return what friction allows, the wider bound first."""
+    told = {"roll_traction": "mu+ p", "drum_traction": "mu- p", "traction": "mu p"}
+    found = [(told[name], values[own]) for name, values in friction_bounds(result).items()]
+    found.sort(key=lambda one: -float(np.max(one[1])))
+    return [
+        {"label": label, "shade": shade, "x": _numbers(result.x[own]), "low": _numbers(-values),
+         "high": _numbers(values)}
+        for shade, (label, values) in enumerate(found)
+    ]  # fmt: skip
+
+
+def _zones(result: Any, x: Any, y: Any) -> Panel:
+    strips = zone_strips(result)
+    assert strips is not None
+    runs = [
+        {"label": face, "runs": [[zone, *_numbers(np.array(ends))]
+                                 for zone, *ends in zone_runs(strips.x, zones)]}
+        for face, zones in strips.faces.items()
+    ]  # fmt: skip
+    words = [strips.slower, "stick", strips.faster]
+    return _panel("zones", "nip", x, y, [], strips=runs, words=words)
+
+
+# ---- the nip with its wraps ---------------------------------------------------------------------
+
+
+def _wrapped_panels(result: Any) -> list[Panel]:
+    panels, problem = _nip_panels(result), result.problem
+    if not (problem.roll_wrap or problem.drum_wrap):
+        return panels
+    a, own, angle = result.half_width, result.in_nip, _quantity(result, "slip_angle")
+    tensions, pressures = [], []
+    faces = [("roll", slice(own.stop, None), result.x - a, result.roll_pressure,
+              problem.friction_behind),
+             ("drum", slice(0, own.start), -a - result.x, result.pressure,
+              problem.drum_friction)]  # fmt: skip
+    for face, part, away, pressure, mu in faces:
+        if not getattr(problem, f"{face}_wrap"):
+            continue
+        dash = "dashdot" if face == "roll" else "dotted"
+        line = "solid" if face == "roll" else "dashed"
+        theta = away[part] / getattr(problem, face).radius
+        name = "roll_pressure" if face == "roll" else "pressure"
+        needed = np.abs(getattr(result, f"{face}_traction")[part]) / mu
+        tensions.append(_curve(result, "web_tension", f"on the {face}", "web", x=theta, own=part,
+                               dash=dash))  # fmt: skip
+        pressures += [
+            _curve(result, name, f"on the {face}", face, x=theta, y=pressure[part], dash=line),
+            _curve(result, f"{face}_traction", f"that friction needs on the {face}", face,
+                   x=theta, y=needed, dash="dotted"),
+        ]  # fmt: skip
+    words = "Angle from the edge of the nip"
+    shown = [("wrap_tension", "Web tension", "web_tension", tensions, _wrap_marks(result)),
+             ("wrap_pressure", "Pressure", "pressure", pressures, [])]  # fmt: skip
+    return panels + [
+        _panel(name, "wraps", _axis(words, angle, log=True), _axis(label, _quantity(result, of)),
+               curves, marks=marks)
+        for name, label, of, curves, marks in shown
+    ]  # fmt: skip
+
+
+def _wrap_marks(result: Any) -> list[dict[str, Any]]:
+    if not result.problem.roll_wrap:
+        return []
+    marks = [{"along": "x", "value": result.wound_on_tension, "label": "wound-on tension"}]
+    if result.slip_angle:
+        marks.append({"along": "y", "value": result.slip_angle, "label": "end of slip"})
+    return marks
+
+
+# ---- rollers, rolls, whatever comes -------------------------------------------------------------
+
+
+def _roller_panels(result: Any) -> list[Panel]:
+    x, slip_x, edge = result.x, result.slip_x, 1.03 * result.half_width
+    rolling = result.problem.motion == "rolling"
+
+    def along() -> dict[str, Any]:
+        return _axis("Position along the contact", _quantity(result, "x"), range=[-edge, edge])
+
+    pressure = _quantity(result, "pressure")
+    return [
+        _panel("tractions", "nip", along(), _axis("Pressure, traction", pressure), [
+            _curve(result, "pressure", "pressure", "web", x=x, dash="dashdot"),
+            _curve(result, "traction", "on the upper roller", "roll", x=x),
+        ], areas=_bounds(result)),
+        _zones(result, along(), _axis("", _quantity(result, "zone"))),
+        _panel("slip", "nip", along(),
+               _axis("Relative slip speed" if rolling else "Slip", _quantity(result, "slip")),
+               [_curve(result, "slip", "lower surface faster", "roll", x=slip_x)]),
+    ]  # fmt: skip
+
+
+def _wound_roll_panels(result: Any) -> list[Panel]:
+    radius, curve = _quantity(result, "radius"), result.problem.tension_curve
+    r = np.linspace(result.radius[0], result.radius[-1], POINTS)
+    between = result.at_radius(r)
+    stages = np.unique(np.concatenate([result.stage_radius, curve.kinks]))
+    wound = quantities.find(type(result.problem), "wound_on_tension")[0].quantity
+    assert wound is not None
+    tension = {"name": "wound_on_tension", "symbol": wound.symbol, "label": "", "role": "web",
+               "dash": "solid", "side": "left", "x": _numbers(stages),
+               "y": _numbers(curve.at(stages) * result.problem.web_thickness)}  # fmt: skip
+    shown = [
+        ("pressure", "Pressure", {"floor": 0},
+         _curve(result, "pressure", "", "roll", x=r, y=between["pressure"])),
+        ("hoop_stress", "Hoop stress", _cut(result),
+         _curve(result, "hoop_stress", "", "drum", x=r, y=between["hoop_stress"])),
+        ("radial_modulus", "Hardness", {"floor": 0},
+         _curve(result, "radial_modulus", "", "roll", x=result.radius)),
+    ]  # fmt: skip
+    panels = [
+        _panel(name, "radius", _axis("Radius", radius),
+               _axis(label, _quantity(result, name), **more), [line])
+        for name, label, more, line in shown
+    ]  # fmt: skip
+    along = _axis("Wound-on tension", wound, floor=0)
+    return [*panels, _panel("tension", "radius", _axis("Radius", radius), along, [tension])]
+
+
+def _winding_panels(result: Any) -> list[Panel]:
+    """Return the schedules and what the nips made of them, then the roll's panels."""
+
+    def over_radius(name: str, label: str, names: dict[str, tuple[str, str, str]]) -> Panel:
+        first = next(iter(names))
+        curves = [_curve(result, of, words, role, x=result.radius, dash=dash)
+                  for of, (words, role, dash) in names.items()]  # fmt: skip
+        return _panel(name, "radius", _axis("Radius", _quantity(result, "radius")),
+                      _axis(label, _quantity(result, first)), curves)  # fmt: skip
+
+    tensions = {
+        "web_tension": ("before the nip", "web", "dashdot"),
+        "wound_on_tension": ("wound on", "roll", "solid"),
+    }
+    loads = {"nip_load": ("nip load", "drum", "solid"),
+             "winding_force": ("winding force", "web", "dashed")}  # fmt: skip
+    pressure, hoop, hardness, _ = _wound_roll_panels(result.roll)
+    return [over_radius("tension", "Tension", tensions), pressure, hoop,
+            over_radius("loads", "Nip load, winding force", loads), hardness]  # fmt: skip
+
+
+def _cut(result: Any) -> dict[str, Any]:
+    """Return where the axis of the hoop stress is cut off: at both ends it is many times higher."""
+    deepest = float(result.least_hoop_stress)
+    return {"range": [1.3 * deepest, -ABOVE * deepest]} if deepest < 0 else {}
+
+
+def _any_panels(result: Any) -> list[Panel]:
+    """Return a panel for every array, over the one that it runs along."""
+    arrays = {
+        place.path: (place.quantity, np.asarray(place.value, dtype=float))
+        for place in quantities.walk(result)
+        if place.quantity is not None and np.ndim(place.value) == 1 and np.size(place.value) > 1
+    }
+    panels, first = [], next(iter(arrays), "")
+    for name, (quantity, _) in arrays.items():
+        over = result.ALONG.get(name, first)
+        if name in (over, *result.ALONG.values()):
+            continue
+        x = arrays[over]
+        panels.append(
+            _panel(name, over, _axis(x[0].meaning, x[0]), _axis(quantity.meaning, quantity),
+                   [_curve(result, name, "", "roll", x=x[1])])
+        )  # fmt: skip
+    return panels
+
+
+_PANELS: dict[str, Callable[[Any], list[Panel]]] = {
+    "nip": _nip_panels,
+    "wrapped_nip": _wrapped_panels,
+    "rollers": _roller_panels,
+    "wound_roll": _wound_roll_panels,
+    "winding": _winding_panels,
+}

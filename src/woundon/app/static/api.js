@@ -1,0 +1,101 @@
+// The server's answers; what it refuses comes back as a Problem.
+
+const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (b) => b.toString(16).padStart(2, "0")).join("");
+
+export class Problem extends Error {
+  constructor(told, status) {
+    super(told.detail || told.title || `error ${status}`);
+    this.status = status;
+    this.errors = told.errors ?? [];
+    this.superseded = String(told.type ?? "").endsWith("superseded");
+  }
+}
+
+async function asked(path, body, signal) {
+  let answer;
+  try {
+    answer = await fetch(path, {
+      method: body === undefined ? "GET" : "POST",
+      headers: { "X-Session": session, ...(body === undefined ? {} : { "Content-Type": "application/json" }) },
+      body: body === undefined ? undefined : JSON.stringify(body),
+      signal,
+    });
+  } catch (fault) {
+    if (fault.name === "AbortError") throw fault;
+    throw new Problem({ type: "unreachable", detail: "" }, 0);
+  }
+  if (answer.ok) return answer;
+  const told = await answer.json().catch(() => ({ title: answer.statusText }));
+  throw new Problem(told, answer.status);
+}
+
+const json = async (...call) => (await asked(...call)).json();
+const text = async (...call) => (await asked(...call)).text();
+const query = (options) => {
+  const told = new URLSearchParams(Object.entries(options).filter(([, value]) => value != null && value !== false));
+  return told.size ? `?${told}` : "";
+};
+
+export const catalogue = () => json("/api/catalogue");
+export const solve = (tables, options, signal) => json(`/api/solve${query({ drawn: true, ...options })}`, tables, signal);
+export const curve = (tables, options, signal) => json(`/api/curve${query(options)}`, tables, signal);
+export const sensitivities = (tables, signal) => json("/api/sensitivities", tables, signal);
+export const readCase = (toml) => json("/api/case/read", { toml });
+export const writeCase = (tables) => text("/api/case/write", tables);
+export const python = (tables) => text("/api/python", tables);
+export const file = async (format, body) => (await asked(`/api/file${query({ format })}`, body)).blob();
+export const figure = async (format, body) => (await asked(`/api/figure${query({ format })}`, body)).blob();
+export const report = async (body) => (await asked("/api/report", body)).blob();
+export const exhibit = async (name, signal) => (await asked(`/api/thesis/${encodeURIComponent(name)}`, undefined, signal)).blob();
+
+/** A study: calls back with every event; abort the signal to cancel. */
+export async function sweep(study, tell, signal) {
+  const answer = await asked("/api/sweep", study, signal);
+  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = "";
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) break;
+    const lines = (rest + value).split("\n");
+    rest = lines.pop();
+    for (const line of lines) if (line) tell(JSON.parse(line));
+  }
+}
+
+/** Runs the newest request alone: while one is under way only the last that came waits. */
+export class Newest {
+  constructor(patience = 5000) {
+    this.patience = patience; // [ms] then a newer one goes first
+    this.waiting = null;
+    this.running = null;
+  }
+
+  ask(work) {
+    this.waiting = work;
+    if (!this.running) this.next();
+    else if (performance.now() - this.running.since > this.patience) this.running.abort.abort();
+  }
+
+  drop() {
+    this.waiting = null;
+    this.running?.abort.abort();
+  }
+
+  async next() {
+    while (this.waiting) {
+      const work = this.waiting;
+      const abort = new AbortController();
+      this.waiting = null;
+      this.running = { since: performance.now(), abort };
+      const late = setTimeout(() => { if (this.waiting) abort.abort(); }, this.patience);
+      try {
+        await work(abort.signal);
+      } catch (fault) {
+        if (fault.name !== "AbortError") throw fault;
+      } finally {
+        clearTimeout(late);
+        this.running = null;
+      }
+    }
+  }
+}

@@ -1,0 +1,437 @@
+// A panel drawn by uPlot: curves, shaded bounds, strips of zones, marks; hover, zoom, keys.
+/* global uPlot */
+import { html, useEffect, useLayoutEffect, useRef } from "./html.js";
+import { Symbol } from "./symbols.js";
+import { digits } from "./units.js";
+
+const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
+const LEFT = 58;
+const RIGHT = 54;
+
+// ---- colours of the style sheet, read once a theme ----
+
+let palette = null;
+export const forgetColours = () => { palette = null; };
+function colours() {
+  if (!palette) {
+    const style = getComputedStyle(document.documentElement);
+    const names = ["ink", "soft", "line", "roll", "drum", "web", "shade0", "shade1", "stick", "faster",
+      "slower", "hatch", "live", "pin-A", "pin-B", "pin-C", "pin-D"];
+    palette = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+  }
+  return palette;
+}
+export const colourOf = (name) => colours()[name];
+
+function hatched(ctx, zone, size) {
+  const tile = document.createElement("canvas");
+  tile.width = tile.height = size;
+  const pen = tile.getContext("2d");
+  const { stick, faster, slower, hatch } = colours();
+  pen.fillStyle = zone === 0 ? stick : zone > 0 ? faster : slower;
+  pen.fillRect(0, 0, size, size);
+  if (zone !== 0) {
+    pen.strokeStyle = hatch;
+    pen.lineWidth = size / 9;
+    pen.beginPath();
+    for (const shift of [-size, 0, size]) { // leaning with the slip
+      pen.moveTo(shift - 1, zone > 0 ? size + 1 : -1);
+      pen.lineTo(shift + size + 1, zone > 0 ? -1 : size + 1);
+    }
+    pen.stroke();
+  }
+  return ctx.createPattern(tile, "repeat");
+}
+
+// ---- what runs along x is shared by the panels of a column ----
+
+const columns = new Map();
+function columnOf(name) {
+  if (!columns.has(name)) columns.set(name, { zoom: null, charts: new Set() });
+  return columns.get(name);
+}
+
+function zoomTo(name, zoom) {
+  const column = columnOf(name);
+  column.zoom = zoom;
+  for (const chart of column.charts) chart.fit();
+}
+
+// ---- one chart ----
+
+/** uPlot on a panel of one or more cases; each case is {label, colour, panel}, the live one first. */
+class Chart {
+  constructor(place, tell) {
+    this.place = place;
+    this.tell = tell;
+    this.plot = null;
+    this.key = "";
+  }
+
+  show(cases, units, height) {
+    this.cases = cases;
+    this.units = units;
+    const { panel } = cases[0];
+    this.column = panel.column || panel.name;
+    this.lines = cases.flatMap((one) => one.panel.curves.map((curve) => ({ one, curve })));
+    const key = JSON.stringify([
+      units.name, height, palette?.ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, !!panel.strips,
+      panel.strips && cases.map((one) => one.label),
+      this.lines.map(({ one, curve }) => [one.colour, curve.role, curve.dash, curve.side]),
+    ]);
+    const data = this.data();
+    if (!this.plot || key !== this.key) this.make(key, data, height);
+    else this.plot.batch(() => { this.plot.setData(data, false); this.fit(); });
+  }
+
+  /** The strips of all cases below each other. */
+  rows() {
+    return this.cases.flatMap((one) => one.panel.strips.map((strip) => ({ one, strip })));
+  }
+
+  axis(side, curve) {
+    const { panel } = this.cases[0];
+    return curve?.side === "right" ? panel.right : panel[side];
+  }
+
+  data() {
+    const { units } = this;
+    const { panel } = this.cases[0];
+    if (panel.strips) {
+      const [low, high] = this.range();
+      return [[low, high], [0, 0]];
+    }
+    const shown = (values, quantity) => {
+      const { factor } = units.of(quantity);
+      return values.map((value) => (value === null ? null : value / factor));
+    };
+    const tables = this.lines.map(({ curve, one }) => [
+      shown(curve.x, one.panel.x.quantity), shown(curve.y, this.axis("y", curve).quantity),
+    ]);
+    return tables.length === 1 ? tables[0] : uPlot.join(sorted(tables));
+  }
+
+  /** From where to where x runs, in the units that are shown. */
+  range() {
+    const { panel } = this.cases[0];
+    const { factor } = this.units.of(panel.x.quantity);
+    const ends = this.cases.flatMap(({ panel: own }) => own.x.range
+      ?? own.curves.flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
+    return [Math.min(...ends) / factor, Math.max(...ends) / factor];
+  }
+
+  /** Show all of x, or what is zoomed into; y follows. */
+  fit() {
+    if (!this.plot) return;
+    const zoom = columnOf(this.column).zoom;
+    const [min, max] = zoom ?? this.range();
+    this.plot.setScale("x", { min, max });
+  }
+
+  make(key, data, height) {
+    const before = this.plot;
+    this.plot = null; // what is hovered over is no more
+    before?.destroy();
+    this.key = key;
+    const { ink, soft, line } = colours();
+    const { panel } = this.cases[0];
+    const rows = panel.strips ? this.rows() : null;
+    const font = "11px system-ui, sans-serif";
+    const axis = (more) => ({
+      stroke: soft, font, labelFont: `600 ${font}`, labelSize: 16, grid: { stroke: line, width: 1 },
+      ticks: { stroke: line, width: 1, size: 4 }, ...more,
+    });
+    const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : digits(tick, 6)));
+    const { units } = this;
+    const label = (told) => units.label(told.label, told.quantity);
+    const floor = panel.y.floor;
+    this.plot = new uPlot({
+      width: this.place.clientWidth || 320, height, padding: [8, panel.right ? 0 : 20, 0, 0],
+      legend: { show: false },
+      cursor: {
+        drag: { x: true, y: false, setScale: false }, sync: { key: this.column, scales: ["x", null] },
+        dataIdx: (plot, series, index) => nearest(plot.data[series] ?? [], plot.data[0], index),
+        points: { size: 6 },
+      },
+      scales: {
+        x: { time: false, distr: panel.x.log ? 3 : 1, range: (_, min, max) => [min, max] },
+        y: { range: rows ? [0, rows.length] : (_, min, max) => this.tall(min, max, floor) },
+        ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
+      },
+      axes: [
+        axis({ label: panel.strips ? undefined : label(panel.x), size: panel.strips ? 4 : 28, show: !panel.strips, values,
+          grid: { show: !panel.strips, stroke: line, width: 1 } }),
+        rows
+          ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
+            ticks: { show: false }, stroke: ink,
+            values: () => rows.map(({ one, strip }) => (one.label ? `${one.label} ${strip.label}` : strip.label)) })
+          : axis({ label: label(panel.y), size: LEFT, values }),
+        ...(panel.right ? [axis({ scale: "right", side: 1, label: label(panel.right), size: RIGHT, grid: { show: false }, values })] : []),
+      ],
+      series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
+        scale: curve.side === "right" ? "right" : "y", stroke: one.colour ?? colours()[curve.role] ?? ink,
+        width: one.label && one.pinned ? 1.5 : 2, dash: DASHES[curve.dash], spanGaps: true, points: { show: false },
+      })))],
+      hooks: {
+        drawClear: [(plot) => (rows ? null : this.areas(plot))],
+        draw: [(plot) => (rows ? this.strips(plot, this.rows()) : this.marks(plot))],
+        setCursor: [(plot) => this.hover(plot)],
+        setSelect: [(plot) => {
+          const { left, width } = plot.select;
+          if (width < 6) return;
+          zoomTo(this.column, [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
+          plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+        }],
+        ready: [(plot) => plot.over.addEventListener("dblclick", () => zoomTo(this.column, null))],
+      },
+    }, data, this.place);
+    columnOf(this.column).charts.add(this);
+    this.fit();
+  }
+
+  /** The range of y: of the curves, of the bounds behind them, of the marks. */
+  tall(min, max, floor) {
+    const { panel } = this.cases[0];
+    const { factor } = this.units.of(panel.y.quantity);
+    const cut = this.cases.map((one) => one.panel.y.range).filter(Boolean);
+    if (cut.length) return [Math.min(...cut.map(([end]) => end)), Math.max(...cut.map(([, end]) => end))].map((end) => end / factor);
+    let [low, high] = [min ?? 0, max ?? 1];
+    if (this.cases.length === 1) {
+      for (const area of panel.areas ?? []) {
+        low = Math.min(low, ...area.low.filter(Number.isFinite).map((v) => v / factor));
+        high = Math.max(high, ...area.high.filter(Number.isFinite).map((v) => v / factor));
+      }
+    }
+    for (const mark of (panel.marks ?? []).filter((one) => one.along === "x")) {
+      low = Math.min(low, mark.value / factor);
+      high = Math.max(high, mark.value / factor);
+    }
+    const [least, most] = padded(low, high);
+    return floor === 0 && low >= 0 ? [0, most] : [least, most];
+  }
+
+  inside(plot, draw) {
+    const { ctx, bbox } = plot;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    draw(ctx);
+    ctx.restore();
+  }
+
+  areas(plot) {
+    const { panel } = this.cases[0];
+    if (this.cases.length > 1 || !panel.areas) return;
+    const { units } = this;
+    const [fx, fy] = [units.of(panel.x.quantity).factor, units.of(panel.y.quantity).factor];
+    const point = (x, y) => [plot.valToPos(x / fx, "x", true), plot.valToPos(y / fy, "y", true)];
+    this.inside(plot, (ctx) => {
+      for (const area of panel.areas) {
+        ctx.fillStyle = colours()[`shade${area.shade}`];
+        ctx.beginPath();
+        area.x.forEach((x, k) => ctx.lineTo(...point(x, area.high[k])));
+        for (let k = area.x.length - 1; k >= 0; k--) ctx.lineTo(...point(area.x[k], area.low[k]));
+        ctx.fill();
+      }
+    });
+  }
+
+  marks(plot) {
+    const { panel } = this.cases[0];
+    const scaleOf = { x: "y", y: "x" };
+    this.inside(plot, (ctx) => {
+      const { bbox } = plot;
+      const ratio = devicePixelRatio;
+      const zero = plot.valToPos(0, "y", true);
+      const lines = (panel.marks ?? []).map((mark) => ({ ...mark, at: plot.valToPos(
+        mark.value / this.units.of(mark.along === "x" ? panel.y.quantity : panel.x.quantity).factor, scaleOf[mark.along], true) }));
+      if (zero > bbox.top && zero < bbox.top + bbox.height - 1) lines.push({ along: "x", at: zero, plain: true });
+      for (const { along, at, label, plain } of lines) {
+        ctx.strokeStyle = ctx.fillStyle = colours().soft;
+        ctx.textAlign = "left";
+        ctx.textBaseline = "alphabetic";
+        ctx.lineWidth = ratio;
+        ctx.setLineDash(plain ? [] : [4 * ratio, 3 * ratio]);
+        ctx.beginPath();
+        if (along === "x") { ctx.moveTo(bbox.left, at); ctx.lineTo(bbox.left + bbox.width, at); }
+        else { ctx.moveTo(at, bbox.top); ctx.lineTo(at, bbox.top + bbox.height); }
+        ctx.stroke();
+        if (plain) continue;
+        ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+        if (along === "x") {
+          const above = at - bbox.top > 16 * ratio;
+          ctx.fillText(label, bbox.left + 6 * ratio, at + (above ? -4 : 12) * ratio);
+        } else {
+          const room = at + ctx.measureText(label).width + 8 * ratio < bbox.left + bbox.width;
+          ctx.textAlign = room ? "left" : "right";
+          ctx.fillText(label, at + (room ? 4 : -4) * ratio, bbox.top + bbox.height - 6 * ratio);
+          ctx.textAlign = "left";
+        }
+      }
+    });
+  }
+
+  strips(plot, rows) {
+    const { panel } = this.cases[0];
+    const { factor } = this.units.of(panel.x.quantity);
+    this.inside(plot, (ctx) => {
+      const ratio = devicePixelRatio;
+      const fills = new Map([-1, 0, 1].map((zone) => [zone, hatched(ctx, zone, Math.round(8 * ratio))]));
+      rows.forEach(({ strip }, k) => {
+        const top = plot.valToPos(rows.length - k - 0.14, "y", true);
+        const bottom = plot.valToPos(rows.length - k - 0.86, "y", true);
+        for (const [zone, from, to] of strip.runs) {
+          const [a, b] = [from, to].map((x) => plot.valToPos(x / factor, "x", true));
+          ctx.fillStyle = fills.get(zone);
+          ctx.fillRect(a, top, b - a, bottom - top);
+          ctx.strokeStyle = colours().soft;
+          ctx.lineWidth = ratio * 0.6;
+          ctx.strokeRect(a, top, b - a, bottom - top);
+        }
+      });
+    });
+  }
+
+  hover(plot) {
+    const { panel } = this.cases[0];
+    const { left, idxs } = plot.cursor;
+    if (left == null || left < 0 || plot !== this.plot) return this.tell(null);
+    const x = plot.posToVal(left, "x");
+    if (panel.strips) {
+      const si = x * this.units.of(panel.x.quantity).factor;
+      const words = panel.words ?? [];
+      return this.tell({ x, values: this.cases.flatMap((one) => one.panel.strips.map((strip) => {
+        const run = strip.runs.find(([, from, to]) => si >= from && si <= to);
+        return run ? words[run[0] + 1] : "";
+      })) });
+    }
+    return this.tell({ x, values: this.lines.map((_, k) => {
+      const index = idxs?.[k + 1];
+      const value = index == null ? null : plot.data[k + 1]?.[index];
+      return value == null ? "" : digits(value);
+    }) });
+  }
+
+  /** Keys: arrows move the reading, + and - zoom, 0 shows all. */
+  key_(event) {
+    const { plot } = this;
+    if (!plot) return;
+    const { min, max } = plot.scales.x;
+    const at = plot.cursor.left >= 0 ? plot.cursor.left : plot.over.clientWidth / 2;
+    const wide = plot.over.clientWidth;
+    const step = event.shiftKey ? 40 : 8;
+    const zoom = (factor) => {
+      const middle = plot.posToVal(at, "x");
+      const log = this.cases[0].panel.x.log;
+      const by = log ? [middle * (min / middle) ** factor, middle * (max / middle) ** factor]
+        : [middle + (min - middle) * factor, middle + (max - middle) * factor];
+      const [low, high] = this.range();
+      zoomTo(this.column, by[0] <= low && by[1] >= high ? null : [Math.max(low, by[0]), Math.min(high, by[1])]);
+    };
+    const acts = {
+      ArrowLeft: () => plot.setCursor({ left: Math.max(0, at - step), top: 10 }),
+      ArrowRight: () => plot.setCursor({ left: Math.min(wide, at + step), top: 10 }),
+      "+": () => zoom(0.5), "=": () => zoom(0.5), "-": () => zoom(2), 0: () => zoomTo(this.column, null),
+      Escape: () => { zoomTo(this.column, null); plot.setCursor({ left: -10, top: -10 }); },
+    };
+    const act = acts[event.key];
+    if (act) { act(); event.preventDefault(); }
+  }
+
+  resize(height) {
+    const width = this.place.clientWidth;
+    if (this.plot && width && (width !== this.plot.width || height !== this.plot.height)) this.plot.setSize({ width, height });
+  }
+
+  end() {
+    columnOf(this.column).charts.delete(this);
+    this.plot?.destroy();
+    this.plot = null;
+  }
+}
+
+/** uPlot.join wants every x to rise. */
+function sorted(tables) {
+  return tables.map(([x, y]) => {
+    if (x.length < 2 || x[0] <= x[x.length - 1]) return [x, y];
+    return [[...x].reverse(), [...y].reverse()];
+  });
+}
+
+/** The nearest point at which a series has a value. */
+function nearest(values, x, index) {
+  if (index == null || values[index] != null) return index;
+  let [below, above] = [index, index];
+  while (below >= 0 && values[below] == null) below--;
+  while (above < values.length && values[above] == null) above++;
+  if (below < 0) return above < values.length ? above : null;
+  if (above >= values.length) return below;
+  return x[index] - x[below] <= x[above] - x[index] ? below : above;
+}
+
+function padded(min, max) {
+  if (min == null) return [0, 1];
+  const room = (max - min) * 0.06 || Math.abs(max) * 0.05 || 1;
+  return [min - room, max + room];
+}
+
+const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3" };
+
+export function Swatch({ dash, colour, role }) {
+  return html`<svg class="swatch" width="26" height="8" aria-hidden="true"><line x1="1" x2="25" y1="4" y2="4"
+    class=${colour ? "" : `stroke-${role}`} stroke=${colour} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} /></svg>`;
+}
+
+/** A panel with its legend, in which the values under the pointer stand. */
+export function Panel({ title, cases, units, height, theme, description }) {
+  const place = useRef(null);
+  const chart = useRef(null);
+  const legend = useRef(null);
+  const { panel } = cases[0];
+  const tall = panel.strips ? 18 + 24 * cases.reduce((n, one) => n + one.panel.strips.length, 0) : height;
+
+  useLayoutEffect(() => {
+    chart.current = new Chart(place.current, (told) => tellIn(legend.current, told));
+    const watch = new ResizeObserver(() => chart.current?.resize(chart.current.tall_));
+    watch.observe(place.current);
+    return () => { watch.disconnect(); chart.current.end(); chart.current = null; };
+  }, []);
+  useEffect(() => { if (chart.current) chart.current.key = ""; }, [theme]);
+  useLayoutEffect(() => {
+    chart.current.tall_ = tall;
+    chart.current.show(cases, units, tall);
+  });
+
+  const several = cases.length > 1;
+  const lines = cases.flatMap((one) => one.panel.curves.map((curve) => ({ one, curve })));
+  const words = panel.words ?? [];
+  return html`<figure class="panel" data-panel=${panel.name}>
+    <figcaption>
+      <h3>${title}</h3>
+      <div class="legend" ref=${legend}>
+        <span class="at" data-axis=${`${panel.x.label}`} data-unit=${units.text(panel.x.quantity)}></span>
+        ${lines.map(({ one, curve }, k) => html`<span class="entry" key=${k}>
+          <${Swatch} dash=${curve.dash} colour=${one.colour} role=${curve.role} />
+          ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several ? "" : curve.label}
+          <output class="value" data-value=${k}></output></span>`)}
+        ${!several && (panel.areas ?? []).map((area) => html`<span class="entry"><span class=${`patch shade${area.shade}`}></span>
+          <span class="symbol">±<${Symbol} of=${area.label} /></span></span>`)}
+        ${panel.strips && html`${words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
+          ${cases.flatMap((one) => one.panel.strips).map((_, k) => html`<output class="value" data-value=${k} hidden></output>`)}`}
+      </div>
+    </figcaption>
+    <div class="plot" ref=${place} tabindex="0" role="img" aria-label=${description}
+      onKeyDown=${(event) => chart.current?.key_(event)}></div>
+  </figure>`;
+}
+
+function tellIn(legend, told) {
+  if (!legend) return;
+  const at = legend.querySelector(".at");
+  at.textContent = told ? `${digits(told.x, 4)} ${at.dataset.unit}` : "";
+  for (const place of legend.querySelectorAll("[data-value]")) {
+    const value = told?.values[Number(place.dataset.value)] ?? "";
+    if (place.textContent !== value) place.textContent = value;
+  }
+}

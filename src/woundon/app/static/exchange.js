@@ -1,0 +1,222 @@
+// In and out: case files, data, pictures, a link to the state, Python, the report.
+import * as api from "./api.js";
+import { same } from "./cases.js";
+import { html, useEffect, useRef, useState } from "./html.js";
+import { T } from "./texts.js";
+import { digits } from "./units.js";
+
+const MOST = 1_000_000; // bytes of a case file
+const LONGEST = 60_000; // characters of a link
+
+function save(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+// ---- the link: the state in the fragment, which stays in the browser ----
+
+export function linkOf(store) {
+  const { kind, case: tables, system, tab, pins } = store.state;
+  const told = { kind, case: tables, system, tab, pins: pins.map((pin) => ({ label: pin.label, kind: pin.kind, case: pin.case })) };
+  const bytes = new TextEncoder().encode(JSON.stringify(told));
+  const code = btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+  return `${location.origin}${location.pathname}#${code}`;
+}
+
+/** Restore what a link holds; what does not fit is left out. */
+export async function restore(store) {
+  const code = location.hash.slice(1);
+  if (!code) return false;
+  try {
+    if (code.length > LONGEST) throw new Error("too long");
+    const bytes = Uint8Array.from(atob(code.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    const told = JSON.parse(new TextDecoder().decode(bytes));
+    const plain = (thing) => thing && typeof thing === "object" && !Array.isArray(thing);
+    if (!store.kindOf(told.kind) || !plain(told.case)) throw new Error("no case");
+    // the server says whether it is a case, before anything of it is drawn
+    await api.solve(told.case, {});
+    const pins = (Array.isArray(told.pins) ? told.pins : []).slice(0, 4)
+      .filter((pin) => store.kindOf(pin?.kind) && plain(pin.case) && /^[A-D]$/.test(pin.label));
+    if (store.catalogue.systems[told.system]) store.set({ system: told.system });
+    if (["case", "study", "winding", "thesis"].includes(told.tab)) store.set({ tab: told.tab });
+    const solved = []; // one after the other: of several at once the newest wins
+    for (const pin of pins) {
+      const result = await api.solve(pin.case, {}).catch(() => null);
+      if (result) solved.push({ ...pin, result, extras: {} });
+    }
+    store.set({ pins: solved });
+    store.take(told.kind, told.case);
+    return true;
+  } catch {
+    store.say(T.menu.linkBroken);
+    return false;
+  }
+}
+
+// ---- files ----
+
+async function open(store, file) {
+  if (!file) return;
+  if (file.size > MOST) return store.refused({ errors: [], message: T.menu.tooBig(`${digits(file.size / 1e6, 3)} MB`) });
+  let toml;
+  try {
+    toml = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
+  } catch {
+    return store.refused({ errors: [], message: T.menu.notText });
+  }
+  try {
+    const { kind, problem } = await api.readCase(toml);
+    store.set({ tab: kind === "wound_roll" || kind === "winding" ? "winding" : "case" });
+    store.take(kind, problem);
+    store.say(T.menu.opened(file.name));
+  } catch (fault) {
+    store.refused({ ...fault, errors: [], message: fault.errors?.map((e) => (e.field ? `${e.field}: ${e.message}` : e.message)).join("\n") || fault.message });
+  }
+}
+
+/** The states that are seen, for pictures and reports. */
+function seen(store) {
+  const { solved } = store.state;
+  const pins = store.pinned.map((pin) => ({ label: pin.label, case: pin.case }));
+  const live = { label: pins.length ? T.compare.live : T.kinds[store.state.kind] ?? store.state.kind, case: solved };
+  return pins.length >= store.catalogue.limits.compare ? pins : [live, ...pins];
+}
+
+/** The units of a system as the command line takes them: by path or output. */
+function unitsOf(store) {
+  if (store.units.name === "SI") return undefined;
+  const told = {};
+  for (const output of store.kind.outputs) if (!output.whole && output.unit !== "1") told[output.name] = store.units.of(output).name;
+  const walk = (tables, prefix) => {
+    for (const [name, value] of Object.entries(tables)) {
+      const path = prefix ? `${prefix}.${name}` : name;
+      if (value && typeof value === "object") walk(value, path);
+      else if (typeof value === "number") {
+        const field = store.fieldAt(path);
+        if (field?.unit && field.unit !== "1" && field.unit !== "holder") told[path] = store.units.of(field).name;
+      }
+    }
+  };
+  walk(store.state.solved, "");
+  return told;
+}
+
+/** What the panels show as a table: a block for every x. */
+export function csvOf(store) {
+  const { units, state } = store;
+  const blocks = [];
+  const quote = (text) => (/[",\n]/.test(text) || /^[=+@-]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const states = [{ label: "", result: state.result }, ...store.pinned];
+  for (const { label, result } of states) {
+    for (const panel of result.panels) {
+      const groups = [];
+      for (const curve of panel.curves) {
+        const group = groups.find((one) => same(one.x, curve.x));
+        if (group) group.curves.push(curve);
+        else groups.push({ x: curve.x, curves: [curve] });
+      }
+      for (const { x, curves } of groups) {
+        const columns = [{ head: units.label(panel.x.label, panel.x.quantity), values: x.map((v) => units.shown(panel.x.quantity, v)) },
+          ...curves.map((curve) => {
+            const { quantity } = curve.side === "right" ? panel.right : panel.y;
+            return { head: `${label && `${label} `}${units.label(`${curve.name} ${curve.label}`.trim(), quantity)}`, values: curve.y.map((v) => units.shown(quantity, v)) };
+          })];
+        const rows = x.map((_, k) => columns.map(({ values }) => (values[k] == null ? "" : Number(values[k].toPrecision(8)))).join(","));
+        blocks.push([columns.map(({ head }) => quote(head)).join(","), ...rows].join("\n"));
+      }
+    }
+  }
+  return `${blocks.join("\n\n")}\n`;
+}
+
+// ---- the menu ----
+
+export function Menu({ store }) {
+  const [dialog, setDialog] = useState(null);
+  const details = useRef(null);
+  const input = useRef(null);
+  const tables = store.state.solved;
+  const guarded = (work) => async () => {
+    details.current.open = false;
+    try {
+      await work();
+    } catch (fault) {
+      store.refused({ ...fault, errors: [], message: fault.message });
+    }
+  };
+  const name = (ending) => `${store.state.kind}.${ending}`;
+  const picture = (format) => async () => save(await api.figure(format, { cases: seen(store), units: unitsOf(store) }), name(format));
+  const acts = [
+    [T.menu.open, () => input.current.click()],
+    [T.menu.save, async () => save(new Blob([await api.writeCase(store.state.case)], { type: "application/toml" }), name("toml"))],
+    [T.menu.csv, () => save(new Blob([csvOf(store)], { type: "text/csv" }), name("csv"))],
+    [T.menu.png, picture("png")],
+    [T.menu.svg, picture("svg")],
+    [T.menu.link, async () => {
+      history.replaceState(null, "", linkOf(store));
+      await navigator.clipboard?.writeText(location.href).then(() => store.say(T.menu.copied), () => setDialog({ title: T.menu.link, text: location.href }));
+    }],
+    [T.menu.python, async () => setDialog({ title: T.menu.python, text: await api.python(tables) })],
+    [T.menu.report, () => setDialog({ title: T.menu.report.replace(" …", ""), report: true })],
+  ];
+  useEffect(() => {
+    const away = (event) => { if (details.current && !details.current.contains(event.target)) details.current.open = false; };
+    document.addEventListener("click", away);
+    return () => document.removeEventListener("click", away);
+  }, []);
+  useEffect(() => {
+    const over = (event) => event.preventDefault();
+    const drop = (event) => { event.preventDefault(); open(store, event.dataTransfer?.files?.[0]); };
+    addEventListener("dragover", over);
+    addEventListener("drop", drop);
+    return () => { removeEventListener("dragover", over); removeEventListener("drop", drop); };
+  }, [store]);
+  const leave = (event) => { if (event.key === "Escape") { details.current.open = false; details.current.querySelector("summary").focus(); } };
+  return html`<details class="menu" ref=${details} onKeyDown=${leave}><summary>${T.header.menu}</summary>
+      <div class="menu-list">${acts.map(([label, act]) => html`<button type="button" key=${label} onClick=${guarded(act)}>${label}</button>`)}
+        <a href="/api" target="_blank" rel="noopener">${T.menu.api}</a>
+        <label class="theme">${T.header.theme}<select value=${store.state.theme} onChange=${(event) => store.prefer("theme", event.target.value)}>
+          ${[["", T.header.auto], ["light", T.header.light], ["dark", T.header.dark]].map(([value, word]) => html`<option value=${value} selected=${value === store.state.theme}>${word}</option>`)}</select></label></div>
+    </details>
+    <input type="file" class="hidden" ref=${input} accept=".toml,text/plain,application/toml" aria-label=${T.menu.open} tabindex="-1"
+      onChange=${(event) => { open(store, event.target.files[0]); event.target.value = ""; }} />
+    ${dialog && html`<${Dialog} title=${dialog.title} close=${() => setDialog(null)}>
+      ${dialog.report ? html`<${Report} store=${store} close=${() => setDialog(null)} />` : html`<${Snippet} text=${dialog.text} store=${store} />`}<//>`}`;
+}
+
+export function Dialog({ title, close, children }) {
+  const box = useRef(null);
+  useEffect(() => { box.current.showModal(); }, []);
+  return html`<dialog ref=${box} onClose=${close} aria-label=${title} onClick=${(event) => { if (event.target === box.current) box.current.close(); }}>
+    <div class="dialog-head"><h2>${title}</h2><button type="button" onClick=${() => box.current.close()} aria-label=${T.menu.close}>✕</button></div>
+    ${children}</dialog>`;
+}
+
+function Snippet({ text, store }) {
+  const copy = async () => { await navigator.clipboard.writeText(text); store.say(T.menu.copied); };
+  return html`<pre class="snippet" tabindex="0">${text}</pre><div class="dialog-foot"><button type="button" class="primary" onClick=${copy}>${T.menu.copy}</button></div>`;
+}
+
+function Report({ store, close }) {
+  const [title, setTitle] = useState("");
+  const [remarks, setRemarks] = useState("");
+  const [state, setState] = useState({});
+  const make = async () => {
+    setState({ busy: true });
+    try {
+      const blob = await api.report({ cases: seen(store), units: unitsOf(store), title: title || undefined, remarks: remarks || undefined });
+      save(blob, `${store.state.kind}.html`);
+      close();
+    } catch (fault) {
+      setState({ fault: fault.message });
+    }
+  };
+  return html`<p>${T.menu.reportAbout}</p>
+    <label class="stacked">${T.menu.heading}<input type="text" value=${title} maxlength="200" onInput=${(event) => setTitle(event.target.value)} /></label>
+    <label class="stacked">${T.menu.remarks}<textarea rows="4" maxlength="5000" onInput=${(event) => setRemarks(event.target.value)}>${remarks}</textarea></label>
+    ${state.fault && html`<p class="fault" role="alert">${state.fault}</p>`}
+    <div class="dialog-foot"><button type="button" class="primary" disabled=${state.busy} onClick=${make}>${T.menu.make}</button></div>`;
+}

@@ -1,0 +1,239 @@
+// The form of a case, generated from the catalogue.
+import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
+import { isSchedule, profileOf } from "./schedules.js";
+import { html, useEffect, useState } from "./html.js";
+import { Symbol } from "./symbols.js";
+import { T } from "./texts.js";
+import { digits, parsed } from "./units.js";
+
+const STEPS = 1000; // of a slider
+const LOGARITHMIC = 50; // the ratio of its ends from which a slider goes by ratios
+
+const idOf = (path) => `f-${path.replaceAll(".", "-")}`;
+
+export function Form({ store }) {
+  const { catalogue, kind } = store;
+  const narrow = matchMedia("(max-width: 820px)").matches; // there the first group alone is open
+  return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
+    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<details class="group" open=${!narrow || k === 0} key=${`${kind.name}.${group.name}`} data-group=${group.name}>
+      <summary>${group.title.charAt(0).toUpperCase() + group.title.slice(1)}</summary>
+      <div class="fields">${group.fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: group.fields.length === 1 }} />`)}</div>
+    </details>`)}
+  </form>`;
+}
+
+function Field(props) {
+  const { field } = props;
+  if (field.type === "member") return html`<${Member} ...${props} />`;
+  if (field.type === "members") return html`<${Members} ...${props} />`;
+  if (field.type === "choice") return html`<${Choice} ...${props} />`;
+  if (field.type === "numbers" || field.type === "pairs") return html`<${Numbers} ...${props} />`;
+  return html`<${NumberField} ...${props} />`;
+}
+
+function Fault({ path, text }) {
+  return text ? html`<p class="fault" id=${`${idOf(path)}-fault`} role="alert">${text}</p>` : null;
+}
+
+function faultAt(store, path) {
+  return store.state.faults[path] ?? "";
+}
+
+/** The limits in the units that are shown. */
+function limitsText(units, field) {
+  const signs = { gt: ">", ge: "≥", lt: "<", le: "≤" };
+  const told = Object.entries(signs).filter(([name]) => field.limits?.[name] != null)
+    .map(([name, sign]) => `${sign} ${digits(units.shown(field, field.limits[name]), 6)}`);
+  return (told.join(` ${T.and} `) || T.form.finite) + (units.text(field) ? ` ${units.text(field)}` : "");
+}
+
+function within(field, value) {
+  const { gt, ge, lt, le } = field.limits ?? {};
+  return (gt == null || value > gt) && (ge == null || value >= ge) && (lt == null || value < lt) && (le == null || value <= le);
+}
+
+// ---- a number ----
+
+const plain = (value) => (value == null ? "" : String(Number(value.toPrecision(6))));
+
+function NumberField({ store, field, path }) {
+  const { units, state } = store;
+  const value = at(state.case, path);
+  const [typed, setTyped] = useState(null);
+  const [fault, setFault] = useState("");
+  useEffect(() => { setTyped((old) => (document.activeElement?.id === idOf(path) ? old : null)); setFault(""); }, [value, units.name]);
+  const unit = units.text(field);
+  const start = at(store.kind.example, path);
+  const told = fault || faultAt(store, path);
+
+  const take = (text) => {
+    setTyped(text);
+    if (text.trim() === "" && field.optional) { setFault(""); store.change(path, undefined); return; }
+    const number = parsed(text);
+    if (Number.isNaN(number)) return setFault(T.form.notNumber(text, limitsText(units, field)));
+    const si = units.si(field, number);
+    if (!within(field, si)) return setFault(T.form.outOfRange(text, limitsText(units, field)));
+    setFault("");
+    store.change(path, si, { moving: true });
+  };
+  const leave = () => { if (!fault) setTyped(null); store.moving = false; };
+  const reset = () => { setTyped(null); setFault(""); store.change(path, start); };
+  const known = start !== undefined || field.optional; // something to go back to
+  const differs = known && (fault || faultAt(store, path) || value !== start);
+
+  return html`<div class=${`field number${told ? " wrong" : ""}`} data-path=${path}>
+    <label for=${idOf(path)}>${field.label} <span class="symbol"><${Symbol} of=${field.symbol} /></span></label>
+    ${field.typical ? html`<${Slider} ...${{ store, field, path, value, unit }} />` : html`<span class="no-slider"></span>`}
+    <input id=${idOf(path)} class="box" type="text" inputmode="decimal" autocomplete="off" spellcheck=${false}
+      value=${typed ?? plain(units.shown(field, value))} placeholder=${field.optional ? T.form.none : ""}
+      aria-invalid=${told ? "true" : "false"} aria-describedby=${told ? `${idOf(path)}-fault` : undefined}
+      onInput=${(event) => take(event.target.value)} onBlur=${leave}
+      onKeyDown=${(event) => { if (event.key === "Escape") { setTyped(null); setFault(""); } }} />
+    <span class="unit" aria-hidden="true">${unit}</span>
+    <button type="button" class="reset" title=${T.form.reset} aria-label=${`${T.form.reset}: ${field.label}`}
+      disabled=${!differs} onClick=${reset}>↺</button>
+    <${Fault} path=${path} text=${told} />
+  </div>`;
+}
+
+function Slider({ store, field, path, value, unit }) {
+  const [low, high] = field.typical;
+  const log = low > 0 && high / low >= LOGARITHMIC;
+  const share = value == null ? 0 : log ? Math.log(Math.max(value, 1e-300) / low) / Math.log(high / low) : (value - low) / (high - low);
+  const place = Math.round(STEPS * Math.min(1, Math.max(0, share)));
+  const move = (event, moving) => {
+    const part = Number(event.target.value) / STEPS;
+    const si = log ? low * (high / low) ** part : low + (high - low) * part;
+    const { units } = store;
+    const shown = Number(units.shown(field, si).toPrecision(3));
+    store.change(path, part === 0 ? low : part === 1 ? high : units.si(field, shown), { moving });
+  };
+  return html`<input type="range" class="slider" min="0" max=${STEPS} step="1" value=${place}
+    aria-label=${field.label} aria-valuetext=${`${digits(store.units.shown(field, value))} ${unit}`}
+    onInput=${(event) => move(event, true)} onChange=${() => { store.moving = false; }} />`;
+}
+
+// ---- words, lists of numbers ----
+
+function Choice({ store, field, path }) {
+  const value = at(store.state.case, path) ?? field.default;
+  return html`<div class="field choice" data-path=${path}>
+    <label for=${idOf(path)}>${field.label || T.fields[field.name] || field.name}</label>
+    <select id=${idOf(path)} value=${value} onChange=${(event) => store.change(path, event.target.value)}>
+      ${field.choices.map((word) => html`<option value=${word} selected=${word === value}>${word}</option>`)}
+    </select>
+    <${Fault} path=${path} text=${faultAt(store, path)} />
+  </div>`;
+}
+
+/** A list of numbers, or of pairs, one a line. */
+function Numbers({ store, field, path }) {
+  const { units, state } = store;
+  const pairs = field.type === "pairs";
+  const value = at(state.case, path);
+  const [typed, setTyped] = useState(null);
+  const [fault, setFault] = useState("");
+  const factor = pairs ? 1 : units.of(field).factor;
+  const written = () => (value ?? []).map((row) => (pairs ? row.map(plain).join("  ") : plain(row / factor))).join("\n");
+  const take = (text) => {
+    setTyped(text);
+    const rows = text.split("\n").filter((row) => row.trim()).map((row) => row.trim().split(/[\s,;]+/).map(parsed));
+    const wrong = rows.flat().some(Number.isNaN) || rows.some((row) => (pairs ? row.length !== 2 : row.length !== 1));
+    if (wrong) return setFault(pairs ? T.form.pairs : T.form.numbers);
+    setFault("");
+    const list = pairs ? rows : rows.map(([number]) => units.si(field, number));
+    store.change(path, list.length || !field.optional ? list : undefined);
+  };
+  const told = fault || faultAt(store, path);
+  return html`<div class=${`field list${told ? " wrong" : ""}`} data-path=${path}>
+    <label for=${idOf(path)}>${field.label || field.name} <span class="symbol"><${Symbol} of=${field.symbol || ""} /></span>
+      <span class="unit">${pairs || !units.text(field) ? "" : ` [${units.text(field)}]`}</span></label>
+    <textarea id=${idOf(path)} rows="4" spellcheck=${false} value=${typed ?? written()} aria-invalid=${told ? "true" : "false"}
+      onInput=${(event) => take(event.target.value)} onBlur=${() => { if (!fault) setTyped(null); }}></textarea>
+    <${Fault} path=${path} text=${told} />
+  </div>`;
+}
+
+// ---- descriptions ----
+
+const NONE = "\u0000none";
+const NUMBER = "\u0000number";
+
+function Member({ store, field, path, lone, holder }) {
+  const { catalogue, state } = store;
+  const value = at(state.case, path);
+  const member = memberOf(catalogue, field, value);
+  const words = field.choices ?? [];
+  const isWord = words.includes(value);
+  const named = typeof value === "string" && !isWord;
+  const isNumber = typeof value === "number";
+  const choices = field.members.length + words.length + (field.number ? 1 : 0) + (field.named ? 1 : 0) + (field.optional ? 1 : 0) > 1;
+  const chosen = isWord ? `#${value}` : named ? `@${value}` : isNumber ? NUMBER : value == null ? NONE : member?.form;
+  const choose = (event) => {
+    const to = event.target.value;
+    if (to === NONE) store.change(path, undefined);
+    else if (to === NUMBER) store.change(path, numberOf(store, field, value));
+    else if (to.startsWith("#")) store.change(path, to.slice(1));
+    else if (to.startsWith("@")) store.change(path, to.slice(1));
+    else if (isSchedule(to)) store.change(path, profileOf(store, path, value));
+    else {
+      const next = field.members.find((one) => one.form === to);
+      const before = named ? catalogue.materials.find((one) => one.name === value)?.material : isNumber ? { start: value } : value;
+      store.change(path, startedMember(catalogue, field, next, before));
+    }
+  };
+  const label = T.fields[field.name] ?? (field.label || field.name);
+  const titleOf = (form) => T.members[form] ?? catalogue.forms[form].title;
+  const source = named && catalogue.materials.find((one) => one.name === value)?.source;
+  const inner = isNumber || named || isWord || !member ? [] : fieldsOf(catalogue, member.form);
+  const body = html`
+    ${choices && html`<div class="member-choice">
+      <label for=${idOf(path)} class=${lone ? "hidden" : ""}>${label}</label>
+      <select id=${idOf(path)} value=${chosen} onChange=${choose}>
+        ${field.optional && html`<option value=${NONE} selected=${chosen === NONE}>${T.form.none}</option>`}
+        ${field.number && html`<option value=${NUMBER} selected=${chosen === NUMBER}>${T.form.oneNumber}</option>`}
+        ${words.map((word) => html`<option value=${`#${word}`} selected=${word === value}>${word}</option>`)}
+        ${field.members.map((one) => html`<option value=${one.form} selected=${chosen === one.form}>${titleOf(one.form)}</option>`)}
+        ${field.named && html`<optgroup label=${T.form.named}>${catalogue.materials.map(({ name }) => html`<option value=${`@${name}`} selected=${chosen === `@${name}`}>${name}</option>`)}</optgroup>`}
+      </select>
+    </div>`}
+    ${source && html`<p class="source">${source}</p>`}
+    ${isNumber && html`<${NumberField} ...${{ store, path, field: { ...field, optional: false } }} />`}
+    ${inner.map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${one.name}`, field: held(one, field), holder: field }} />`)}
+    <${Fault} path=${path} text=${isNumber ? "" : faultAt(store, path)} />`;
+  return lone ? html`<div class="member" data-path=${path}>${body}</div>`
+    : html`<fieldset class="member" data-path=${path}>${!choices && html`<legend>${label}</legend>`}${body}</fieldset>`;
+}
+
+function numberOf(store, field, value) {
+  const inside = value?.start ?? value?.value?.[0];
+  return typeof inside === "number" ? inside : started(store.catalogue, { ...field, members: [], number: true }, null);
+}
+
+/** A list of descriptions: the layers of a cover. */
+function Members({ store, field, path }) {
+  const { catalogue, state } = store;
+  const items = at(state.case, path) ?? [];
+  const add = () => {
+    const last = items.at(-1);
+    store.change(path, [...items, last ? structuredClone(last) : startedMember(catalogue, field, field.members[0])]);
+  };
+  const drop = (k) => store.change(path, items.filter((_, other) => other !== k));
+  const up = (k) => store.change(path, items.map((item, n) => (n === k - 1 ? items[k] : n === k ? items[k - 1] : item)));
+  const most = field.max_items ?? 20;
+  return html`<div class="members" data-path=${path}>
+    ${items.map((item, k) => {
+      const member = memberOf(catalogue, field, item) ?? field.members[0];
+      return html`<fieldset class="member item" key=${k}>
+        <legend>${T.form.item(T.members[member.form] ?? catalogue.forms[member.form].title, k + 1, items.length)}</legend>
+        <div class="item-tools">
+          <button type="button" disabled=${k === 0} aria-label=${T.form.outward(k + 1)} title=${T.form.outward(k + 1)} onClick=${() => up(k)}>↑</button>
+          <button type="button" disabled=${items.length <= (field.min_items ?? 0)} aria-label=${T.form.drop(k + 1)} title=${T.form.drop(k + 1)} onClick=${() => drop(k)}>✕</button>
+        </div>
+        ${fieldsOf(catalogue, member.form).map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${k}.${one.name}`, field: one }} />`)}
+      </fieldset>`;
+    })}
+    <button type="button" class="add" disabled=${items.length >= most} onClick=${add}>${T.form.add}</button>
+    <${Fault} path=${path} text=${faultAt(store, path)} />
+  </div>`;
+}

@@ -1,0 +1,123 @@
+// The page: header, form on the left, what the case says on the right.
+import * as api from "./api.js";
+import { forgetColours } from "./chart.js";
+import { Patterns } from "./drawing.js";
+import { Menu, restore } from "./exchange.js";
+import { Form } from "./form.js";
+import { html, render, useEffect, useLayoutEffect } from "./html.js";
+import { Bracket, Differences, Numbers, Panels, Pins, Sections, Verdict } from "./results.js";
+import { Store, useStore } from "./store.js";
+import { Study } from "./study.js";
+import { T } from "./texts.js";
+import { Thesis } from "./thesis.js";
+import { Winding } from "./winding.js";
+
+const TABS = ["case", "study", "winding", "thesis"];
+const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
+const ROLLS = ["wound_roll", "winding"]; // shown in a tab of their own, the quick one first
+
+function Page({ store }) {
+  const state = useStore(store);
+  useLayoutEffect(() => {
+    if (state.theme) document.documentElement.dataset.theme = state.theme;
+    else delete document.documentElement.dataset.theme;
+    forgetColours();
+  }, [state.theme]);
+  useEffect(() => {
+    const keys = (event) => {
+      if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+      if (event.target.matches("textarea, dialog input")) return; // these have their own
+      event.preventDefault();
+      if (event.shiftKey) store.redo();
+      else store.undo();
+    };
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const repaint = () => { forgetColours(); store.set({ scheme: dark.matches }); };
+    addEventListener("keydown", keys);
+    dark.addEventListener("change", repaint);
+    return () => { removeEventListener("keydown", keys); dark.removeEventListener("change", repaint); };
+  }, [store]);
+  const views = { case: Case, study: Study, winding: Winding, thesis: Thesis };
+  return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>
+    <${Patterns} />
+    <${Header} store=${store} />
+    <div class=${`working${state.busy ? " busy" : ""}`} aria-hidden="true"></div>
+    <div class="split">
+      <aside class="left">${state.tab !== "thesis" && html`<${Form} store=${store} />`}</aside>
+      <main class="right" id="results" tabindex="-1" aria-label=${T.results.name}>
+        <div role="tabpanel" id=${`panel-${state.tab}`} aria-labelledby=${`tab-${state.tab}`} class="view"><${views[state.tab]} store=${store} /></div>
+      </main>
+    </div>
+    <div class="says" role="status" aria-live="polite">${state.message}</div>`;
+}
+
+function Header({ store }) {
+  const { state, catalogue } = store;
+  const kinds = catalogue.kinds.filter((kind) => (state.tab === "winding" ? ROLLS.includes(kind.name) : !ROLLS.includes(kind.name)));
+  return html`<header class="top">
+    <h1><img src="/static/icon.svg" width="26" height="26" alt="" /><span>${T.title}</span></h1>
+    <${Tabs} store=${store} />
+    <div class="tools">
+      <label><span class="hidden">${T.header.kind}</span>
+        <select class="kind" value=${state.kind} onChange=${(event) => store.goTo(event.target.value)}>
+          ${kinds.map((kind) => html`<option value=${kind.name} selected=${kind.name === state.kind}>${T.kinds[kind.name] ?? kind.title}</option>`)}</select></label>
+      <button type="button" onClick=${() => store.undo()} disabled=${!state.past.length} title=${`${T.header.undo} (Ctrl+Z)`} aria-label=${T.header.undo}>↶</button>
+      <button type="button" onClick=${() => store.redo()} disabled=${!state.future.length} title=${`${T.header.redo} (Ctrl+Shift+Z)`} aria-label=${T.header.redo}>↷</button>
+      <div class="segmented" role="group" aria-label=${T.header.units}>${Object.keys(catalogue.systems).map((name) => html`<button type="button"
+        aria-pressed=${state.system === name} onClick=${() => store.prefer("system", name)}>${name}</button>`)}</div>
+      <${Menu} store=${store} />
+    </div>
+  </header>`;
+}
+
+function Tabs({ store }) {
+  const { tab } = store.state;
+  const tabs = tabsOf(store);
+  const go = (name) => {
+    const { kind } = store.state;
+    store.set({ tab: name });
+    const roll = ROLLS.includes(kind);
+    if (name === "winding" && !roll) store.goTo(ROLLS.find((one) => store.kindOf(one)));
+    if (name === "case" && roll) store.goTo(store.state.nip ?? "wrapped_nip");
+  };
+  const keys = (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
+    go(next);
+    document.getElementById(`tab-${next}`).focus();
+  };
+  return html`<div class="tabs" role="tablist" aria-label=${T.tabs.name} onKeyDown=${keys}>${tabs.map((name) => html`<button type="button" role="tab"
+    id=${`tab-${name}`} aria-selected=${tab === name} aria-controls=${`panel-${name}`} tabindex=${tab === name ? 0 : -1} onClick=${() => go(name)}>${T.tabs[name]}</button>`)}</div>`;
+}
+
+function Case({ store }) {
+  const { result, problem, tables } = store.state;
+  if (!result || result.kind !== store.state.kind) return html`<p class="quiet">${problem || T.results.busy}</p>`;
+  return html`<${Verdict} store=${store} />
+    <${Numbers} store=${store} />
+    <${Bracket} store=${store} />
+    <div class="bar-row"><${Pins} store=${store} />
+      <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>
+    <${Panels} store=${store} />
+    <p class="quiet hint">${T.panels.hint}</p>
+    <${Differences} store=${store} />
+    <${Sections} store=${store} />`;
+}
+
+async function begin() {
+  const place = document.getElementById("page");
+  render(html`<p class="loading">${T.loading} …</p>`, place);
+  try {
+    const store = new Store(await api.catalogue());
+    if (!await restore(store)) store.solve();
+    document.title = `${T.title}: ${T.about}`;
+    render(html`<${Page} store=${store} />`, place);
+    addEventListener("hashchange", () => restore(store));
+  } catch (fault) {
+    render(html`<p class="loading" role="alert">${T.failed}: ${fault.message}</p>`, place);
+    throw fault;
+  }
+}
+
+begin();

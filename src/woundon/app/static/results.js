@@ -1,0 +1,319 @@
+// What a solved case says: numbers with errors, certificate, warnings, panels, differences.
+import { at, same } from "./cases.js";
+import { colourOf, Panel } from "./chart.js";
+import { Drawing } from "./drawing.js";
+import { Fragment, html, useEffect, useRef, useState } from "./html.js";
+import { Symbol, symbolText } from "./symbols.js";
+import { T } from "./texts.js";
+import { digits } from "./units.js";
+
+const BARS = 9;
+const ROWS = 33; // of a table of a panel
+
+// ---- numbers ----
+
+/** The outputs that are told large: the kind's own, and those with an estimated error. */
+export function headlines(kind, result) {
+  const { outputs } = result;
+  const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null);
+  const named = (names) => names.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
+  const main = named(kind.main);
+  const usual = named(T.order);
+  if (usual.length >= 3) return [...new Set([...main, ...usual])];
+  const told = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
+  const rest = scalars.filter((output) => !main.includes(output) && !told.includes(output) && !output.whole);
+  return [...main, ...told, ...(main.length + told.length > 2 ? [] : rest.slice(0, 7))];
+}
+
+export function errorText(units, output, { value, error }) {
+  if (error == null) return "";
+  const shown = Math.abs(units.shown(output, error));
+  const size = Math.abs(units.shown(output, value));
+  const last = size ? 10 ** (Math.floor(Math.log10(size)) - 4) : 0;
+  return shown < last ? `± < ${digits(last, 1)}` : `± ${digits(shown, 2)}`;
+}
+
+function difference(units, output, from, to) {
+  if (from == null || to == null) return "–";
+  const value = units.shown(output, to) - units.shown(output, from);
+  return (value > 0 ? "+" : "") + digits(Number(value.toPrecision(4)), 4);
+}
+
+export function Numbers({ store }) {
+  const { units, kind, state } = store;
+  const { result, busy } = state;
+  return html`<section class=${`numbers${busy ? " busy" : ""}`} aria-label=${T.results.numbers}>
+    ${headlines(kind, result).map((output) => {
+      const told = result.outputs[output.name];
+      return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}
+          title=${output.label}>
+        <div class="what"><span class="symbol"><${Symbol} of=${output.symbol} /></span> ${output.label}</div>
+        <div class="much"><output class="value" data-si=${told.value}>${digits(units.shown(output, told.value))}</output>
+          <span class="unit">${units.text(output)}</span></div>
+        <div class="error" title=${T.results.error}>${errorText(units, output, told)}</div>
+        ${store.pinned.map((pin) => html`<div class=${`versus pin-${pin.label}`} key=${pin.label}><b>${pin.label}</b>
+          ${digits(units.shown(output, pin.result.outputs[output.name]?.value))}</div>`)}
+      </div>`;
+    })}
+  </section>`;
+}
+
+/** Certificate and warnings; what is at fault while the last good picture stays. */
+export function Verdict({ store }) {
+  const { result, problem, faults, unreachable } = store.state;
+  const { certificate, warnings } = result;
+  const wrong = problem || Object.keys(faults).length > 0;
+  return html`<${Fragment}>
+    ${wrong && html`<div class="notice wrong" role="alert"><b>${unreachable ? T.unreachable : problem}</b>
+      ${!problem && !unreachable && Object.values(faults).slice(0, 3).map((text) => html`<span>${text}</span>`)} <span>${T.results.shown}</span></div>`}
+    <details class=${`certificate ${certificate.ok ? "good" : "bad"}`}>
+      <summary><span class="mark" aria-hidden="true">${certificate.ok ? "✓" : "✗"}</span> ${certificate.text}</summary>
+      <table><caption>${T.results.laws}</caption><thead><tr><th scope="col">${T.results.law}</th><th scope="col">${T.results.violation}</th></tr></thead>
+        <tbody>${Object.entries(certificate.laws).map(([law, value]) => html`<tr><th scope="row">${law.replaceAll("_", " ")}</th>
+          <td>${value == null ? "–" : value.toExponential(1)}</td></tr>`)}</tbody></table>
+    </details>
+    ${warnings.length > 0 && html`<details class="warnings" open=${warnings.length < 3}><summary><span class="mark" aria-hidden="true">!</span> ${T.results.warnings} (${warnings.length})</summary>
+      <ul>${warnings.map((text) => html`<li key=${text}>${text}</li>`)}</ul></details>`}
+  <//>`;
+}
+
+// ---- panels ----
+
+/** The states that are drawn over each other: the live one first. */
+export function states(store, panelOf) {
+  const live = { label: "", colour: null, panel: panelOf(store.state) };
+  const pins = store.pinned.map((pin) => ({ label: pin.label, pinned: true, colour: colourOf(`pin-${pin.label}`), panel: panelOf(pin) }))
+    .filter((one) => one.panel);
+  if (!pins.length) return [live];
+  return [{ ...live, label: T.compare.live, colour: colourOf("live") }, ...pins];
+}
+
+export function Panels({ store }) {
+  const { result } = store.state;
+  return html`<div class="panels">
+    <figure class="panel drawing-panel" data-panel="drawing"><figcaption><h3>${T.drawing.title}</h3></figcaption>
+      <${Drawing} result=${result} units=${store.units} catalogue=${store.catalogue} /></figure>
+    ${cells(result.panels).map((cell) => html`<div class="panel-cell" key=${cell[0].name}>${cell.map((panel) => html`<${OnePanel}
+      key=${panel.name} store=${store} name=${panel.name} cases=${states(store, (state) => state.result.panels.find((one) => one.name === panel.name))} />`)}</div>`)}
+    <${Curve} store=${store} />
+    <${Bars} store=${store} />
+  </div>`;
+}
+
+/** A strip of zones stands below the panel before it. */
+function cells(panels) {
+  return panels.reduce((all, panel) => {
+    if (panel.strips && all.length) all.at(-1).push(panel);
+    else all.push([panel]);
+    return all;
+  }, []);
+}
+
+export function OnePanel({ store, name, cases, title, height = 200 }) {
+  const words = title ?? T.panels[name] ?? cases[0].panel.y.label;
+  const shown = words.charAt(0).toUpperCase() + words.slice(1);
+  const lines = cases[0].panel.curves.map((curve) => `${symbolText(curve.symbol)} ${curve.label}`).join(", ");
+  return html`<div class=${`cell cell-${name}`}>
+    <${Panel} title=${shown} cases=${cases} units=${store.units} height=${height} theme=${store.state.theme}
+      description=${T.panels.describe(shown, lines || cases[0].panel.strips?.map((one) => one.label).join(", "))} />
+    ${store.state.tables && html`<${Table} store=${store} title=${shown} cases=${cases} />`}
+  </div>`;
+}
+
+/** What a panel shows, for those who cannot see it. */
+function Table({ store, title, cases }) {
+  const { units } = store;
+  const { panel } = cases[0];
+  const groups = new Map();
+  for (const { label, panel: own } of cases) {
+    for (const curve of own.curves) {
+      const key = JSON.stringify(curve.x);
+      if (!groups.has(key)) groups.set(key, { x: curve.x, axis: own.x, curves: [] });
+      groups.get(key).curves.push({ label, curve, axis: curve.side === "right" ? own.right : own.y });
+    }
+  }
+  if (panel.strips) {
+    return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption>
+      <thead><tr><th scope="col"></th><th scope="col">${T.study.from} [${units.text(panel.x.quantity)}]</th><th scope="col">${T.study.to} [${units.text(panel.x.quantity)}]</th><th scope="col">${T.panels.zones}</th></tr></thead>
+      <tbody>${cases.flatMap(({ label, panel: own }) => own.strips.flatMap((strip) => strip.runs.map(([zone, from, to]) => html`<tr>
+        <th scope="row">${label} ${strip.label}</th><td>${digits(units.shown(own.x.quantity, from), 4)}</td><td>${digits(units.shown(own.x.quantity, to), 4)}</td>
+        <td>${panel.words[zone + 1]}</td></tr>`)))}</tbody></table></div>`;
+  }
+  return [...groups.values()].map(({ x, axis, curves }) => {
+    const step = Math.max(1, Math.ceil(x.length / ROWS));
+    const rows = x.map((_, k) => k).filter((k) => k % step === 0 || k === x.length - 1);
+    return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption><thead><tr><th scope="col">${units.label(axis.label, axis.quantity)}</th>
+      ${curves.map(({ label, curve, axis: own }) => html`<th scope="col">${label} ${symbolText(curve.symbol)} ${curve.label} ${units.text(own.quantity) && `[${units.text(own.quantity)}]`}</th>`)}</tr></thead>
+      <tbody>${rows.map((k) => html`<tr><th scope="row">${digits(units.shown(axis.quantity, x[k]), 4)}</th>
+        ${curves.map(({ curve, axis: own }) => html`<td>${digits(units.shown(own.quantity, curve.y[k]), 5)}</td>`)}</tr>`)}</tbody></table></div>`;
+  });
+}
+
+// ---- around the working point: asked for when it comes into sight ----
+
+function useInSight(store, name) {
+  const place = useRef(null);
+  useEffect(() => {
+    if (!place.current) return undefined;
+    const watch = new IntersectionObserver((entries) => store.want(name, entries.at(-1).isIntersecting));
+    watch.observe(place.current);
+    return () => { watch.disconnect(); store.want(name, false); };
+  }, [store, name, place.current]);
+  return place;
+}
+
+const ROLES = ["roll", "drum", "web"];
+const LINES = ["solid", "dashed", "dashdot"];
+
+function curvePanel(store, kind, told) {
+  const names = Object.keys(told.outputs).filter((name) => !/error/.test(name));
+  const field = store.catalogue.forms[kind.form].fields.find((one) => one.name === told.field);
+  const first = store.output(names[0], kind);
+  return {
+    name: "curve", column: "curve", x: { label: field.label, quantity: field, range: [told.values[0], told.values.at(-1)] },
+    y: { label: first.unit === "N/m" ? T.panels.tensions : first.label, quantity: first }, areas: [],
+    marks: [{ along: "y", value: told.at, label: "" }],
+    curves: names.filter((name) => store.output(name, kind).unit === first.unit).map((name, k) => ({
+      name, symbol: store.output(name, kind).symbol, label: "", role: ROLES[k % 3], dash: LINES[k % 3], side: "left",
+      x: told.values, y: told.outputs[name],
+    })),
+  };
+}
+
+function Curve({ store }) {
+  const { kind } = store;
+  const place = useInSight(store, "curve");
+  const { told, stale } = store.extra("curve");
+  if (!store.loadOf(kind)) return null;
+  if (!told || !at(store.state.case, told.field)) return html`<div class="curve-cell" ref=${place}><p class="quiet waits">${T.panels.waits}</p></div>`;
+  const cases = states(store, (state) => state.extras.curve?.kind === kind.name && state.extras.curve.told && curvePanel(store, kind, state.extras.curve.told));
+  const label = cases[0].panel.x.label;
+  return html`<div class=${`curve-cell${stale ? " stale" : ""}`} ref=${place}><${OnePanel} store=${store} name="curve" cases=${cases} title=${T.panels.curve(cases[0].panel.y.label, label)} /></div>`;
+}
+
+/** By how much the answer changes for one percent more of each field. */
+function Bars({ store }) {
+  const place = useInSight(store, "bars");
+  const [chosen, choose] = useState(null);
+  const { told: bars, stale } = store.extra("bars");
+  if (!store.loadOf(store.kind)) return null;
+  if (!bars?.parameters?.length) return html`<div class="bars" ref=${place}><p class="quiet waits">${T.panels.waits}</p></div>`;
+  const row = Math.max(0, bars.outputs.indexOf(chosen));
+  const output = store.output(bars.outputs[row]);
+  const told = bars.parameters.map((name, k) => ({ name, value: bars.elasticities[row][k] }))
+    .filter((one) => Number.isFinite(one.value) && one.value !== 0)
+    .sort((a, b) => Math.abs(b.value) - Math.abs(a.value)).slice(0, BARS);
+  const most = Math.max(...told.map((one) => Math.abs(one.value)), 1e-12);
+  return html`<figure class=${`panel bars${stale ? " stale" : ""}`} data-panel="bars" ref=${place}>
+    <figcaption><h3>${T.panels.bars}</h3>
+      <label class="inline"><span class="hidden">${T.study.output}</span><select value=${output.name} onChange=${(event) => choose(event.target.value)}>
+        ${bars.outputs.map((name) => html`<option value=${name} selected=${name === output.name}>${store.output(name).label}</option>`)}</select></label>
+    </figcaption>
+    <p class="quiet">${T.panels.barsOf(symbolText(output.symbol))}</p>
+    <table class="bar-table"><caption class="hidden">${T.panels.bars}</caption><tbody>${told.map(({ name, value }) => html`<tr key=${name}>
+      <th scope="row">${name}</th>
+      <td class="bar-cell"><span class="bar-track"><span class=${`bar ${value < 0 ? "less" : "more"}`} style=${{ width: `${(50 * Math.abs(value)) / most}%` }}></span></span></td>
+      <td class="bar-value">${value > 0 ? "+" : ""}${digits(value, 2)}</td></tr>`)}</tbody></table>
+  </figure>`;
+}
+
+// ---- the report's sections: brackets, other theories ----
+
+export function Sections({ store }) {
+  const { told: report, stale } = store.extra("report");
+  if (!report) return null;
+  return html`<details class=${`sections${stale ? " stale" : ""}`} open>
+    <summary>${T.results.report}</summary>
+    <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
+      <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row">${row.label}</th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
+        <${SectionValue} store=${store} row=${row} /><td class="note">${row.note.replace(/^,\s*/, "")}</td></tr>`)}</tbody></table>
+      ${section.text && store.units.name === "SI" && html`<p>${section.text}</p>`}</section>`)}</div>
+  </details>`;
+}
+
+/** A row of the report in the chosen units. */
+function SectionValue({ store, row }) {
+  const entry = Object.entries(store.catalogue.units).find(([, known]) => known.some((unit) => unit.name === row.unit));
+  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td>${row.unit}</td>`;
+  const quantity = { unit: entry[0], shown_unit: row.unit };
+  const { factor } = entry[1].find((unit) => unit.name === row.unit);
+  const ratio = factor / store.units.of(quantity).factor;
+  const error = row.error_text && (row.error_text.startsWith("<") ? `<${digits(Number(row.error_text.slice(1)) * ratio, 1)}` : digits(Number(row.error_text) * ratio, 2));
+  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td>${store.units.text(quantity)}</td>`;
+}
+
+/** Two estimates of the main output that bracket it: a line with the answer between them. */
+export function Bracket({ store }) {
+  const { result } = store.state;
+  const { told: report, stale } = store.extra("report");
+  const section = report?.find((one) => /bracket/.test(one.text) && one.rows.length === 2);
+  const output = store.kind.main.length ? store.output(store.kind.main[0]) : null;
+  const value = output && result.outputs[output.name]?.value;
+  if (!section || value == null) return null;
+  const unit = store.catalogue.units[output.unit].find((one) => one.name === section.rows[0].unit);
+  if (!unit) return null;
+  const ends = section.rows.map((row) => row.value * unit.factor);
+  const [low, high] = [Math.min(...ends, value), Math.max(...ends, value)];
+  const place = (si) => `${8 + (84 * (si - low)) / (high - low || 1)}%`;
+  const text = (si) => digits(store.units.shown(output, si));
+  return html`<section class=${`bracket${stale ? " stale" : ""}`} aria-label=${section.title}>
+    <h3>${section.title}</h3>
+    <div class="scale" aria-hidden="true"><span class="rule"></span>${ends.map((si, k) => html`<span class="end" key=${k} style=${{ left: place(si) }}></span>`)}
+      <span class="answer" style=${{ left: place(value) }}></span></div>
+    <ul>${section.rows.map((row, k) => html`<li key=${k}><b>${text(ends[k])} ${store.units.text(output)}</b> ${row.label} <span class="quiet">${row.note}</span></li>`)}</ul>
+  </section>`;
+}
+
+// ---- pinned states beside the live one ----
+
+export function Pins({ store }) {
+  const { pins } = store.state;
+  return html`<div class="pins" role="group" aria-label=${T.compare.title}>
+    <button type="button" class="pin" onClick=${() => store.pin()} disabled=${store.full} title=${store.full ? T.compare.full : ""}>
+      <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M9.5 1.5 14.5 6.5l-2 .5-2.5 2.5.2 3.3-1 .9-6-6 .9-1 3.3.2L9.9 4.4z M5 11l-3.5 3.5" fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejoin="round" /></svg>
+      ${T.compare.pin}</button>
+    ${store.pinned.length > 0 && html`<span class="chip live"><span class="dot"></span>${T.compare.live}</span>`}
+    ${pins.map((pin) => html`<span class=${`chip pin-${pin.label}`} key=${pin.label}><span class="dot"></span>
+      <button type="button" onClick=${() => store.take(pin.kind, pin.case)} title=${T.compare.recall(pin.label)} aria-label=${T.compare.recall(pin.label)}>${pin.label}${pin.kind !== store.state.kind ? ` (${T.kinds[pin.kind] ?? pin.kind})` : ""}</button>
+      <button type="button" onClick=${() => store.unpin(pin.label)} aria-label=${T.compare.unpin(pin.label)}>✕</button></span>`)}
+  </div>`;
+}
+
+function leaves(thing, prefix = "") {
+  const list = Array.isArray(thing) && typeof thing[0] !== "object";
+  if (thing === null || typeof thing !== "object" || list) return [[prefix, thing]];
+  return Object.entries(thing).flatMap(([name, inner]) => leaves(inner, prefix ? `${prefix}.${name}` : name));
+}
+
+export function Differences({ store }) {
+  const { units, kind, state, pinned } = store;
+  if (!pinned.length) return null;
+  const { result, solved } = state;
+  const paths = [...new Set([solved, ...pinned.map((pin) => pin.case)].flatMap((one) => leaves(one).map(([path]) => path)))];
+  const differing = paths.filter((path) => pinned.some((pin) => !same(at(pin.case, path), at(solved, path))));
+  const shown = (path, value) => {
+    if (Array.isArray(value)) return value.map((one) => (Array.isArray(one) ? one.join(" ") : inputText(store, path, one))).join(", ");
+    return typeof value === "number" ? inputText(store, path, value) : value === undefined ? "–" : String(value);
+  };
+  return html`<section class="differences" aria-label=${T.compare.title}>
+    <h3>${T.compare.title}</h3>
+    <div class="table-scroll" tabindex="0"><table><thead><tr><th scope="col">${T.compare.results}</th><th scope="col">${T.results.unit}</th><th scope="col">${T.compare.live}</th>
+      ${pinned.map((pin) => html`<${Fragment}><th scope="col" class=${`pin-${pin.label}`}><span class="dot"></span>${pin.label}</th><th scope="col">${T.compare.live} − ${pin.label}</th><//>`)}</tr></thead>
+      <tbody>${headlines(kind, result).map((output) => {
+        const now = result.outputs[output.name].value;
+        return html`<tr key=${output.name} data-difference=${output.name}><th scope="row"><${Symbol} of=${output.symbol} /> ${output.label}</th><td>${units.text(output)}</td><td>${digits(units.shown(output, now))}</td>
+          ${pinned.map((pin) => {
+            const then = pin.result.outputs[output.name]?.value;
+            return html`<${Fragment}><td>${digits(units.shown(output, then))}</td><td class="delta">${difference(units, output, then, now)}</td><//>`;
+          })}</tr>`;
+      })}</tbody>
+      ${differing.length > 0 && html`<tbody><tr><th scope="rowgroup" colspan=${3 + 2 * pinned.length} class="rows">${T.compare.inputs}</th></tr>${differing.map((path) => html`<tr key=${path}><th scope="row">${path}</th><td></td>
+        <td>${shown(path, at(solved, path))}</td>${pinned.map((pin) => html`<${Fragment}><td>${shown(path, at(pin.case, path))}</td><td></td><//>`)}</tr>`)}</tbody>`}
+    </table></div></section>`;
+}
+
+/** A value of the case in the units that are shown, where its field is known. */
+function inputText(store, path, value) {
+  const field = store.fieldAt(path);
+  return field?.unit && field.unit !== "holder" ? `${digits(store.units.shown(field, value))} ${store.units.text(field)}` : digits(value);
+}

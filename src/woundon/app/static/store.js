@@ -1,0 +1,260 @@
+// What the page knows: the case, its history, the last good picture, the pinned states.
+import * as api from "./api.js";
+import { changed, fieldsOf, held, memberOf, same } from "./cases.js";
+import { useEffect, useState } from "./html.js";
+import { Units } from "./units.js";
+
+const PINS = 4;
+const REST = 220; // [ms] without a change: then what is slower is asked for
+const KEPT = 200; // steps of undo
+
+export class Store {
+  constructor(catalogue) {
+    this.catalogue = catalogue;
+    this.listeners = new Set();
+    this.newest = new api.Newest();
+    this.wanted = new Set();
+    const first = catalogue.kinds.find((kind) => kind.name === "wrapped_nip") ?? catalogue.kinds[0];
+    this.state = {
+      kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
+      tab: "case", past: [], future: [], faults: {}, problem: "",
+      result: null, solved: null, extras: {}, busy: false, pins: [], tables: false,
+      others: {}, study: null, message: "",
+    };
+    this.units = new Units(catalogue, this.state.system);
+  }
+
+  set(patch) {
+    this.state = { ...this.state, ...patch };
+    if (patch.system) this.units = new Units(this.catalogue, patch.system);
+    for (const listener of this.listeners) listener();
+  }
+
+  kindOf(name) {
+    return this.catalogue.kinds.find((kind) => kind.name === name);
+  }
+
+  get kind() {
+    return this.kindOf(this.state.kind);
+  }
+
+  output(name, kind = this.kind) {
+    const found = kind.outputs.find((output) => output.name === name);
+    return found ?? { name, symbol: name, label: name, unit: "1", shown_unit: "" };
+  }
+
+  /** The field of a dotted path of a case; null where there is none. */
+  fieldAt(path) {
+    const { catalogue } = this;
+    let fields = fieldsOf(catalogue, this.kind.form);
+    let table = this.state.case;
+    let holder = null;
+    for (const name of path.split(".")) {
+      if (/^\d+$/.test(name)) {
+        if (!holder?.members) return null;
+        table = table?.[name];
+        fields = fieldsOf(catalogue, (memberOf(catalogue, holder, table) ?? holder.members[0]).form);
+        continue;
+      }
+      const found = fields.find((one) => one.name === name);
+      if (!found) return null;
+      const field = held(found, holder);
+      table = table?.[name];
+      const member = field.members && !Array.isArray(table) ? memberOf(catalogue, field, table) : null;
+      holder = field;
+      fields = member ? fieldsOf(catalogue, member.form) : [];
+    }
+    return holder;
+  }
+
+  // ---- the case ----
+
+  /** Change one field; a slider that moves makes one step of undo. */
+  change(path, value, { moving = false } = {}) {
+    const next = changed(this.state.case, path, value);
+    if (same(next, this.state.case)) return;
+    const { past } = this.state;
+    const step = past.at(-1);
+    const merged = moving && step?.path === path && this.moving;
+    this.moving = moving;
+    this.set({
+      case: next, future: [],
+      past: merged ? past : [...past, { path, kind: this.state.kind, case: this.state.case }].slice(-KEPT),
+    });
+    this.solve(moving);
+  }
+
+  /** Take a whole case: another kind, one from a file or a link. */
+  take(kind, tables) {
+    const past = [...this.state.past, { kind: this.state.kind, case: this.state.case }].slice(-KEPT);
+    this.moving = false;
+    this.set({ kind, case: tables, past, future: [], faults: {}, problem: "" });
+    this.solve();
+  }
+
+  undo() {
+    this.step("past", "future");
+  }
+
+  redo() {
+    this.step("future", "past");
+  }
+
+  step(from, to) {
+    const last = this.state[from].at(-1);
+    if (!last) return;
+    this.moving = false;
+    const here = { path: last.path, kind: this.state.kind, case: this.state.case };
+    this.set({
+      [from]: this.state[from].slice(0, -1), [to]: [...this.state[to], here],
+      kind: last.kind, case: last.case, faults: {}, problem: "",
+    });
+    this.solve();
+  }
+
+  /** Go on with another kind: what the two have in common stays. */
+  goTo(name) {
+    const { case: now, kind, others } = this.state;
+    const next = this.kindOf(name);
+    const names = this.catalogue.forms[next.form].fields.map((field) => field.name);
+    const before = others[name] ?? next.example;
+    const shared = Object.entries(now).filter(([field]) => names.includes(field) && field in before);
+    const related = shared.length >= 5; // a nip and its wraps, not a nip and a roll
+    this.set({ others: { ...others, [kind]: now } });
+    this.take(name, related ? { ...before, ...Object.fromEntries(shared) } : before);
+  }
+
+  // ---- the picture ----
+
+  solve(moving = false) {
+    clearTimeout(this.resting);
+    this.filling?.abort();
+    const tables = this.state.case;
+    const kind = this.state.kind;
+    this.set({ busy: true });
+    this.newest.ask((signal) => this.solved(kind, tables, moving, signal));
+    this.resting = setTimeout(() => this.rest(moving), REST);
+  }
+
+  async solved(kind, tables, moving, signal) {
+    try {
+      const result = await api.solve(tables, moving ? { warm: true } : {}, signal);
+      if (kind !== this.state.kind) return;
+      this.set({ result, solved: tables, busy: this.newest.waiting !== null, faults: {}, problem: "" });
+    } catch (fault) {
+      if (fault.name === "AbortError" || fault.superseded) return;
+      if (tables !== this.state.case) return;
+      this.refused(fault);
+    }
+  }
+
+  /** Tell a refusal at its fields; the last good picture stays. */
+  refused(fault) {
+    const faults = {};
+    const left = [];
+    for (const { field, message } of fault.errors) {
+      if (field) faults[field] = message;
+      else left.push(message);
+    }
+    if (!fault.errors.length) left.push(fault.message);
+    this.set({ faults, problem: left.join("\n"), unreachable: fault.status === 0, busy: false });
+  }
+
+  /** At rest: the answer to its last digit, then what takes longer and is in sight. */
+  async rest(moving) {
+    const { kind, case: tables } = this.state;
+    if (moving) this.newest.ask((signal) => this.solved(kind, tables, false, signal));
+    while (this.newest.running || this.newest.waiting) await new Promise((wake) => setTimeout(wake, 30));
+    if (tables === this.state.case && tables === this.state.solved) this.fill();
+  }
+
+  /** Something that takes longer has come into sight, or gone out of it. */
+  want(name, inSight) {
+    if (inSight) this.wanted.add(name);
+    else this.wanted.delete(name);
+    if (inSight && !this.state.busy) this.fill();
+  }
+
+  /** What is told of this very case; of an earlier one it is stale. */
+  extra(name) {
+    const found = this.state.extras[name];
+    const known = found?.kind === this.state.kind ? found : null;
+    return { told: known?.told ?? null, stale: known?.of !== this.state.case };
+  }
+
+  async fill() {
+    if (this.filling && !this.filling.signal.aborted) return;
+    this.filling = new AbortController();
+    const { signal } = this.filling;
+    const tables = this.state.case;
+    const field = this.loadOf(this.kind);
+    const ask = {
+      report: () => api.solve(tables, { report: true }, signal).then((told) => told.sections),
+      curve: () => field && api.curve(tables, { field, points: 13 }, signal),
+      bars: () => field && api.sensitivities(tables, signal),
+    };
+    for (;;) {
+      const name = ["report", ...this.wanted].find((one) => this.extra(one).stale);
+      if (!name || signal.aborted || tables !== this.state.case) break;
+      const told = await Promise.resolve(ask[name]()).catch(() => null);
+      if (signal.aborted || tables !== this.state.case) break;
+      this.set({ extras: { ...this.state.extras, [name]: { kind: this.state.kind, of: tables, told } } });
+    }
+    if (this.filling?.signal === signal) this.filling = null;
+  }
+
+  /** The field against which the outputs are drawn around the working point. */
+  loadOf(kind) {
+    const fields = this.catalogue.forms[kind.form].fields;
+    return fields.find((field) => /load$/.test(field.name))?.name ?? null;
+  }
+
+  // ---- pinned states ----
+
+  pin() {
+    const { pins, result, solved, kind } = this.state;
+    if (!result || pins.length >= PINS) return;
+    const free = ["A", "B", "C", "D"].find((label) => !pins.some((pin) => pin.label === label));
+    this.set({ pins: [...pins, { label: free, kind, case: solved, result, extras: this.state.extras }] });
+  }
+
+  unpin(label) {
+    this.set({ pins: this.state.pins.filter((pin) => pin.label !== label) });
+  }
+
+  get full() {
+    return this.state.pins.length >= PINS;
+  }
+
+  /** Pinned states of the kind that is seen. */
+  get pinned() {
+    return this.state.pins.filter((pin) => pin.kind === this.state.kind);
+  }
+
+  prefer(name, value) {
+    try { localStorage.setItem(`woundon.${name}`, value); } catch { /* private windows */ }
+    this.set({ [name]: value });
+  }
+
+  /** A short word to all who see or hear the page. */
+  say(message) {
+    clearTimeout(this.saying);
+    this.set({ message });
+    this.saying = setTimeout(() => this.set({ message: "" }), 4000);
+  }
+}
+
+function kept(name, otherwise) {
+  try { return localStorage.getItem(`woundon.${name}`) ?? otherwise; } catch { return otherwise; }
+}
+
+/** Draw a component anew when the store changes. */
+export function useStore(store) {
+  const [, draw] = useState(0);
+  useEffect(() => {
+    const listener = () => draw((n) => n + 1);
+    store.listeners.add(listener);
+    return () => store.listeners.delete(listener);
+  }, [store]);
+  return store.state;
+}

@@ -1,0 +1,46 @@
+"""Problems as Python: the script that makes one and solves it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..problems.fields import Description, Problem
+from ..problems.materials import MATERIALS
+
+__all__ = ["to_python"]
+
+WIDTH = 96
+
+
+def to_python(problem: Problem) -> str:
+    """Return a script that solves a problem: running it gives the very same result."""
+    lines = ("import woundon as wo", "", f"problem = {_made(problem, 0)}",
+             "result = wo.solve(problem)", "print(result)", "")  # fmt: skip
+    return "\n".join(lines)
+
+
+def _made(value: Any, depth: int) -> str:
+    """Return the expression of a value; on one line where that is short."""
+    if not isinstance(value, (Description, tuple)):
+        return repr(value)
+    name = next((name for name, known in MATERIALS.items() if known.material == value), None)
+    if name is not None:
+        return f"wo.material({name!r})"
+    if isinstance(value, tuple):
+        parts, ends = [_made(item, depth + 1) for item in value], ("[", "]")
+    else:
+        fields = {name: getattr(value, name) for name in type(value).model_fields}
+        parts = [f"{name}={_made(held, depth + 1)}" for name, held in fields.items()
+                 if held is not None]  # fmt: skip
+        ends = (f"{_class(value)}(", ")")
+    line = f"{ends[0]}{', '.join(parts)}{ends[1]}"
+    if len(line) + 4 * depth <= WIDTH and "\n" not in line:
+        return line
+    inner = "".join(f"{'    ' * (depth + 1)}{part},\n" for part in parts)
+    return f"{ends[0]}\n{inner}{'    ' * depth}{ends[1]}"
+
+
+def _class(value: Description) -> str:
+    of = type(value)
+    own = of.__module__.partition(".")[0] == __name__.partition(".")[0]
+    return f"wo.{of.__name__}" if own else of.__name__

@@ -1,0 +1,246 @@
+"""A report to file: one HTML page that stands alone, prints well, and says where it comes from.
+
+Of one state or of several beside each other: inputs with units and sources, results with errors
+and certificate, figures, warnings, version and date, and room for remarks.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from datetime import datetime
+from html import escape
+from typing import Any
+
+from .. import __version__, kinds
+from ..errors import InvalidProblem
+from ..problems.fields import Description
+from ..problems.materials import MATERIALS
+from ..quantities import Place, scalar_outputs, walk
+from ..results import Result
+from .figures import figure_bytes
+from .html import parts_html
+from .parts import Row, output_row, row_of
+from .plots import panel_columns, plotted
+from .report import LEFT_OUT, report_parts
+
+__all__ = ["report_file"]
+
+# of a drawing, what is no part of the picture
+_APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
+_STYLE = """\
+:root { color-scheme: light; }
+body { font: 10.5pt/1.4 "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; color: #111;
+  background: #fff; max-width: 180mm; margin: 12mm auto; padding: 0 6mm; }
+h1 { font-size: 18pt; margin: 0 0 1mm; }
+h2 { font-size: 13pt; margin: 8mm 0 2mm; border-bottom: 0.3mm solid #0072B2; break-after: avoid; }
+h3 { font-size: 11pt; margin: 5mm 0 1mm; break-after: avoid; }
+p.about { margin: 0 0 4mm; color: #444; }
+table { border-collapse: collapse; margin: 2mm 0 4mm; width: 100%; font-size: 9pt; }
+caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoid; }
+th, td { text-align: left; padding: 0.7mm 2mm 0.7mm 0; border-bottom: 0.2mm solid #ccc;
+  vertical-align: top; }
+td:first-child { overflow-wrap: anywhere; }
+th { border-bottom: 0.4mm solid #555; }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
+tr, figure, div table { break-inside: avoid; }
+div p { font-size: 9pt; }
+thead { display: table-header-group; }
+figure { margin: 3mm 0; }
+figure svg { width: 100%; height: auto; max-height: 125mm; }
+tr.differs td { background: #FFF3D6; }
+p.source { margin: 0; font-size: 9pt; color: #444; }
+* { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+div.remarks { min-height: 35mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
+  break-inside: avoid; }
+footer { margin-top: 4mm; font-size: 8.5pt; color: #444; }
+@page { size: A4; margin: 15mm; }
+@media print { body { margin: 0; padding: 0; max-width: none; } }
+"""
+
+
+def report_file(
+    results: Sequence[Result],
+    labels: Sequence[str] = (),
+    *,
+    title: str = "",
+    remarks: str = "",
+    sources: Sequence[str] = (),
+    written: datetime | None = None,
+) -> str:
+    """Return a report of solved states as an HTML page.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        One, or several to compare.
+    labels : sequence of str
+        What several are called.
+    title, remarks : str
+    sources : sequence of str
+        Where each case comes from, e.g. its file.
+    written : datetime, optional
+        The report's date; now where None.
+
+    Raises
+    ------
+    InvalidProblem
+        For no result, or labels that are not as many.
+    """
+    if not results:
+        raise InvalidProblem.at("results", "there is none to report")
+    names = list(labels) or [f"State {k}" for k in range(1, len(results) + 1)]
+    if len(names) != len(results):
+        raise InvalidProblem.at("labels", f"{len(names)} labels; must be {len(results)}")
+    title = title or " and ".join(dict.fromkeys(_title(result) for result in results))
+    when = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
+    body = "\n".join([
+        f"<h1>{escape(title)}</h1>",
+        f'<p class="about">woundon {escape(__version__)}, {escape(when)}{_from(sources)}</p>',
+        *_inputs(results, names),
+        *(_comparison(results, names) if len(results) > 1 else ()),
+        *_results(results, names),
+        _footer(results),
+        "<h2>Remarks</h2>",
+        f'<div class="remarks">{escape(remarks)}</div>',
+    ])  # fmt: skip
+    return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+            f'<meta name="viewport" content="width=device-width">'
+            f"<title>{escape(title)}</title><style>\n{_STYLE}</style></head>\n"
+            f"<body>\n{body}\n</body></html>\n")  # fmt: skip
+
+
+def _title(result: Result) -> str:
+    return kinds.of(result).about.rstrip(".")
+
+
+def _from(sources: Sequence[str]) -> str:
+    return f", from {escape(', '.join(sources))}" if sources else ""
+
+
+def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+    """Yield the report of each state, and the figure of all."""
+    for result, name in zip(results, names, strict=True):
+        yield f"<h2>{escape(name)}: results</h2>" if len(results) > 1 else "<h2>Results</h2>"
+        yield parts_html(report_parts(result))
+    yield "<h2>Figures</h2>" if len(results) > 1 else ""
+    yield from _figure(results, names if len(results) > 1 else None)
+
+
+# ---- inputs -----------------------------------------------------------------------------------
+
+
+def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+    """Yield a table of every field, what the states differ in told; named materials' sources."""
+    yield "<h2>Inputs</h2>"
+    told = [{place.path: place for place in walk(result.problem)} for result in results]
+    rows = []
+    for path in dict.fromkeys(path for one in told for path in one):
+        cells = [_row(one[path]) if path in one else Row("", "", "-") for one in told]
+        known = next(_row(one[path]) for one in told if path in one)
+        values = [f"{row.value_text} {row.unit}".strip() for row in cells]
+        mark = ' class="differs"' if len(set(values)) > 1 else ""
+        rows.append((mark, [path, known.meaning, known.symbol], values))
+    yield _table(["field", "meaning", "symbol"], names if len(names) > 1 else ["value"], rows)
+    sources = dict.fromkeys(named for result in results for named in _named(result.problem))
+    for path, name in sources:
+        source = f"{path}: the named material {name}; {MATERIALS[name].source}"
+        yield f'<p class="source">{escape(source)}</p>'
+
+
+def _row(place: Place) -> Row:
+    quantity, value = place.quantity, place.value
+    meaning, symbol = (quantity.meaning, quantity.symbol) if quantity else ("", "")
+    if quantity is not None and isinstance(value, tuple):
+        shown = ", ".join(f"{quantity.shown(one):.5g}" for one in value)
+        return Row(meaning, symbol, shown, quantity.display)
+    if quantity is not None and isinstance(value, int | float):
+        return row_of(quantity, value)
+    return Row(meaning, symbol, "not given" if value is None else str(value))
+
+
+def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield where a named material stands, and its name."""
+    for name, known in MATERIALS.items():
+        if thing == known.material:
+            yield path, name
+            return
+    inner: dict[Any, Any] = dict(enumerate(thing)) if isinstance(thing, tuple) else {}
+    if isinstance(thing, Description):
+        inner = {name: getattr(thing, name) for name in type(thing).model_fields}
+    for key, value in inner.items():
+        yield from _named(value, f"{path}.{key}".strip("."))
+
+
+# ---- several states ---------------------------------------------------------------------------
+
+
+def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+    """Yield the outputs that all have, side by side, and how far each is from the first."""
+    yield "<h2>Comparison</h2>"
+    yield _table(["", "symbol"], names, list(_outputs(results)))
+    yield f'<p class="source">Below a value: how far it is from that of {escape(names[0])}.</p>'
+
+
+def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[str]]]:
+    known = [scalar_outputs(result) for result in results]
+    left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
+    for name in known[0]:
+        if name in left_out or not all(name in one for one in known):
+            continue
+        first, *others = [output_row(result, name) for result in results]
+        cells = [_with_error(first)]
+        for row in others:
+            change = float(row.value) - float(first.value)
+            share = f" ({change / abs(float(first.value)):+.1%})" if float(first.value) else ""
+            cells.append(f"{_with_error(row)}\n{change:+.3g}{share}")
+        unit = f" [{first.unit}]" if first.unit else ""
+        yield "", [f"{first.meaning}{unit}", first.symbol], cells
+
+
+def _with_error(row: Row) -> str:
+    return f"{row.value_text} ± {row.error_text}" if row.error_text else row.value_text
+
+
+def _table(
+    heads: Sequence[str], names: Sequence[str], rows: Sequence[tuple[str, list[str], list[str]]]
+) -> str:
+    """Return a table of rows: attributes, cells of words, cells of numbers."""
+    head = "".join(f"<th>{escape(word)}</th>" for word in heads)
+    head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
+    body = ""
+    for mark, words, numbers in rows:
+        told = "".join(f"<td>{escape(word)}</td>" for word in words)
+        told += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
+        body += f"<tr{mark}>{told}</tr>\n"
+    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
+
+
+# ---- figures and foot -------------------------------------------------------------------------
+
+
+def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[str]:
+    """Yield the states' figure as inline SVG; nothing for kinds that have none in common."""
+    try:
+        columns = panel_columns(results)
+    except InvalidProblem as fault:
+        yield f"<p>{escape(str(fault))}</p>"
+        return
+    for number, panels in enumerate(columns):  # below each other, for a page is not wide
+        drawn = figure_bytes(plotted(results, labels=names, panels=panels), ".svg").decode()
+        svg = re.sub(
+            r"<metadata>.*?</metadata>|<!--.*?-->",
+            "",
+            drawn[drawn.index("<svg") :],
+            flags=re.DOTALL,
+        )
+        # two drawings of one page may not name their parts alike
+        svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
+        yield f'<figure role="img" aria-label="{escape(", ".join(panels))}">{svg}</figure>'
+
+
+def _footer(results: Sequence[Result]) -> str:
+    laws = ", ".join(f"{result.residual:.1e}" for result in results)
+    return (f"<footer>Computed by woundon {escape(__version__)}; largest residual of the contact "
+            f"laws: {laws}. Errors (±) are the estimated errors of discretisation; those of the "
+            "model and of the inputs come on top.</footer>")  # fmt: skip

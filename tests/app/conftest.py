@@ -1,0 +1,40 @@
+"""A server of the page on a free port, as people start it; its workers are ready."""
+
+import os
+
+import httpx
+import pytest
+from page_server import serving
+
+
+@pytest.fixture(scope="session")
+def process():
+    """A server: its address and its processes."""
+    with serving() as started:
+        yield started
+
+
+@pytest.fixture(scope="session")
+def server(process):
+    """The address of a server."""
+    return process.address
+
+
+@pytest.fixture
+def client(server):
+    """A client of the server, of a session of its own."""
+    headers = {"X-Session": os.urandom(8).hex()}
+    with httpx.Client(base_url=server, headers=headers, timeout=120) as made:
+        yield made
+
+
+@pytest.fixture(scope="session")
+def catalogue(server):
+    """What the server says that there is."""
+    return httpx.get(f"{server}/api/catalogue", timeout=120).json()
+
+
+@pytest.fixture(scope="session")
+def cases(catalogue):
+    """The tables of each kind's example."""
+    return {kind["name"]: kind["example"] for kind in catalogue["kinds"]}

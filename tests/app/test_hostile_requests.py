@@ -1,0 +1,51 @@
+"""A sample of the campaigns against the server: benchmarks/hostile_requests.py and its load."""
+
+import os
+import signal
+import threading
+import time
+
+import hostile_requests
+import httpx
+
+
+def test_hostile_requests_end_in_no_fault_of_the_server(process):
+    judge = hostile_requests.run(process, requests=60, seed=3)
+    judge.client.close()
+    assert judge.faults == []
+    assert sum(judge.statuses.values()) >= 60
+
+
+def test_the_judge_sees_a_fault():
+    """Against an address that answers everything with a 500."""
+    judge = hostile_requests.Judge(hostile_requests.Server("http://x", 0))
+    transport = httpx.MockTransport(lambda request: httpx.Response(500, text="Traceback"))
+    judge.client.close()
+    with httpx.Client(base_url="http://x", transport=transport) as judge.client:
+        judge.send("damaged", "POST", "/api/solve", content=b"{}")
+    assert len(judge.faults) == 2  # the status, and what it is told as
+
+
+def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(process, cases):
+    """All of them at once, in the midst of a state that takes seconds."""
+    stack = cases["wound_roll"]["stack"]
+    roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "stack": stack,
+            "pressure": 200e3}  # fmt: skip
+    slow, answers = cases["nip"] | {"roll": roll}, []
+
+    def ask():
+        answers.append(httpx.post(f"{process.address}/api/solve", json=slow, timeout=120,
+                                  params={"nodes": 257}))  # fmt: skip
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    time.sleep(0.5)
+    for pid in process.workers():
+        os.kill(pid, signal.SIGKILL)
+    thread.join()
+    told = answers[0].json()
+    assert (told["status"], told["type"]) == (503, "/problems/worker-died")
+    assert "send the request again" in told["detail"]
+    for path in ("solve", "python"):  # of the one and of the other workers
+        again = httpx.post(f"{process.address}/api/{path}", json=cases["nip"], timeout=120)
+        assert again.status_code == 200

@@ -1,0 +1,286 @@
+"""Case files, scripts, result files, pictures and reports over HTTP."""
+
+import json
+import subprocess
+import sys
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+import woundon as wo
+from woundon import kinds
+from woundon.io.case_files import load_case
+
+KINDS = [kind.name for kind in kinds.every()]
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_case_goes_out_as_a_file_of_the_command_line_and_comes_back(
+    client, cases, name, tmp_path
+):
+    text = client.post("/api/case/write", json=cases[name]).text
+    path = tmp_path / "case.toml"
+    path.write_text(text)
+    assert load_case(path) == kinds.named(name).example()
+    back = client.post("/api/case/read", json={"toml": text}).json()
+    assert back == {"kind": name, "problem": cases[name]}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_the_script_computes_the_very_same_problem(client, cases, name):
+    text = client.post("/api/python", json=cases[name]).text
+    head, _, tail = text.partition("result = ")
+    assert tail == "wo.solve(problem)\nprint(result)\n"
+    names = {}
+    exec(head, names)
+    assert names["problem"] == kinds.named(name).example()
+
+
+def test_a_script_of_layers_and_schedules_runs():
+    """Lists of descriptions, and those that are nested."""
+    from woundon.io.python_texts import to_python
+
+    drum = wo.Layered(radius=0.24, layers=[
+        wo.Layer(thickness=0.01, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)),
+        wo.Layer(thickness=0.005, material=wo.material("steel")),
+    ])  # fmt: skip
+    roll = kinds.named("wound_roll").example().replace(
+        wound_on_tension=wo.Taper(start=300.0, taper=0.2)
+    )  # fmt: skip
+    for problem in (wo.NipProblem.example().replace(drum=drum), roll):
+        names = {}
+        exec(to_python(problem).partition("result = ")[0], names)
+        assert names["problem"] == problem
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "schema = 1", "nip_load = 3 kN/m", "a = " + "[" * 3000, "\0", "schema = 1\nnip_load = -1",
+     "a." * 5000 + "a = 1", "schema = 1\nload = 1" + "0" * 6000],
+)  # fmt: skip
+def test_a_file_that_is_no_case_is_refused(client, text):
+    answer = client.post("/api/case/read", json={"toml": text})
+    assert answer.status_code == 422
+    assert answer.json()["detail"]
+
+
+def test_a_file_that_names_another_is_refused_and_that_is_not_opened(client, cases, tmp_path):
+    rows = "10,0.9\n25,1.6\n50,2.2\n100,2.8\n"
+    (tmp_path / "test.csv").write_text(f"pressure [kPa], strain [%]\n{rows}")
+    text = client.post("/api/case/write", json=cases["wound_roll"]).text
+    first, _, rest = text.partition("[stack.radial]")
+    assert "\n[" not in rest  # or what follows would have to stay
+    text = f'{first}[stack.radial]\ncsv = "{tmp_path}/test.csv"\n'
+    (tmp_path / "case.toml").write_text(text)
+    load_case(tmp_path / "case.toml")  # the command line reads it
+    answer = client.post("/api/case/read", json={"toml": text})
+    assert answer.json()["errors"][0]["field"].endswith("csv")
+
+
+@pytest.mark.parametrize("ending", ["csv", "json", "nc"])
+def test_a_result_file_is_the_one_that_save_writes(client, cases, tmp_path, ending):
+    answer = client.post("/api/file", params={"format": ending}, json=cases["nip"])
+    path = tmp_path / f"result.{ending}"
+    wo.solve(wo.NipProblem.example()).save(path)
+    assert answer.content == path.read_bytes()
+    assert f"result.{ending}" in answer.headers["content-disposition"]
+
+
+@pytest.mark.parametrize(
+    ("ending", "head"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF")]
+)
+def test_a_picture_of_two_cases(client, cases, ending, head):
+    other = cases["nip"] | {"nip_load": 5e3}
+    body = {"cases": [{"case": cases["nip"]}, {"label": "more load", "case": other}]}
+    answer = client.post("/api/figure", params={"format": ending}, json=body)
+    assert answer.status_code == 200
+    assert answer.content.startswith(head)
+
+
+def test_a_picture_of_no_such_panel_is_refused(client, cases):
+    body = {"cases": [{"case": cases["nip"]}]}
+    answer = client.post("/api/figure", params={"panels": "tractoins"}, json=body)
+    assert answer.json()["errors"][0]["field"] == "panels"
+    assert client.post("/api/figure", params={"format": "exe"}, json=body).status_code == 422
+
+
+# ---- reports ----------------------------------------------------------------------------------
+
+
+def test_a_report_tells_inputs_results_and_comparison_in_the_units_chosen(client, cases):
+    other = cases["nip"] | {"nip_load": "40 pli"}
+    body = {
+        "cases": [{"label": "before", "case": cases["nip"]}, {"label": "after", "case": other}],
+        "units": {"nip_load": "pli"}, "title": "Winder 7", "remarks": "Looked at by hand.",
+    }  # fmt: skip
+    page = client.post("/api/report", json=body)
+    assert page.headers["content-type"].startswith("text/html")
+    for text in ("<h1>Winder 7</h1>", "Looked at by hand.", "40 pli", "before", "after",
+                 "Jorkama 2001, Table 2", "Certificate: all", wo.__version__, "<svg"):  # fmt: skip
+        assert text in page.text, text
+    result = wo.solve(wo.NipProblem.example())
+    assert f"{result.nip_induced_tension:.5g}" in page.text
+
+
+def test_a_report_stands_alone_and_markup_in_names_is_text(client, cases):
+    evil = '<script>alert(1)</script><img src="http://evil.example/x">'
+    body = {"cases": [{"label": evil, "case": cases["nip"]}, {"label": "b", "case": cases["nip"]}],
+            "title": evil, "remarks": evil}  # fmt: skip
+    page = client.post("/api/report", json=body).text
+    assert "<script" not in page
+    assert "<img" not in page
+    for marker in ("src=", 'href="http', "@import", "url(http"):
+        assert marker not in page.replace("src=&quot;", ""), marker
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [({}, "cases"), ({"cases": []}, "cases"), ({"cases": [1] * 5}, "cases"), ([], ""),
+     ({"cases": [{"case": {}}]}, "cases.0"), ({"cases": [1]}, "cases.0"),
+     ({"cases": [{"case": "/etc/passwd"}]}, "cases.0"), ({"case": {}}, "case")],
+)  # fmt: skip
+def test_a_report_of_nothing_is_refused(client, body, field):
+    answer = client.post("/api/report", json=body)
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["field"].startswith(field)
+
+
+def test_units_that_are_none_are_refused(client, cases):
+    for units in ({"nip_load": "kg"}, {"no_such": "m"}, {"nip_load": 3}, [1]):
+        body = {"cases": [{"case": cases["nip"]}], "units": units}
+        assert client.post("/api/report", json=body).status_code == 422
+
+
+# ---- woundon report ---------------------------------------------------------------------------
+
+
+def woundon(*args, folder):
+    command = [sys.executable, "-m", "woundon", *args]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder)
+
+
+def test_the_command_writes_a_report_of_cases(tmp_path):
+    from woundon.io.case_files import template
+
+    (tmp_path / "base.toml").write_text(template("nip"))
+    (tmp_path / "more.toml").write_text(template("nip").replace("3502 N/m", "5 kN/m"))
+    done = woundon("report", "base.toml", "more.toml", "--out", "both.html", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "both.html is written\n"), done.stderr
+    page = (tmp_path / "both.html").read_text()
+    assert "from base.toml, more.toml" in page
+    assert "Comparison" in page
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [(["no.toml"], "no.toml"), (["case.toml", "--out", "a.pdf"], "a.pdf: the ending '.pdf'"),
+     (["case.toml", "--set", "nip_load=-1"], "nip_load: -1 is out of range")],
+)  # fmt: skip
+def test_the_command_refuses_in_one_line(tmp_path, args, told):
+    from woundon.io.case_files import template
+
+    (tmp_path / "case.toml").write_text(template("nip"))
+    done = woundon("report", *args, folder=tmp_path)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+# ---- figures of plug-ins ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def installed(monkeypatch):
+    """The entry points as pyproject.toml has them, whatever is installed here."""
+    tables = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    points = tables["project"]["entry-points"]["woundon.exhibits"]
+
+    def entry_points(group):
+        return [metadata.EntryPoint(name, value, group) for name, value in points.items()]
+
+    monkeypatch.setattr(kinds, "entry_points", entry_points)
+
+
+def test_a_figure_of_the_thesis_is_drawn(installed):
+    from jorkama2001 import exhibits
+    from woundon.app import papers
+    from woundon.app.catalogue import exhibits as plugins
+
+    told = {one["name"]: one for plugin in plugins() for one in plugin.known()}
+    assert set(told) == {name for name in exhibits.NAMES if name.startswith("fig")}
+    assert told["fig15"]["label"] == "Fig. 15"
+    assert told["fig15"]["title"].startswith("how the nip makes tension")
+    assert b"<svg" in papers.exhibit("fig15")
+    with pytest.raises(wo.InvalidProblem, match="did you mean 'fig15'"):
+        papers.exhibit("fig151")
+
+
+# ---- the catalogue ----------------------------------------------------------------------------
+
+
+def test_the_catalogue_has_every_field_and_output():
+    from woundon.app.catalogue import catalogue as made
+    from woundon.quantities import outputs, walk
+
+    catalogue = made.__wrapped__()  # anew: other tests may have given results more outputs
+    for kind in catalogue["kinds"]:
+        own = kinds.named(kind["name"])
+        paths = set(_paths(catalogue, kind["form"]))
+        assert {place.path for place in walk(own.problem)} <= paths
+        assert {o["name"] for o in kind["outputs"]} == {p.path for p in outputs(own.result)}
+
+
+def _paths(catalogue, form, prefix=""):
+    for field in catalogue["forms"][form]["fields"]:
+        path = prefix + field["name"]
+        yield path
+        for member in field.get("members", ()):
+            below = f"{path}.*." if field["type"] == "members" else f"{path}."
+            yield from _paths(catalogue, member["form"], below)
+
+
+def test_what_starts_from_lists_has_some_that_are_admissible(catalogue):
+    for name in ("Polynomial", "StackTest"):
+        assert getattr(wo, name)(**catalogue["forms"][name]["start"])
+
+
+def test_every_shown_unit_is_among_those_that_a_field_may_be_told_in(catalogue):
+    from woundon.io.units import parse
+
+    fields = [f for form in catalogue["forms"].values() for f in form["fields"]]
+    outputs = [o for kind in catalogue["kinds"] for o in kind["outputs"]]
+    for field in fields + outputs:
+        if field["unit"] in ("", "holder"):
+            continue
+        units = {u["name"]: u["factor"] for u in catalogue["units"][field["unit"]]}
+        assert field["shown_unit"] in units
+        for name, factor in units.items() if field in fields else ():
+            text = f"2 {name}" if name else "2"
+            assert parse(text, field["unit"]) == pytest.approx(2 * factor, rel=1e-14)
+
+
+def test_the_mills_units_are_units_of_the_same_kind(catalogue):
+    known = {u["name"]: si for si, units in catalogue["units"].items() for u in units}
+    for shown, mill in catalogue["systems"]["mill"].items():
+        if shown in known:
+            assert known[shown] == known[mill]
+
+
+def test_the_interface_is_described_with_examples_that_work(client):
+    document = client.get("/openapi.json").json()
+    page = client.get("/api").text
+    for path, routes in document["paths"].items():
+        assert path in page
+        for route in routes.values():
+            assert {"422", "503"} <= set(route["responses"])
+            content = route.get("requestBody", {}).get("content", {}).get("application/json", {})
+            for name, example in content.get("examples", {}).items():
+                query = {"field": "nip_load"} if path == "/api/curve" else {}
+                if path == "/api/curve" and name == "rollers":
+                    query = {"field": "load"}
+                answer = client.post(path, json=example["value"], params=query)
+                expected = 422 if path == "/api/case/read" else 200
+                assert answer.status_code == expected, (path, name, answer.text[:300])
+                json.dumps(answer.text)

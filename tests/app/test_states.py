@@ -1,0 +1,235 @@
+"""States over HTTP are those of wo.solve, to the last digit; refusals those of everywhere."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon import kinds
+from woundon.errors import unwarned
+from woundon.quantities import scalar_outputs, value_of
+
+KINDS = [kind.name for kind in kinds.every()]
+
+
+def same(told, value):
+    """Tell whether a number over the wire is the one that was solved; null is nan."""
+    return math.isnan(value) if told is None else told == value
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_state_is_that_of_solve_to_the_last_digit(client, cases, name):
+    answer = client.post("/api/solve", json=cases[name])
+    assert answer.status_code == 200
+    told = answer.json()
+    with unwarned():
+        result = wo.solve(kinds.named(name).example())
+    # other tests may have given results of this process more outputs
+    assert set(type(result).MAIN) <= set(told["outputs"]) <= set(scalar_outputs(result))
+    for output in told["outputs"]:
+        assert same(told["outputs"][output]["value"], float(value_of(result, output))), output
+    for output, error in result.errors.items():
+        assert same(told["outputs"][output]["error"], error)
+    for array, values in told["arrays"].items():
+        solved = np.asarray(getattr(result, array), dtype=float)
+        np.testing.assert_array_equal(np.array(values, dtype=float), solved)
+    assert told["certificate"]["ok"]
+    assert told["certificate"]["laws"] == dict(result.residuals.items())
+    assert told["warnings"] == list(result.warnings)
+
+
+def test_what_a_state_says_of_its_problem_solves_the_same(client, cases):
+    first = client.post("/api/solve", json=cases["wrapped_nip"]).json()
+    again = client.post("/api/solve", json=first["problem"]).json()
+    assert {**first, "seconds": 0} == {**again, "seconds": 0}
+
+
+def test_texts_with_units_and_names_of_materials_are_read(client, cases):
+    case = cases["nip"] | {
+        "nip_load": "20 pli", "web": {"thickness": "2.6 mil", "material": "newsprint"},
+    }  # fmt: skip
+    told = client.post("/api/solve", json=case).json()
+    assert told["problem"]["nip_load"] == 20 * 4.4482216152605 / 0.0254
+    assert told["problem"]["web"]["thickness"] == pytest.approx(2.6 * 25.4e-6, rel=1e-15)
+
+
+def test_the_wraps_stand_bare_or_in_their_table(client, cases):
+    bare = cases["nip"] | {"roll_wrap": 2.0}
+    table = cases["nip"] | {"wrap": {"roll_wrap": "2 rad"}}
+    answers = [client.post("/api/solve", json=case).json() for case in (bare, table)]
+    assert answers[0]["kind"] == "wrapped_nip"
+    assert answers[0]["outputs"] == answers[1]["outputs"]
+
+
+def test_options_of_the_solver_come_with_the_address(client, cases):
+    told = client.post("/api/solve?nodes=41", json=cases["nip"]).json()
+    assert len(told["arrays"]["x"]) == 41
+    refused = client.post("/api/solve?knots=41", json=cases["nip"]).json()
+    assert refused["errors"][0]["field"] == "knots"
+    refused = client.post("/api/solve?nodes=many", json=cases["nip"]).json()
+    assert refused["detail"] == "nodes: must be a whole number, got 'many'"
+
+
+def test_a_warm_state_agrees_with_a_cold_one(client, cases):
+    """To the solver's tolerance of the load, 1e-8 (contact.loop), and a little beyond."""
+    client.post("/api/solve", json=cases["nip"])
+    near = cases["nip"] | {"nip_load": 3600.0}
+    warm = client.post("/api/solve?warm=true", json=near).json()["outputs"]
+    cold = client.post("/api/solve", json=near).json()["outputs"]
+    for name in ("nip_induced_tension", "half_width"):
+        assert warm[name]["value"] == pytest.approx(cold[name]["value"], rel=1e-7)
+
+
+@pytest.mark.parametrize("name", ["nip", "wrapped_nip", "rollers"])
+def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
+    told = client.post("/api/solve", json=cases[name]).json()
+    first, last = told["nip"]
+    for strip in told["zones"]:
+        assert strip["runs"][0][1] == told["arrays"]["x"][first]
+        assert strip["runs"][-1][2] == told["arrays"]["x"][last]
+    for bound in told["bounds"]:
+        traction = np.abs(told["arrays"][bound["of"]])
+        # 1e-8 of the largest: what the certificate admits
+        assert np.all(traction <= np.array(bound["values"]) + 1e-8 * traction.max())
+
+
+def test_a_layered_drum_is_drawn_layer_by_layer(client, cases):
+    soft = {"kind": "isotropic", "youngs_modulus": "10 MPa", "poissons_ratio": 0.4}
+    drum = {
+        "kind": "layered", "radius": 0.24, "core": "rigid",
+        "layers": [{"thickness": "15 mm", "material": soft},
+                   {"thickness": "5 mm", "material": "steel"}],
+    }  # fmt: skip
+    told = client.post("/api/solve", json=cases["nip"] | {"drum": drum}).json()
+    body = told["geometry"]["bodies"][1]
+    assert [layer["thickness"] for layer in body["layers"]] == [0.015, 0.005]
+    assert body["core"] == "rigid"
+
+
+# ---- refusals ---------------------------------------------------------------------------------
+
+
+def refused(client, case, status=422):
+    headers = {"content-type": "application/json"}
+    answer = client.post("/api/solve", content=json.dumps(case), headers=headers)
+    assert answer.status_code == status
+    assert answer.headers["content-type"] == "application/problem+json"
+    told = answer.json()
+    assert told["status"] == status
+    return told
+
+
+def test_every_fault_is_told_at_its_field_with_its_range(client, cases):
+    case = cases["nip"] | {"nip_load": -3.0, "web": {"thickness": "66 kg", "material": "paper"}}
+    told = refused(client, case)
+    faults = {fault["field"]: fault for fault in told["errors"]}
+    assert set(faults) == {"nip_load", "web.thickness"}
+    assert faults["nip_load"]["range"] == {"ge": 1e-12, "le": 1e7}
+    assert faults["nip_load"]["unit"] == "N/m"
+    assert "wrong dimension" in faults["web.thickness"]["message"]
+
+
+def test_the_text_is_the_one_that_python_raises(client, cases):
+    told = refused(client, cases["nip"] | {"nip_load": -3.0})
+    with pytest.raises(wo.InvalidProblem) as raised:
+        wo.NipProblem.example().replace(nip_load=-3.0)
+    assert told["detail"] == str(raised.value)
+    assert told["type"] == "/problems/invalid"
+
+
+def test_no_steady_state_is_told_apart(client, cases):
+    told = refused(client, cases["nip"] | {"winding_force": 1e6})
+    assert told["type"] == "/problems/no-steady-state"
+
+
+@pytest.mark.parametrize("case", [None, 3, "nip", [], [1], {}, {"schema": 7}, {"a": {"b": 1}}])
+def test_what_is_no_case_is_refused(client, case):
+    assert refused(client, case)["detail"]
+
+
+@pytest.mark.parametrize(
+    "body", [b"", b"{", b'{"a": NaN}', b"\xff", b"[" * 100_000, b'{"a": "\\ud800"}']
+)
+def test_what_is_no_json_is_refused(client, body):
+    headers = {"content-type": "application/json"}
+    answer = client.post("/api/solve", content=body, headers=headers)
+    assert answer.status_code == 400
+    assert "not JSON" in answer.json()["detail"]
+
+
+def test_numbers_beyond_floats_are_refused(client, cases):
+    text = json.dumps(cases["nip"])
+    for number in ("1e999", "-1e999", "9" * 4000, "1e308"):
+        body = text.replace("3502.0", number).encode()
+        headers = {"content-type": "application/json"}
+        answer = client.post("/api/solve", content=body, headers=headers)
+        assert answer.status_code in (400, 422), number
+
+
+def test_tables_that_name_files_are_refused(client, cases, tmp_path):
+    """As a case file's columns that stand in a CSV file beside it."""
+    (tmp_path / "test.csv").write_text("pressure [kPa], strain [%]\n10,0.9\n25,1.6\n")
+    stack = cases["wound_roll"]["stack"] | {
+        "radial": {"kind": "stack_test", "csv": str(tmp_path / "test.csv")}
+    }
+    told = refused(client, cases["wound_roll"] | {"stack": stack})
+    assert any("csv" in fault["field"] for fault in told["errors"])
+
+
+# ---- around a state ---------------------------------------------------------------------------
+
+
+def test_a_curve_goes_through_the_state(client, cases):
+    asked = {"field": "nip_load", "points": 5}
+    told = client.post("/api/curve", json=cases["nip"], params=asked).json()
+    assert told["values"][2] == told["at"] == cases["nip"]["nip_load"]
+    result = wo.solve(wo.NipProblem.example())
+    # each state starts from the one before: the same to the solver's tolerance
+    assert told["outputs"]["nip_induced_tension"][2] == pytest.approx(
+        result.nip_induced_tension, rel=1e-7
+    )
+    assert not told["failures"]
+
+
+def test_a_curve_stays_within_what_the_field_admits(client, cases):
+    asked = {"field": "drum.radius", "points": 3, "low": -1.0, "high": 0.1}
+    told = client.post("/api/curve", json=cases["nip"], params=asked).json()
+    assert told["values"][0] == 1e-4
+
+
+@pytest.mark.parametrize(
+    ("asked", "field"),
+    [({"field": "nip_lod"}, "nip_lod"), ({"field": "drum"}, "drum"),
+     ({"field": "nip_load", "points": 1000}, "points"),
+     ({"field": "nip_load", "low": 5e3, "high": 1e3}, "low"),
+     ({"field": "nip_load", "low": "nan"}, "low"), ({}, "field"),
+     ({"field": "nip_load", "outputs": "no_such"}, "no_such")],
+)  # fmt: skip
+def test_a_curve_of_nothing_is_refused(client, cases, asked, field):
+    answer = client.post("/api/curve", json=cases["nip"], params=asked)
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["field"] == field
+
+
+def test_sensitivities_of_a_nip_are_the_exact_ones(client, cases):
+    told = client.post("/api/sensitivities", json=cases["nip"]).json()
+    exact = wo.solve(wo.NipProblem.example()).sensitivity().sorted()
+    assert told["method"] == "exact"
+    assert told["parameters"] == list(exact.parameters)
+    np.testing.assert_array_equal(told["derivatives"], exact.derivatives)
+
+
+def test_differences_agree_with_the_exact_sensitivities():
+    """Of a plain nip, for which both are known; second differences leave 1e-5 of the largest."""
+    from woundon.app.answers import _differences, _usual_outputs
+
+    problem = wo.NipProblem.example()
+    result = wo.solve(problem, nodes=65)
+    told = _differences(problem, result, {"nodes": 65})
+    exact = result.sensitivity()
+    row = _usual_outputs(problem).index("nip_induced_tension")
+    for name, share in zip(told["parameters"], told["elasticities"][row], strict=True):
+        at = exact.outputs.index("nip_induced_tension"), exact.parameters.index(name)
+        assert share == pytest.approx(exact.elasticities[at], abs=2e-3), name

@@ -1,0 +1,123 @@
+"""Studies over HTTP: the numbers of wo.sweep, progress as it comes, cancel, and a stated size."""
+
+import json
+import threading
+import time
+
+import httpx
+import numpy as np
+import pytest
+
+import woundon as wo
+
+
+def events(client, study):
+    with client.stream("POST", "/api/sweep", json=study) as answer:
+        assert answer.headers["content-type"] == "application/x-ndjson"
+        yield from map(json.loads, answer.iter_lines())
+
+
+def slow(cases):
+    """A study that takes much longer than the test: a hardening roll, a hundred cases."""
+    stack = cases["wound_roll"]["stack"]
+    roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "stack": stack,
+            "pressure": 200e3}  # fmt: skip
+    case = cases["nip"] | {"roll": roll}
+    return {"case": case, "over": {"nip_load": {"from": 2000, "to": 4000, "count": 100}}}
+
+
+def test_a_study_has_the_numbers_of_a_sweep(client, cases):
+    over = {"nip_load": ["2 kN/m", "4 kN/m"], "web_tension": [200, 300, 400]}
+    outputs = ["nip_induced_tension", "nip_width"]
+    first, *told, last = events(client, {"case": cases["nip"], "over": over, "outputs": outputs})
+    assert first["dims"] == ["nip_load", "web_tension"]
+    assert first["inputs"] == {"nip_load": [2000, 4000], "web_tension": [200, 300, 400]}
+    assert last["event"] == "done"
+    assert told[-1]["done"] == told[-1]["of"] == 6
+    found = {name: np.full(6, np.nan) for name in outputs}
+    for event in told:
+        for name in outputs:
+            found[name][event["numbers"]] = event["values"][name]
+    swept = wo.sweep(
+        wo.NipProblem.example(), {"nip_load": [2e3, 4e3], "web_tension": [2e2, 3e2, 4e2]}, outputs,
+        chunk=10, workers=1,
+    )  # fmt: skip
+    for name in outputs:
+        np.testing.assert_array_equal(found[name], swept[name].values.ravel())
+
+
+def test_a_case_that_fails_is_a_row_with_its_reason(client, cases):
+    over = {"winding_force": [0.0, 1e5]}
+    _, told, _ = events(client, {"case": cases["nip"], "over": over})
+    assert told["failures"][0] == ""
+    assert "winding_force" in told["failures"][1]
+    assert told["values"]["nip_induced_tension"][1] is None
+
+
+def test_a_study_is_cancelled_by_its_session(client, cases):
+    stream = events(client, slow(cases))
+    assert next(stream)["cases"] == 100
+    other = httpx.post(f"{client.base_url}/api/cancel", headers={"X-Session": "somebody-else"})
+    assert other.json() == {"cancelled": False}
+    assert client.post("/api/cancel").json() == {"cancelled": True}
+    began = time.monotonic()
+    assert [event["event"] for event in stream][-1] == "cancelled"
+    assert time.monotonic() - began < 20  # a case alone takes about as long on a busy machine
+
+
+def test_a_study_ends_with_the_page_that_asked(client, cases):
+    stream = events(client, slow(cases))
+    next(stream)
+    stream.close()
+    deadline = time.monotonic() + 20
+    while client.post("/api/cancel").json()["cancelled"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.2)
+
+
+@pytest.mark.parametrize(
+    ("over", "cases_asked"),
+    [({"nip_load": {"from": 1e3, "to": 2e3, "count": 1_000_000}}, 10**6),
+     ({n: {"from": 1, "to": 2, "count": 10**6} for n in "abcdefgh"}, 10**48),
+     ({"nip_load": list(range(1, 100)), "web_tension": list(range(1, 100))}, 9801)],
+)  # fmt: skip
+def test_a_study_above_the_stated_size_is_refused(client, cases, catalogue, over, cases_asked):
+    answer = client.post("/api/sweep", json={"case": cases["nip"], "over": over})
+    assert answer.status_code == 413
+    assert answer.json()["detail"].startswith(f"{cases_asked} cases are too many")
+    assert str(catalogue["limits"]["sweep_cases"]) in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [({"case": "case.toml"}, "case"), ({"over": "cases.csv"}, "over"), ({"over": {}}, "over"),
+     ({"over": {"nip_lod": [1, 2]}}, "nip_lod"), ({"outputs": ["no_such"]}, "no_such"),
+     ({"out": "/tmp/results"}, "out"), ({"over": {"nip_load": [1, "66 um"]}}, "over.nip_load")],
+)  # fmt: skip
+def test_a_study_of_nothing_is_refused(client, cases, change, field):
+    study = {"case": cases["nip"], "over": {"nip_load": [1e3, 2e3]}} | change
+    answer = client.post("/api/sweep", json=study)
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["field"] == field
+
+
+def test_a_long_study_of_another_leaves_states_their_worker(client, server, cases):
+    """They have processes of their own: a state comes while all workers of studies are busy."""
+    stop = threading.Event()
+
+    def study():
+        with httpx.Client(base_url=server, timeout=120, headers={"X-Session": "long-study"}) as own:
+            for _ in events(own, slow(cases)):
+                if stop.is_set():
+                    return
+
+    thread = threading.Thread(target=study)
+    thread.start()
+    try:
+        time.sleep(1)
+        answer = client.post("/api/solve", json=cases["nip"])
+        assert answer.status_code == 200
+    finally:
+        stop.set()
+        httpx.post(f"{server}/api/cancel", headers={"X-Session": "long-study"})
+        thread.join(60)

@@ -1,0 +1,155 @@
+"""The pool of workers: newest wins, who dies or hangs is replaced, nobody waits for ever."""
+
+import asyncio
+import hashlib
+import os
+import signal
+import time
+from contextlib import asynccontextmanager
+
+import pytest
+
+from woundon.app.refusals import Refusal
+from woundon.app.workers import Pool
+
+
+def nothing():
+    """What a worker of these tests imports."""
+
+
+@asynccontextmanager
+async def pool(**more):
+    made = Pool(1, nothing, **more)
+    await made.open()
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def run(test):
+    """Run a coroutine with a limit of its own: a pool that hangs is a failure."""
+    return asyncio.run(asyncio.wait_for(test, 60))
+
+
+def test_an_answer_and_a_fault_come_back():
+    async def test():
+        async with pool() as own:
+            assert await own.run(pow, 2, 10) == 1024
+            with pytest.raises(Refusal) as raised:
+                await own.run(divmod, 1, 0)
+            assert raised.value.status == 500
+            assert await own.run(pow, 2, 3) == 8
+
+    run(test())
+
+
+def test_a_worker_that_dies_gives_one_error_and_the_next_request_is_served():
+    async def test():
+        async with pool() as own:
+            first = await own.run(os.getpid)
+            with pytest.raises(Refusal) as raised:
+                await own.run(os._exit, 1)
+            assert (raised.value.status, raised.value.kind) == (503, "worker-died")
+            assert await own.run(os.getpid) != first
+
+    run(test())
+
+
+def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error():
+    async def test():
+        async with pool() as own:
+            first = await own.run(os.getpid)
+            os.kill(first, signal.SIGKILL)
+            await asyncio.sleep(0.3)
+            assert await own.run(os.getpid) != first
+
+    run(test())
+
+
+def test_of_one_key_the_newest_request_wins():
+    async def test():
+        async with pool() as own:
+            pid = await own.run(os.getpid)
+            under_way = asyncio.create_task(own.run(time.sleep, 30, key="slider"))
+            waiting = asyncio.create_task(own.run(time.sleep, 30, key="other"))
+            await asyncio.sleep(0.2)
+            began = time.monotonic()
+            newest = await asyncio.gather(
+                own.run(pow, 1, 1, key="other"), own.run(os.getpid, key="slider")
+            )
+            # interrupted after its grace, not waited for, and by the same process
+            assert time.monotonic() - began < 25
+            assert newest == [1, pid]
+            for old in (under_way, waiting):
+                with pytest.raises(Refusal) as raised:
+                    await old
+                assert (raised.value.status, raised.value.kind) == (409, "superseded")
+
+    run(test())
+
+
+def test_what_is_nearly_done_comes_to_its_end():
+    """A stream of newer requests, each before the older is done, does not starve a slider."""
+
+    async def test():
+        async with pool() as own:
+            await own.run(os.getpid)
+            tasks = []
+            for _ in range(10):
+                tasks.append(asyncio.create_task(own.run(time.sleep, 0.3, key="slider")))
+                await asyncio.sleep(0.1)
+            done = await asyncio.gather(*tasks, return_exceptions=True)
+            assert sum(one is None for one in done) >= 3
+            assert any(isinstance(one, Refusal) for one in done)
+            assert done[-1] is None
+
+    run(test())
+
+
+def test_what_takes_too_long_is_ended():
+    async def test():
+        async with pool(seconds=0.5) as own:
+            with pytest.raises(Refusal) as raised:
+                await own.run(time.sleep, 30)
+            assert raised.value.status == 504
+            assert await own.run(pow, 2, 3, seconds=30) == 8
+
+    run(test())
+
+
+def test_a_worker_deaf_to_interruption_is_replaced():
+    async def test():
+        async with pool(seconds=0.5) as own:
+            pid = await own.run(os.getpid, seconds=30)
+            with pytest.raises(Refusal):
+                await own.run(hashlib.pbkdf2_hmac, "sha256", b"", b"", 10**9)  # in C
+            assert await own.run(os.getpid, seconds=30) != pid
+
+    run(test())
+
+
+def test_more_requests_than_may_wait_are_refused():
+    async def test():
+        async with pool(waiting=2) as own:
+            tasks = [asyncio.create_task(own.run(time.sleep, 0.5)) for _ in range(3)]
+            await asyncio.sleep(0.1)
+            with pytest.raises(Refusal) as raised:
+                await own.run(pow, 1, 1)
+            assert (raised.value.status, raised.value.kind) == (503, "busy")
+            await asyncio.gather(*tasks)
+
+    run(test())
+
+
+def test_who_is_gone_is_not_worked_for():
+    async def test():
+        async with pool() as own:
+            task = asyncio.create_task(own.run(time.sleep, 30))
+            await asyncio.sleep(0.2)
+            task.cancel()
+            began = time.monotonic()
+            assert await own.run(pow, 2, 2) == 4
+            assert time.monotonic() - began < 25
+
+    run(test())

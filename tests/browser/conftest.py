@@ -1,0 +1,120 @@
+"""The page in a browser: Playwright drives the system's Chromium against a server of its own."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon[pages]')")
+
+from browsing import browsing, chromium
+from page_server import serving
+
+HERE = Path(__file__).parent
+# said by the browser of every refusal, which the page tells at its field
+REFUSED = re.compile(r"Failed to load resource: the server responded with a status of (4\d\d)")
+
+
+def pytest_collection_modifyitems(items):
+    """Mark all of them; skip them only where there is no browser."""
+    for item in items:
+        if HERE in Path(item.path).parents:
+            item.add_marker(pytest.mark.browser)
+            if chromium() is None:
+                item.add_marker(pytest.mark.skip(reason="no chromium is installed"))
+
+
+@pytest.fixture(scope="session")
+def address():
+    """The address of a server."""
+    with serving() as server:
+        yield server.address
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """A browser."""
+    with browsing() as found:
+        yield found
+
+
+class Seen:
+    """A page, with what tests ask of it again and again."""
+
+    def __init__(self, page, address):
+        self.page = page
+        self.address = address
+        self.faults = []
+        page.on("pageerror", lambda fault: self.faults.append(str(fault)))
+        page.on("console", self._console)
+
+    def _console(self, message):
+        if message.type == "error" and not REFUSED.match(message.text):
+            self.faults.append(message.text)
+
+    def open(self, fragment=""):
+        """Open the page and wait for its first picture."""
+        self.page.goto(f"{self.address}/{fragment}")
+        self.page.wait_for_selector(".number-card", timeout=60_000)
+        return self.rest()
+
+    def rest(self):
+        """Wait until nothing is solved any more."""
+        self.page.wait_for_timeout(320)  # what follows a moved slider begins after 220 ms
+        self.page.wait_for_selector(".working:not(.busy)", state="attached", timeout=60_000)
+        return self
+
+    def output(self, name):
+        """Return what an output's card holds, in SI."""
+        return float(self.page.get_attribute(f"[data-output={name}] .value", "data-si"))
+
+    def card(self, name):
+        """Return the text of an output's card."""
+        return self.page.inner_text(f"[data-output={name}]")
+
+    def put(self, path, text):
+        """Type into a field's box, and leave it."""
+        box = self.page.locator(f"[data-path='{path}'] .box")
+        box.fill(text)
+        box.blur()
+        return self.rest()
+
+    def box(self, path):
+        """Return what stands in a field's box."""
+        return self.page.input_value(f"[data-path='{path}'] .box")
+
+    def from_menu(self, words):
+        """Choose an entry of the menu."""
+        self.page.click(".menu summary")
+        self.page.click(f".menu-list >> text={words}")
+
+    def saved(self, words):
+        """Return the bytes that an entry of the menu saves."""
+        with self.page.expect_download(timeout=60_000) as waiting:
+            self.from_menu(words)
+        return Path(waiting.value.path()).read_bytes()
+
+    def offer(self, name, content):
+        """Open a case file."""
+        told = {"name": name, "mimeType": "text/plain", "buffer": content}
+        self.page.set_input_files("input[type=file]", [told])
+        return self.rest()
+
+
+@pytest.fixture
+def look(browser, address):
+    """Open pages; whatever their consoles say is a fault."""
+    contexts, pages = [], []
+
+    def opened(fragment="", *, width=1280, height=800, **more):
+        contexts.append(browser.new_context(viewport={"width": width, "height": height}, **more))
+        pages.append(Seen(contexts[-1].new_page(), address))
+        return pages[-1].open(fragment)
+
+    yield opened
+    faults = [fault for page in pages for fault in page.faults]
+    for context in contexts:
+        context.close()
+    assert not faults

@@ -1,0 +1,378 @@
+"""The page as people use it: what it shows agrees with what Python computes."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import woundon as wo
+
+# the page asks for a cold solve at rest: the same computation, passed on as JSON
+SAME = 1e-12
+# a started solve and a cold one agree to the tolerance of the iteration
+CLOSE = 1e-7
+PLI = 175.1268352464764  # [N/m]
+
+
+@pytest.fixture(scope="module")
+def example():
+    """The case that the page begins with."""
+    return wo.WrappedNipProblem.example()
+
+
+FETCHED = """() => [...performance.getEntriesByType("navigation"),
+    ...performance.getEntriesByType("resource")].filter(part => !part.name.includes("/api/solve"))
+    .reduce((sum, part) => sum + part.encodedBodySize, 0)"""
+
+
+def told(result):
+    """Return the main outputs of a wrapped nip by name."""
+    names = ("wound_on_tension", "nip_induced_tension", "nip_width", "peak_pressure", "drum_creep",
+             "leading_roll", "trailing_roll", "dual")  # fmt: skip
+    return {name: getattr(result, name) for name in names}
+
+
+def blocks(text):
+    """Return the tables of a CSV file of the page: by heading, the columns."""
+    for block in text.strip().split("\n\n"):
+        heads, *rows = csv.reader(io.StringIO(block))
+        yield {head: [row[k] for row in rows] for k, head in enumerate(heads)}
+
+
+def test_the_first_page_is_light_and_its_numbers_are_those_of_python(browser, address, example):
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    page, got = context.new_page(), []
+    page.on("response", lambda response: got.append(response))
+    page.goto(address)
+    page.wait_for_selector(".number-card", timeout=60_000)
+    weight = page.evaluate(FETCHED)
+    assert weight <= 300_000  # asked for; the catalogue of quantities is part of it
+    assert {one.url.split("/")[2] for one in got} == {address.split("/")[2]}  # none from outside
+    policy = got[0].headers["content-security-policy"]
+    assert "unsafe" not in policy
+    for name, value in told(wo.solve(example)).items():
+        card = page.get_attribute(f"[data-output={name}] .value", "data-si")
+        assert float(card) == pytest.approx(value, rel=SAME)
+    assert page.locator("[data-output=wound_on_tension] .error").inner_text().startswith("±")
+    assert "all 13 laws hold" in page.inner_text(".certificate summary")
+    context.close()
+
+
+def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example):
+    seen = look()
+    before = seen.page.locator("[data-panel=tractions] canvas").screenshot()
+    numbers = seen.output("wound_on_tension")
+    seen.page.focus("[data-path=nip_load] .slider")
+    for _ in range(25):
+        seen.page.keyboard.press("ArrowRight")
+    seen.rest()
+    load = float(seen.box("nip_load"))
+    assert load > 3600
+    result = wo.solve(example.replace(nip_load=load))
+    assert seen.output("wound_on_tension") != numbers
+    for name, value in told(result).items():
+        assert seen.output(name) == pytest.approx(value, rel=SAME)
+    assert seen.page.locator("[data-panel=tractions] canvas").screenshot() != before
+    tables = list(blocks(seen.saved("Data of what is shown").decode()))
+    curve = "roll_traction on the roll [kPa]"
+    tractions = next(table for table in tables if curve in table)
+    x, q = tractions["Position along the nip [mm]"], tractions[curve]
+    own = result.in_nip
+    assert list(map(float, x)) == pytest.approx(result.x[own] * 1e3, rel=1e-6, abs=1e-9)
+    assert list(map(float, q)) == pytest.approx(result.roll_traction[own] / 1e3, rel=1e-6, abs=1e-6)
+
+
+def test_mill_units_in_and_out(look, example):
+    seen = look()
+    seen.page.click(".segmented >> text=mill")
+    seen.put("nip_load", "25")
+    result = wo.solve(example.replace(nip_load=25 * PLI))
+    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
+    assert f"{result.wound_on_tension / PLI:.5g}" in seen.card("wound_on_tension")
+    assert "pli" in seen.card("wound_on_tension")
+    assert "psi" in seen.card("peak_pressure")
+    assert seen.box("web.thickness") == "2.59843"  # mil
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "says"),
+    [
+        ("nip_load", "ten", ["must be a number, got 'ten'", "≤ 1e7 N/m"]),
+        ("drum_friction", "50", ["out of range", "≤ 10"]),
+        ("winding_force", "5000", ["drum slides"]),  # only the server knows
+    ],
+)
+def test_wrong_input_is_told_at_its_field_and_the_picture_stays(look, path, text, says):
+    seen = look()
+    numbers = seen.output("wound_on_tension")
+    seen.put(path, text)
+    fault = seen.page.inner_text(f"[data-path='{path}'] .fault")
+    assert all(word in fault for word in says)
+    assert seen.page.get_attribute(f"[data-path='{path}'] .box", "aria-invalid") == "true"
+    assert seen.output("wound_on_tension") == numbers
+    seen.page.click(f"[data-path='{path}'] .reset")
+    seen.rest()
+    assert seen.page.locator(f"[data-path='{path}'] .fault").count() == 0
+    assert seen.output("wound_on_tension") == pytest.approx(numbers, rel=CLOSE)
+
+
+def test_undo_redo_and_reset(look):
+    seen = look()
+    first = seen.output("wound_on_tension")
+    seen.put("nip_load", "5000")
+    second = seen.output("wound_on_tension")
+    seen.put("web_tension", "500")
+    seen.page.click("h1")
+    seen.page.keyboard.press("Control+z")
+    seen.rest()
+    assert seen.output("wound_on_tension") == pytest.approx(second, rel=CLOSE)
+    seen.page.click("[aria-label=Undo]")
+    seen.rest()
+    assert seen.output("wound_on_tension") == pytest.approx(first, rel=CLOSE)
+    seen.page.click("[aria-label=Redo]")
+    seen.rest()
+    assert seen.box("nip_load") == "5000"
+    seen.page.click("[aria-label='Reset: nip load']")
+    seen.rest()
+    assert seen.output("wound_on_tension") == pytest.approx(first, rel=CLOSE)
+
+
+def test_pinned_states_are_drawn_over_each_other_and_compared(look):
+    seen = look()
+    first = seen.output("wound_on_tension")
+    seen.page.click(".pin")
+    seen.put("nip_load", "5000")
+    second = seen.output("wound_on_tension")
+    row = seen.page.locator("[data-difference=wound_on_tension] td").all_inner_texts()
+    assert row == ["N/m", f"{second:.5g}", f"{first:.5g}", f"+{second - first:.4g}"]
+    assert "5000 N/m" in seen.page.inner_text(".differences")
+    assert "A" in seen.page.inner_text("[data-panel=tractions] .legend")
+    for _ in range(3):
+        seen.page.click(".pin")
+    assert seen.page.is_disabled(".pin")  # four
+    seen.page.click("[aria-label='Go back to state A']")
+    seen.rest()
+    assert seen.output("wound_on_tension") == pytest.approx(first, rel=CLOSE)
+    seen.page.click("[aria-label='Remove state A']")
+    assert seen.page.locator("[data-difference=wound_on_tension] td").count() == 8
+
+
+def test_pictures_that_follow_are_those_of_a_new_page(look):
+    seen = look()
+    seen.page.hover("[data-panel=tractions] .u-over")
+    seen.page.click(".pin")
+    seen.page.hover("[data-panel=zones] .u-over")
+    seen.put("nip_load", "9000")
+    seen.from_menu("Copy a link")
+    seen.page.wait_for_function("() => location.hash.length > 10")
+    other = look(seen.page.evaluate("() => location.hash"))
+    other.page.wait_for_selector(".chip.pin-A")
+    for panel in ("tractions", "zones", "slips", "pressure", "wrap_tension"):
+        pictures = []
+        for one in (seen, other):
+            canvas = one.page.locator(f"[data-panel={panel}] canvas")
+            canvas.scroll_into_view_if_needed()
+            one.page.mouse.move(1, 1)
+            pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
+        assert pictures[0] == pictures[1], panel
+
+
+def test_a_layered_drum_made_by_clicks(look, example):
+    seen = look()
+    seen.page.select_option("#f-drum", label="layered (cover)")
+    seen.rest()
+    seen.page.click("[data-path='drum.layers'] .add")
+    seen.page.select_option("[id='f-drum-layers-0-material']", label="soft-cover")
+    seen.page.select_option("[id='f-drum-layers-1-material']", label="steel")
+    seen.put("drum.layers.0.thickness", "10")
+    seen.put("drum.layers.1.thickness", "20")
+    layers = [wo.Layer(thickness=0.01, material="soft-cover"),
+              wo.Layer(thickness=0.02, material="steel")]  # fmt: skip
+    drum = wo.Layered(radius=0.0762, layers=layers, core="rigid")
+    result = wo.solve(example.replace(drum=drum))
+    for name, value in told(result).items():
+        assert seen.output(name) == pytest.approx(value, rel=CLOSE, abs=1e-9)
+    seen.page.click("[aria-label='Remove layer 1']")
+    seen.rest()
+    result = wo.solve(example.replace(drum=drum.replace(layers=layers[1:])))
+    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
+
+
+NEWSPRINT = (Path(__file__).parents[2] / "examples" / "newsprint_table2.toml").read_bytes()
+HOSTILE = b"""roll_friction = 0.2
+"<img src=x onerror=window.hacked=1>" = 1
+[drum]
+kind = "<script>window.hacked=1</script>"
+"""
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"this is = = no TOML", ""),
+        (b"\xff\xfe\x00binary", "not a text file"),
+        (HOSTILE, "<img src=x onerror=window.hacked=1>"),
+        (b"a" * 1_500_000, "at most 1 MB"),
+        (NEWSPRINT.replace(b"3502 N/m", b"3502 parsec"), "parsec"),
+    ],
+    ids=["no TOML", "binary", "hostile", "huge", "unit"],
+)
+def test_a_bad_file_is_refused_in_words_and_changes_nothing(look, content, says):
+    seen = look()
+    numbers, load = seen.output("wound_on_tension"), seen.box("nip_load")
+    seen.offer("case.toml", content)
+    assert says in seen.page.inner_text(".notice")
+    assert seen.page.evaluate("() => window.hacked") is None
+    assert (seen.output("wound_on_tension"), seen.box("nip_load")) == (numbers, load)
+
+
+def test_a_case_goes_down_is_solved_by_the_command_line_and_comes_up_again(look, tmp_path):
+    seen = look()
+    seen.put("nip_load", "4200")
+    seen.put("web.material.shear", "12.5")
+    number = seen.output("wound_on_tension")
+    case = tmp_path / "case.toml"
+    case.write_bytes(seen.saved("Save the case"))
+    command = [sys.executable, "-m", "woundon", "solve", str(case), "--json"]
+    done = subprocess.run(command, capture_output=True, check=True, text=True)
+    solved = json.loads(done.stdout)["outputs"]["wound_on_tension"]
+    value = solved["value"] if isinstance(solved, dict) else solved
+    assert value == pytest.approx(number, rel=CLOSE)
+    other = look()
+    other.offer("case.toml", case.read_bytes())
+    assert other.box("nip_load") == "4200"
+    assert other.output("wound_on_tension") == pytest.approx(number, rel=CLOSE)
+
+
+def test_a_link_restores_case_units_and_pins(look):
+    seen = look()
+    seen.page.click(".pin")
+    seen.put("nip_load", "4200")
+    seen.page.click(".segmented >> text=mill")
+    seen.from_menu("Copy a link")
+    seen.page.wait_for_function("() => location.hash.length > 10")
+    fragment = seen.page.evaluate("() => location.hash")
+    other = look(fragment)
+    other.page.wait_for_selector(".chip.pin-A")
+    assert other.output("wound_on_tension") == seen.output("wound_on_tension")
+    assert other.card("wound_on_tension") == seen.card("wound_on_tension")
+    broken = look("#" + fragment[9:50])
+    assert broken.box("nip_load") == "3502"
+
+
+def test_the_python_of_a_case_computes_the_same(look):
+    seen = look()
+    seen.put("nip_load", "4200")
+    seen.from_menu("Python that computes this")
+    code = seen.page.inner_text(".snippet")
+    space = {}
+    exec(code, space)
+    results = [thing for thing in space.values() if isinstance(thing, wo.WrappedNipResult)]
+    result = results[0] if results else wo.solve(next(
+        thing for thing in space.values() if isinstance(thing, wo.WrappedNipProblem)))  # fmt: skip
+    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
+
+
+def test_pictures_and_report(look, browser, tmp_path):
+    seen = look()
+    assert seen.saved("Picture (PNG)").startswith(b"\x89PNG")
+    assert b"<svg" in seen.saved("Picture (SVG)")
+    seen.from_menu("Report")
+    remark = "<b>seen</b> by the <script>window.hacked=1</script> shift"
+    seen.page.fill("dialog textarea", remark)
+    with seen.page.expect_download(timeout=60_000) as waiting:
+        seen.page.click("dialog .primary")
+    report = tmp_path / "report.html"
+    report.write_bytes(waiting.value.path().read_bytes())
+    page = seen.page.context.new_page()
+    page.goto(report.as_uri())
+    assert remark in page.inner_text("body")
+    assert page.evaluate("() => window.hacked") is None
+    assert f"{seen.output('wound_on_tension'):.5g}" in page.inner_text("body")
+    printed = page.pdf(format="A4")
+    assert printed.startswith(b"%PDF")
+    assert len(printed) > 20_000  # with its figures
+
+
+def test_a_study_is_run_seen_and_cancelled(look, example):
+    seen = look()
+    page = seen.page
+    page.click("#tab-study")
+    page.select_option("#study-second", "web_tension")
+    page.fill("#study-first-count", "60")
+    page.fill("#study-second-count", "40")
+    page.locator("#study-second-count").blur()
+    page.click("#study-run")
+    page.wait_for_selector("#study-cancel:enabled")
+    page.wait_for_function("() => document.querySelector('.study-state progress')?.value > 0")
+    page.click("#study-cancel")
+    page.wait_for_selector("text=Cancelled")
+    page.select_option("#study-second", "")
+    page.fill("#study-first-0", "3000")
+    page.fill("#study-first-1", "4000")
+    page.fill("#study-first-count", "3")
+    page.locator("#study-first-count").blur()
+    page.click("#study-run")
+    page.wait_for_selector("text=Done in", timeout=60_000)
+    with page.expect_download() as waiting:
+        page.click("text=Save as CSV")
+    (table,) = blocks(waiting.value.path().read_text())
+    loads, tensions = table["nip_load [N/m]"], table["wound_on_tension [N/m]"]
+    assert list(map(float, loads)) == [3000, 3500, 4000]
+    for load, tension in zip(loads, tensions, strict=True):
+        result = wo.solve(example.replace(nip_load=float(load)))
+        assert float(tension) == pytest.approx(result.wound_on_tension, rel=CLOSE)
+
+
+def test_a_wound_roll_by_dragging_its_schedule(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    seen.rest()
+    example = wo.WoundRollProblem.example()
+    assert seen.output("core_pressure") == pytest.approx(wo.solve(example).core_pressure, rel=SAME)
+    page.click(".pin")
+    knob = page.locator(".knob").nth(4).bounding_box()
+    x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 40, steps=4)
+    page.mouse.up()
+    seen.rest()
+    schedule = [list(map(float, page.input_value(f"#f-wound_on_tension-{part}").split()))
+                for part in ("radius", "value")]  # fmt: skip
+    assert schedule[1][-1] < schedule[1][0] == 350
+    assert "wound_on_tension.value" in page.inner_text(".differences")
+    profile = wo.Profile(radius=[r / 1e3 for r in schedule[0]], value=schedule[1])
+    result = wo.solve(example.replace(wound_on_tension=profile))
+    assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-5)  # 6 digits
+
+
+def test_a_winding_tells_its_margins(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option(".kind", "winding")
+    # the quick ones: no nip is solved
+    page.wait_for_selector("[id='f-tension_law']")
+    page.select_option("[id='f-tension_law']", label="friction")
+    page.wait_for_selector(".margins", timeout=120_000)
+    seen.rest()
+    result = wo.solve(wo.WindingProblem.example().replace(tension_law="friction"))
+    assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-6)
+    told = page.inner_text(".margins tbody")
+    assert all(margin.name in told for margin in result.margins)
+    page.fill("[id='f-limits-core_pressure']", "1")  # [MPa], of 1.2 that press on it
+    page.locator("[id='f-limits-core_pressure']").blur()
+    seen.rest()
+    failing = page.locator(".margins tr.bad")
+    assert "core" in failing.inner_text()
+    assert "fails" in failing.inner_text()

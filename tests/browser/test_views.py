@@ -1,0 +1,77 @@
+"""How the page looks, and to whom it is open: sizes, schemes, keyboard, screen readers."""
+
+from __future__ import annotations
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+
+VIEWS = [(1280, 800, "light"), (1280, 800, "dark"), (390, 844, "light"), (390, 844, "dark")]
+
+
+@pytest.mark.parametrize(("width", "height", "scheme"), VIEWS)
+def test_a_view_fits_and_is_open_to_all(look, width, height, scheme):
+    seen = look(width=width, height=height, color_scheme=scheme)
+    page = seen.page
+    page.click(".pin")
+    background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
+    light = sum(map(int, background.removeprefix("rgb(").rstrip(")").split(","))) > 3 * 128
+    assert light == (scheme == "light")
+    for tab in page.eval_on_selector_all("[role=tab]", "tabs => tabs.map(tab => tab.id)"):
+        page.click(f"#{tab}")
+        seen.rest()
+        wide = page.evaluate("() => document.scrollingElement.scrollWidth")
+        assert wide <= width, tab
+        found = Axe().run(page).response["violations"]
+        serious = [one for one in found if one["impact"] in ("serious", "critical")]
+        told = [f"{tab}: {one['id']}: {node['html']}" for one in serious for node in one["nodes"]]
+        assert not told
+
+
+def test_all_can_be_done_with_the_keyboard(look):
+    seen = look()
+    page = seen.page
+    page.keyboard.press("Tab")
+    assert page.evaluate("() => document.activeElement.className") == "skip"
+    page.keyboard.press("Enter")
+    assert page.evaluate("() => document.activeElement.id") == "results"
+    page.focus("[data-panel=pressure] .plot")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    value = page.inner_text("[data-panel=pressure] [data-value='0']")
+    assert float(value) > 0  # read under the cursor
+    scale = "() => document.querySelector('[data-panel=pressure] .u-over').clientWidth"
+    assert page.evaluate(scale) > 100
+    before = page.locator("[data-panel=tractions] canvas").screenshot()
+    page.keyboard.press("+")
+    page.wait_for_timeout(100)
+    assert page.locator("[data-panel=tractions] canvas").screenshot() != before  # zoomed together
+    page.keyboard.press("0")
+    page.keyboard.press("Escape")
+    page.wait_for_timeout(100)
+    page.focus("#tab-case")
+    page.keyboard.press("ArrowRight")
+    assert page.get_attribute("#tab-study", "aria-selected") == "true"
+
+
+def test_what_panels_show_stands_in_tables_too(look):
+    seen = look()
+    seen.page.click("button.tables")
+    zones = seen.page.inner_text(".cell-zones table")
+    assert "stick" in zones
+    assert "roll" in zones
+    assert seen.page.locator(".cell-tractions tbody tr").count() > 20
+
+
+def test_zones_are_told_apart_without_colour(look):
+    seen = look()
+    pattern = "() => getComputedStyle(document.querySelector('.zone.zone1')).fill"
+    assert "hatch-faster" in seen.page.evaluate(pattern)
+
+
+def test_motion_is_reduced_where_asked(look):
+    seen = look(reduced_motion="reduce")
+    moving = """() => [...document.querySelectorAll('*')].filter(e => {
+        const style = getComputedStyle(e)
+        return style.animationName !== 'none' || style.transitionDuration !== '0s'
+    }).length"""
+    assert seen.page.evaluate(moving) == 0
