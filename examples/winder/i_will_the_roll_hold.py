@@ -45,7 +45,7 @@ plt.show()
 
 # %%
 # A third of the nip load:
-soft = wo.solve(problem.replace(nip_load=700.0), nodes=129)
+soft = wo.solve(problem.replace(nip_load=700.0))
 for margin in soft.margins:
     print(f"{margin.name:12} {margin.verdict:10} {100 * margin.reserve:6.0f} % to spare")
 

@@ -165,7 +165,8 @@ def test_an_instance_offers_its_fields_and_no_more_than_works(kind: str) -> None
 @pytest.mark.parametrize("cls", DESCRIPTIONS)
 def test_help_is_about_the_class(cls: type[Any]) -> None:
     text = pydoc.render_doc(cls, renderer=pydoc.plaintext)
-    assert text.count("\n") < 140  # pydantic's own methods alone make 450 lines
+    # a winding has 21 fields; pydantic's own methods alone would make 450 lines
+    assert text.count("\n") < 160
     for word in ("model_", "pydantic_", "BeforeValidator", "Annotated", "Quantity("):
         assert word not in text
     assert inspect.getdoc(cls) in re.sub(r"^ \| ? ?", "", text, flags=re.M)

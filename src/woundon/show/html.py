@@ -90,7 +90,8 @@ def _row(row: Row) -> str:
 
 def _verdicts(part: Verdicts) -> str:
     names = ("", "value", "limit", "", "worst at", "", "")
-    head = "".join(f'<th style="{LEFT}">{name}</th>' for name in names)
+    sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 4)
+    head = "".join(f'<th style="{s}">{name}</th>' for name, s in zip(names, sides, strict=True))
     rows = "\n".join(map(_verdict, part.rows))
     caption = f'<caption style="{LEFT};font-weight:bold">{escape(part.title)}</caption>'
     return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>\n{rows}\n</tbody></table>"
@@ -99,9 +100,10 @@ def _verdicts(part: Verdicts) -> str:
 def _verdict(row: Verdict) -> str:
     word = escape(row.word)
     word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
+    left, right = (f"{side};white-space:nowrap" for side in (LEFT, RIGHT))
     cells = [
-        (escape(row.meaning), LEFT), (escape(row.value), RIGHT), (escape(row.limit), RIGHT),
-        (escape(row.unit), LEFT), (escape(row.place), LEFT), (word, LEFT),
+        (escape(row.meaning), LEFT), (escape(row.value), right), (escape(row.limit), right),
+        (escape(row.unit), left), (escape(row.place), left), (word, left),
         (escape(row.below), f"{LEFT};{QUIET};max-width:28em"),
     ]  # fmt: skip
     return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
