@@ -213,7 +213,7 @@ def test_kinds_are_known_without_loading_their_solvers() -> None:
     code = (
         "import sys, woundon as wo; from woundon import kinds;"
         "assert [k.name for k in kinds.every()]"
-        " == ['nip', 'wrapped_nip', 'rollers', 'wound_roll', 'air_nip', 'winding'];"
+        " == ['nip', 'wrapped_nip', 'rollers', 'wound_roll', 'winding', 'air_nip'];"
         "assert kinds.of(wo.NipProblem.example()).name == 'nip';"
         "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.wrap.solve')))"
     )

@@ -113,7 +113,7 @@ def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
             value = value[int(part)] if part.isdigit() else getattr(value, part)
         assert value == place.value or (value is None and place.value is None)
         assert place.name == place.path.split(".")[-1]
-        none_given = place.path == "core.material" or place.name == "prony"
+        none_given = place.path in ("core.material", "air") or place.name == "prony"
         assert (place.quantity is None) == (isinstance(place.value, str) or none_given), place.path
         assert place.name in place.owner.model_fields
 

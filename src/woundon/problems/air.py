@@ -8,7 +8,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, pure, stress
+from ..quantities import Quantity, length, pure, stress, velocity
 from .air_law import AirBetween
 from .bodies import HalfPlane
 from .fields import Description, Number, shown
@@ -17,11 +17,7 @@ from .nip import Web, WrappedNip, WrappedNipProblem
 from .radial_laws import SolidLaw
 from .roll import WoundRollProblem
 
-__all__ = ["Air", "AirNipProblem", "WebSpeed", "with_film"]
-
-WebSpeed = Annotated[
-    Number, Quantity("V", "m/s", "web speed", "m/s", (1.0, 50.0)), Field(ge=0, le=200)
-]
+__all__ = ["Air", "AirNipProblem", "with_film"]
 
 
 class Air(Description):
@@ -131,7 +127,7 @@ class AirNipProblem(WrappedNip):
         As of :class:`WrappedNipProblem`.
     """
 
-    web_speed: WebSpeed
+    web_speed: Annotated[Number, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)]
     air: Air
 
     def uses_of_speed(self) -> Iterator[tuple[str, str]]:

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import Quantity, angle, length, line_load, pure
-from .air import Air, AirNipProblem, WebSpeed, with_film
+from ..quantities import Quantity, angle, length, line_load, pure, velocity
+from .air import Air, AirNipProblem, with_film
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
@@ -175,7 +175,9 @@ class WindingProblem(Problem):
     ] = None
     limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
 
-    web_speed: WebSpeed | None = None
+    web_speed: Annotated[
+        Number | None, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)
+    ] = None
     air: Air | None = None
 
     @model_validator(mode="after")
