@@ -17,7 +17,7 @@ SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_in
 ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length"]
 # told otherwise, or by the margins
 LEFT_OUT = frozenset({
-    "residual", "agreed", "nodes", "roll_rtol", "nips_solved", "mean_wound_on_tension", "mass",
+    "residual", "agreed", "air_film", "nodes", "roll_rtol", "nips_solved", "mean_wound_on_tension", "mass",
     "mean_nip_induced_tension", "interpolation_error", "torque_share", "largest_compression",
     "largest_core_pressure", "largest_tension", "least_tension", "least_reserve",
 })  # fmt: skip
@@ -43,13 +43,14 @@ def winding_report(result: WindingResult) -> list[Part]:
     means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
     errors = ["interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
+    air = ["air_film"] if problem.air is not None else []
     return [
         *([Line(how, "quiet")] if how else []),
         Section("Winding", (
             field_row(problem.core, "radius"), field_row(problem, "radius"), *_schedules(result),
         )),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
-        Section("Wound roll", rows_of(result, ROLL + mass, leave=LEFT_OUT)),
+        Section("Wound roll", rows_of(result, ROLL + mass + air, leave=LEFT_OUT)),
         margins_part(result.margins),
     ]  # fmt: skip
 
