@@ -24,6 +24,7 @@ from ..problems.fields import Description
 from ..problems.nip import WindingNip, WrappedNipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
+from ..quantities import Quantity
 from ..results import Result
 from ..rollers.result import RollerResult
 from ..wrap.result import WrappedNipResult
@@ -360,22 +361,27 @@ def outputs_report(result: Result) -> list[Part]:
     ]
 
 
-def field_rows(problem: Description, under: str = "") -> Iterator[Row]:
-    """Yield every field of a description, nested ones by dotted name."""
+def field_rows(
+    problem: Description, under: str = "", of_field: Quantity | None = None
+) -> Iterator[Row]:
+    """Yield every field of a description, nested ones by dotted name.
+
+    ``of_field`` is the quantity of the field that holds the description, as a schedule.
+    """
     for name in type(problem).model_fields:
         value = getattr(problem, name)
+        quantity = quantities.find(problem, name, of_field)[0].quantity
         items = enumerate(value) if isinstance(value, tuple) else ()
         inner = [(f"{under}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
         inner += [(f"{under}{name}", value)] if isinstance(value, Description) else []
         for path, part in inner:
             yield Row(path, "", type(part).__name__)
-            yield from field_rows(part, f"{path}.")
+            yield from field_rows(part, f"{path}.", quantity)
         if not inner and value is not None:
-            yield _field(problem, name, value, under)
+            yield _field(name, value, under, quantity)
 
 
-def _field(problem: Description, name: str, value: Any, under: str) -> Row:
-    quantity = quantities.find(problem, name)[0].quantity
+def _field(name: str, value: Any, under: str, quantity: Quantity | None) -> Row:
     if quantity is None or not isinstance(value, (int, float)):
         return Row(f"{under}{name}", "", str(value))
     row = row_of(quantity, value)
