@@ -267,6 +267,8 @@ def test_every_array_and_every_told_number_is_under_some_law(case: str) -> None:
             continue
         if isinstance(value, np.ndarray) and value.dtype.kind != "f":
             continue
+        if isinstance(value, float) and value != value:
+            continue  # what it does not have: elastic bodies no rolling resistance
         if isinstance(value, float):
             wrong: Any = value * 1.1 + 1e-3 * result.half_width * (part.name == "offset")
         else:

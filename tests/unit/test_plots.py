@@ -368,6 +368,7 @@ def test_the_legend_of_a_fit_is_short():
     thickness = quantities.find(wo.NipProblem, "web.thickness")[0].quantity
     fit = SimpleNamespace(
         row_outputs=("rig_tension", "wound_on_tension"), weighted=False, profiles=(profile,),
+        names=("web.thickness",),
         measured=np.array([600.0, 700.0]), fitted=np.array([610.0, 690.0]),
         quantities={**names, "web.thickness": thickness},
     )  # fmt: skip
