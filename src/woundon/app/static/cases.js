@@ -43,12 +43,12 @@ export function started(catalogue, field, before, holder) {
   const own = held(field, holder);
   if (own.type === "member") {
     if (own.number) return middle(own);
-    // of materials the one with the fewest numbers
-    const size = (member) => fieldsOf(catalogue, member.form).length;
+    // of materials the one that asks for the fewest numbers
+    const size = (member) => fieldsOf(catalogue, member.form).filter((one) => !one.optional).length;
     const member = own.named ? [...own.members].sort((a, b) => size(a) - size(b))[0] : own.members[0];
     return startedMember(catalogue, own, member, before);
   }
-  if (own.type === "members") return [startedMember(catalogue, own, own.members[0], before)];
+  if (own.type === "members" && !own.optional) return [startedMember(catalogue, own, own.members[0], before)];
   if (own.default != null) return own.default;
   if (own.optional) return undefined;
   if (own.type === "choice") return own.choices[0];

@@ -218,17 +218,21 @@ function Members({ store, field, path }) {
     const last = items.at(-1);
     store.change(path, [...items, last ? structuredClone(last) : startedMember(catalogue, field, field.members[0])]);
   };
-  const drop = (k) => store.change(path, items.filter((_, other) => other !== k));
+  const fewest = field.optional ? 0 : field.min_items ?? 0;
+  const drop = (k) => {
+    const left = items.filter((_, other) => other !== k);
+    store.change(path, left.length || !field.optional ? left : undefined);
+  };
   const up = (k) => store.change(path, items.map((item, n) => (n === k - 1 ? items[k] : n === k ? items[k - 1] : item)));
   const most = field.max_items ?? 20;
   return html`<div class="members" data-path=${path}>
     ${items.map((item, k) => {
       const member = memberOf(catalogue, field, item) ?? field.members[0];
       return html`<fieldset class="member item" key=${k}>
-        <legend>${T.form.item(T.members[member.form] ?? catalogue.forms[member.form].title, k + 1, items.length)}</legend>
+        <legend>${T.form.item(T.members[member.form] ?? catalogue.forms[member.form].title, k + 1, items.length, field.label)}</legend>
         <div class="item-tools">
           <button type="button" disabled=${k === 0} aria-label=${T.form.outward(k + 1)} title=${T.form.outward(k + 1)} onClick=${() => up(k)}>↑</button>
-          <button type="button" disabled=${items.length <= (field.min_items ?? 0)} aria-label=${T.form.drop(k + 1)} title=${T.form.drop(k + 1)} onClick=${() => drop(k)}>✕</button>
+          <button type="button" disabled=${items.length <= fewest} aria-label=${T.form.drop(k + 1)} title=${T.form.drop(k + 1)} onClick=${() => drop(k)}>✕</button>
         </div>
         ${fieldsOf(catalogue, member.form).map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${k}.${one.name}`, field: one }} />`)}
       </fieldset>`;

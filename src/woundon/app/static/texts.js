@@ -33,7 +33,7 @@ export const T = {
   form: {
     name: "The case", reset: "Reset", none: "none", oneNumber: "one number", named: "named materials", finite: "a finite number",
     add: "Add a layer", numbers: "one number a line", pairs: "two numbers a line",
-    item: (title, k, of) => `${title} ${k}${k === 1 ? ", outermost" : k === of ? ", innermost" : ""}`,
+    item: (title, k, of, order) => `${title} ${k}${!/outermost/.test(order) ? "" : k === 1 ? ", outermost" : k === of ? ", innermost" : ""}`,
     outward: (k) => `Move layer ${k} outward`, drop: (k) => `Remove layer ${k}`,
     notNumber: (text, range) => `must be a number, got '${text}'; admissible: ${range}`,
     outOfRange: (text, range) => `${text} is out of range; must be ${range}`,
