@@ -137,7 +137,8 @@ def _input(place: Place, only: str) -> tuple[str, ...]:
 def _default(value: Any, quantity: Quantity | None) -> str:
     if value is None:
         return "`None`"
-    return _range(quantity, (value,)) if quantity else f"`{value}`"
+    word = quantity is None or isinstance(value, str)
+    return f"`{value}`" if word else _range(quantity, (value,))
 
 
 def _range(quantity: Quantity, ends: Iterable[float]) -> str:

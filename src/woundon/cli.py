@@ -219,7 +219,10 @@ def materials() -> None:
         text = written(place.value, place.quantity.unit, place.quantity.shown_unit)
         return f"{place.path} = " + (f'"{text}"' if isinstance(text, str) else f"{text:g}")
 
+    def given(material: Any) -> list[Any]:
+        return [place for place in walk(material) if place.value is not None]
+
     for name, (material, source) in MATERIALS.items():
         click.secho(name, bold=True)
-        click.echo(f"  {{ {', '.join(map(shown, walk(material)))} }}")
+        click.echo(f"  {{ {', '.join(map(shown, given(material)))} }}")
         click.secho(f"  {source}", dim=True)

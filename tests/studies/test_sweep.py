@@ -234,5 +234,5 @@ def test_editors_see_every_keyword(study):
 
 
 def test_a_study_of_no_problem_is_refused():
-    with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or WoundRollProblem"):
+    with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or AirNipProblem"):
         wo.sweep({"nip_load": 1.0}, {"nip_load": [1.0]})

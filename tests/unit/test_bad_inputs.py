@@ -22,12 +22,12 @@ from woundon.cli import main
 
 BODY = "Rigid, HalfPlane, Cylinder, Layered or WoundRoll (or a table of its fields)"
 MATERIAL = (
-    "Orthotropic, Isotropic or Stack (or a table of its fields, or a name that "
+    "Orthotropic, Isotropic, LossAngle, DynamicTest or Stack (or a table of its fields, or a name that "
     "'woundon materials' lists)"
 )
 LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
 UNITS = "(units are read in case files and by replace)"
-NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_tension, winding_force"
+NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_speed, web_tension, winding_force"
 MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
 
 
@@ -346,7 +346,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ),
     (
         {"drum": wo.material("steel")},
-        f"drum: Isotropic(youngs_m...poissons_ratio=0.3) is out of place; must be {BODY}",
+        f"drum: Isotropic(youngs_m...io=0.3, prony=None) is out of place; must be {BODY}",
     ),
     ({"drum": {}}, "drum.radius: missing; must be > 0.0001 and <= 50 [m]"),
     (
@@ -393,7 +393,7 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ),
     (
         {"web": {"thickness": 66e-6, "material": {"kind": "wood"}}},
-        "web.material.kind: 'wood' is unknown; must be 'orthotropic', 'isotropic' or 'stack'",
+        "web.material.kind: 'wood' is unknown; must be 'orthotropic', 'isotropic', 'loss_angle', 'dynamic_test' or 'stack'",
     ),
     (
         {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},

@@ -152,6 +152,7 @@ class Bell:
     """A kernel that varies on ``length``, as that of a layer of that thickness does."""
 
     length: float
+    lag = None
     inverse = delta = log = sign = 0.0
 
     def smooth(self, t: Array) -> Array:

@@ -44,7 +44,7 @@ class AirBetween(RadialLaw):
         Field(ge=0, le=1e-3),
     ]
     web_thickness: Annotated[
-        Number, length("2h", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)
+        Number, length("t", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)
     ]
     ambient_pressure: Annotated[
         Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)

@@ -304,7 +304,9 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
     known: dict[str, Quantity | None] = {}
     for place in walk(type(problem)):
         heads = place.path.split(".")[:-1]
-        known |= {".".join(heads[:k]): None for k in range(1, len(heads) + 1)}
+        # a number of one material may be a description of another
+        for k in range(1, len(heads) + 1):
+            known.setdefault(".".join(heads[:k]), None)
         known[place.path] = known.get(place.path) or place.quantity
     return known
 

@@ -73,7 +73,10 @@ def study_template(kind: str) -> str:
 def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
     """Yield two loads, or other fields with a unit, and the values to try, as TOML."""
     known = {name: find(problem, name)[0].quantity for name in type(problem).model_fields}
-    loads = {name: about for name, about in known.items() if about and getattr(problem, name)}
+    loads = {
+        name: about for name, about in known.items()
+        if about and getattr(problem, name) and isinstance(getattr(problem, name), (int, float))
+    }  # fmt: skip
     ranked = sorted(loads, key=lambda name: (loads[name].unit == "1", not loads[name].typical))
     other = {name: (getattr(problem, name) / 2, getattr(problem, name)) for name in ranked[1:2]}
     for name in ranked[:1]:
