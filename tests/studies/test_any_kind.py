@@ -61,7 +61,7 @@ def test_by_default_a_study_gives_what_the_kind_is_about():
     loads = {"nip_load": [1e3]}
     assert "nip_induced_tension" in wo.sweep(paper_nip(), loads, nodes=9, workers=1)
     assert "wound_on_tension" in wo.sweep(paper_nip().wrapped(), loads, nodes=17, workers=1)
-    with pytest.raises(wo.InvalidProblem, match="none is given; known: .*creepage, shift, "):
+    with pytest.raises(wo.InvalidProblem, match=r"none is given; known: .*creepage, shift, "):
         wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
 
 

@@ -22,12 +22,14 @@ from woundon.cli import main
 
 BODY = "Rigid, HalfPlane, Cylinder, Layered or WoundRoll (or a table of its fields)"
 MATERIAL = (
-    "Orthotropic, Isotropic, LossAngle, DynamicTest or Stack (or a table of its fields, or a name that "
-    "'woundon materials' lists)"
+    "Orthotropic, Isotropic, LossAngle, DynamicTest or Stack (or a table of its fields, or a name "
+    "that 'woundon materials' lists)"
 )
 LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
 UNITS = "(units are read in case files and by replace)"
-NIP_FIELDS = "drum, drum_friction, nip_load, roll, roll_friction, web, web_speed, web_tension, winding_force"
+NIP_FIELDS = (
+    "drum, drum_friction, nip_load, roll, roll_friction, web, web_speed, web_tension, winding_force"
+)
 MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
 
 
@@ -393,7 +395,8 @@ PLACES: list[tuple[dict[str, Any], str]] = [
     ),
     (
         {"web": {"thickness": 66e-6, "material": {"kind": "wood"}}},
-        "web.material.kind: 'wood' is unknown; must be 'orthotropic', 'isotropic', 'loss_angle', 'dynamic_test' or 'stack'",
+        "web.material.kind: 'wood' is unknown; must be 'orthotropic', 'isotropic', "
+        "'loss_angle', 'dynamic_test' or 'stack'",
     ),
     (
         {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
