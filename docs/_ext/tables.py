@@ -195,7 +195,11 @@ class Materials(Sections):
     def sections(self) -> Iterator[tuple[str, str]]:
         rows = []
         for name, entry in MATERIALS.items():
-            told = (f"{_tex(q)} {_range(q, [value])}" for _, q, _, _, value in walk(entry.material))
+            told = (
+                f"{_tex(q)} {_range(q, [value])}"
+                for _, q, _, _, value in walk(entry.material)
+                if q is not None and value is not None
+            )
             rows.append((f"`{name}`", ", ".join(told), entry.source))
         yield "", _table(("name", "values", "source"), rows)
 
