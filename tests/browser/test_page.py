@@ -187,7 +187,7 @@ def test_a_layered_drum_made_by_clicks(look, example):
     seen = look()
     seen.page.select_option("#f-drum", label="layered (cover)")
     seen.rest()
-    seen.page.click("[data-path='drum.layers'] .add")
+    seen.page.click("[data-path='drum.layers'] > .add")
     seen.page.select_option("[id='f-drum-layers-0-material']", label="soft-cover")
     seen.page.select_option("[id='f-drum-layers-1-material']", label="steel")
     seen.put("drum.layers.0.thickness", "10")
