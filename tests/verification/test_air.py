@@ -201,6 +201,17 @@ def test_trends_that_every_winder_knows(film_nip, with_air):
     assert with_air.nip_film < with_air.foil_film / 10  # and any nip does, beside none
 
 
+def test_how_little_is_known_of_the_film_behind_a_drums_wrap_is_told(film_nip):
+    with pytest.warns(wo.ValidityWarning, match="wrapped on the drum"):
+        wo.solve(film_nip.replace(drum_wrap=1.0), nodes=33)
+
+
+@pytest.mark.parametrize("pressure", ["much", [-1.0], float("nan"), None])
+def test_friction_between_laps_asks_for_a_pressure(with_air, pressure):
+    with pytest.raises(wo.InvalidProblem, match=r"pressure: .* must be"):
+        with_air.layer_friction(pressure)
+
+
 def test_a_film_without_friction_is_told(film_nip):
     with pytest.warns(wo.ValidityWarning, match="do not touch, and the nip adds no tension"):
         fast = wo.solve(film_nip.replace(web_speed=5.0), nodes=33)

@@ -103,8 +103,21 @@ class AirNipResult(Result):
         Parameters
         ----------
         pressure : array_like
-            P [Pa].
+            P [Pa], >= 0.
+
+        Raises
+        ------
+        InvalidProblem
+            For anything else.
         """
+        try:
+            P = np.asarray(pressure, dtype=float)
+        except (TypeError, ValueError):
+            text = f"{shown(pressure)} is out of place; must be numbers >= 0 [Pa]"
+            raise InvalidProblem.at("pressure", text) from None
+        if not (P >= 0).all():
+            text = f"{shown(float(np.min(P)))} is out of range; must be >= 0 [Pa]"
+            raise InvalidProblem.at("pressure", text)
         return self.problem.roll_friction * friction_between(self.film, pressure, self.problem.air)
 
     def wound(self, roll: WoundRollProblem) -> WoundRollProblem:

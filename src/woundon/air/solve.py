@@ -132,6 +132,11 @@ def _warnings(
             f"{found['inlet_length'] / half_width:.2g} of the half-width, which is taken as much "
             "longer: the film bends the nip's pressure"
         )
+    if problem.drum_wrap > 0 and problem.web_speed > 0:
+        told.append(
+            "the web comes wrapped on the drum, and its weight there hides how the nip's pressure "
+            "rises at the inlet: the film that passes may be half as much again"
+        )
     air = problem.air
     if found["film_in_nip"] >= air.no_friction * air.roughness:
         told.append(
