@@ -104,8 +104,9 @@ def _effective(
     steep, slope = (before.steep, before.slope) if before else (STEEP, 0.0)
     P = before.wanted if before else min(_first_guess(problem, stage), most)
     last: tuple[float, float, float] | None = None
+    result = before.result if before else None
     for _ in range(MOST):
-        result = solve(effective_cylinder(problem, radius, P), None)
+        result = solve(effective_cylinder(problem, radius, P), result)
         found = min(felt_pressure(stage, result), most)
         if last is not None and abs(P - last[0]) > TOLD * P:
             steep = float(np.clip((found - last[1]) / (P - last[0]), -2.0, 0.8))

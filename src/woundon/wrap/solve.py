@@ -11,6 +11,7 @@ a until int p- = P: both settle together     contact.loop
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from math import nan
 from types import SimpleNamespace
@@ -23,7 +24,7 @@ from ..contact.certificate import ROUNDING
 from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
-from ..errors import InvalidProblem, NoSteadyState
+from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..losses import Surface, lost
 from ..nip.solve import slip_ratios, told_by
 from ..nip.validity import nip_warnings, web_far_outside
@@ -82,8 +83,9 @@ def solve_wrapped_nip(
         the force on nip and drum wrap together; see
         :class:`~woundon.problems.nip.WrappedNipProblem`.
     start : WrappedNipResult, optional
-        A solved neighbouring case: a roll that hardens starts from its loads and width, which saves
-        the coarsest meshes.  The answer does not depend on it.
+        A solved neighbouring case; its half width, zones, tension and curvature start this one,
+        which saves the coarsest meshes.  The answer does not depend on it, beyond the tolerance of
+        the load: one that leads nowhere is put aside.
 
     Returns
     -------
@@ -104,15 +106,9 @@ def solve_wrapped_nip(
         winding_force=winding_force,
     )  # fmt: skip
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
-    contact = WrapContact(problem, cells, count)
-    ladder = Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
-    counts = halved(count, Graded.coarsest)
     if start is not None:
         check_type("start", start, WrappedNipResult)
-    if start is None or problem.linear:
-        ladder.climb(counts)
-    else:
-        ladder.climb(counts[-2:], _started(start, problem))
+    ladder = _climbed(WrapContact(problem, cells, count), start)
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
     elif nodes is None:
@@ -134,21 +130,43 @@ def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> 
     return problem
 
 
+def _climbed(contact: WrapContact, start: WrappedNipResult | None) -> Ladder:
+    """Return the ladder up to the nodes asked, from a neighbour's two finest meshes or afresh."""
+    counts = halved(contact.nodes, Graded.coarsest)
+
+    def ladder() -> Ladder:
+        return Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
+
+    if start is not None:
+        climbing = ladder()
+        # from far away the linearised web may be slack where the true one is not
+        with suppress(NotConverged, NoSteadyState, ArithmeticError):
+            climbing.climb(counts[-2:], _started(start, contact.problem))
+            return climbing
+    afresh = ladder()
+    afresh.climb(counts)
+    return afresh
+
+
 def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
     """Start from another case's result, at the load asked."""
-    places = start.x / start.half_width
+    places, was = start.x / start.half_width, start.problem
     on_roll, on_drum = places > -1, places < 1
-    known: Widths = (start.widths or Widths(2.0, {})).at(problem.nip_load / start.problem.nip_load)
+    load = problem.nip_load / was.nip_load
+    known: Widths = (start.widths or Widths(2.0, {})).at(load)
     zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
+    # what the nip adds goes like its load; the web bends with the other radii
+    tension = problem.web_tension + load * (start.web_tension - was.web_tension)
+    drum, roll = (1 / getattr(problem, name).radius - 1 / getattr(was, name).radius
+                  for name in ("drum", "roll"))  # fmt: skip
     loads = Known(
-        start.web_tension, start.curvature,
+        tension, start.curvature + np.where(on_drum, -drum, roll),
         Tractions(start.roll_pressure, start.roll_traction),
         Tractions(start.pressure, start.drum_traction),
     )  # fmt: skip
-    share = (problem.nip_load / start.problem.nip_load) ** (1 / known.power)
     return Start(
-        start.half_width * share, (places[on_roll], places[on_drum]), zones, known.power,
-        widths=known, before=Before(places, loads),
+        start.half_width * load ** (1 / known.power), (places[on_roll], places[on_drum]), zones,
+        known.power, widths=known, before=Before(places, loads),
     )  # fmt: skip
 
 

@@ -1,0 +1,137 @@
+"""Wrapped nips started from a neighbour, near and far: the same answer as from nothing."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from thesis_cases import paper_nip
+
+import woundon as wo
+
+MESH = {"nodes": 33, "wrap_nodes": 24}
+COVER = wo.Cylinder(
+    radius=0.25, core_radius=0.235, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)
+)
+HARD = paper_nip(web_tension=300.0).wrapped()
+BASES = {
+    "hard": HARD,
+    "both wraps": HARD.replace(drum_wrap=1.5),
+    "cover": HARD.replace(drum=COVER, drum_wrap=0.7),
+}
+# ways to be far: each alone would spoil a guess of width, zones, tension or curvature
+FAR: dict[str, dict[str, Any]] = {
+    "ten times the load": {"nip_load": 10 * HARD.nip_load},
+    "a tenth of the load": {"nip_load": 0.1 * HARD.nip_load, "winding_force": 0.0},
+    "another roll": {"roll.radius": 0.07},
+    "another drum": {"drum.radius": 0.8},
+    "other friction": {"roll_friction": 0.06, "drum_friction": 0.8},
+    "four times the tension": {"web_tension": 4 * HARD.web_tension},
+    "pulled the other way": {"winding_force": -HARD.winding_force},
+    "other wraps": {"roll_wrap": 0.5, "drum_wrap": 3.0},
+}
+
+
+@cache
+def solved(name: str) -> wo.WrappedNipResult:
+    return wo.solve(BASES[name], **MESH)
+
+
+def assert_same(one: wo.WrappedNipResult, other: wo.WrappedNipResult) -> None:
+    """Assert that two answers are one, as well as the load is carried.
+
+    It is carried to 8e-9, and pressure and tractions go with a power of it between 0 and 1; the
+    last Newton step on tension and curvature leaves 1e-9.
+    """
+    top = float(np.max(one.pressure))
+    size = one.problem.web_tension + one.problem.roll_friction * one.problem.nip_load
+    assert other.wound_on_tension == pytest.approx(one.wound_on_tension, abs=3e-8 * size)
+    assert other.half_width == pytest.approx(one.half_width, rel=1e-8)
+    np.testing.assert_array_equal(one.roll_zone, other.roll_zone)
+    np.testing.assert_array_equal(one.drum_zone, other.drum_zone)
+    for name in ("pressure", "roll_pressure", "roll_traction", "drum_traction"):
+        np.testing.assert_allclose(getattr(other, name) / top, getattr(one, name) / top,
+                                   rtol=0, atol=1e-7, err_msg=name)  # fmt: skip
+
+
+@pytest.mark.parametrize("far", FAR)
+def test_a_start_far_away_does_not_move_the_answer(far: str) -> None:
+    problem = BASES["both wraps"].replace(**FAR[far])
+    afresh = wo.solve(problem, **MESH)
+    assert_same(afresh, wo.solve(problem, **MESH, start=solved("both wraps")))
+    # and not from a case without an arc on the drum, or other bodies
+    assert_same(afresh, wo.solve(problem, **MESH, start=solved("hard")))
+    assert_same(afresh, wo.solve(problem, **MESH, start=solved("cover")))
+
+
+def factors(most: float) -> Any:
+    return st.floats(-1.0, 1.0).map(lambda share: most**share)
+
+
+@settings(max_examples=30)
+@given(
+    name=st.sampled_from(sorted(BASES)), load=factors(10), tension=factors(4), roll=factors(3),
+    drum=factors(3), friction=factors(3), force=st.floats(-0.9, 0.9), wrap=st.floats(0.05, pi),
+)  # fmt: skip
+def test_neighbours_hand_on_a_start_that_does_not_move_the_answer(
+    name: str, load: float, tension: float, roll: float, drum: float, friction: float,
+    force: float, wrap: float,
+) -> None:  # fmt: skip
+    base = BASES[name]
+    problem = base.replace(
+        nip_load=load * base.nip_load, web_tension=tension * base.web_tension,
+        roll_friction=friction * base.roll_friction, roll_wrap=wrap,
+        winding_force=force * base.drum_friction * base.nip_load * load,
+        **{"roll.radius": max(roll * base.roll.radius, 0.06),
+           "drum.radius": max(drum, 1.0) * base.drum.radius},
+    )  # fmt: skip
+    try:
+        afresh = wo.solve(problem, **MESH)
+    except (wo.InvalidProblem, wo.NoSteadyState, wo.NotConverged) as refused:
+        with pytest.raises(type(refused)):
+            wo.solve(problem, **MESH, start=solved(name))
+        return
+    assert_same(afresh, wo.solve(problem, **MESH, start=solved(name)))
+
+
+def test_a_neighbour_saves_the_coarsest_meshes_and_tells_its_error() -> None:
+    problem = HARD.replace(nip_load=1.02 * HARD.nip_load)
+    afresh, warm = wo.solve(problem, nodes=65), wo.solve(problem, nodes=65, start=solved("hard"))
+    # the meshes of 17 nodes and the coarse widths of 33 are left out: systems solved, not seconds
+    assert warm.iterations < 0.6 * afresh.iterations
+    assert set(warm.errors) == set(afresh.errors)
+    # one change of two meshes tells less than two changes: within a factor, and never nothing
+    assert 0.2 < warm.errors["wound_on_tension"] / afresh.errors["wound_on_tension"] < 5
+
+
+def test_a_start_that_leads_nowhere_is_put_aside(monkeypatch: pytest.MonkeyPatch) -> None:
+    from woundon.contact import loop
+
+    climb, tried = loop.Ladder.climb, []
+
+    def failing(ladder: loop.Ladder, counts: Any, start: Any = None) -> None:
+        tried.append(len(counts))
+        if start is not None:
+            raise wo.NotConverged("astray")
+        climb(ladder, counts)
+
+    afresh = wo.solve(HARD, **MESH)
+    monkeypatch.setattr(loop.Ladder, "climb", failing)
+    assert wo.solve(HARD, **MESH, start=solved("cover")) == afresh
+    assert len(tried) == 2
+
+
+def test_the_page_and_studies_start_from_the_case_before() -> None:
+    from woundon.studies.kind_model import KindModel
+
+    model = KindModel(HARD, ("wound_on_tension",), {"nodes": 33})
+    first = model.run({}, None)
+    near = {"nip_load": 1.02 * HARD.nip_load}
+    warm, afresh = model.run(near, first.state), model.run(near, None)
+    assert warm.state.iterations < afresh.state.iterations
+    assert warm.values == pytest.approx(afresh.values, rel=1e-8)
