@@ -722,6 +722,12 @@ def test_windows_files_are_read(tmp_path: Path) -> None:
 
 # ---- arguments of the solvers -------------------------------------------------------------------
 
+
+def named(value: Any) -> str:
+    """Return a name that is the same in every process: a function's address is not."""
+    return str(getattr(value, "__name__", value))[:30]
+
+
 SOLVERS: list[tuple[Callable[..., Any], Any, str]] = [
     (wo.solve_nip, rollers, "NipProblem"),
     (wo.solve_wrapped_nip, rollers, "WrappedNipProblem or NipProblem"),
@@ -729,7 +735,7 @@ SOLVERS: list[tuple[Callable[..., Any], Any, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("solver", "other", "kind"), SOLVERS, ids=lambda v: str(v)[:30])
+@pytest.mark.parametrize(("solver", "other", "kind"), SOLVERS, ids=named)
 @pytest.mark.parametrize("given", [None, 5, "case.toml", {"nip_load": 1}, wo.NipProblem, "other"])
 def test_a_solver_takes_its_problem_only(
     solver: Callable[..., Any], other: Callable[[], Any], kind: str, given: Any
@@ -768,7 +774,7 @@ OPTIONS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("solver", "bad", "text"), OPTIONS, ids=lambda v: str(v)[:30])
+@pytest.mark.parametrize(("solver", "bad", "text"), OPTIONS, ids=named)
 def test_an_option_that_cannot_be(
     solver: Callable[..., Any], bad: dict[str, Any], text: str
 ) -> None:

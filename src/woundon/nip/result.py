@@ -44,7 +44,7 @@ class WindingNipResult(Losses, Result):
     approach : float
         Mutual approach of the centres, > 0 [m].  With a half-plane it holds up to a constant.
     offset : float
-        Delta, shift of the contact centre from the line of centres along +x [m].
+        Delta, where the line of centres lies along +x, from the centre of the contact [m].
     drum_creep : float
         xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
     leading_roll, trailing_roll, dual : float
@@ -83,7 +83,7 @@ class WindingNipResult(Losses, Result):
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
     offset: Annotated[
-        float, length("Delta", "shift of the contact centre from the line of centres")
+        float, length("Delta", "line of centres, from the centre of the contact")
     ]
     drum_creep: Annotated[float, strain("xi-", "creep of web and drum")]
     leading_roll: Annotated[

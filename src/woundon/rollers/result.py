@@ -64,7 +64,7 @@ class RollerResult(Losses, Result):
     half_width: Annotated[float, length("a", "half-width of the contact")]
     approach: Annotated[float, length("delta", "approach of the rollers' centres")]
     offset: Annotated[
-        float, length("Delta", "shift of the contact centre from the line of centres")
+        float, length("Delta", "line of centres, from the centre of the contact")
     ]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
     pressure: Annotated[Array, stress("p", "pressure", "MPa")]
