@@ -236,7 +236,7 @@ def test_who_serves_others_is_told_the_token_and_the_proxy():
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     lines = [process.stdout.readline() for _ in range(4)]
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=30)
+    process.communicate(timeout=120)
     assert "http://winder.example" in lines[0]
     assert "?token=" in lines[0]
     assert "reverse proxy" in "".join(lines)
