@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+from functools import cache
 from inspect import signature
 from typing import Any
 
 import woundon as wo
 from woundon import kinds
 
-__all__ = ["coarse"]
+__all__ = ["coarse", "coarse_anew", "coarse_options"]
+
+# as cheap as a kind's solver lets it be; a winding is 60 nips
+CHEAP = {"rtol": 0.05, "agreed": 1e-3}
 
 
-def coarse(problem: wo.Problem, nodes: int = 25) -> Any:
+def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
+    """Return the options of a kind's solver that make it quick."""
+    options = signature(kind.solver).parameters
+    chosen: dict[str, Any] = {"nodes": nodes} if "nodes" in options else {}
+    return chosen | (CHEAP if "agreed" in options else {})
+
+
+def coarse_anew(problem: wo.Problem, nodes: int = 25) -> Any:
     """Solve a problem of any kind, on so many nodes where these can be chosen."""
-    options = signature(kinds.of(problem).solver).parameters
-    return wo.solve(problem, **({"nodes": nodes} if "nodes" in options else {}))
+    return wo.solve(problem, **coarse_options(kinds.of(problem), nodes))
+
+
+coarse = cache(coarse_anew)  # results are read-only: one serves all tests of a process

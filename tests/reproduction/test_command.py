@@ -69,6 +69,7 @@ def test_the_scheme_of_the_thesis_on_request(tmp_path, capsys: Capture):
     assert len((tmp_path / "fig15.csv").read_text().splitlines()) == 201  # M = 200 and the header
 
 
+@pytest.mark.slow
 def test_two_processes_do_the_same(tmp_path, capsys: Capture):
     names = ["table4", "fig15"]
     for jobs in ("1", "2"):
@@ -125,6 +126,7 @@ def _hear_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
 @pytest.mark.parametrize("jobs", ["1", "2"])

@@ -15,7 +15,7 @@ from jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
 from jorkama2001.publication import known_counts
 from jorkama2001.verdicts import Outcome
 
-SLOW = ("fig28_29", "table3")  # ten seconds and more
+SLOW = ("fig19", "fig21_22", "fig23_24", "fig28_29", "table3")  # seconds
 
 
 @pytest.mark.parametrize(

@@ -187,6 +187,7 @@ def newsprint():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
     """A_rr and G nearly trade off: told with numbers."""
     fit = newsprint

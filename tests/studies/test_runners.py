@@ -188,6 +188,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, bytes]:
     return study, (folder / "whole" / "study.csv").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_kill_9_loses_no_finished_part_and_changes_no_number(
     whole: tuple[Path, bytes], tmp_path: Path

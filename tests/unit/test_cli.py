@@ -390,6 +390,7 @@ def outside(tmp_path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_kinds_and_commands_of_plug_ins_are_there(outside):
     path = {"PYTHONPATH": os.pathsep.join([str(outside), *sys.path])}
     listed = run_apart("-m", "woundon", "--help", **path).stdout.decode()

@@ -267,6 +267,7 @@ def processes() -> Iterator[Processes]:
     assert not started.running  # none is left behind
 
 
+@pytest.mark.slow
 def test_tests_are_run_on_the_mutant(toy: Path, tmp_path: Path, processes: Processes):
     source = (toy / "src/woundon/a.py").read_text()
     [site] = find_sites(source)
@@ -284,6 +285,7 @@ def test_tests_are_run_on_the_mutant(toy: Path, tmp_path: Path, processes: Proce
     assert (toy / "src/woundon/a.py").read_text() == source
 
 
+@pytest.mark.slow
 def test_what_tests_reach_is_measured(toy: Path, tmp_path: Path, processes: Processes):
     pytest.importorskip("coverage")
     files, out = ["src/woundon/a.py"], tmp_path / "out"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coarse import coarse
+from coarse import coarse, coarse_anew
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -298,7 +298,7 @@ def test_the_same_result_gives_the_same_bytes(results, tmp_path, ending):
     """Of every kind; a second result too, that is solved anew."""
     for kind in kinds.every():
         result = results[kind.name]
-        again = coarse(result.problem, NODES)
+        again = coarse_anew(result.problem, NODES)
         one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
         result.plot(one)
         again.plot(other)

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray
-from coarse import coarse
+from coarse import coarse, coarse_options
 
 import woundon as wo
 from woundon import cli, kinds, quantities
@@ -84,9 +84,11 @@ class Page(HTMLParser):
 def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
     case = tmp_path / "case.toml"
     case.write_text(template(kind.replace("_", "-")), encoding="utf-8")
-    grid = [] if kind == "wound_roll" else ["--nodes", str(NODES)]
-    assert cli.main(["solve", str(case), *grid]) == 0
-    assert capsys.readouterr().out == f"{coarse(wo.load_case(case), NODES)}\n"
+    problem = wo.load_case(case)
+    options = coarse_options(kinds.of(problem), NODES)
+    flags = [f"--{name}={value}" for name, value in options.items()]
+    assert cli.main(["solve", str(case), *flags]) == 0
+    assert capsys.readouterr().out == f"{coarse(problem, NODES)}\n"
 
 
 def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:

@@ -197,6 +197,7 @@ def errors(load: str, level: int, tube: Tube) -> Array:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", ["pressure", "traction"])
 @tubes
 def test_elements_converge_to_the_series(load: str, tube: Tube) -> None:

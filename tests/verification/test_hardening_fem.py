@@ -120,6 +120,7 @@ def other_strain() -> tuple[Array, Array]:
 # ---- compared -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_strains_under_given_tractions_are_those_of_other_elements() -> None:
     """To 0.3 % of the largest."""
     law = HardeningLaw(Pfeiffer(K1=K1, K2=K2), E_T, 0.0, G)

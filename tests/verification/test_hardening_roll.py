@@ -132,6 +132,7 @@ def test_a_thin_layer_yields_point_by_point() -> None:
 # ---- the mesh -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_another_mesh_of_elements_gives_the_same_nip(monkeypatch: pytest.MonkeyPatch) -> None:
     """Strain, pressure and NIT; the elements go round the whole roll, there is no domain to cut."""
     problem = nip(roll())

@@ -149,6 +149,7 @@ def test_fits_take_them_with_what_is_tied() -> None:
     assert exact == pytest.approx(predictor._differences(u), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_known_parameter_of_a_hardening_roll_is_recovered() -> None:
     name, value = "roll.stack.radial.K2", 110.0
     true = HARDENING.replace(**{name: value})

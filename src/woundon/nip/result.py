@@ -82,9 +82,7 @@ class WindingNipResult(Losses, Result):
 
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
-    offset: Annotated[
-        float, length("Delta", "line of centres, from the centre of the contact")
-    ]
+    offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
     drum_creep: Annotated[float, strain("xi-", "creep of web and drum")]
     leading_roll: Annotated[
         float, strain("s_l+", "slip length at the roll's leading edge / nip width")

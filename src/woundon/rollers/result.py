@@ -63,9 +63,7 @@ class RollerResult(Losses, Result):
     tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
     half_width: Annotated[float, length("a", "half-width of the contact")]
     approach: Annotated[float, length("delta", "approach of the rollers' centres")]
-    offset: Annotated[
-        float, length("Delta", "line of centres, from the centre of the contact")
-    ]
+    offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
     pressure: Annotated[Array, stress("p", "pressure", "MPa")]
     traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
