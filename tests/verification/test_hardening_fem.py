@@ -11,6 +11,7 @@ from math import pi
 from typing import Any
 
 import numpy as np
+import pytest
 from skfem import (
     Basis,
     BilinearForm,
