@@ -230,6 +230,26 @@ def test_a_port_that_is_taken_is_told(server):
     assert done.stderr.startswith(f"error: port {port}: cannot listen at 127.0.0.1")
 
 
+def test_ctrl_c_while_the_server_is_made_is_not_lost(monkeypatch: pytest.MonkeyPatch):
+    """It comes where no exception can be raised: in a finaliser."""
+    from woundon.app import serving
+
+    class Finalised:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    made = serving.application
+
+    def application(*args):
+        Finalised()
+        return made(*args)
+
+    monkeypatch.setattr(serving, "application", application)
+    with serving.interrupts_counted() as pressed, serving.listening("127.0.0.1", 0) as at:
+        serving.serve(at, pressed=pressed)  # ends
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_who_serves_others_is_told_the_token_and_the_proxy():
     command = [sys.executable, "-m", "woundon", "app", "--no-browser", "--port", "0",
                "--name", "winder.example"]  # fmt: skip

@@ -39,14 +39,14 @@ def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: s
     others' in the documentation).
     """
     try:
-        from .serving import LOOPBACK, listening, serve
+        from .serving import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:
         if fault.name not in ("fastapi", "uvicorn", "starlette"):
             raise
         raise InvalidProblem.at("woundon app", NEEDED) from None
     others = host not in LOOPBACK or bool(names)
     token = token or (secrets.token_urlsafe(24) if others else "")
-    with contextlib.closing(listening(host, port)) as socket:
+    with interrupts_counted() as pressed, contextlib.closing(listening(host, port)) as socket:
         place = _address(host, names, socket.getsockname()[1], token)
         click.echo(f"woundon is at {place}\nCtrl-C ends it.")
         if others:
@@ -57,7 +57,7 @@ def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: s
         sys.stdout.flush()
         if not no_browser:
             threading.Timer(0.3, webbrowser.open, [place]).start()
-        serve(socket, (host, *names), token)
+        serve(socket, (host, *names), token, pressed=pressed)
 
 
 def _address(host: str, names: tuple[str, ...], port: int, token: str) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import signal
 import socket
-from collections.abc import Iterable
+import threading
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import h11
@@ -16,7 +18,7 @@ from ..errors import InvalidProblem
 from .guard import LOOPBACK
 from .server import application
 
-__all__ = ["LOOPBACK", "listening", "serve"]
+__all__ = ["LOOPBACK", "interrupts_counted", "listening", "serve"]
 
 HEAD_SECONDS = 10.0  # for the head of a request to arrive
 MOST_CONNECTIONS = 200
@@ -79,13 +81,45 @@ def listening(host: str, port: int) -> socket.socket:
     return made
 
 
-def serve(at: socket.socket, names: Iterable[str] = (), token: str = "") -> None:
-    """Serve until Ctrl-C."""
+@contextlib.contextmanager
+def interrupts_counted() -> Iterator[list[int]]:
+    """Give a list that gets an item for each Ctrl-C, which does nothing else meanwhile.
+
+    As an exception it would be lost where Python cannot raise it, as in a finaliser: the server
+    would go on for ever.
+    """
+    pressed: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed
+        return
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class _Server(uvicorn.Server):
+    """A server that ends too if Ctrl-C was pressed while it was made."""
+
+    pressed: list[int]
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to serve, though it be to end at once."""
+        await super().startup(sockets)
+        self.should_exit |= bool(self.pressed)
+
+
+def serve(
+    at: socket.socket, names: Iterable[str] = (), token: str = "", *, pressed: list[int]
+) -> None:
+    """Serve until Ctrl-C, and no longer than a moment if it was ``pressed`` before."""
     config = uvicorn.Config(
         application(names, token), http=_Impatient, log_level="warning", access_log=False,
         server_header=False, limit_concurrency=MOST_CONNECTIONS, timeout_keep_alive=30,
         h11_max_incomplete_event_size=LONGEST_HEAD, timeout_graceful_shutdown=2,
         proxy_headers=False, ws="none",
     )  # fmt: skip
-    with contextlib.suppress(KeyboardInterrupt):
-        uvicorn.Server(config).run(sockets=[at])
+    server = _Server(config)
+    server.pressed = pressed
+    server.run(sockets=[at])
