@@ -120,6 +120,8 @@ def _cases(prony: Any) -> Iterator[tuple[str, Any, dict[str, int]]]:
         yield f"nip, {name}", nip, {"nodes": 129}
         yield f"wrapped nip, {name}", nip.wrapped(), {"nodes": 129}
         yield f"rollers, {name}", rollers, {"nodes": 201}
+        driven = rollers.replace(tangential_load=300.0)
+        yield f"driven rollers, {name}", driven, {"nodes": 201}
 
 
 def prices(rounds: int = 7) -> Iterator[tuple[str, float, float]]:

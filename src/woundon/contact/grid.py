@@ -37,13 +37,23 @@ __all__ = [
 Array = np.ndarray
 
 HIGHEST_RANK = 600
+BLOCK = 4000  # entries: small arrays stay in the cache, and are not handed back to the system
 
 
 class Past(Protocol):
     """Kernels that are told by their integrals alone, for hats to be integrated exactly."""
 
+    @property
+    def shares(self) -> Array:
+        """What each kernel has of the ``parts``, (kernels, r)."""
+        ...
+
+    def parts(self, before: Array, logarithm: Array) -> Array:
+        """Return second integrals by whether t < 0 and by ln|t|, (r, *shape)."""
+        ...
+
     def twice(self, before: Array, logarithm: Array) -> Array:
-        """Return the second integrals by whether t < 0 and by ln|t|, (kernels, *shape)."""
+        """Return those of the kernels, (kernels, *shape)."""
         ...
 
     def exactly(self, t: Array, order: int = 0) -> Array:
@@ -266,10 +276,17 @@ class Grid:
     def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
         """Integrate what a viscoelastic surface adds against the hats, (kernels, K, n)."""
         before, logarithm = (part[rows] for part in self.apart)
-        K = lag.twice(before, logarithm + np.log(scale))
-        rise = K[..., 1:] - K[..., :-1]
-        rise /= scale * self.cells
-        return rise[..., 1:] - rise[..., :-1]
+        shares = lag.shares
+        out = np.empty((len(shares), len(before), self.unknowns))
+        rows_at_once, cells = 1 + BLOCK // self.nodes.size, scale * self.cells
+        for first in range(0, len(before), rows_at_once):
+            block = slice(first, first + rows_at_once)
+            K = lag.parts(before[block], logarithm[block] + np.log(scale))
+            rise = K[..., 1:] - K[..., :-1]
+            rise /= cells
+            hats = rise[..., 1:] - rise[..., :-1]
+            out[:, block] = (shares @ hats.reshape(len(K), -1)).reshape(-1, *hats.shape[1:])
+        return out
 
     @cached_property
     def apart(self) -> tuple[Array, Array]:

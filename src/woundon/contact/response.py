@@ -116,10 +116,11 @@ class Response:
     Attributes
     ----------
     kept : bool
-        Whether gradients are to be kept once made.
+        Whether gradients, and v at the grid's last point, are to be kept once made.
     """
 
     kept = False
+    _at_end: tuple[Array, Array] | None = None
 
     def __init__(
         self,
@@ -160,7 +161,11 @@ class Response:
 
     def normal(self, points: Array | None = None) -> tuple[Array, Array]:
         """Return v at points in units of a (at the last of the grid's own), by p and by q."""
-        return self._displacement(self._normal, points)
+        if points is not None or not self.kept:
+            return self._displacement(self._normal, points)
+        if self._at_end is None:
+            self._at_end = self._displacement(self._normal, None)
+        return self._at_end
 
     def tangent(self, points: Array | None = None) -> tuple[Array, Array]:
         """Return u along +x at points in units of a, by p and by q, (k, n) each [m/Pa]."""

@@ -148,6 +148,7 @@ class HarmonicSum:
     def _part(self, z: Array) -> Array:
         return z.imag if self.odd else z.real
 
+    @cached_property
     def table(self) -> tuple[Array, float]:
         """Return quintics on equal steps of [0, pi], (steps, 6), and the steps per radian."""
         # 4 points per shortest wave: there the coefficients have died out already
@@ -232,7 +233,7 @@ class HarmonicSums:
     @cached_property
     def _table(self) -> tuple[Array, float]:
         """Coefficients of the quintics, (6, sums, steps), and the steps per radian."""
-        tables = [sum_.table() for sum_ in self.sums]
+        tables = [sum_.table for sum_ in self.sums]
         coefficients = np.array([c for c, _ in tables]).transpose(2, 0, 1)
         return np.ascontiguousarray(coefficients), tables[0][1]
 

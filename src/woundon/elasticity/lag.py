@@ -44,9 +44,8 @@ __all__ = ["Lag", "around"]
 Array = np.ndarray
 
 GAMMA = float(np.euler_gamma)
-PER_E = 24  # steps of the table for each factor e: quintics leave 1e-11
+PER_E = 16  # steps of the table for each factor e: quintics leave 1e-10
 SHORTEST = 1e-10  # distance in the table, of the longest; and a hundredth of the shortest lag
-FEW = 300  # points that need no table
 ALIKE = 1e-15  # what kernels that are sums of others may miss
 UPWARDS = 0.2  # eps from which the recurrence starts at P_0
 
@@ -63,26 +62,34 @@ class Lag:
         g_m.
     reach : float
         Largest distance that is asked for [m].
+    part_of : (Lag, int), optional
+        Kernels that this is one of, and which: its table is made of theirs.
     """
 
     length: Array
     amplitude: Array
     reach: float
+    part_of: tuple[Lag, int] | None = None
 
     def one(self, kernel: int) -> Lag:
         """Return one of the kernels alone."""
-        return Lag(self.length, self.amplitude[kernel : kernel + 1], self.reach)
+        return Lag(self.length, self.amplitude[kernel : kernel + 1], self.reach, (self, kernel))
 
     def exactly(self, t: Array, order: int = 0) -> Array:
         """Return the second integrals at t (k,), or a derivative of them, (kernels, k)."""
-        return self._of(self.amplitude, t, order)
+        return self._of(self.amplitude, t)[order]
 
-    def _of(self, amplitude: Array, t: Array, order: int) -> Array:
-        u = t / self.length[:, None]
+    def _of(self, amplitude: Array, t: Array) -> list[Array]:
+        """Return the second integrals at t (k,), and both derivatives, (kernels, k) each."""
+        u, length = t / self.length[:, None], self.length[:, None]
         after = np.maximum(u, 0.0)
-        past = (np.expm1(-after) + after, -np.expm1(-after), np.where(u > 0, np.exp(-after), 0.0))
-        part = (_pole(u, order) - 1j * pi * past[order]) * self.length[:, None] ** (1 - order)
-        return np.asarray((amplitude @ part).real)
+        gone = np.expm1(-after)
+        past = (gone + after, -gone, np.where(u > 0, 1 + gone, 0.0))
+        scales = (length, 1.0, 1 / length)
+        return [
+            amplitude.real @ (scale * pole) + pi * amplitude.imag @ (scale * step)
+            for scale, pole, step in zip(scales, _pole(u), past, strict=True)
+        ]
 
     @cached_property
     def _basis(self) -> tuple[Array, Array]:
@@ -100,41 +107,57 @@ class Lag:
         return ceil(-log(least) * PER_E)
 
     @cached_property
-    def _table(self) -> Array:
-        """Quintics of the basis's second integrals in ln|t|, (r, 6, 2 steps); t < 0 first."""
-        steps, (basis, _) = self._steps, self._basis
-        t = self.reach * np.exp(np.arange(-steps, 1) / PER_E)
+    def _table(self) -> tuple[Array, Array]:
+        """Quintics in ln|t| of which all kernels are sums, and their shares.
+
+        (6, r, 2 steps), t < 0 first, and (kernels, r).
+        """
+        if self.part_of is not None:
+            lag, kernel = self.part_of
+            table, shares = lag._table
+            return np.einsum("r,krs->ks", shares[kernel], table)[:, None], np.ones((1, 1))
+        basis, shares = self._basis
+        t = self.reach * np.exp(np.arange(-self._steps, 1) / PER_E)
         made = []
         for sign in (-1.0, 1.0):
-            f, d, s = (self._of(basis, sign * t, order) for order in range(3))
+            f, d, s = self._of(basis, sign * t)
             d, s = sign * d * t / PER_E, s * (t / PER_E) ** 2 + sign * d * t / PER_E**2
             made.append([quintics(np.array(values)) for values in zip(f, d, s, strict=True)])
-        return np.ascontiguousarray(np.concatenate(made, axis=1).transpose(0, 2, 1))
+        return np.ascontiguousarray(np.concatenate(made, axis=1).transpose(2, 0, 1)), shares
+
+    @property
+    def shares(self) -> Array:
+        """What each kernel has of the ``parts``, (kernels, r)."""
+        return self._table[1]
 
     def twice(self, before: Array, logarithm: Array) -> Array:
         """Return the second integrals by whether t < 0 and by ln|t|, (kernels, *shape)."""
-        steps, shape = self._steps, logarithm.shape
-        if logarithm.size < FEW:
-            t = np.exp(logarithm.ravel())
-            return self.exactly(np.where(before.ravel(), -t, t)).reshape(-1, *shape)
-        x = ((logarithm - log(self.reach)) * PER_E + steps).ravel()
-        i = np.clip(x, 0, steps - 1).astype(np.intp)
+        return np.tensordot(self.shares, self.parts(before, logarithm), axes=1)
+
+    def parts(self, before: Array, logarithm: Array) -> Array:
+        """Return the second integrals of which those of all kernels are sums, (r, *shape)."""
+        steps, table = self._steps, self._table[0]
+        x = (logarithm * PER_E + (steps - log(self.reach) * PER_E)).ravel()
         short = np.exp(np.minimum(x, 0.0) * (2 / PER_E)) if x.min() < 0 else None
-        x = np.maximum(x, 0.0) - i
+        if short is not None:
+            np.maximum(x, 0.0, out=x)
+        i = x.astype(np.intp)
+        np.minimum(i, steps - 1, out=i)
+        x -= i
         i += np.where(before.ravel(), 0, steps)
-        basis, part = np.empty((len(self._table), x.size)), np.empty(x.size)
-        for y, c in zip(basis, self._table, strict=True):
-            np.take(c[5], i, out=y, mode="clip")
-            for power in (4, 3, 2, 1, 0):
-                y *= x
-                y += np.take(c[power], i, out=part, mode="clip")
+        c = table.take(i, axis=-1)
+        y = c[5] * x
+        for power in (4, 3, 2, 1):
+            y += c[power]
+            y *= x
+        y += c[0]
         if short is not None:  # like t^2, but for its logarithm
-            basis *= short
-        return (self._basis[1] @ basis).reshape(-1, *shape)
+            y *= short
+        return y.reshape(-1, *logarithm.shape)
 
 
-def _pole(u: Array, order: int) -> Array:
-    """Return K, K' or K'' = F = e^{-u} Ei(u) at u."""
+def _pole(u: Array) -> tuple[Array, Array, Array]:
+    """Return K, K' and K'' = F = e^{-u} Ei(u) at u."""
     size = np.maximum(np.abs(u), 1e-300)  # at 0 as near it
     near = size < 1
     logarithm = np.log(size) + GAMMA
@@ -146,16 +169,12 @@ def _pole(u: Array, order: int) -> Array:
         term = term * (-z) / k
         harmonic += 1 / k
         series -= term * harmonic
-    if order == 2:
-        F[near] = np.exp(-z) * logarithm[near] + series
-        return F
-    if order == 1:
-        once = logarithm - F
-        once[near] = -np.expm1(-z) * logarithm[near] - series
-        return once
-    twice: Array = (u - 1) * logarithm - u + F
-    twice[near] = (np.expm1(-z) + z) * logarithm[near] + (series - z)
-    return twice
+    own, gone = logarithm[near], np.expm1(-z)
+    F[near] = (1 + gone) * own + series
+    once, twice = logarithm - F, (u - 1) * logarithm - u + F
+    once[near] = -gone * own - series
+    twice[near] = (gone + z) * own + (series - z)
+    return twice, once, F
 
 
 def _forgotten(u: Array) -> Array:
@@ -169,7 +188,9 @@ def _forgotten(u: Array) -> Array:
         total = k * z * (1 + total)
     F[far] = z * (1 + total)
     z = u[~far]
-    F[~far] = np.exp(-z) * np.where(z > 0, expi(np.abs(z)), -exp1(np.abs(z)))
+    after, integral = z > 0, np.empty(z.size)
+    integral[after], integral[~after] = expi(z[after]), -exp1(-z[~after])
+    F[~far] = np.exp(-z) * integral
     return F
 
 

@@ -265,7 +265,7 @@ class Isotropic(OneModulus):
         """E_inf [Pa]."""
         return self.youngs_modulus
 
-    @property
+    @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:
         """E_k [Pa] and tau_k [s]."""
         return tuple((term.modulus, term.time) for term in self.prony or ())

@@ -67,7 +67,7 @@ class LossAngle(OneModulus):
         """E_inf [Pa]."""
         return self.youngs_modulus
 
-    @property
+    @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:
         """E_1 [Pa] and tau [s]: tan delta = g/(2 sqrt(1+g)), g = E_1/E_inf, at its largest."""
         t = tan(self.loss_angle)
@@ -164,7 +164,7 @@ class DynamicTest(OneModulus):
         """E_inf [Pa]; at least a millionth of the least storage modulus, for a liquid has none."""
         return max(self._fit[0][0], 1e-6 * min(self.storage_modulus))
 
-    @property
+    @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:
         """E_k [Pa] and tau_k [s], those that are not nil."""
         E, tau, _ = self._fit
