@@ -218,15 +218,17 @@ def test_elastic_results_say_nothing_of_it() -> None:
     assert "rolling_resistance" not in result.errors
 
 
-@pytest.mark.parametrize("kind", ["nip", "rollers"])
+@pytest.mark.parametrize("kind", ["nip", "rollers", "wrapped"])
 def test_the_balance_of_power_is_a_law(kind: str) -> None:
     rollers = wo.RollerProblem(
         upper=wo.Rigid(radius=0.2), lower=cover(rubber()), load=2e3, friction=0.3,
         tangential_load=300.0, speed=5.0,
     )  # fmt: skip
-    result: Any = wo.solve(nip(winding_force=-200.0) if kind == "nip" else rollers, nodes=17)
+    plain = nip(winding_force=-200.0)
+    cases = {"nip": plain, "rollers": rollers, "wrapped": plain.wrapped(drum_wrap=0.5)}
+    result: Any = wo.solve(cases[kind], nodes=17)
     assert result.residuals.power_balance < 1e-8
-    slips = "drum_creep" if kind == "nip" else "creepage"
+    slips = "creepage" if kind == "rollers" else "drum_creep"
     for name in ("rolling_resistance", "offset", slips):
         wrong = result.replace(**{name: getattr(result, name) * 1.01}).certified()
         assert wrong.power_balance > 1e-7, name

@@ -8,26 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.special import spence
+from viscoelastic_cases import compliance, cover, lost_by_harmonics, rubber
 
 import woundon as wo
 from woundon.contact.response import padded
 from woundon.contact.schemes import Graded
 from woundon.elasticity import cylinder, rolling
 from woundon.elasticity.lag import Lag, around
-from woundon.elasticity.layers import stacked_compliance
 from woundon.elasticity.relaxation import creep, factor
 
 Array = np.ndarray
-
-RUBBER = [(3e6, 1e-3), (2e6, 1e-2)]  # E_k, tau_k
-
-
-def rubber(prony: Any = RUBBER, E: float = 5e6) -> wo.Isotropic:
-    return wo.Isotropic(youngs_modulus=E, poissons_ratio=0.45, prony=prony)
-
-
-def cover(material: wo.Material) -> wo.Cylinder:
-    return wo.Cylinder(radius=0.25, core_radius=0.235, material=material)
 
 
 def drums(material: wo.Material) -> dict[str, wo.Body]:
@@ -160,7 +150,7 @@ def test_kernels_are_their_fourier_sums(name: str, eps: float) -> None:
     body = drums(rubber([(6e6, 1.0), (1e6, 3.0)]))[name]
     R, speed = body.radius, eps * body.radius
     n = np.arange(0, 400.0)
-    Y = _compliance(body, speed, n)
+    Y = compliance(body, speed, n)
     # ((1 + cos)/2)^3 on the contact is smooth: its harmonics die like n^-7
     a = 0.5 * R
     mesh = Graded().mesh(257)
@@ -181,19 +171,6 @@ def test_kernels_are_their_fourier_sums(name: str, eps: float) -> None:
     for matrix, wanted in zip(found, due, strict=True):
         # 257 hats leave 5e-4 of this load, on a layer of an eighth of its width
         np.testing.assert_allclose(matrix @ load, wanted, atol=2e-3 * np.abs(wanted).max())
-
-
-def _compliance(body: Any, speed: float, n: Array) -> Array:
-    """Y_n of a rolling body, harmonic by harmonic, from the layers with complex moduli."""
-    if isinstance(body, wo.Cylinder):
-        depth = cylinder.depth(body.radius, body.core_radius)
-        layers, materials = ((depth, *body.material.stiffness),), (body.material,)
-    else:
-        layers, materials = body._stack, body.materials
-    relaxed = [m.relaxation(speed) for m in materials]
-    return stacked_compliance(
-        n, layers, factors=lambda n: np.array([factor(r, n / body.radius) for r in relaxed])
-    )
 
 
 def test_an_elastic_layer_among_relaxing_ones_may_lie_anywhere() -> None:
@@ -226,44 +203,14 @@ def test_a_single_layer_is_a_cylinder() -> None:
 # ---- energy -------------------------------------------------------------------------------------
 
 
-def hat_waves(nodes: Array, values: Array, k: Array) -> Array:
-    """Fourier integrals of piecewise linear values at the wave numbers k > 0."""
-    slopes = np.diff(values) / np.diff(nodes)
-    jumps = np.diff(slopes, prepend=0.0, append=0.0)
-    return -(np.exp(-1j * np.outer(k, nodes)) @ jumps) / k**2
-
-
-def lost_by_harmonics(result: Any, body: Any, p: Array, q: Array, speed: float) -> float:
-    """What a body dissipates, summed over harmonics, per length rolled [N/m]."""
-    R, n = body.radius, np.arange(1.0, 20_001.0)
-    Y = _compliance_far(body, speed, n)
-    P, Q = (hat_waves(result.x, values, n / R) for values in (p, q))
-    # V int (-p v' + q u') dx of p = Re P e^{in theta}, ...: sums over n of n Im of a form in Y
-    form = (
-        Y[0, 0] * np.abs(P) ** 2
-        + Y[1, 1] * np.abs(Q) ** 2
-        - 1j * Y[0, 1] * (P.conj() * Q - P * Q.conj())
-    )
-    return float(-(n * form.imag).sum() / (pi * R))
-
-
-def _compliance_far(body: Any, speed: float, n: Array) -> Array:
-    """Y_n up to where it is that of the surface alone, n Y_n being constant from there on."""
-    known = _compliance(body, speed, n[:1000])
-    material = body.material if isinstance(body, wo.Cylinder) else body.materials[0]
-    relaxation = material.relaxation(speed)
-    tail = cylinder.asymptotic_compliance(6, *material.stiffness)
-    far = sum(tail[j][..., None] / n[1000:] ** j for j in range(7))
-    far = far / factor(relaxation, n[1000:] / body.radius)
-    return np.concatenate([known, far], axis=-1)
-
-
 def test_dissipation_by_the_surface_and_by_harmonics() -> None:
     problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
     misses = []
     for nodes in (33, 129):
         result = wo.solve_nip(problem, nodes=nodes)
-        found = lost_by_harmonics(result, problem.drum, result.pressure, result.drum_traction, 3.0)
+        found = lost_by_harmonics(
+            result.x, result.pressure, result.drum_traction, problem.drum, 3.0
+        )
         misses.append(abs(found - result.rolling_resistance))
         # harmonics are cut at waves of 80 um, a part in 1000
         assert misses[-1] <= 2 * result.errors["rolling_resistance"] + 1e-3 * found

@@ -16,15 +16,17 @@ from ..contact.certificate import (
 )
 from ..contact.response import Tractions
 from ..errors import InvalidProblem
+from ..losses import Surface, balance_law
 from ..results import Residuals
 from ..two_bodies import mesh_of, within
 from .equations import Known, WrapEquations
 from .grid import WrapGrid, grid_for
 
 if TYPE_CHECKING:
+    from .equations import WrapState
     from .result import WrappedNipResult
 
-__all__ = ["certificate", "equations_of", "unknowns_of"]
+__all__ = ["certificate", "equations_of", "surfaces_of", "unknowns_of"]
 
 Array = np.ndarray
 
@@ -109,7 +111,56 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
         curvature=_curvature(result, equations, z, q),
         half_width=largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
         **within(problem, (equations.roll.response, equations.drum.response)),
+        **balance_law(
+            result, lambda: surfaces_of(result, equations),
+            lambda roll, drum: _put_in(result, equations, roll, drum),
+        ),
     )  # fmt: skip
+
+
+def surfaces_of(
+    result: WrappedNipResult | WrapState, equations: WrapEquations
+) -> tuple[Surface, Surface]:
+    """Return the surfaces of roll and drum in nip and arcs, of a result or a state."""
+    grid, a, problem = equations.grid, result.half_width, equations.problem
+    roll = equations.roll.surface(
+        problem.roll, grid, grid.first, a, result.roll_pressure, result.roll_traction
+    )
+    drum = equations.drum.surface(problem.drum, grid, 0, a, result.pressure, result.drum_traction)
+    return roll, drum
+
+
+def _put_in(
+    result: WrappedNipResult, equations: WrapEquations, roll: Surface, drum: Surface
+) -> float:
+    """Return what shafts and web tension put in less what friction takes [N/m].
+
+    Beside what a plain nip has, T kappa works as the web goes along a path that is not a circle:
+    on the drum up to the trailing edge, then on the roll.
+    """
+    problem, grid, a, web = equations.problem, equations.grid, result.half_width, equations.web
+    first, last = grid.first, grid.last
+    q = result.roll_traction + result.drum_traction
+    tension = problem.web_tension + a * grid.to_points @ q
+    stretched = web.c11 / problem.web.thickness * tension
+    face, own = equations.roll, slice(first, None)
+    edge = float(face.strain[-1] + face.strain_p[-1] @ result.roll_pressure[own])
+    edge += float(face.strain_q[-1] @ result.roll_traction[own])
+    edge += web.c12 * float(result.roll_pressure[-1])
+    edge -= web.c11 / problem.web.thickness * float(result.web_tension[-1])
+    # a node has the slip of the cell before it
+    each = roll.length * roll.traction * (stretched[first:] + edge - result.roll_slip[first + 1 :])
+    each[last - first :] -= (roll.length * roll.traction * roll.pressure)[last - first :] * web.c12
+    slip = result.drum_slip[1 : last + 1]
+    work = drum.length @ (drum.traction * (stretched[:last] + result.drum_creep - slip))
+    weight = a * grid.cells * (grid.value @ result.hoop_pressure)
+    work += weight[:last] @ drum.slope - weight[last:] @ roll.slope[last - first :]
+    nip = Surface(*(part[: last - first] for part in roll[:-1]), roll.curvature)
+    x, shift = a * grid.points[first:last], result.offset / problem.contact_radius
+    work += nip.length @ (nip.pressure * (shift - x / problem.contact_radius))
+    thinned = problem.web.thinned(result.roll_pressure[first : last + 1])[0]
+    work -= nip.pressure @ np.diff(thinned)
+    return float(each.sum() + work) - roll.turned - drum.turned
 
 
 def _friction(

@@ -32,7 +32,7 @@ from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, equations_of, roll_strain
+from .certificate import certificate, equations_of, roll_strain, surfaces_of
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
 from .result import WrappedNipResult
@@ -249,7 +249,7 @@ class WrapContact(PairContact):
 
     def surfaces(self, level: Level) -> tuple[Surface, Surface]:
         """Return the surfaces of roll and drum on a solved mesh, in nip and arcs."""
-        return _surfaces(level.equations, level.state)
+        return surfaces_of(level.state, level.equations)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
@@ -372,18 +372,6 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
 
 
-def _surfaces(equations: WrapEquations, state: Any) -> tuple[Surface, Surface]:
-    """Return the surfaces of roll and drum, in nip and arcs; ``state`` or a result's arrays."""
-    grid, a, problem = equations.grid, state.half_width, equations.problem
-    roll = equations.roll.surface(
-        problem.roll, grid, grid.first, a, state.roll_pressure, state.roll_traction
-    )
-    drum = equations.drum.surface(
-        problem.drum, grid, 0, a, state.drum_pressure, state.drum_traction
-    )
-    return roll, drum
-
-
 def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
     equations, problem = equations_of(result), result.problem
@@ -397,6 +385,6 @@ def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     own = _in_nip(arrays, equations.grid)
     told = told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
     if problem.viscoelastic:
-        resistance = lost(problem, _surfaces(equations, state))
+        resistance = lost(problem, surfaces_of(result, equations))
         told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
     return told

@@ -1,0 +1,101 @@
+"""Power of a wrapped nip with a viscoelastic drum: two formulas for the heat, work of all shafts.
+
+Nothing here is an integral of the solver's own cells, so that all of it closes with the grid only.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from viscoelastic_cases import cover, lost_by_harmonics, rubber
+
+import woundon as wo
+from woundon.wrap.certificate import equations_of, surfaces_of
+
+Array = np.ndarray
+
+SPEED = 3.0
+CASES: list[dict[str, float]] = [{}, {"drum_wrap": 1.0}, {"winding_force": -200.0}]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=["roll's wrap", "both wraps", "a force"])
+def solved(request: Any) -> list[wo.WrappedNipResult]:
+    """The same wrapped nip on two grids, four times as fine."""
+    nip = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=SPEED)
+    return [wo.solve(nip.wrapped(**request.param), nodes=nodes) for nodes in (33, 129)]
+
+
+def put_in(r: wo.WrappedNipResult) -> float:
+    """Work of torques and web tension less that of friction, tension by its lever arms [N/m]."""
+    problem, x, T, a = r.problem, r.x, r.web_tension, r.half_width
+    c11 = problem.web.compliance.c11 / problem.web.thickness
+    c12 = problem.web.compliance.c12
+    roll, drum = surfaces_of(r, equations_of(r))
+    first, last = r.in_nip.start, r.in_nip.stop - 1
+    R1, R2 = problem.roll.radius, problem.drum.radius
+    middle = (x[1:] + x[:-1]) / 2
+
+    def over(values: Array, own: slice = slice(None)) -> float:
+        return float(np.trapezoid(np.nan_to_num(values[own]), x[own]))
+
+    def on_roll(values: Array, at: Array | float) -> Any:
+        return np.interp(at, middle[first:], values)
+
+    def on_drum(values: Array, at: Array | float) -> Any:
+        return np.interp(at, middle[:last], values)
+
+    nip, arc, q1, q2 = r.in_nip, slice(last, None), r.roll_traction, r.drum_traction
+    moment = over(r.roll_pressure * (r.offset - x), nip) / problem.contact_radius
+    # shafts turn at other speeds than the unstrained web
+    on_the_roll = r.roll_strain[-1] - c11 * T[-1] + c12 * r.roll_pressure[-1]
+    speeds = on_the_roll * over(q1) + r.drum_creep * over(q2)
+    strained = c11 / 2 * (T[-1] ** 2 - T[0] ** 2) - c12 * over(q1 * r.roll_pressure, arc)
+    # the tension pulls at R + v, along the slope v'
+    levers = -(T[last] * on_drum(drum.normal, a) - T[0] * on_drum(drum.normal, x[0])) / R2
+    levers -= (T[-1] * on_roll(roll.normal, x[-1]) - T[last] * on_roll(roll.normal, a)) / R1
+    slopes = T[last] * on_drum(drum.slope, a) ** 2 - T[0] * on_drum(drum.slope, x[0]) ** 2
+    slopes += T[-1] * on_roll(roll.slope, x[-1]) ** 2 - T[last] * on_roll(roll.slope, a) ** 2
+    slopes -= over((q1 + q2) * on_drum(drum.slope, x) ** 2, slice(0, last + 1))
+    apart = on_roll(roll.normal, x) / R1 - on_drum(drum.normal, x) / R2
+    torques = -over(q1 * apart, nip)
+    friction = over(q1 * r.roll_slip) + over(q2 * r.drum_slip)
+    return moment + speeds + strained + levers + slopes / 2 + torques - friction
+
+
+def test_dissipation_by_the_surface_and_by_harmonics(solved: list[wo.WrappedNipResult]) -> None:
+    misses = []
+    for r in solved:
+        found = lost_by_harmonics(r.x, r.pressure, r.drum_traction, r.problem.drum, SPEED)
+        misses.append(abs(found - r.rolling_resistance))
+    for miss, r in zip(misses, solved, strict=True):
+        assert miss <= 1.5 * r.errors["rolling_resistance"]
+    assert misses[1] < 0.15 * misses[0]  # of second order, a sixteenth
+
+
+def test_work_of_torques_and_tension_is_dissipated(solved: list[wo.WrappedNipResult]) -> None:
+    misses = [abs(put_in(r) - r.rolling_resistance) for r in solved]
+    for miss, r in zip(misses, solved, strict=True):
+        assert r.residuals.power_balance < 1e-8
+        # sums along nodes, of tractions that end like roots, are of first order
+        assert miss <= 2.5 * r.errors["rolling_resistance"]
+    assert misses[1] < 0.3 * misses[0]
+
+
+def test_every_part_of_the_balance_counts(solved: list[wo.WrappedNipResult]) -> None:
+    """The law of the certificate, exact on any grid, feels each array that it is made of."""
+    result = solved[0]
+    told = [
+        "rolling_resistance",
+        "offset",
+        "hoop_pressure",
+        "roll_slip",
+        "drum_slip",
+        "web_tension",
+    ]
+    if result.problem.winding_force:  # else the drum's speed works nothing
+        told.append("drum_creep")
+    for name in told:
+        wrong = result.replace(**{name: getattr(result, name) * 1.05}).certified()
+        assert wrong.power_balance > 1e-8 > result.residuals.power_balance, name
