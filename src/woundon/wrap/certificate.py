@@ -155,11 +155,10 @@ def _put_in(
     work = drum.length @ (drum.traction * (stretched[:last] + result.drum_creep - slip))
     weight = a * grid.cells * (grid.value @ result.hoop_pressure)
     work += weight[:last] @ drum.slope - weight[last:] @ roll.slope[last - first :]
-    nip = Surface(*(part[: last - first] for part in roll[:-1]), roll.curvature)
-    x, shift = a * grid.points[first:last], result.offset / problem.contact_radius
-    work += nip.length @ (nip.pressure * (shift - x / problem.contact_radius))
-    thinned = problem.web.thinned(result.roll_pressure[first : last + 1])[0]
-    work -= nip.pressure @ np.diff(thinned)
+    nip, shift = slice(0, last - first), result.offset / problem.contact_radius
+    lever = shift - a * grid.points[first:last] / problem.contact_radius
+    thinner = -np.diff(problem.web.thinned(result.roll_pressure[first : last + 1])[0])
+    work += roll.pressure[nip] @ (roll.length[nip] * lever + thinner)
     return float(each.sum() + work) - roll.turned - drum.turned
 
 
