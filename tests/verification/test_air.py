@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lubricated import lubricated, second_derivative, sinks
 from refusals import refused_in_one_line
 from scipy.integrate import solve_ivp
 
 import woundon as wo
+from woundon.air.certificate import edge_of, films_of
 from woundon.air.films import FOIL, escaped_film, foil_film, friction_share, nip_film
 from woundon.air.inlet import inlet, passed
 
@@ -37,67 +39,83 @@ def test_the_foil_film_of_a_web_on_a_roller():
     assert foil_film(0.1, 10.0, 200.0, MU) == pytest.approx(31.5e-6, rel=2e-3)
 
 
-def lubricated(R: float, C: float, P: float, V: float, cells: int) -> tuple[float, float]:
-    """Return the film that passes a whole contact of half-planes, at ambient pressure, and a.
-
-    Finite volumes on the whole contact, air compressible and isothermal, pressures constant on
-    cells that are fine at both edges: nothing of the inlet's asymptotics.
-    """
-    a, quarter = np.sqrt(4 * C * P * R / np.pi), cells // 4
-    fine = np.sinh(np.linspace(0, 1, quarter + 1) * 6) / np.sinh(6)
-    edges = [-a - 6 * a * fine[::-1], -a + a * fine[1:-1], (a - a * fine)[::-1], a + 3 * a * fine]
-    x = np.unique(np.concatenate(edges))
-    at, wide, apart = (x[1:] + x[:-1]) / 2, np.diff(x), np.diff((x[1:] + x[:-1]) / 2)
-    integral = [(at[:, None] - side) * (np.log(np.abs(at[:, None] - side)) - 1)
-                for side in (x[:-1], x[1:])]  # fmt: skip
-    displaced, n = -2 * C / np.pi * (integral[0] - integral[1]), at.size
-    peak = 2 * P / np.pi / a
-    p = peak * np.sqrt(np.clip(1 - (at / a) ** 2, 1e-8, None))
-    unit = nip_film(peak * (2 / a) ** 0.5, C, V, MU, AMBIENT).film
-    bend = at**2 / 2 / R
-    unknown = np.append(p, 2 * unit - np.min((bend + displaced @ p)[np.abs(at) < a]))
-    by_gap = np.hstack([displaced, np.ones((n, 1))])
-    mean, cell = (by_gap[1:] + by_gap[:-1]) / 2, np.arange(n - 1)
-
-    def flows(unknown):
-        p, h = unknown[:-1], by_gap @ unknown + bend
-        pm, hm, rise = AMBIENT + (p[1:] + p[:-1]) / 2, (h[1:] + h[:-1]) / 2, np.diff(p) / apart
-        speed = V * hm - hm**3 * rise / 12 / MU
-        by = (pm * (V - 3 * hm**2 * rise / 12 / MU))[:, None] * mean
-        drag = pm * hm**3 / 12 / MU / apart
-        by[cell, cell] += speed / 2 + drag
-        by[cell, cell + 1] += speed / 2 - drag
-        return h, pm * speed, by
-
-    for _ in range(60):
-        h, flow, by = flows(unknown)
-        # far outside the air is at rest with the surfaces: p = 0 in the last cell of both ends
-        miss = np.concatenate([[unknown[0] / peak], np.diff(flow) / (AMBIENT * V * unit),
-                               [unknown[n - 1] / peak, wide @ unknown[:-1] / P - 1]])  # fmt: skip
-        jacobian = np.zeros((n + 1, n + 1))
-        jacobian[0, 0] = jacobian[n - 1, n - 1] = 1 / peak
-        jacobian[1 : n - 1] = np.diff(by, axis=0) / (AMBIENT * V * unit)
-        jacobian[n, :-1] = wide / P
-        step = np.linalg.solve(jacobian, -miss)
-        falls = -(by_gap @ step)
-        share = min(1.0, 0.5 * float(np.min(np.where(falls > 0, h / np.abs(falls), np.inf))))
-        unknown = unknown + share * step
-        if share == 1 and np.max(np.abs(step[:-1])) < 1e-8 * peak:
-            return float(flows(unknown)[1][n // 2]) / V / AMBIENT, float(a)
-    raise AssertionError("the lubricated contact was not found")
-
-
 @pytest.mark.parametrize(
     ("speed", "within"), [(0.01, 4e-3), (0.1, 8e-3), (1.0, 0.015), (10.0, 0.025)]
 )
 def test_the_inlet_alone_tells_what_a_whole_lubricated_contact_lets_through(speed, within):
     # an asymptotic answer: off by a tenth of l/a, which is 0.012 to 0.2 here
     R, C, P = 0.1, 1 / 4e6, 300.0
-    film, a = lubricated(R, C, P, speed, 400)
-    peak = 2 * P / np.pi / a
-    found = nip_film(peak * (2 / a) ** 0.5, C, speed, MU, AMBIENT)
+    a = np.sqrt(4 * C * P * R / np.pi)
+    found = nip_film(2 * P / np.pi / a * (2 / a) ** 0.5, C, speed, MU, AMBIENT)
+    film = lubricated(R, P, speed, a, found.film, lambda x: C * sinks(x))
     assert found.film == pytest.approx(film, rel=within)
     assert found.length / a < 0.2
+
+
+def frictionless(problem, **changes):
+    """Return a nip of two half-planes on which the web does nothing but carry its tension."""
+    slippery = {"roll_friction": 1e-5, "drum_friction": 1e-5, "web.thickness": 1e-6}
+    return problem.replace(**slippery | changes)
+
+
+def film_of(problem):
+    """Return the film at ambient pressure that a nip lets through, and its dry nip."""
+    dry = wo.solve(problem.without_air(problem.roll_friction, problem.friction_behind), nodes=129)
+    found = films_of(problem, edge_of(problem, dry), dry.half_width)
+    lap = problem.web_tension / problem.roll.radius
+    return found["nip_film"] * (1 + lap / AMBIENT), found["inlet_length"], dry
+
+
+@pytest.mark.parametrize("stack", [100e6, 3e6])
+@pytest.mark.parametrize(
+    ("tension", "speed"), [(20.0, 1.0), (100.0, 5.0), (100.0, 0.2), (400.0, 1.0)]
+)
+def test_a_web_that_comes_wrapped_on_the_drum(film_nip, stack, tension, speed):
+    """The film between the roll and a taut web on the drum, and how they give way."""
+    problem = frictionless(
+        film_nip, drum_wrap=0.5, web_tension=tension, web_speed=speed,
+        **{"roll.material.youngs_modulus": stack},
+    )  # fmt: skip
+    film, length, dry = film_of(problem)
+    roll, drum = (body.compliance for body in problem.bodies)
+
+    def gives(x):  # p- = p+ + T w'' on a drum that sinks by w
+        at = (x[1:] + x[:-1]) / 2
+        sunk = drum / 2 * sinks(x)
+        held = np.eye(at.size) - tension * sunk @ second_derivative(at)
+        return roll / 2 * sinks(x) + np.linalg.solve(held, sunk)
+
+    own = dry.in_nip
+    load = np.trapezoid(dry.roll_pressure[own], dry.x[own])
+    whole = lubricated(problem.contact_radius, load, speed, dry.half_width, film, gives)
+    # T C/l of 0.06 to 2.5 (7 at the most that was tried): 0.5 to 4 % less
+    assert film == pytest.approx(whole, rel=0.045)
+    # with K and C of bodies alone it would be up to 30 % less
+    assert tension * drum / length > 0.05
+
+
+@pytest.mark.parametrize(("tau", "speed"), [(1e-3, 1.0), (1e-4, 1.0), (1e-5, 1.0), (1e-6, 10.0)])
+def test_a_film_on_a_viscoelastic_drum(film_nip, tau, speed):
+    """Retardation lengths from far longer than the nip to far shorter than its inlet."""
+    E = 3e6
+    material = wo.Isotropic(youngs_modulus=E, poissons_ratio=0.48, prony=[(2 * E, tau)])
+    problem = frictionless(
+        film_nip, roll=wo.Rigid(radius=0.2), drum=wo.HalfPlane(radius=0.2, material=material),
+        web_tension=1.0, roll_wrap=0.0, web_speed=speed,
+    )  # fmt: skip
+    film, _, dry = film_of(problem)
+    kernel = problem.drum.kernels(speed).normal_p
+
+    def gives(x):
+        at = (x[1:] + x[:-1]) / 2
+        sides = [(at[:, None] - side).ravel() for side in (x[:-1], x[1:])]
+        lags = [kernel.lag.exactly(t, 1)[0] for t in sides]
+        return kernel.log * np.pi / 2 * sinks(x) - (lags[0] - lags[1]).reshape(at.size, -1)
+
+    whole = lubricated(
+        problem.contact_radius, problem.nip_load, speed, dry.half_width, film, gives, -dry.offset
+    )
+    assert film == pytest.approx(whole, rel=0.03)  # 0.5 to 2.5 % are found, l up to a fifth of a
 
 
 def test_the_inlets_mesh_and_domain():
@@ -171,11 +189,14 @@ def test_the_nip_was_solved_with_the_friction_that_its_film_leaves(film_nip, wit
     assert with_air.residual < 1e-8
 
 
-def test_the_edge_of_a_nip_rises_as_hertz_says(film_nip):
-    slippery = film_nip.replace(web_tension=0.0, roll_friction=1e-5, web_speed=0.0)
-    still = wo.solve(slippery, nodes=129)
-    hertz = still.peak_pressure * (2 / still.half_width) ** 0.5
-    assert still.edge == pytest.approx(hertz, rel=0.01)  # the web's thickness, friction on the drum
+@pytest.mark.parametrize("speed", [0.0, 0.1, 5.0])
+def test_the_edge_of_a_nip_rises_as_hertz_says(film_nip, speed):
+    slippery = film_nip.replace(web_tension=0.0, roll_friction=1e-5, web_speed=speed)
+    found = wo.solve(slippery, nodes=129)
+    a, behind = found.half_width, found.inlet_length / found.half_width
+    # p = K sqrt(s) sqrt(1 - s/2a); the web's thickness, friction on the drum, 0.5 % of the mesh
+    hertz = found.peak_pressure * (2 / a) ** 0.5 * (1 - behind / 2) ** 0.5
+    assert found.edge == pytest.approx(hertz, rel=0.01)
 
 
 def test_every_law_can_be_broken(with_air):
@@ -199,11 +220,6 @@ def test_trends_that_every_winder_knows(film_nip, with_air):
     harder = film(**{"drum.material.youngs_modulus": 6e6})
     assert harder < with_air.nip_film  # so does a harder cover
     assert with_air.nip_film < with_air.foil_film / 10  # and any nip does, beside none
-
-
-def test_how_little_is_known_of_the_film_behind_a_drums_wrap_is_told(film_nip):
-    with pytest.warns(wo.ValidityWarning, match="wrapped on the drum"):
-        wo.solve(film_nip.replace(drum_wrap=1.0), nodes=33)
 
 
 @pytest.mark.parametrize("pressure", ["much", [-1.0], float("nan"), None])
@@ -237,6 +253,19 @@ def test_paper_lets_the_air_through(film_nip, with_air):
         ({"air.permeance": -1e-9}, "air.permeance: -1e-09 is out of range; must be >= 0"),
         ({"air.viscosity": float("nan")}, "air.viscosity: nan"),
         ({"roll": wo.Rigid(radius=0.1), "drum": wo.Rigid(radius=0.1)}, "roll: "),
+        ({"air.roughness": 23e-6}, "air.roughness: 2.3e-05 is out of range; must be < the web's"),
+        (
+            {
+                "drum": wo.HalfPlane(
+                    radius=0.1,
+                    material=wo.Isotropic(
+                        youngs_modulus=3e6, poissons_ratio=0.48, prony=[(1e6, 1e-3)]
+                    ),
+                ),
+                "web_speed": 0.0,
+            },
+            "web_speed: 0 is out of range; must be > 0 [m/s], as drum is of a viscoelastic",
+        ),
     ],
 )
 def test_bad_input_is_refused(film_nip, changes, said):
@@ -302,6 +331,7 @@ def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
     [
         ({"web_speed": 5.0}, "air: missing; must be given with web_speed"),
         ({"air": wo.Air(roughness=1e-6)}, "web_speed: missing; must be given with air"),
+        ({"web_speed": 5.0, "air": wo.Air(roughness=1e-3)}, "air.roughness: 0.001 is out of range"),
         ({"web_speed": 5.0, "air": wo.Air(roughness=1e-6), "tension_law": "friction"},
          "air: needs tension_law = 'nip'"),
     ],
@@ -353,8 +383,15 @@ def test_air_softens_the_roll_and_leaves_its_web(film_nip, with_air):
     )
 
 
-def test_a_viscoelastic_drum_is_refused(film_nip):
+def test_a_viscoelastic_drum_takes_its_speed_from_the_web(film_nip):
     prony = [(1e6, 1e-3)]
     rubber = wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48, prony=prony)
-    with pytest.raises(wo.InvalidProblem, match="drum: is of a viscoelastic material; must be el"):
-        film_nip.replace(**{"drum.material": rubber})
+    problem = film_nip.replace(**{"drum.material": rubber})
+    result = wo.solve(problem, nodes=33)
+    assert result.residual < 1e-8
+    assert result.nip.web_speed == problem.web_speed
+    assert wo.solve(result.nip, nodes=33).dissipated_power > 0
+    # stiffer at the inlet than relaxed, softer than at once
+    soft, hard = (film_nip.replace(**{"drum.material.youngs_modulus": E}) for E in (3e6, 4e6))
+    at = result.inlet_length
+    assert soft.compliance_over(at) > problem.compliance_over(at) > hard.compliance_over(at)

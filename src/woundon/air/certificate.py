@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import exp, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from ..results import Residuals
 from .films import escaped_film, foil_film, friction_share, nip_film
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..problems.air import Air, AirNipProblem
     from ..wrap.result import WrappedNipResult
     from .result import AirNipResult
@@ -18,20 +21,41 @@ if TYPE_CHECKING:
 __all__ = ["certificate", "edge_of", "films_of", "friction_between"]
 
 LEAST = 1e-6  # a nip without any friction is not solved
-NEAR, FEWEST = 0.1, 5  # of the half width, and nodes, on which the edge's rise is taken
+LENGTHS = 1e-12, 1e3  # between which an inlet's is sought [m]
+FIRST, FARTHEST = 3, 0.5  # node, and share of the half width, between which K is taken: the first
+# two nodes of Hertz's pressure are 9 and 1 % off
 
 
-def edge_of(solved: WrappedNipResult) -> float:
-    """Return K [Pa/sqrt(m)] of a nip: its pressure is K sqrt(s) behind the inlet edge.
+def edge_of(problem: AirNipProblem, solved: WrappedNipResult) -> float:
+    """Return K [Pa/sqrt(m)] of a nip, as its inlet meets it.
 
-    By least squares of p/sqrt(s), quadratic in s, over the first tenth of the half width, or on
-    the first nodes where these are more.
+    The pressure between web and roll, as solved without air, is K sqrt(s) at the inlet's length s
+    behind the edge.  Nearer it may rise otherwise, as a viscoelastic drum or a web that is taut on
+    the drum have it, but there the film does not follow it.
     """
-    own = solved.in_nip
-    s, p = solved.x[own][1:] + solved.half_width, solved.pressure[own][1:]
-    count = max(int(np.sum(s < NEAR * solved.half_width)), FEWEST)
-    s, p = s[:count], p[:count]
-    return float(np.polynomial.polynomial.polyfit(s, p / np.sqrt(s), 2, w=np.sqrt(s))[0])
+    own, a = solved.in_nip, solved.half_width
+    s, p = solved.x[own][FIRST:] + a, solved.roll_pressure[own][FIRST:]
+    rise = p / np.sqrt(s)
+
+    def at(length: float) -> float:
+        return float(np.interp(min(length, FARTHEST * a), s, rise))
+
+    return at(_inlet_length(problem, at))
+
+
+def _inlet_length(problem: AirNipProblem, edge: Callable[[float], float]) -> float:
+    """Return the length of the inlet whose K is ``edge`` of that length [m]; 0 at rest."""
+    if problem.web_speed == 0:
+        return 0.0
+    from scipy.optimize import brentq
+
+    drag = 12 * problem.air.viscosity * problem.web_speed
+
+    def longer(x: float) -> float:
+        length = exp(x)
+        return x - 0.4 * log(drag / (problem.compliance_over(length) ** 2 * edge(length) ** 3))
+
+    return exp(brentq(longer, *map(log, LENGTHS), xtol=1e-14, rtol=1e-14))
 
 
 def friction_between(film: float, pressure: Any, air: Air) -> Any:
@@ -47,8 +71,9 @@ def films_of(problem: AirNipProblem, edge: float, half_width: float) -> dict[str
     """Return films and frictions by the names that a result has them under."""
     air, V, R = problem.air, problem.web_speed, problem.roll.radius
     mu, p_a, T = air.viscosity, air.ambient_pressure, problem.web_tension
+    compliance = problem.compliance_over(_inlet_length(problem, lambda _: edge))
     try:
-        passing = nip_film(edge, problem.compliance, V, mu, p_a)
+        passing = nip_film(edge, compliance, V, mu, p_a)
     except ValueError as stop:
         text = f"of {V:.6g} m/s is out of range: where the nip catches the air, {stop}"
         raise InvalidProblem.at("web_speed", text) from None

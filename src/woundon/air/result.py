@@ -31,7 +31,7 @@ class AirNipResult(Result):
     ----------
     problem : AirNipProblem
     x, pressure, air_film : (N,) arrays
-        Places in the nip [m], its pressure [Pa], and the film under it [m].
+        Places in the nip [m], the pressure between web and roll [Pa], and the film under it [m].
     foil_film : float
         What the web would carry in without a nip [m].
     nip_film : float
@@ -44,7 +44,7 @@ class AirNipResult(Result):
     roll_friction, wrap_friction : float
         What the films leave in the nip and behind it [1].
     edge : float
-        K [Pa/sqrt(m)]: the pressure is K sqrt(s) behind the inlet edge.
+        K [Pa/sqrt(m)]: the pressure is K sqrt(s) where the inlet ends, s behind the edge.
     inlet_length : float
         Over which the film is made [m].
     wound_on_tension, nip_induced_tension, half_width, peak_pressure : float
@@ -62,7 +62,7 @@ class AirNipResult(Result):
 
     problem: AirNipProblem
     x: Annotated[Array, length("x", "along the web, from the centre of the nip")]
-    pressure: Annotated[Array, stress("p", "pressure in the nip")]
+    pressure: Annotated[Array, stress("p", "pressure between web and roll in the nip")]
     air_film: Annotated[Array, length("h_a", "film of air in the nip", "um")]
     foil_film: Annotated[float, length("h_foil", "film without a nip, or the limit", "um")]
     nip_film: Annotated[float, length("h_nip", "film that the nip lets through", "um")]

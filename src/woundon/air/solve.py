@@ -90,7 +90,7 @@ def solved_with_air(
     frictions = frictions or (problem.roll_friction, problem.friction_behind)
     for _ in range(MOST_TURNS):
         solved = solve_wrapped_nip(problem.without_air(*frictions), **options)
-        found = films_of(problem, edge_of(solved), solved.half_width)
+        found = films_of(problem, edge_of(problem, solved), solved.half_width)
         left = found["roll_friction"], found["wrap_friction"]
         if np.allclose(left, frictions, rtol=settled, atol=0):
             return solved, found
@@ -103,13 +103,13 @@ def _result(
 ) -> AirNipResult:
     own = solved.in_nip
     names = "wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure"
-    pressure = solved.pressure[own]
+    pressure = solved.roll_pressure[own]
     result = AirNipResult(
         problem=problem,
         x=solved.x[own],
         pressure=pressure,
         air_film=pressure,
-        edge=edge_of(solved),
+        edge=edge_of(problem, solved),
         nip_residual=solved.residual,
         residuals=Residuals(),
         errors={name: solved.errors[name] for name in names if name in solved.errors},
@@ -131,11 +131,6 @@ def _warnings(
             f"the inlet in which the film is made, {found['inlet_length'] * 1e3:.3g} mm, is "
             f"{found['inlet_length'] / half_width:.2g} of the half-width, which is taken as much "
             "longer: the film bends the nip's pressure"
-        )
-    if problem.drum_wrap > 0 and problem.web_speed > 0:
-        told.append(
-            "the web comes wrapped on the drum, and its weight there hides how the nip's pressure "
-            "rises at the inlet: the film that passes may be half as much again"
         )
     air = problem.air
     if found["film_in_nip"] >= air.no_friction * air.roughness:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from ..elasticity.relaxation import factor
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, stress, velocity
 from .air_law import AirBetween
-from .bodies import HalfPlane
+from .bodies import Body, HalfPlane
 from .fields import Description, Number, shown
 from .materials import Isotropic
 from .nip import Web, WrappedNip, WrappedNipProblem
@@ -73,6 +75,15 @@ class Air(Description):
             )
         return self
 
+    def too_rough(self, thickness: float) -> Iterator[tuple[str, str]]:
+        """Yield the field at fault and what to say where a web is rougher than thick [m]."""
+        if self.roughness >= thickness:
+            yield (
+                "roughness",
+                f"{shown(self.roughness)} is out of range; must be < the web's thickness, "
+                f"{thickness:.6g} [m]",
+            )
+
 
 def with_film(roll: WoundRollProblem, film: float, air: Air) -> WoundRollProblem:
     """Return a roll whose laps hold a film of air between them; see :class:`.AirBetween`.
@@ -131,18 +142,21 @@ class AirNipProblem(WrappedNip):
     air: Air
 
     def uses_of_speed(self) -> Iterator[tuple[str, str]]:
-        """Yield what depends on the speed: the air does."""
+        """Yield what depends on the speed: the air does, and viscoelastic bodies."""
         yield "air", "air comes in with the web"
+        yield from super().uses_of_speed()
 
     @model_validator(mode="after")
-    def _bodies_are_elastic(self) -> Self:
-        for name, body in zip(self.pair, self.bodies, strict=True):
-            if body.viscoelastic:
-                raise InvalidProblem.at(
-                    name,
-                    "is of a viscoelastic material; must be elastic in a nip with air, whose inlet "
-                    "knows one modulus: give that of its frequency",
-                )
+    def _turns(self) -> Self:
+        if self.viscoelastic and self.web_speed == 0:
+            uses = next(text for field, text in super().uses_of_speed())
+            raise InvalidProblem.at("web_speed", f"0 is out of range; must be > 0 [m/s], as {uses}")
+        return self
+
+    @model_validator(mode="after")
+    def _is_smooth(self) -> Self:
+        for field, text in self.air.too_rough(self.web.thickness):
+            raise InvalidProblem.at(f"air.{field}", text)
         return self
 
     @model_validator(mode="after")
@@ -160,10 +174,34 @@ class AirNipProblem(WrappedNip):
         """C, half the sum of both surfaces' half-plane compliances [1/Pa]."""
         return (self.roll.compliance + self.drum.compliance) / 2
 
+    def compliance_over(self, length: float) -> float:
+        """Return C as waves of the wave number 1/length meet it [1/Pa].
+
+        A viscoelastic surface answers them by its modulus at the frequency V/length; a drum that
+        the web is wrapped on gives way by C/(1 + T C/length), as the web's tension goes along.
+
+        Parameters
+        ----------
+        length : float
+            [m]; 0 at rest.
+        """
+        roll, drum = (self._met(body, length) for body in self.bodies)
+        if self.drum_wrap > 0 and length > 0:
+            drum /= 1 + self.web_tension * drum / length
+        return (roll + drum) / 2
+
+    def _met(self, body: Body, length: float) -> float:
+        material = body.surface_material
+        if material is None or not material.relaxes:
+            return body.compliance
+        relaxation = material.relaxation(self.web_speed)
+        return float(body.compliance / abs(factor(relaxation, np.array(1 / length))))
+
     def without_air(self, roll_friction: float, wrap_friction: float) -> WrappedNipProblem:
         """Return the nip as one without air, with friction in it and behind it."""
         fields = {name: getattr(self, name) for name in WrappedNipProblem.model_fields}
-        fields["web_speed"] = None  # nothing but the air depends on it
+        if not self.viscoelastic:
+            fields["web_speed"] = None  # nothing but the air depends on it
         if (roll_friction, wrap_friction) != (self.roll_friction, self.friction_behind):
             fields |= {"roll_friction": roll_friction, "wrap_friction": wrap_friction}
         return WrappedNipProblem(**fields)

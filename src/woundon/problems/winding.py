@@ -218,10 +218,14 @@ class WindingProblem(Problem):
                     "web_speed",
                     "missing; must be > 0 [m/s], as drum is of a viscoelastic material",
                 )
-            if self.air is not None:
-                yield "drum", "is of a viscoelastic material; must be elastic in a nip with air"
+            elif self.web_speed == 0:
+                text = "0 is out of range; must be > 0 [m/s], as drum is of a viscoelastic material"
+                yield "web_speed", text
         elif self.air is None and self.web_speed is not None:
             yield "air", "missing; must be given with web_speed"
+        if self.air is not None:
+            for field, text in self.air.too_rough(self.web.thickness):
+                yield f"air.{field}", text
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
         if self.drum.confined_only:
