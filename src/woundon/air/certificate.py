@@ -55,7 +55,8 @@ def _inlet_length(problem: AirNipProblem, edge: Callable[[float], float]) -> flo
         length = exp(x)
         return x - 0.4 * log(drag / (problem.compliance_over(length) ** 2 * edge(length) ** 3))
 
-    return exp(brentq(longer, *map(log, LENGTHS), xtol=1e-14, rtol=1e-14))
+    low, high = map(log, LENGTHS)
+    return exp(float(brentq(longer, low, high, xtol=1e-14, rtol=1e-14)))
 
 
 def friction_between(film: float, pressure: Any, air: Air) -> Any:
