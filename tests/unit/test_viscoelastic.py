@@ -249,11 +249,13 @@ def test_the_told_resistance_of_a_wrapped_nip_is_that_of_its_arrays() -> None:
         ("drum.material.prony.1.time", 1e-2),
     ],
 )
-def test_exact_sensitivities(name: str, value: float) -> None:
-    problem, step = nip(), 1e-3 * value
-    exact = wo.solve_nip(problem, nodes=33).sensitivity(name)
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_exact_sensitivities(wrapped: bool, name: str, value: float) -> None:
+    problem: Any = nip().wrapped() if wrapped else nip()
+    step = 1e-3 * value
+    exact = wo.solve(problem, nodes=33).sensitivity(name)
     up, down = (
-        wo.solve_nip(problem.replace(**{name: value + way * step}), nodes=33) for way in (1, -1)
+        wo.solve(problem.replace(**{name: value + way * step}), nodes=33) for way in (1, -1)
     )
     for output in ("nip_induced_tension", "half_width", "drum_creep"):
         difference = (getattr(up, output) - getattr(down, output)) / (2 * step)

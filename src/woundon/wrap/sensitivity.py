@@ -164,8 +164,9 @@ class _WrapDifferential(Differential):
         made = WrapEquations(problem, grid, a, here.about)
         if a == self.half_width and np.array_equal(grid.nodes, own.nodes):
             # the matrices of a body are most of the work; those of the others have not changed
-            for name in problem.pair:
-                if name != part:
+            for name, body in zip(problem.pair, problem.bodies, strict=True):
+                lags = part == problem.speed_field and body.viscoelastic
+                if name != part and not lags:
                     vars(made)[name] = getattr(here, name)
         return made
 
