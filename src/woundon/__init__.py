@@ -67,6 +67,7 @@ _HOME = {
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "wrap.result",
     "Zone": "results",
+    "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
@@ -151,6 +152,7 @@ __all__ = [
     "WrappedNipResult",
     "Zone",
     "__version__",
+    "derivatives",
     "design_tension",
     "fit",
     "global_sensitivity",
@@ -242,6 +244,7 @@ if TYPE_CHECKING:
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
+    from .studies.derivatives import derivatives as derivatives
     from .studies.fit import FitResult as FitResult
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule

@@ -84,6 +84,11 @@ class AirNipResult(Result):
         return self.roll_friction / self.problem.roll_friction
 
     @property
+    def nodes(self) -> int:
+        """Number of nodes in the nip."""
+        return int(self.x.size)
+
+    @property
     def passed(self) -> float:
         """Film times absolute pressure that passes the nip [N/m]."""
         problem = self.problem

@@ -1,0 +1,71 @@
+"""Derivatives of kinds that tell none themselves: rollers with a lagging cover, nips with air."""
+
+from __future__ import annotations
+
+import pytest
+from refusals import refused_in_one_line
+
+import woundon as wo
+
+RUBBER = wo.Isotropic(
+    youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3), (2e6, 1e-2)]
+)  # fmt: skip
+COVER = wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER)
+
+
+@pytest.fixture(scope="module")
+def rollers() -> wo.RollerResult:
+    pair = wo.RollerProblem(
+        upper=wo.Rigid(radius=0.2), lower=COVER, load=2e3, friction=0.3, tangential_load=300.0,
+        speed=5.0,
+    )  # fmt: skip
+    return wo.solve(pair, nodes=65)
+
+
+def test_rollers_over_speed_and_relaxation_time(rollers: wo.RollerResult) -> None:
+    names = "speed", "lower.material.prony.1.time"
+    slopes = wo.derivatives(rollers, *names)
+    # speeds and times count by their products only: V d/dV = sum tau_k d/dtau_k
+    both = wo.derivatives(rollers, "lower.material.prony.0.time")
+    for output in ("half_width", "rolling_resistance", "creepage"):
+        by_speed = rollers.problem.speed * slopes.derivative(output, "speed")
+        by_times = 1e-2 * slopes.derivative(output, names[1])
+        by_times += 1e-3 * both.derivative(output, "lower.material.prony.0.time")
+        # differences over 1e-3, each off by a third of its square times the third derivative
+        assert by_speed == pytest.approx(by_times, rel=1e-4, abs=1e-9), output
+        assert by_speed != 0
+    assert slopes.derivative("half_width", "speed") < 0  # stiffer
+
+
+def test_a_nip_with_air() -> None:
+    result = wo.solve(wo.AirNipProblem.example(), nodes=33)
+    slopes = wo.derivatives(result, "web_speed", "air.roughness", "nip_load")
+    assert slopes.derivative("film", "web_speed") > 0 > slopes.derivative("film", "nip_load")
+    # a rougher web keeps its friction, and the film hardly minds
+    assert slopes.derivative("friction_share", "air.roughness") > 0
+    # film goes with V^0.6 and more, as compressed air takes more room behind
+    power = slopes.elasticities[slopes.outputs.index("film"), 0]
+    assert 0.55 < power < 0.75
+
+
+def test_exact_ones_are_the_results_own() -> None:
+    nip = wo.NipProblem.example().replace(drum=COVER, web_speed=5.0)
+    result = wo.solve(nip, nodes=33)
+    exact = result.sensitivity("web_speed")
+    assert (wo.derivatives(result, "web_speed").derivatives == exact.derivatives).all()
+    near = wo.derivatives(result, "web_speed", nodes=33)
+    assert near.derivative("nip_induced_tension", "web_speed") == pytest.approx(
+        exact.derivative("nip_induced_tension", "web_speed"), rel=1e-3
+    )  # differences
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        ((), "parameters: missing; must be names of fields"),
+        (("lower.material.elasticity",), "lower.material.elasticity: is not a continuous field"),
+        (("motion",), "motion: is not a continuous field"),
+    ],
+)
+def test_what_is_refused(rollers: wo.RollerResult, names: tuple[str, ...], said: str) -> None:
+    refused_in_one_line(lambda: wo.derivatives(rollers, *names), said)
