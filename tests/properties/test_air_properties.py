@@ -1,0 +1,24 @@
+"""Random nips with air over speed: a certificate, or a refusal that says why."""
+
+from __future__ import annotations
+
+import pytest
+from air import ending, random_air
+
+# of every sort: rigid, elastic and viscoelastic drums, with and without a wrap, permeable webs;
+# 15 is refused
+SEEDS = (0, 1, 2, 5, 15)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_solved_or_refused(seed: int) -> None:
+    how, residual = ending(seed)
+    assert how.startswith("refused: web_tension") if seed == 15 else how == "solved"
+    assert residual <= 1e-8
+
+
+def test_the_sample_is_of_every_sort() -> None:
+    problems = [random_air(seed) for seed in SEEDS]
+    assert {p.viscoelastic for p in problems} == {True, False}
+    assert {p.drum_wrap > 0 for p in problems} == {True, False}
+    assert {p.air.permeance > 0 for p in problems} == {True, False}
