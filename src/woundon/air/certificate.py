@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["certificate", "edge_of", "films_of", "friction_between"]
 
-LEAST = 1e-6  # a nip without any friction is not solved
+LEAST = 1e-6  # a nip without any friction is not solved, nor an inlet without any pressure
 LENGTHS = 1e-12, 1e3  # between which an inlet's is sought [m]
 FIRST, FARTHEST = 3, 0.5  # node, and share of the half width, between which K is taken: the first
 # two nodes of Hertz's pressure are 9 and 1 % off
@@ -35,7 +35,7 @@ def edge_of(problem: AirNipProblem, solved: WrappedNipResult) -> float:
     """
     own, a = solved.in_nip, solved.half_width
     s, p = solved.x[own][FIRST:] + a, solved.roll_pressure[own][FIRST:]
-    rise = p / np.sqrt(s)
+    rise = np.maximum(p, LEAST * p.max()) / np.sqrt(s)
 
     def at(length: float) -> float:
         return float(np.interp(min(length, FARTHEST * a), s, rise))
