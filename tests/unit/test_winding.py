@@ -135,8 +135,8 @@ def test_a_nip_that_has_no_steady_state_is_told_with_its_radius(monkeypatch: pyt
     def slack(*_: Any, **__: Any) -> Any:
         raise wo.NoSteadyState.at("web_tension", "5 leaves the web slack")
 
-    monkeypatch.setattr("woundon.winding.solve.solve_wrapped_nip", slack)
-    with pytest.raises(wo.NoSteadyState, match=r"web_tension: at the radius 0.0525 m: 5 leaves"):
+    monkeypatch.setattr("woundon.winding.nips.solve_wrapped_nip", slack)
+    with pytest.raises(wo.NoSteadyState, match=r"web_tension: at the radius 0.05066 m: 5 leaves"):
         wo.solve(CASE)
 
 

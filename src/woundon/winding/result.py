@@ -14,6 +14,7 @@ from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import WoundRollResult
+from .bodies import Felt
 from .margins import WithMargins
 
 __all__ = ["WindingResult"]
@@ -47,12 +48,15 @@ class WindingResult(WithMargins, Result):
         Mean of the films over the web's length, which the roll's laps hold [m].
     nip_error, nip_residual : (n,) arrays
         Their estimated discretisation error [N/m], and the largest violation of a law [1].
-    interpolation_error : float
-        What the wound-on tension between them may be off, of it [1].
+    interpolation_error, core_interpolation_error : float
+        What the wound-on tension between them may be off, of it; and on the core, up to 5 % of its
+        radius [1].
     nodes, nips_solved : int
         Of each nip, and how many were solved in all turns.
     roll_rtol, agreed : float
         To which the roll was solved, and to which it and the nips agree, of the tension [1].
+    nips : tuple of Felt
+        The nips themselves, for a neighbouring winding to start from; none after loading.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = (
@@ -96,7 +100,11 @@ class WindingResult(WithMargins, Result):
     roll_rtol: Annotated[float, pure("rtol", "accepted error of the roll's pressure")]
     agreed: Annotated[float, pure("e_c", "to what of the tension nips and roll agree")]
     nips_solved: Annotated[int, pure("n_nip", "nips solved")] = 0
+    core_interpolation_error: Annotated[
+        float, strain("e_ic", "the same on the core, up to 5 % of its radius")
+    ] = 0.0
     wound: WoundRollResult | None = field(default=None, compare=False, metadata={"saved": False})
+    nips: tuple[Felt, ...] = field(default=(), compare=False, metadata={"saved": False})
 
     @property
     def roll(self) -> WoundRollResult:
