@@ -60,7 +60,7 @@ class TensionCurve:
     def __init__(self, problem: WindingProblem, rtol: float) -> None:
         self.problem, self.rtol = problem, rtol
         core, R = problem.ends
-        room = 1 + 1e-9 if problem.air is None else ROOM_FOR_AIR
+        room = ROOM_FOR_AIR if problem.air is not None and problem.web_speed else 1 + 1e-9
         self.least = FEWEST_LAPS * problem.web.thickness * room
         inner = min(max(self.least, NEAR_CORE * core), max(self.least, 0.25 * (R - core)))
         sharp = {r: bend for r, bend in sharp_kinks(problem).items() if core + inner < r < R}
