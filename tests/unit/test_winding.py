@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -14,6 +15,7 @@ import woundon as wo
 from woundon.results import ACCEPTED_RESIDUAL
 from woundon.winding.bodies import effective_cylinder, felt_pressure
 from woundon.winding.interpolation import Piece, leja
+from woundon.winding.measured import smoothed
 
 CASE = wo.WindingProblem.example().replace(radius=0.12)
 COARSE: dict[str, Any] = {"nodes": 33, "rtol": 5e-3}
@@ -51,6 +53,60 @@ def test_a_piece_meets_polynomials_exactly_and_tells_its_misses():
     kinked = {x: abs(x + 0.9) for x in piece.places}
     off = np.max(np.abs(piece.at(x, kinked) - np.abs(x + 0.9)))
     assert max(miss for _, miss in piece.misses(kinked)) > 0.3 * off
+
+
+# ---- measured schedules -------------------------------------------------------------------------
+
+
+@cache
+def wandering() -> wo.WindingResult:
+    """Tension and nip load as measured: 5 % of noise at 100 radii."""
+    rng = np.random.default_rng(3)
+    r = np.linspace(0.05, 0.12, 100)
+    noise = 1 + 0.05 * rng.standard_normal((2, r.size))
+    tension, load = (
+        wo.Profile(radius=r, value=values * more)
+        for values, more in zip(
+            (CASE.at("web_tension", r), CASE.at("nip_load", r)), noise, strict=True
+        )
+    )
+    problem = CASE.replace(roll_body="linear", web_tension=tension, nip_load=load)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return wo.solve(problem, **COARSE)
+
+
+def test_schedules_that_wander_take_as_few_nips_as_smooth_ones():
+    run = wandering()
+    assert run.nip_radius.size <= 20
+    assert run.radius.size > 90  # the tension is told wherever they turn
+    assert run.certified().coupling <= ACCEPTED_RESIDUAL
+    # more than interpolation would leave, for the tension follows the measured load and tension
+    bends = np.diff(np.sign(np.diff(run.wound_on_tension)))
+    assert np.count_nonzero(bends) > 40
+
+
+def test_nips_under_measured_loads_are_within_the_error_told():
+    run = wandering()
+    for r in (0.0573, 0.0811, 0.1024):
+        nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
+        told = np.interp(r, run.radius, run.wound_on_tension)
+        off = abs(wo.solve(nip, nodes=33).wound_on_tension / told - 1)
+        assert off <= run.interpolation_error
+    # noise moves the tension by 5 % of it and more: what is left is the second order
+    assert run.interpolation_error < 0.015
+
+
+def test_smooth_tables_and_few_kinks_do_not_wander():
+    r = np.linspace(0.05, 0.12, 80)
+    smooth = wo.Profile(radius=r, value=350 - 900 * (r - 0.05))
+    assert smoothed(CASE.replace(web_tension=smooth), 1e-3) is None
+    kinked = wo.Profile(radius=[0.05, 0.07, 0.12], value=[2000.0, 2600.0, 2000.0])
+    assert smoothed(CASE.replace(nip_load=kinked), 1e-3) is None
+    found = smoothed(wandering().problem, 1e-3)
+    assert found is not None
+    assert np.max(np.abs(found.at("nip_load", r) / 2000 - 1)) < 0.05
+    assert found.curve("nip_load").kinks.size == 0
 
 
 # ---- coupling -----------------------------------------------------------------------------------
@@ -190,6 +246,7 @@ def of_roll(**changes: Callable[[Any], Any]) -> Corrupt:
         ("roll_tension", of_roll(problem=lambda roll: roll.problem.replace(wound_on_tension=400))),
         ("nips", lambda run: {"nip_residual": run.nip_residual + 1e-3}),
         ("coupling", changed("nip_wound_on_tension", 2, 0.5)),
+        ("coupling", lambda run: {"nip_departure": run.nip_departure + 5.0}),
         ("tension_balance", changed("nip_induced_tension", 3, 0.01)),
         ("schedules", changed("nip_load", 1, 0.01)),
         ("schedules", changed("web_tension", 1, 0.01)),

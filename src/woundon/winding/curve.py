@@ -14,7 +14,7 @@ only, and takes a few places of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +23,7 @@ from ..problems.roll import FEWEST_LAPS
 from ..problems.winding import LOADS, WindingProblem
 from .interpolation import FEWEST, Piece
 
-__all__ = ["TensionCurve", "points_needed", "sharp_kinks"]
+__all__ = ["MOST_PIECES", "TensionCurve", "looked_at", "sharp_kinks", "told_radii"]
 
 Array = np.ndarray
 
@@ -79,7 +79,7 @@ class TensionCurve:
     @property
     def places(self) -> list[float]:
         """Where nips are wanted."""
-        return [place for piece in self.pieces for place in piece.places]
+        return list(dict.fromkeys(place for piece in self.pieces for place in piece.places))
 
     def radius(self, place: float) -> float:
         """Return the radius of a place [m]; at the surface exactly."""
@@ -124,31 +124,11 @@ class TensionCurve:
         gained = tension - float(at("web_tension", r))
         return gained / (self.problem.roll_friction * float(at("nip_load", r)))
 
-    # ---- the radii told -------------------------------------------------------------------------
-
-    def looked_at(self) -> Array:
-        """Return radii, dense near the core, among which are those where something is told [m]."""
-        core, R = self.problem.ends
-        lap = self.problem.web.thickness
-        deep = core + np.exp(np.linspace(np.log(lap), np.log(R - core), LOOKED_AT))
-        r = np.union1d(deep[:-1], self.problem.radii(LOOKED_AT))
-        r = r[np.append(True, np.diff(r) > 1e-9 * R)]
-        r[-1] = R
-        return np.asarray(r)
-
-    def needed(self, r: Array, tension: Array) -> Array:
-        """Return which radii the tension and the schedules take, drawn linear between them."""
-        curves = [tension, *(self.problem.at(name, r) for name in LOADS)]
-        within = STRAIGHT * self.rtol
-        return np.any([points_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
-
     def knots(self, values: Mapping[float, float]) -> Array:
         """Return the radii at which the tension is told: the places, and what it takes between."""
-        R, r = self.problem.radius, self.looked_at()
+        r = looked_at(self.problem)
         own = [self.radius(place) for place in values]
-        found = r[self.needed(r, self.tension(self.shares(values, r), r))]
-        apart = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
-        return np.union1d(found[apart], own)
+        return told_radii(self.problem, r, self.tension(self.shares(values, r), r), self.rtol, own)
 
     # ---- how far it may be off ------------------------------------------------------------------
 
@@ -167,7 +147,7 @@ class TensionCurve:
 
     def off(self, values: Mapping[float, float], r: Array, told: Array) -> float:
         """Return by how much of it the tension told at some radii may be off between nips."""
-        fine = self.looked_at()
+        fine = looked_at(self.problem)
         exact = self.tension(self.shares(values, fine), fine)
         straight = np.max(np.abs(np.interp(fine, r, told) / exact - 1))
         return (
@@ -196,7 +176,30 @@ def sharp_kinks(problem: WindingProblem) -> dict[float, float]:
     return {r: bend for r, bend in problem.kinks.items() if bend > SHARP}
 
 
-def points_needed(r: Array, values: Array, within: float) -> Array:
+def looked_at(problem: WindingProblem) -> Array:
+    """Return radii, dense near the core, among which are those where something is told [m]."""
+    core, R = problem.ends
+    lap = problem.web.thickness
+    deep = core + np.exp(np.linspace(np.log(lap), np.log(R - core), LOOKED_AT))
+    r = np.union1d(deep[:-1], problem.radii(LOOKED_AT))
+    r = r[np.append(True, np.diff(r) > 1e-9 * R)]
+    r[-1] = R
+    return np.asarray(r)
+
+
+def told_radii(
+    problem: WindingProblem, r: Array, tension: Array, rtol: float, own: Sequence[float] = ()
+) -> Array:
+    """Return which radii the tension and the schedules take, drawn linear between, and own ones."""
+    curves = [tension, *(problem.at(name, r) for name in LOADS)]
+    within = STRAIGHT * rtol
+    taken = np.any([_points_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
+    found, R = r[taken], problem.radius
+    apart = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
+    return np.union1d(found[apart], list(own))
+
+
+def _points_needed(r: Array, values: Array, within: float) -> Array:
     """Return which points a line through them needs, to miss none by more (Douglas, Peucker)."""
     keep = np.zeros(r.size, dtype=bool)
     keep[[0, -1]] = True

@@ -39,6 +39,8 @@ class Nips:
         Is called with how many nips are solved.
     before : iterable of Felt
         Nips of a neighbouring winding, to start from.
+    solved : int
+        How many were solved before.
 
     Attributes
     ----------
@@ -52,24 +54,25 @@ class Nips:
 
     def __init__(
         self, problem: WindingProblem, nodes: int, agreed: float, tell: Callable[[int], None],
-        before: Iterable[Felt] = (),
+        before: Iterable[Felt] = (), solved: int = 0,
     ) -> None:  # fmt: skip
         self.problem, self.nodes, self.agreed, self.tell = problem, nodes, agreed, tell
         self.before = {felt.radius: felt for felt in before}
         self.felt: dict[float, Felt] = {}
-        self.solved, self.coarse = 0, False
+        self.solved, self.coarse = solved, False
         self.films: dict[float, float] = {}  # of air, that the nips let through, by radius
         self.frictions: dict[float, tuple[float, float]] = {}  # that they leave
         self.airy: dict[float, tuple[str, ...]] = {}  # warnings of the air
 
     def tension(self, radius: float, roll: WoundRollResult) -> float:
         """Solve the nip at a radius on a roll; return its wound-on tension [N/m]."""
-        if self.problem.roll_body == "linear" and radius in self.felt and self.problem.air is None:
-            return self.felt[radius].tension  # whatever the roll
+        own = self.felt.get(radius)
+        if self.problem.roll_body == "linear" and own is not None and self.problem.air is None:
+            return own.tension  # whatever the roll
         with _at(radius):
             stage = roll if radius == self.problem.radius else roll.at(radius)
             felt = solved_nip(
-                self._on(roll), stage, self._near(radius), self._solve,
+                self._on(roll), stage, own or self._near(radius), self._solve,
                 FELT_COARSELY if self.coarse else FELT,
             )  # fmt: skip
         self.felt[radius] = felt
@@ -100,9 +103,7 @@ class Nips:
         return self.problem if stack is self.problem.stack else self.problem.replace(stack=stack)
 
     def _near(self, radius: float) -> Felt | None:
-        """Return the nip that was solved at a radius, or the nearest one by depth."""
-        if radius in self.felt:
-            return self.felt[radius]
+        """Return the nip nearest to a radius by the roll's depth."""
         core = self.problem.core.radius
         known = self.before or self.felt
         found = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)

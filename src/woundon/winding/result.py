@@ -40,6 +40,9 @@ class WindingResult(WithMargins, Result):
         NIT = WOT - T_in, and WOT [N/m].
     nip_radius, nip_wound_on_tension, nip_half_width, nip_peak_pressure : (n,) arrays
         Of the nips that were solved [m], [N/m], [m], [Pa].
+    nip_departure : (n,) array
+        By how much the wound-on tension departs there from that of the nips, which are of smooth
+        schedules where those of the problem wander; else 0 [N/m].
     nip_felt_pressure : (n,) array
         P_e at which an effective roll has its moduli [Pa]; nan of other rolls.
     nip_air_film, nip_friction : (n,) arrays
@@ -71,7 +74,7 @@ class WindingResult(WithMargins, Result):
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_felt_pressure", "nip_error"})
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(
         ("nip_wound_on_tension", "nip_half_width", "nip_peak_pressure", "nip_felt_pressure",
-         "nip_error", "nip_residual"), "nip_radius",
+         "nip_departure", "nip_error", "nip_residual"), "nip_radius",
     ))  # fmt: skip
 
     problem: WindingProblem
@@ -83,6 +86,9 @@ class WindingResult(WithMargins, Result):
     wound_on_tension: Annotated[Array, line_load("WOT", "wound-on tension")]
     nip_radius: Annotated[Array, length("r_k", "radii of the nips solved")]
     nip_wound_on_tension: Annotated[Array, line_load("WOT_k", "their wound-on tension")]
+    nip_departure: Annotated[
+        Array, line_load("dWOT_k", "wound-on tension there less theirs, of smooth schedules")
+    ]
     nip_half_width: Annotated[Array, length("a_k", "their half-width")]
     nip_peak_pressure: Annotated[Array, stress("p_max,k", "their largest pressure")]
     nip_felt_pressure: Annotated[

@@ -28,7 +28,8 @@ from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..threads import one_thread
 from .certificate import certificate
-from .curve import TensionCurve
+from .curve import TensionCurve, looked_at, told_radii
+from .measured import Departure, largest_miss, smoothed
 from .nips import Nips
 from .result import WindingResult
 from .roll import wind
@@ -46,7 +47,7 @@ MOST_TURNS = 25
 PATIENT = 9  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
 EXPECTED_TURNS = 4  # for the progress told
 STAY = 1e-3  # change of the tension from which on the radii told stay
-SETTLED = 0.01  # and from which on roll and nips are solved well
+SETTLED = 0.03  # and from which on roll and nips are solved well
 COARSE_RTOL = 0.05  # until then
 SPARE = 0.1  # of what nips and roll are to agree to, at which the turns end
 FIRST_SHARE = 0.6  # of mu P, to begin with
@@ -101,10 +102,12 @@ def solve_winding(
         check_type("start", start, WindingResult)
     within = AGREED[problem.roll_body] if agreed is None else agreed
     with unwarned():  # told once, with the radius
-        if problem.tension_law == "nip":
-            result = _Winder(problem, rtol, nodes, within, start, progress).wound()
-        else:
+        if problem.tension_law != "nip":
             result = _given(problem, rtol, nodes, within)
+        elif (smooth := smoothed(problem, rtol)) is not None:
+            result = _Winder(smooth, rtol, nodes, within, start, progress).measured(problem)
+        else:
+            result = _Winder(problem, rtol, nodes, within, start, progress).wound()
     return result.replace(residuals=certificate(result)).checked().warned()
 
 
@@ -149,26 +152,32 @@ class _Winder:
         self.nips = Nips(problem, nodes, agreed, self._tell, () if start is None else start.nips)
 
     def wound(self) -> WindingResult:
+        """Wind the roll of the problem."""
+        return self._told(self._agreed())
+
+    def _agreed(self) -> _Turn:
         """Wind until nips and roll agree."""
         given = {place: self._first(place) for place in self.curve.places}
         before: _Turn | None = None
         r, change, added, agreed_once = self.curve.knots(given), 1.0, True, False
-        self.nips.coarse = self.problem.roll_body != "linear"  # whose nips do not feel the tension
+        # those of a linear roll do not feel the tension, and a neighbour's have told it
+        self.nips.coarse = self.problem.roll_body != "linear" and not self.nips.before
         for number in range(MOST_TURNS):
             if added or change > STAY:  # the same from then on, for the turns to settle
                 r = self.curve.knots(given)
             if self.nips.coarse and change <= SETTLED:
                 self.nips.coarse, before = False, None
-            turn = self._turned(given, r)
+            rough = change > SETTLED
+            turn = self._turned(given, r, rough=rough)
             added = not self.nips.coarse and self._refined(turn)
             change = turn.change
-            settled = not added and not self.nips.coarse
+            settled = not (added or rough)
             if settled and number >= PATIENT and change <= self.rtol:
                 self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
             if settled and change <= self.agreed:
                 # one more turn where this is not well below what the certificate allows
                 if change <= SPARE * self.agreed or agreed_once:
-                    return self._told(turn)
+                    return turn
                 agreed_once = True
             own = before if self.problem.roll_body == "direct" else None
             given, before = _corrected(turn, own), turn
@@ -178,11 +187,11 @@ class _Winder:
             self._told(before) if before else None,
         )
 
-    def _turned(self, given: dict[float, float], r: Array) -> _Turn:
+    def _turned(self, given: dict[float, float], r: Array, *, rough: bool) -> _Turn:
         """Wind the roll with shares at places, solve the nips on it."""
         film = self.nips.mean_film()
         tension = self.curve.tension(self.curve.shares(given, r), r)
-        rtol = max(self.rtol, COARSE_RTOL * self.nips.coarse)
+        rtol = max(self.rtol, COARSE_RTOL * rough)
         roll = wind(self.problem, r, tension, rtol, film)
         answers = {place: self._answer(place, roll) for place in given}
         change = max(abs(self._off(place, share)) for place, share in given.items())
@@ -243,6 +252,30 @@ class _Winder:
             bent=curve.tension(curve.shares(turn.given, r, bent=True), r),
         )  # fmt: skip
 
+    def measured(self, problem: WindingProblem) -> WindingResult:
+        """Wind the roll of a problem whose schedules wander about those that are wound here."""
+        turn, curve = self._agreed(), self.curve
+        departs = Departure(problem, self.problem, curve, self.nips)
+
+        def tension(at: Array, *, bent: bool = False) -> Array:
+            return curve.tension(curve.shares(turn.given, at, bent=bent), at) + departs(at)
+
+        fine = looked_at(problem)
+        own = [curve.radius(place) for place in curve.places]
+        r = told_radii(problem, fine, tension(fine), self.rtol, own)
+        roll = wind(problem, r, tension(r), self.rtol, turn.film)
+        known = self.nips
+        checks = Nips(problem, self.nodes, self.agreed, known.tell, known.told(), known.solved)
+        missed = largest_miss(departs, checks, roll, tension)
+        known.solved = checks.solved
+        smooth = curve.off(turn.answers, turn.r, np.interp(turn.r, r, tension(r) - departs(r)))
+        return told(
+            problem, r, tension(r), roll, known,
+            interpolation=(smooth + missed, curve.off_on_core(turn.answers)),
+            rtol=self.rtol, agreed=self.agreed, film=turn.film, bent=tension(r, bent=True),
+            departure=departs(np.array(sorted(own))),
+        )  # fmt: skip
+
 
 def _corrected(turn: _Turn, before: _Turn | None) -> dict[float, float]:
     """Return the next shares: each by a secant of its own, for nips feel little of each other.
@@ -262,8 +295,7 @@ def _corrected(turn: _Turn, before: _Turn | None) -> dict[float, float]:
 
 def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> WindingResult:
     """Wind with a tension that takes no nip."""
-    law, at, curve = problem.tension_law, problem.at, TensionCurve(problem, rtol)
-    r = curve.looked_at()
+    law, at, r = problem.tension_law, problem.at, looked_at(problem)
     if isinstance(law, Profile):
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
@@ -271,11 +303,11 @@ def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> W
     else:
         tension = at("web_tension", r) + at("winding_force", r)
         tension = tension + problem.roll_friction * at("nip_load", r)
-    own = curve.needed(r, tension)
-    drawn = np.interp(r, r[own], tension[own])
-    off = float(np.max(np.abs(drawn - tension)) / np.max(np.abs(tension)))
+    own = told_radii(problem, r, tension, rtol)
+    drawn = np.interp(own, r, tension)
+    off = float(np.max(np.abs(np.interp(r, own, drawn) - tension)) / np.max(np.abs(tension)))
     return told(
-        problem, r[own], tension[own], wind(problem, r[own], tension[own], rtol),
+        problem, own, drawn, wind(problem, own, drawn, rtol),
         Nips(problem, nodes, agreed, lambda _: None),
         interpolation=(off * (off > ROUNDING), 0.0), rtol=rtol, agreed=agreed, film=0.0,
     )  # fmt: skip

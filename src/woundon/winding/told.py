@@ -23,7 +23,7 @@ Array = np.ndarray
 def told(
     problem: WindingProblem, r: Array, tension: Array, roll: WoundRollResult, nips: Nips, *,
     interpolation: tuple[float, float], rtol: float, agreed: float, film: float,
-    bent: Array | None = None,
+    bent: Array | None = None, departure: Array | None = None,
 ) -> WindingResult:  # fmt: skip
     """Return the result of a winding, without its certificate.
 
@@ -41,6 +41,8 @@ def told(
         As of the result.
     bent : (M,) array, optional
         The tension, extrapolated to the core otherwise [N/m].
+    departure : (n,) array, optional
+        By how much the tension departs at the nips from theirs, which are of smooth schedules.
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
     felt = nips.told()
@@ -53,6 +55,7 @@ def told(
         wound_on_tension=tension,
         nip_radius=np.array([each.radius for each in felt]),
         nip_wound_on_tension=np.array([nip.wound_on_tension for nip in solved]),
+        nip_departure=np.zeros(len(felt)) if departure is None else departure,
         nip_half_width=np.array([nip.half_width for nip in solved]),
         nip_peak_pressure=np.array([nip.peak_pressure for nip in solved]),
         nip_felt_pressure=np.array([each.pressure for each in felt]),
