@@ -66,7 +66,8 @@ class WindingResult(WithMargins, Result):
         "mean_wound_on_tension", "core_pressure", "mid_pressure", "least_hoop_stress",
     )  # fmt: skip
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "pressure": "it is the roll's: result.roll.pressure",
+        "pressure": "it is the roll's, result.roll.pressure; numbers are core_pressure, "
+        "mid_pressure and peak_pressure",
         "hoop_stress": "it is the roll's: result.roll.hoop_stress",
         "at": "a stage of the build-up is one of the roll: result.roll.at(radius)",
         "wound": "the roll is result.roll",

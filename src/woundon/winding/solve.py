@@ -52,7 +52,7 @@ COARSE_RTOL = 0.05  # until then
 SPARE = 0.1  # of what nips and roll are to agree to, at which the turns end
 FIRST_SHARE = 0.6  # of mu P, to begin with
 ROUNDING = 1e-13
-LEAST_RTOL, LEAST_AGREED = 1e-6, 1e-8
+LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
 
 
 @one_thread
@@ -74,7 +74,7 @@ def solve_winding(
         Accepted error of the interpolation between the nips, relative to the wound-on tension, and
         of the roll's pressure; 1e-6 to 0.1.
     nodes : int
-        Of every nip, 17 to 1025.
+        Of every nip, 25 to 1025: on fewer none tells its error.
     agreed : float, optional
         To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by default 1e-6,
         and 1e-5 with a direct roll.
@@ -122,7 +122,7 @@ def check_options(
         For an option out of range.
     """
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
-    whole_number("nodes", nodes, 17, 1025)
+    whole_number("nodes", nodes, LEAST_NODES, 1025)
     if agreed is not None:
         tolerance("agreed", agreed, LEAST_AGREED, 1e-2)
 
