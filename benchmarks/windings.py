@@ -92,7 +92,8 @@ def effective() -> None:
     print(f"{'':26s}{'radius m':>9s}{'WOT N/m':>9s}{'direct':>8s}{'off':>8s}{'of NIT':>8s}")
     for name, problem in COMPARED.items():
         run = wo.solve(problem, rtol=1e-2, agreed=1e-4)
-        for r in run.nip_radius[[1, run.nip_radius.size // 2, -1]].tolist():
+        radii = run.nip_radius[run.nip_radius >= 1.0499 * problem.core.radius]
+        for r in radii[[1, radii.size // 2, -1]].tolist():
             try:
                 nip = wo.solve(problem.nip(r, hardening_roll(problem, run.roll.at(r))), nodes=65)
             except wo.NotConverged as stop:

@@ -114,5 +114,5 @@ def test_pressures_over_the_radius_are_no_outputs_of_a_fit():
     measured = {"nip_load": LOADS, "pressure": [4e5, 6e5]}
     refused_in_one_line(
         lambda: wo.fit(CASE, measured, {"stack.radial.K2": (15.0, 100.0)}),
-        "measured: column 'pressure': ",
+        "measured: pressure: no such output: it is the roll's, result.roll.pressure; numbers ",
     )

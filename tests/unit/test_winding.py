@@ -16,6 +16,8 @@ from woundon.results import ACCEPTED_RESIDUAL
 from woundon.winding.bodies import effective_cylinder, felt_pressure
 from woundon.winding.interpolation import Piece, leja
 from woundon.winding.measured import smoothed
+from woundon.winding.nips import Nips
+from woundon.winding.roll import wind
 
 CASE = wo.WindingProblem.example().replace(radius=0.12)
 COARSE: dict[str, Any] = {"nodes": 33, "rtol": 5e-3}
@@ -128,6 +130,50 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     )
 
 
+def test_nips_are_solved_down_to_ten_laps_on_the_core():
+    """There the share falls to a half within a few millimetres: no tangent tells it."""
+    run = wound()
+    assert run.nip_radius[0] == pytest.approx(0.05 + 10 * 66e-6)
+    assert np.count_nonzero(run.nip_radius < 0.0525) >= 3
+    for r in (0.0508, 0.0517, 0.0522):
+        nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
+        told = np.interp(r, run.radius, run.wound_on_tension)
+        off = abs(wo.solve(nip, nodes=33).wound_on_tension / told - 1)
+        # and what the straight lines between the radii told leave, 0.3 rtol
+        assert off <= run.core_interpolation_error + 0.3 * COARSE["rtol"]
+    assert run.nip_induced_tension[0] < 0.2 * run.nip_induced_tension.max()
+
+
+def test_what_the_first_laps_may_do_is_in_the_error_of_the_core_pressure():
+    """Wound with the web's tension alone, or with that of the tenth lap, it stays within bounds."""
+    run = wound()
+    r, tension = run.radius, run.wound_on_tension
+    own = 2 * run.interpolation_error * run.core_pressure
+    first = r < run.nip_radius[0]
+    for least in (0.5, 2.0):  # of what the tangent says that nips add there
+        other = tension + first * (least - 1) * run.nip_induced_tension
+        off = abs(wind(run.problem, r, other, COARSE["rtol"]).core_pressure - run.core_pressure)
+        assert off < run.errors["core_pressure"] + own
+    assert run.errors["core_pressure"] > run.roll.errors["core_pressure"] + own
+
+
+def test_nips_and_roll_agree_an_order_below_what_the_certificate_allows():
+    assert wound("effective").residuals.coupling <= 0.1 * ACCEPTED_RESIDUAL
+
+
+def test_what_is_to_be_said_of_air_is_handed_on_with_the_radii_it_holds_for():
+    problem = CASE.replace(
+        roll_body="linear", drum_wrap=1.0, web_speed=10.0, air=wo.Air(roughness=3e-6)
+    )
+    roll = wind(problem, np.array([0.05, 0.12]), np.array([400.0, 400.0]), 0.05)
+    nips = Nips(problem, 33, 1e-3, lambda _: None)
+    for r in (0.06, 0.08, 0.11):
+        nips.tension(r, roll)
+    said = [text for text in nips.warnings() if "hides how the nip's pressure" in text]
+    assert len(said) == 1
+    assert said[0].startswith("nip at the radius 0.06 m and 2 more up to 0.11 m: the web comes")
+
+
 def test_what_the_winder_sets_is_told_over_the_radius():
     run = wound()
     r = run.radius
@@ -210,6 +256,7 @@ def test_progress_is_told():
     [
         ({"rtol": 0.0}, "rtol: 0 is out of range"),
         ({"nodes": 5}, "nodes: 5 is out of range"),
+        ({"nodes": 17}, "nodes: 17 is out of range: must be a whole number, 25"),
         ({"agreed": 1.0}, "agreed: 1 is out of range"),
         ({"start": 3}, "start: 3 is out of place; must be a WindingResult"),
     ],

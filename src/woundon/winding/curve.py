@@ -34,6 +34,7 @@ LESS_EXACT = 5  # times rtol, by which that piece may be off
 DEEP_ENOUGH = 1.5  # times ten laps: the least depth of such a piece
 # of x: from where the curvature before the first place is taken, and on which slopes are
 JUST_BEHIND, STEP = 0.5, 1e-4
+LEAST_KEPT = 0.2  # of the tenth lap's tension, by those before it
 SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in two pieces
 MOST_PIECES = 6  # beside that on the core
 LOOKED_AT = 200  # radii from which those of the curve told are taken
@@ -113,7 +114,17 @@ class TensionCurve:
         one, two = first.at(at, values)
         return float(two - one) / STEP
 
-    def tension(self, shares: Array, r: Array) -> Array:
+    def tension(self, values: Mapping[float, float], r: Array, *, bent: bool = False) -> Array:
+        """Return WOT at radii [N/m], from shares at the places; see :meth:`shares`.
+
+        No extrapolation leaves the first laps slack.
+        """
+        found, first = self.wound_on(self.shares(values, r, bent=bent), r), self.pieces[0].start
+        at = np.array(self.radius(first))
+        tenth = float(self.wound_on(np.array(values[first]), at))
+        return np.where(r < at, np.maximum(found, min(tenth, LEAST_KEPT * tenth)), found)
+
+    def wound_on(self, shares: Array, r: Array) -> Array:
         """Return WOT of shares at radii [N/m]."""
         at = self.problem.at
         return at("web_tension", r) + shares * self.problem.roll_friction * at("nip_load", r)
@@ -128,7 +139,7 @@ class TensionCurve:
         """Return the radii at which the tension is told: the places, and what it takes between."""
         r = looked_at(self.problem)
         own = [self.radius(place) for place in values]
-        return told_radii(self.problem, r, self.tension(self.shares(values, r), r), self.rtol, own)
+        return told_radii(self.problem, r, self.tension(values, r), self.rtol, own)
 
     # ---- how far it may be off ------------------------------------------------------------------
 
@@ -143,12 +154,12 @@ class TensionCurve:
         """Return by how much of the tension a share is off."""
         r = np.array(self.radius(place))
         added = off * self.problem.roll_friction * self.problem.at("nip_load", r)
-        return float(added / self.tension(np.array(value), r))
+        return float(added / self.wound_on(np.array(value), r))
 
     def off(self, values: Mapping[float, float], r: Array, told: Array) -> float:
         """Return by how much of it the tension told at some radii may be off between nips."""
         fine = looked_at(self.problem)
-        exact = self.tension(self.shares(values, fine), fine)
+        exact = self.tension(values, fine)
         straight = np.max(np.abs(np.interp(fine, r, told) / exact - 1))
         return (
             max(self.errors(values)[self.on_core :]) + float(straight) + self._unseen(fine, exact)

@@ -190,7 +190,7 @@ class _Winder:
     def _turned(self, given: dict[float, float], r: Array, *, rough: bool) -> _Turn:
         """Wind the roll with shares at places, solve the nips on it."""
         film = self.nips.mean_film()
-        tension = self.curve.tension(self.curve.shares(given, r), r)
+        tension = self.curve.tension(given, r)
         rtol = max(self.rtol, COARSE_RTOL * rough)
         roll = wind(self.problem, r, tension, rtol, film)
         answers = {place: self._answer(place, roll) for place in given}
@@ -206,7 +206,7 @@ class _Winder:
     def _off(self, place: float, share: float) -> float:
         """Return by what of it a nip's wound-on tension is off the one it was wound with."""
         r = self.curve.radius(place)
-        given = float(self.curve.tension(np.array(share), np.array(r)))
+        given = float(self.curve.wound_on(np.array(share), np.array(r)))
         return given / self.nips.felt[r].result.wound_on_tension - 1
 
     def _first(self, place: float) -> float:
@@ -244,12 +244,12 @@ class _Winder:
 
     def _told(self, turn: _Turn) -> WindingResult:
         curve, r = self.curve, turn.r
-        tension = curve.tension(curve.shares(turn.given, r), r)
+        tension = curve.tension(turn.given, r)
         return told(
             self.problem, r, tension, turn.roll, self.nips,
             interpolation=(curve.off(turn.answers, r, tension), curve.off_on_core(turn.answers)),
             rtol=self.rtol, agreed=self.agreed, film=turn.film,
-            bent=curve.tension(curve.shares(turn.given, r, bent=True), r),
+            bent=curve.tension(turn.given, r, bent=True),
         )  # fmt: skip
 
     def measured(self, problem: WindingProblem) -> WindingResult:
@@ -258,7 +258,7 @@ class _Winder:
         departs = Departure(problem, self.problem, curve, self.nips)
 
         def tension(at: Array, *, bent: bool = False) -> Array:
-            return curve.tension(curve.shares(turn.given, at, bent=bent), at) + departs(at)
+            return curve.tension(turn.given, at, bent=bent) + departs(at)
 
         fine = looked_at(problem)
         own = [curve.radius(place) for place in curve.places]
