@@ -111,7 +111,13 @@ class Nips:
 
     def _solve(self, roll: Body, start: WrappedNipResult | None) -> WrappedNipResult:
         nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
-        result = self._with_its_air(self.problem.nip(roll.radius, roll), nodes, start)
+        nip = self.problem.nip(roll.radius, roll)
+        try:
+            result = self._with_its_air(nip, nodes, start)
+        except NotConverged:  # as a start that is too far off may end
+            if start is None:
+                raise
+            result = self._with_its_air(nip, nodes, None)
         self.solved += 1
         self.tell(self.solved)
         return result
