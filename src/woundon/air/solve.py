@@ -24,7 +24,7 @@ from ..wrap.solve import check_options, solve_wrapped_nip
 from .certificate import certificate, edge_of, films_of
 from .result import AirNipResult
 
-__all__ = ["check_options", "solve_air_nip", "solved_with_air"]
+__all__ = ["air_warnings", "check_options", "solve_air_nip", "solved_with_air"]
 
 MOST_TURNS = 30
 SETTLED = 1e-10
@@ -113,7 +113,7 @@ def _result(
         nip_residual=solved.residual,
         residuals=Residuals(),
         errors={name: solved.errors[name] for name in names if name in solved.errors},
-        warnings=(*_warnings(problem, found, solved.half_width), *solved.warnings),
+        warnings=(*air_warnings(problem, found, solved.half_width), *solved.warnings),
         **found,
         **{name: getattr(solved, name) for name in names},
     )
@@ -122,9 +122,10 @@ def _result(
     return result.replace(residuals=certificate(result)).checked().warned()
 
 
-def _warnings(
+def air_warnings(
     problem: AirNipProblem, found: dict[str, float], half_width: float
 ) -> tuple[str, ...]:
+    """Return what is to be said of a nip's air: what was found of it, by name; a [m]."""
     told: list[str] = []
     if found["inlet_length"] > LONG * half_width:
         told.append(

@@ -23,10 +23,34 @@ from .stack import Stack
 if TYPE_CHECKING:
     from .fields import Given
 
-__all__ = ["Friction", "NipProblem", "Web", "WindingNip", "WrappedNip", "WrappedNipProblem"]
+__all__ = [
+    "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Web",
+    "WindingNip", "WrapFriction", "WrappedNip", "WrappedNipProblem",
+]  # fmt: skip
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
-Friction = Field(ge=LEAST_FRICTION, le=10.0)
+_FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
+_HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
+
+# what nips and windings have alike
+RollFriction = Annotated[Number, pure("mu+", "friction between the layers", (0.1, 0.6)), _FRICTION]
+DrumFriction = Annotated[
+    Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), _FRICTION
+]
+RollWrap = Annotated[
+    Number,
+    angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
+    _HALF_TURN,
+]
+DrumWrap = Annotated[
+    Number, angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)), _HALF_TURN
+]
+WrapFriction = Annotated[
+    Number | None,
+    pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
+    Field(ge=1e-6, le=10.0),
+]
+WRAP_TABLE: Mapping[str, tuple[str, ...]] = {"wrap": ("roll_wrap", "drum_wrap", "wrap_friction")}
 
 
 Array = np.ndarray
@@ -116,12 +140,8 @@ class WindingNip(ContactProblem):
     web: Annotated[Web, Field(description="the paper or film")]
     roll: Annotated[AnyBody, Field(description="the wound roll")]
     drum: Annotated[AnyBody, Field(description="the winding drum")]
-    roll_friction: Annotated[
-        Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
-    ]
-    drum_friction: Annotated[
-        Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), Friction
-    ]
+    roll_friction: RollFriction
+    drum_friction: DrumFriction
     nip_load: Annotated[Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)]
     winding_force: Annotated[
         Number,
@@ -253,25 +273,11 @@ class NipProblem(WindingNip):
 class WrappedNip(WindingNip):
     """What a nip with its wraps has, with and without air; not a problem of its own."""
 
-    tables: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "wrap": ("roll_wrap", "drum_wrap", "wrap_friction")
-    }
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
 
-    roll_wrap: Annotated[
-        Number,
-        angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
-        Field(ge=0, le=pi * (1 + 1e-12)),
-    ] = pi
-    drum_wrap: Annotated[
-        Number,
-        angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)),
-        Field(ge=0, le=pi * (1 + 1e-12)),
-    ] = 0.0
-    wrap_friction: Annotated[
-        Number | None,
-        pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
-        Field(ge=1e-6, le=10.0),
-    ] = None
+    roll_wrap: RollWrap = pi
+    drum_wrap: DrumWrap = 0.0
+    wrap_friction: WrapFriction = None
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -10,13 +10,22 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import Quantity, angle, length, line_load, pure, velocity
+from ..quantities import Quantity, length, line_load, pure, velocity
 from .air import Air, AirNipProblem, with_film
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
 from .materials import Material, material
-from .nip import Friction, Web, WrappedNipProblem
+from .nip import (
+    WRAP_TABLE,
+    DrumFriction,
+    DrumWrap,
+    RollFriction,
+    RollWrap,
+    Web,
+    WrapFriction,
+    WrappedNipProblem,
+)  # fmt: skip
 from .radial_laws import Pfeiffer
 from .roll import Core, WoundRollProblem
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
@@ -40,8 +49,7 @@ SCHEDULES: dict[str, tuple[float, float]] = {
 }
 LOADS = ("nip_load", "winding_force", "web_tension")
 # of the nip, at every radius
-SAME = frozenset({"web", "drum", "roll_friction", "drum_friction", "roll_wrap", "drum_wrap",
-                  "wrap_friction"})  # fmt: skip
+SAME = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
 LOOKED_AT = 257  # radii at which a load case must have a steady state, beside all kinks
 
 
@@ -112,9 +120,7 @@ class WindingProblem(Problem):
         Where the drum would slide at some radius.
     """
 
-    tables: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "wrap": ("roll_wrap", "drum_wrap", "wrap_friction")
-    }
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
 
     web: Annotated[Web, Field(description="the paper or film")]
     stack: AnyStack
@@ -124,12 +130,8 @@ class WindingProblem(Problem):
         Number, length("R", "radius of the finished roll", typical=(0.1, 0.75)),
         Field(gt=0, le=100),
     ]  # fmt: skip
-    roll_friction: Annotated[
-        Number, pure("mu+", "friction between the layers", (0.1, 0.6)), Friction
-    ]
-    drum_friction: Annotated[
-        Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), Friction
-    ]
+    roll_friction: RollFriction
+    drum_friction: DrumFriction
     web_tension: Annotated[
         WindingSchedule, line_load("T_in", "web tension before the nip", (50.0, 1000.0))
     ]
@@ -142,21 +144,9 @@ class WindingProblem(Problem):
         WindingSchedule | None,
         pure("s_F", "share of the web tension that the drum pulls, -F/T_in", (0.0, 1.0)),
     ] = None
-    roll_wrap: Annotated[
-        Number,
-        angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
-        Field(ge=0, le=pi * (1 + 1e-12)),
-    ] = pi
-    drum_wrap: Annotated[
-        Number,
-        angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)),
-        Field(ge=0, le=pi * (1 + 1e-12)),
-    ] = 0.0
-    wrap_friction: Annotated[
-        Number | None,
-        pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
-        Field(ge=1e-6, le=10.0),
-    ] = None
+    roll_wrap: RollWrap = pi
+    drum_wrap: DrumWrap = 0.0
+    wrap_friction: WrapFriction = None
     roll_body: Annotated[
         Literal["effective", "direct", "linear"],
         Field(description="what the nip feels of the roll"),

@@ -18,9 +18,9 @@ ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "
 # told otherwise, or by the margins
 LEFT_OUT = frozenset({
     "residual", "agreed", "air_film", "nodes", "roll_rtol", "nips_solved", "mass",
-    "mean_wound_on_tension",
-    "mean_nip_induced_tension", "interpolation_error", "torque_share", "largest_compression",
-    "largest_core_pressure", "largest_tension", "least_tension", "least_reserve",
+    "mean_wound_on_tension", "mean_nip_induced_tension", "interpolation_error",
+    "core_interpolation_error", "torque_share", "largest_compression", "largest_core_pressure",
+    "largest_tension", "least_tension", "least_reserve",
 })  # fmt: skip
 LAWS = {
     "friction": "Tension by the law T_in + F + mu P: a nip that slips throughout.",
@@ -42,7 +42,7 @@ def winding_report(result: WindingResult) -> list[Part]:
     text = LAWS.get(law, "") if law != "nip" else BODIES[problem.roll_body]
     text = text or "Tension as given, over the radius." * (law == "table")
     means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
-    errors = ["interpolation_error"] if nips else []
+    errors = ["interpolation_error", "core_interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
     air = ["air_film"] if problem.air is not None else []
     return [

@@ -299,16 +299,27 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
     """Return all that a column of inputs may hold, None for what is not a number.
 
     By dotted name, ``*`` for the number of a list's item; fields that only other bodies and
-    materials have are among them, and so are these themselves.
+    materials have are among them, and so are these themselves.  A schedule is a number where the
+    problem has it as one.
     """
     known: dict[str, Quantity | None] = {}
     for place in walk(type(problem)):
         heads = place.path.split(".")[:-1]
         # a number of one material may be a description of another
         for k in range(1, len(heads) + 1):
-            known.setdefault(".".join(heads[:k]), None)
+            head = ".".join(heads[:k])
+            if head not in known:
+                known[head] = _if_number(problem, head)
         known[place.path] = known.get(place.path) or place.quantity
     return known
+
+
+def _if_number(problem: Problem, path: str) -> Quantity | None:
+    try:
+        is_number = isinstance(get_field(problem, path), float)
+    except InvalidProblem:  # of another body or material
+        return None
+    return field_quantity(problem, path) if is_number else None
 
 
 def made(problem: Problem, path: str, table: Any) -> Any:

@@ -296,10 +296,17 @@ class _Search:
         if np.array_equal(given, self.first):
             self._keep(tuple(self.first.tolist()), *self.before)
 
-    def _solved(self, problem: Any) -> tuple[Any, Any]:
-        near = [case.result for case in self.wound.values() if case.result is not None]
-        result = self.model.solve(problem, near[-1] if near else None)
+    def _solved(self, problem: Any, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
+        result = self.model.solve(problem, self._nearest(values))
         return result, kinds.fetch("woundon.winding.margins:margins")(result, self.limits)
+
+    def _nearest(self, values: tuple[float, ...] | None) -> Any:
+        """Return the winding whose fields are nearest, of their ranges; None where none is."""
+        done = [case for case in self.wound.values() if case.result is not None]
+        if values is None or not done:
+            return None
+        off = (np.array([case.values for case in done]) - values) / (self.high - self.low)
+        return done[int(np.argmin(np.sum(off**2, axis=1)))].result
 
     def at(self, u: Array) -> _Wound:
         """Return the winding at shares of the ranges, wound if it was not yet."""
@@ -309,7 +316,8 @@ class _Search:
         if len(self.wound) >= self.most:
             raise _Stop
         try:
-            solved = self._solved(self.model.variant(dict(zip(self.names, values, strict=True))))
+            fields = dict(zip(self.names, values, strict=True))
+            solved = self._solved(self.model.variant(fields), values)
         except (InvalidProblem, NotConverged) as fault:
             self.why_not = str(fault).partition("\n")[0]
             failed = np.full(len(self.checked), FAILED)

@@ -64,6 +64,11 @@ class Felt(NamedTuple):
     slope: float = 0.0
 
     @property
+    def radius(self) -> float:
+        """Of the roll that it runs on [m]."""
+        return float(self.result.problem.roll.radius)
+
+    @property
     def tension(self) -> float:
         """The wound-on tension, as it would be at the pressure wanted [N/m]."""
         found = self.result.wound_on_tension

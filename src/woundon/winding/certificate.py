@@ -26,8 +26,8 @@ def certificate(result: WindingResult) -> Residuals:
     nips
         The largest violation of a law of any nip.
     coupling
-        That each nip, on the roll wound so far, answers the tension told: to ``agreed`` of it,
-        which counts as 1e-8.
+        That each nip, on the roll wound so far, answers the tension told, less by what that departs
+        under schedules that wander: to ``agreed`` of it, which counts as 1e-8.
     air
         That the laps hold the mean of the nips' films: to ``agreed`` of a lap, which counts as
         1e-8.
@@ -41,7 +41,8 @@ def certificate(result: WindingResult) -> Residuals:
     problem, r, roll = result.problem, result.radius, result.roll
     WOT = result.wound_on_tension
     wound = Curve(roll.problem.wound_on_tension, *problem.ends).at(r)
-    answers = np.interp(result.nip_radius, r, WOT) / result.nip_wound_on_tension - 1
+    told = np.interp(result.nip_radius, r, WOT) - result.nip_departure
+    answers = told / result.nip_wound_on_tension - 1
     unit = max(float(np.max(np.abs(WOT))), 1e-300)
     steps = np.diff(r)
     return Residuals(

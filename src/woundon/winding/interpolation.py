@@ -19,7 +19,8 @@ __all__ = ["Piece", "leja"]
 Array = np.ndarray
 FINE = 4001
 FEWEST = 7  # points of a piece
-TESTS = 2  # the last points, whose misses tell the error
+TESTS = 2  # the last points, whose misses tell the error,
+UNTESTED = 3  # but not the first ones, which any polynomial has
 
 
 @cache
@@ -41,11 +42,13 @@ class Piece:
     ----------
     start, end : float
         Where it begins and ends.
+    count : int
+        How many points it has to begin with.
     """
 
-    def __init__(self, start: float, end: float) -> None:
+    def __init__(self, start: float, end: float, count: int = FEWEST) -> None:
         self.start, self.end = start, end
-        self.places = [start + share * (end - start) for share in leja(FEWEST)]
+        self.places = [start, end, *(start + share * (end - start) for share in leja(count)[2:])]
 
     @property
     def next(self) -> float:
@@ -70,7 +73,7 @@ class Piece:
     def misses(self, values: Mapping[float, float]) -> list[tuple[float, float]]:
         """Return of the last points where they are, and by how far the polynomial before is off."""
         told = []
-        for k in range(len(self.places) - TESTS, len(self.places)):
+        for k in range(max(UNTESTED, len(self.places) - TESTS), len(self.places)):
             place = self.places[k]
             off = float(self.at(np.array(place), values, k)) - values[place]
             told.append((place, abs(off)))

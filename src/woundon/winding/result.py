@@ -14,6 +14,7 @@ from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import WoundRollResult
+from .bodies import Felt
 from .margins import WithMargins
 
 __all__ = ["WindingResult"]
@@ -39,6 +40,9 @@ class WindingResult(WithMargins, Result):
         NIT = WOT - T_in, and WOT [N/m].
     nip_radius, nip_wound_on_tension, nip_half_width, nip_peak_pressure : (n,) arrays
         Of the nips that were solved [m], [N/m], [m], [Pa].
+    nip_departure : (n,) array
+        By how much the wound-on tension departs there from that of the nips, which are of smooth
+        schedules where those of the problem wander; else 0 [N/m].
     nip_felt_pressure : (n,) array
         P_e at which an effective roll has its moduli [Pa]; nan of other rolls.
     nip_air_film, nip_friction : (n,) arrays
@@ -47,19 +51,23 @@ class WindingResult(WithMargins, Result):
         Mean of the films over the web's length, which the roll's laps hold [m].
     nip_error, nip_residual : (n,) arrays
         Their estimated discretisation error [N/m], and the largest violation of a law [1].
-    interpolation_error : float
-        What the wound-on tension between them may be off, of it [1].
+    interpolation_error, core_interpolation_error : float
+        What the wound-on tension between them may be off, of it; and on the core, up to 5 % of its
+        radius [1].
     nodes, nips_solved : int
         Of each nip, and how many were solved in all turns.
     roll_rtol, agreed : float
         To which the roll was solved, and to which it and the nips agree, of the tension [1].
+    nips : tuple of Felt
+        The nips themselves, for a neighbouring winding to start from; none after loading.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = (
         "mean_wound_on_tension", "core_pressure", "mid_pressure", "least_hoop_stress",
     )  # fmt: skip
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "pressure": "it is the roll's: result.roll.pressure",
+        "pressure": "it is the roll's, result.roll.pressure; numbers are core_pressure, "
+        "mid_pressure and peak_pressure",
         "hoop_stress": "it is the roll's: result.roll.hoop_stress",
         "at": "a stage of the build-up is one of the roll: result.roll.at(radius)",
         "wound": "the roll is result.roll",
@@ -67,7 +75,7 @@ class WindingResult(WithMargins, Result):
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_felt_pressure", "nip_error"})
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(
         ("nip_wound_on_tension", "nip_half_width", "nip_peak_pressure", "nip_felt_pressure",
-         "nip_error", "nip_residual"), "nip_radius",
+         "nip_departure", "nip_error", "nip_residual"), "nip_radius",
     ))  # fmt: skip
 
     problem: WindingProblem
@@ -79,6 +87,9 @@ class WindingResult(WithMargins, Result):
     wound_on_tension: Annotated[Array, line_load("WOT", "wound-on tension")]
     nip_radius: Annotated[Array, length("r_k", "radii of the nips solved")]
     nip_wound_on_tension: Annotated[Array, line_load("WOT_k", "their wound-on tension")]
+    nip_departure: Annotated[
+        Array, line_load("dWOT_k", "wound-on tension there less theirs, of smooth schedules")
+    ]
     nip_half_width: Annotated[Array, length("a_k", "their half-width")]
     nip_peak_pressure: Annotated[Array, stress("p_max,k", "their largest pressure")]
     nip_felt_pressure: Annotated[
@@ -96,7 +107,11 @@ class WindingResult(WithMargins, Result):
     roll_rtol: Annotated[float, pure("rtol", "accepted error of the roll's pressure")]
     agreed: Annotated[float, pure("e_c", "to what of the tension nips and roll agree")]
     nips_solved: Annotated[int, pure("n_nip", "nips solved")] = 0
+    core_interpolation_error: Annotated[
+        float, strain("e_ic", "the same on the core, up to 5 % of its radius")
+    ] = 0.0
     wound: WoundRollResult | None = field(default=None, compare=False, metadata={"saved": False})
+    nips: tuple[Felt, ...] = field(default=(), compare=False, metadata={"saved": False})
 
     @property
     def roll(self) -> WoundRollResult:

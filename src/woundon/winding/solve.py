@@ -6,44 +6,34 @@ The one loop of the program that goes from a result back to a problem:
              ^                                      |  the pressure wound so far
              |   polynomials through few radii      v
              +------------------------------ nips at these radii            wrap/
-                      interpolation                  bodies
+                       curve                     nips, bodies
 
 What a nip adds depends on the radius, and on the stack just below the surface, which the last laps
 have wound: hardly on what is below.  So the loop closes in a few turns, each radius for itself by a
-secant, and radii are added where the polynomial without them is off by more than rtol.  The curve
-is of the share y = (WOT - T_in)/(mu+ P), which hardly varies: what the schedules do is in T_in, P.
+secant, and radii are added where the polynomial without them is off by more than rtol.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from itertools import pairwise
-from math import nan
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..air.solve import solved_with_air
 from ..arguments import check_type, tolerance, whole_number
-from ..errors import RESOLUTION, InvalidProblem, NotConverged, unwarned
-from ..problems.bodies import Body
-from ..problems.nip import WrappedNipProblem
-from ..problems.roll import FEWEST_LAPS
+from ..errors import NotConverged, unwarned
 from ..problems.schedules import Profile
-from ..problems.winding import LOADS, WindingProblem
-from ..results import Residuals
+from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..threads import one_thread
-from ..wrap.result import WrappedNipResult
-from ..wrap.solve import solve_wrapped_nip
-from .bodies import Felt, solved_nip
 from .certificate import certificate
-from .interpolation import Piece
+from .curve import TensionCurve, looked_at, told_radii
+from .measured import Departure, largest_miss, smoothed
+from .nips import Nips
 from .result import WindingResult
 from .roll import wind
+from .told import told
 
 __all__ = ["check_options", "solve_winding"]
 
@@ -56,21 +46,13 @@ MOST_NIPS = 40  # radii
 MOST_TURNS = 25
 PATIENT = 9  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
 EXPECTED_TURNS = 4  # for the progress told
-# Depth of the roll at the first nip, of the core's radius: on less the contact is wider than the
-# roll is deep.  Below, the share goes on along its tangent
-FIRST = 0.05
-SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in two pieces
-MOST_PIECES = 6
-LOOKED_AT = 200  # radii from which those of the curve told are taken
-STRAIGHT = 0.3  # of rtol, by which the curve may miss the line between two of them
-STAY = 1e-3  # change of the tension from which on they stay
-SETTLED = 0.01  # and from which on roll and nips are solved well
-COARSE_RTOL, COARSE_NODES = 0.05, 33  # until then
-# to what the pressure that a nip's roll feels is found in one turn
-FELT_COARSELY, FELT = 0.02, 3e-3
+STAY = 1e-3  # change of the tension from which on the radii told stay
+SETTLED = 0.03  # and from which on roll and nips are solved well
+COARSE_RTOL = 0.05  # until then
+SPARE = 0.1  # of what nips and roll are to agree to, at which the turns end
 FIRST_SHARE = 0.6  # of mu P, to begin with
 ROUNDING = 1e-13
-LEAST_RTOL, LEAST_AGREED = 1e-6, 1e-8
+LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
 
 
 @one_thread
@@ -92,12 +74,12 @@ def solve_winding(
         Accepted error of the interpolation between the nips, relative to the wound-on tension, and
         of the roll's pressure; 1e-6 to 0.1.
     nodes : int
-        Of every nip, 17 to 1025.
+        Of every nip, 25 to 1025: on fewer none tells its error.
     agreed : float, optional
         To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by default 1e-6,
         and 1e-5 with a direct roll.
     start : WindingResult, optional
-        A neighbouring case, to start from its tension.  The answer does not depend on it.
+        A neighbouring case, to start from its tension and nips.  The answer does not depend on it.
     progress : callable, optional
         Is called with how many nips are solved, and how many are expected in all.
 
@@ -118,11 +100,14 @@ def solve_winding(
     check_options(rtol=rtol, nodes=nodes, agreed=agreed)
     if start is not None:
         check_type("start", start, WindingResult)
+    within = AGREED[problem.roll_body] if agreed is None else agreed
     with unwarned():  # told once, with the radius
-        winder = _Winder(
-            problem, rtol, nodes, AGREED[problem.roll_body] if agreed is None else agreed, progress
-        )
-        result = winder.coupled(start) if problem.tension_law == "nip" else winder.given()
+        if problem.tension_law != "nip":
+            result = _given(problem, rtol, nodes, within)
+        elif (smooth := smoothed(problem, rtol)) is not None:
+            result = _Winder(smooth, rtol, nodes, within, start, progress).measured(problem)
+        else:
+            result = _Winder(problem, rtol, nodes, within, start, progress).wound()
     return result.replace(residuals=certificate(result)).checked().warned()
 
 
@@ -137,400 +122,192 @@ def check_options(
         For an option out of range.
     """
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
-    whole_number("nodes", nodes, 17, 1025)
+    whole_number("nodes", nodes, LEAST_NODES, 1025)
     if agreed is not None:
         tolerance("agreed", agreed, LEAST_AGREED, 1e-2)
 
 
 @dataclass
+class _Turn:
+    """One turn of the loop: the shares wound with, what the nips on that roll answer."""
+
+    given: dict[float, float]  # by place
+    answers: dict[float, float]
+    r: Array
+    roll: WoundRollResult
+    film: float  # of air, that the roll was wound with
+    change: float  # of the tension, the largest
+
+
 class _Winder:
-    """Winds one roll."""
+    """Winds one roll with the tension of its nips."""
 
-    problem: WindingProblem
-    rtol: float
-    nodes: int
-    agreed: float
-    progress: Progress | None
-    solved: int = 0  # nips
-    coarse: bool = False  # whether a turn is far from the last
-    nips: dict[float, Felt] = field(default_factory=dict)  # by place, ln(r - r_c)
-    film: float = 0.0  # of air, that the roll was wound with
-    films: dict[float, float] = field(default_factory=dict)  # that the nips let through, by radius
-    frictions: dict[float, tuple[float, float]] = field(default_factory=dict)  # that they leave
+    def __init__(
+        self, problem: WindingProblem, rtol: float, nodes: int, agreed: float,
+        start: WindingResult | None, progress: Progress | None,
+    ) -> None:  # fmt: skip
+        self.problem, self.rtol, self.nodes, self.agreed = problem, rtol, nodes, agreed
+        self.start, self.progress = start, progress
+        self.curve = TensionCurve(problem, rtol)
+        self.nips = Nips(problem, nodes, agreed, self._tell, () if start is None else start.nips)
 
-    # ---- radii and places -----------------------------------------------------------------------
+    def wound(self) -> WindingResult:
+        """Wind the roll of the problem."""
+        return self._told(self._agreed())
 
-    def __post_init__(self) -> None:
-        problem = self.problem
-        core, R = problem.ends
-        self.first = max(FEWEST_LAPS * problem.web.thickness * (1 + 1e-9), FIRST * core)
-        self.first = min(self.first, max(0.25 * (R - core), FEWEST_LAPS * problem.web.thickness))
-        sharp = {r: bend for r, bend in problem.kinks.items()
-                 if bend > SHARP and core + self.first < r < R}  # fmt: skip
-        cuts = sorted(sorted(sharp, key=sharp.__getitem__)[-MOST_PIECES + 1 :])
-        ends = [float(np.log(r - core)) for r in (core + self.first, *cuts, R)]
-        self.pieces = [Piece(a, b) for a, b in pairwise(ends)]
-
-    def radius(self, place: float) -> float:
-        """Return the radius of a place [m]; at the surface exactly."""
-        core, R = self.problem.ends
-        return R if place == self.pieces[-1].end else core + float(np.exp(place))
-
-    def places(self, r: Array) -> Array:
-        """Return the places of radii; that of the tenth lap of all before."""
-        least = FEWEST_LAPS * self.problem.web.thickness
-        return np.log(np.maximum(r - self.problem.core.radius, least))
-
-    def shares(self, values: Mapping[float, float], r: Array) -> Array:
-        """Return y at radii, from values at the pieces' points."""
-        x = self.places(r)
-        out = np.empty(x.shape)
-        for piece in self.pieces:
-            own = x >= piece.start - 1e-12
-            out[own] = piece.at(np.clip(x[own], piece.start, piece.end), values)
-        below, first = x < self.pieces[0].start, self.pieces[0]
-        step = 1e-4 * (first.end - first.start)
-        one, two = first.at(first.start + np.array([0.0, step]), values)
-        out[below] = one + (two - one) / step * (x[below] - first.start)
-        return out
-
-    def tension(self, shares: Array, r: Array) -> Array:
-        """Return WOT of shares at radii [N/m]."""
-        at = self.problem.at
-        return at("web_tension", r) + shares * self.problem.roll_friction * at("nip_load", r)
-
-    # ---- roll and nips --------------------------------------------------------------------------
-
-    def looked_at(self) -> Array:
-        """Return radii, dense near the core, among which are those where something is told [m]."""
-        core, R = self.problem.ends
-        least = FEWEST_LAPS * self.problem.web.thickness
-        deep = core + np.exp(np.linspace(np.log(least), np.log(R - core), LOOKED_AT))
-        r = np.union1d(deep[:-1], self.problem.radii(LOOKED_AT))
-        r = r[np.append(True, np.diff(r) > 1e-9 * R)]
-        r[-1] = R
-        return np.asarray(r)
-
-    def needed(self, r: Array, tension: Array) -> Array:
-        """Return which radii the tension and the schedules take, drawn linear between them."""
-        curves = [tension, *(self.problem.at(name, r) for name in LOADS)]
-        within = STRAIGHT * self.rtol
-        return np.any([_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
-
-    def knots(self, given: Mapping[float, float]) -> Array:
-        """Return the radii at which the tension is told: the nips', and what it takes between."""
-        R, r = self.problem.radius, self.looked_at()
-        own = [self.radius(place) for place in given]
-        found = r[self.needed(r, self.tension(self.shares(given, r), r))]
-        apart = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
-        return np.union1d(found[apart], own)
-
-    def wound(self, r: Array, tension: Array) -> WoundRollResult:
-        """Return the roll wound with a tension."""
-        self.film = self.mean_film()
-        return wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * self.coarse), self.film)
-
-    def nip(self, place: float, roll: WoundRollResult) -> float:
-        """Solve the nip at a place on a roll; return the share y that it answers."""
-        radius = self.radius(place)
-        before = self.nips.get(place) or self._nearest(place)
-        with _at(radius):
-            stage = roll if radius == self.problem.radius else roll.at(radius)
-            felt = solved_nip(
-                self.on(roll),
-                stage,
-                before,
-                self._solve,
-                FELT_COARSELY if self.coarse else FELT,
-            )
-        self.nips[place] = felt
-        at = self.problem.at
-        gained = felt.tension - float(at("web_tension", radius))
-        return gained / (self.problem.roll_friction * float(at("nip_load", radius)))
-
-    def on(self, roll: WoundRollResult) -> WindingProblem:
-        """Return the problem with the stack of a roll, air and all."""
-        stack = roll.problem.stack
-        return self.problem if stack is self.problem.stack else self.problem.replace(stack=stack)
-
-    def _nearest(self, place: float) -> Felt | None:
-        found = min(self.nips, key=lambda other: abs(other - place), default=None)
-        return None if found is None else self.nips[found]
-
-    def _solve(self, roll: Body, start: WrappedNipResult | None) -> WrappedNipResult:
-        nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
-        result = self._with_its_air(self.problem.nip(roll.radius, roll), nodes, start)
-        self.solved += 1
-        if self.progress is not None:
-            points = sum(len(piece.places) for piece in self.pieces)
-            self.progress(self.solved, max(EXPECTED_TURNS * points, self.solved))
-        return result
-
-    def _with_its_air(
-        self, nip: WrappedNipProblem, nodes: int, start: WrappedNipResult | None
-    ) -> WrappedNipResult:
-        """Solve a nip, with the friction that its air leaves; keep the film."""
-        radius = nip.roll.radius
-        if self.problem.air is None:
-            self.films[radius] = 0.0
-            return solve_wrapped_nip(nip, nodes=nodes, start=start)
-        near = min(self.films, key=lambda other: abs(other - radius), default=None)
-        result, found = solved_with_air(
-            self.problem.with_air(nip), None if near is None else self.frictions[near], self.agreed,
-            nodes=nodes, start=start,
-        )  # fmt: skip
-        self.films[radius] = found["film"]
-        self.frictions[radius] = found["roll_friction"], found["wrap_friction"]
-        return result
-
-    def mean_film(self) -> float:
-        """Return the mean of the nips' films over the length of web [m]."""
-        if not any(self.films.values()):
-            return 0.0
-        r = np.array(sorted(self.films))
-        h = np.array([self.films[radius] for radius in r.tolist()])
-        return float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else float(h[0])
-
-    # ---- the loop -------------------------------------------------------------------------------
-
-    def coupled(self, start: WindingResult | None) -> WindingResult:
-        """Wind with the nips' tension."""
-        given = {place: self._first(start, place) for p in self.pieces for place in p.places}
-        before: tuple[dict[float, float], dict[float, float]] | None = None
-        r, change, added, self.coarse = self.knots(given), 1.0, True, True
-        for turn in range(MOST_TURNS):
+    def _agreed(self) -> _Turn:
+        """Wind until nips and roll agree."""
+        given = {place: self._first(place) for place in self.curve.places}
+        before: _Turn | None = None
+        r, change, added, agreed_once = self.curve.knots(given), 1.0, True, False
+        # those of a linear roll do not feel the tension, and a neighbour's have told it
+        self.nips.coarse = self.problem.roll_body != "linear" and not self.nips.before
+        for number in range(MOST_TURNS):
             if added or change > STAY:  # the same from then on, for the turns to settle
-                r = self.knots(given)
-            if self.coarse and change <= SETTLED:
-                self.coarse, before = False, None
-            roll = self.wound(r, self.tension(self.shares(given, r), r))
-            answers = {place: self.nip(place, roll) for place in given}
-            added = not self.coarse and self._refined(given, answers, roll)
-            change = max(abs(self._off(place, share)) for place, share in given.items())
-            # of a lap, what more of air it would hold
-            change = max(change, abs(self.mean_film() - self.film) / self.problem.web.thickness)
-            settled = not added and not self.coarse
-            if settled and turn >= PATIENT and change <= self.rtol:
+                r = self.curve.knots(given)
+            if self.nips.coarse and change <= SETTLED:
+                self.nips.coarse, before = False, None
+            rough = change > SETTLED
+            turn = self._turned(given, r, rough=rough)
+            added = not self.nips.coarse and self._refined(turn)
+            change = turn.change
+            settled = not (added or rough)
+            if settled and number >= PATIENT and change <= self.rtol:
                 self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
             if settled and change <= self.agreed:
-                return self._result(r, given, answers, roll)
+                # one more turn where this is not well below what the certificate allows
+                if change <= SPARE * self.agreed or agreed_once:
+                    return turn
+                agreed_once = True
             own = before if self.problem.roll_body == "direct" else None
-            given, before = _corrected(given, answers, own), (given, answers)
+            given, before = _corrected(turn, own), turn
         raise NotConverged(
             f"nips and roll do not agree: after {MOST_TURNS} turns the wound-on tension still "
             f"changes by {change:.2g} of it",
-            self._result(r, before[0], answers, roll) if before else None,
+            self._told(before) if before else None,
         )
+
+    def _turned(self, given: dict[float, float], r: Array, *, rough: bool) -> _Turn:
+        """Wind the roll with shares at places, solve the nips on it."""
+        film = self.nips.mean_film()
+        tension = self.curve.tension(given, r)
+        rtol = max(self.rtol, COARSE_RTOL * rough)
+        roll = wind(self.problem, r, tension, rtol, film)
+        answers = {place: self._answer(place, roll) for place in given}
+        change = max(abs(self._off(place, share)) for place, share in given.items())
+        # of a lap, what more of air it would hold
+        change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
+        return _Turn(given, answers, r, roll, film, change)
+
+    def _answer(self, place: float, roll: WoundRollResult) -> float:
+        radius = self.curve.radius(place)
+        return self.curve.share(self.nips.tension(radius, roll), radius)
 
     def _off(self, place: float, share: float) -> float:
         """Return by what of it a nip's wound-on tension is off the one it was wound with."""
-        r = np.array(self.radius(place))
-        return (
-            float(self.tension(np.array(share), r)) / self.nips[place].result.wound_on_tension - 1
-        )
+        r = self.curve.radius(place)
+        given = float(self.curve.wound_on(np.array(share), np.array(r)))
+        return given / self.nips.felt[r].result.wound_on_tension - 1
 
-    def _first(self, start: WindingResult | None, place: float) -> float:
-        if start is None:
+    def _first(self, place: float) -> float:
+        if self.start is None:
             return FIRST_SHARE
-        r = np.array(self.radius(place))
-        told = np.interp(r, start.radius, start.nip_induced_tension)
+        r = self.curve.radius(place)
+        told = np.interp(r, self.start.radius, self.start.nip_induced_tension)
         return float(told / (self.problem.roll_friction * self.problem.at("nip_load", r)))
 
-    def _relative(self, place: float, share: float) -> float:
-        """Return by how much of the wound-on tension a share is."""
-        result, problem = self.nips[place].result, self.problem
-        return share * problem.roll_friction * result.problem.nip_load / result.wound_on_tension
-
-    def _errors(self, answers: Mapping[float, float]) -> list[float]:
-        """Return of each piece by how much of the tension it may be off."""
-        told = []
-        for piece in self.pieces:
-            misses = [abs(self._relative(*miss)) for miss in piece.misses(answers)]
-            told.append(max(misses, default=np.inf))
-        return told
-
-    def _refined(
-        self, given: dict[float, float], answers: dict[float, float], roll: WoundRollResult,
-    ) -> bool:  # fmt: skip
+    def _refined(self, turn: _Turn) -> bool:
         """Add radii until the interpolation is good enough; tell whether any were needed."""
-        added = False
-        allowed = (1 - STRAIGHT) * self.rtol  # the rest is for the lines between the radii told
-        while (errors := self._errors(answers)) and max(errors) > allowed:
-            piece = self.pieces[int(np.argmax(errors))]
+        added, curve, answers = False, self.curve, turn.answers
+        while max(errors := np.divide(curve.errors(answers), curve.allowed)) > 1:
+            worst = int(np.argmax(errors))
+            piece = curve.pieces[worst]
             if len(answers) >= MOST_NIPS:
-                r = self.radius(piece.misses(answers)[-1][0])
+                r = curve.radius(piece.misses(answers)[-1][0])
                 raise NotConverged(
                     f"rtol={self.rtol:g} is not reached with {MOST_NIPS} nips: at the radius "
-                    f"{r:.4g} m their wound-on tension is {max(errors):.2g} off between them; "
+                    f"{r:.4g} m their wound-on tension is {curve.errors(answers)[worst]:.2g} off "
+                    "between them; "
                     "smoother schedules, or a larger rtol"
                 )
             place = piece.next
-            given[place] = float(piece.at(np.array(place), given))
-            answers[place] = self.nip(place, roll)
+            turn.given[place] = float(piece.at(np.array(place), turn.given))
+            answers[place] = self._answer(place, turn.roll)
+            turn.change = max(turn.change, abs(self._off(place, turn.given[place])))
             piece.places.append(place)
             added = True
         return added
 
-    # ---- results --------------------------------------------------------------------------------
+    def _tell(self, solved: int) -> None:
+        if self.progress is not None:
+            self.progress(solved, max(EXPECTED_TURNS * len(self.curve.places), solved))
 
-    def given(self) -> WindingResult:
-        """Wind with a tension that takes no nip."""
-        problem = self.problem
-        law, at = problem.tension_law, problem.at
-        r = self.looked_at()
-        if isinstance(law, Profile):
-            tension = problem.curve("tension_law").at(r)
-        elif law == "fixed":
-            tension = at("web_tension", r) + at("nip_induced_tension", r)
-        else:
-            tension = at("web_tension", r) + at("winding_force", r)
-            tension = tension + problem.roll_friction * at("nip_load", r)
-        told = self.needed(r, tension)
-        drawn = np.interp(r, r[told], tension[told])
-        off = float(np.max(np.abs(drawn - tension)) / np.max(np.abs(tension)))
-        return self._told(
-            r[told], tension[told], self.wound(r[told], tension[told]), {}, off * (off > ROUNDING)
-        )
+    def _told(self, turn: _Turn) -> WindingResult:
+        curve, r = self.curve, turn.r
+        tension = curve.tension(turn.given, r)
+        return told(
+            self.problem, r, tension, turn.roll, self.nips,
+            interpolation=(curve.off(turn.answers, r, tension), curve.off_on_core(turn.answers)),
+            rtol=self.rtol, agreed=self.agreed, film=turn.film,
+            bent=curve.tension(turn.given, r, bent=True),
+        )  # fmt: skip
 
-    def _result(
-        self, r: Array, given: Mapping[float, float], answers: Mapping[float, float],
-        roll: WoundRollResult,
-    ) -> WindingResult:  # fmt: skip
-        shares, fine = self.shares(given, r), self.looked_at()
-        tension = self.tension(shares, r)
-        exact = self.tension(self.shares(given, fine), fine)
-        straight = np.max(np.abs(np.interp(fine, r, tension) / exact - 1))
-        interpolation = max(self._errors(answers)) + straight + self._unseen(fine, exact)
-        return self._told(r, tension, roll, answers, interpolation)
+    def measured(self, problem: WindingProblem) -> WindingResult:
+        """Wind the roll of a problem whose schedules wander about those that are wound here."""
+        turn, curve = self._agreed(), self.curve
+        departs = Departure(problem, self.problem, curve, self.nips)
 
-    def _unseen(self, r: Array, tension: Array) -> float:
-        """Return what schedules may do to the tension between nips, of it.
+        def tension(at: Array, *, bent: bool = False) -> Array:
+            return curve.tension(turn.given, at, bent=bent) + departs(at)
 
-        Where the nip load is off its own polynomial through the nips, so is the share; by less than
-        half as much, for NIT grows with a power of the load between 1/2 and 1.
-        """
-        at = self.problem.at
-        places = [place for piece in self.pieces for place in piece.places]
-        loads = {place: float(at("nip_load", self.radius(place))) for place in places}
-        off = np.abs(self.shares(loads, r) / at("nip_load", r) - 1) / 2
-        added = np.abs(tension - at("web_tension", r)) / tension
-        return float(np.max((off * added)[r >= self.problem.core.radius + self.first]))
-
-    def _uneven(self, interpolation: float) -> list[str]:
-        if interpolation <= 2 * self.rtol:
-            return []
-        return [
-            f"{RESOLUTION}the schedules vary so much between the {len(self.nips)} nips that the "
-            f"wound-on tension there may be {100 * interpolation:.2g} % off; smooth them, or take "
-            "them apart where they change"
-        ]
-
-    def _told(
-        self, r: Array, tension: Array, roll: WoundRollResult, answers: Mapping[float, float],
-        interpolation: float,
-    ) -> WindingResult:  # fmt: skip
-        at, places = self.problem.at, sorted(answers)
-        nips = [self.nips[place] for place in places]
-        loads: dict[str, Any] = {name: at(name, r) for name in LOADS}
-        result = WindingResult(
-            problem=self.problem,
-            radius=r,
-            **loads,
-            nip_induced_tension=tension - loads["web_tension"],
-            wound_on_tension=tension,
-            nip_radius=np.array([self.radius(place) for place in places]),
-            nip_wound_on_tension=np.array([felt.result.wound_on_tension for felt in nips]),
-            nip_half_width=np.array([felt.result.half_width for felt in nips]),
-            nip_peak_pressure=np.array([felt.result.peak_pressure for felt in nips]),
-            nip_felt_pressure=np.array([felt.pressure for felt in nips]),
-            nip_air_film=np.array([self.films[self.radius(place)] for place in places]),
-            nip_friction=np.array([felt.result.problem.roll_friction for felt in nips]),
-            air_film=self.film,
-            nip_error=np.array([felt.result.wound_on_tension_error for felt in nips]),
-            nip_residual=np.array([felt.result.residual for felt in nips]),
-            interpolation_error=float(interpolation),
-            nodes=self.nodes,
-            roll_rtol=self.rtol,
-            agreed=self.agreed,
-            nips_solved=self.solved,
-            residuals=Residuals(),
-            warnings=(
-                *_warnings([(self.radius(p), self.nips[p].result) for p in places]),
-                *self._uneven(interpolation),
-            ),
-            wound=roll,
-        )
-        return result.replace(errors=_errors(result))
+        fine = looked_at(problem)
+        own = [curve.radius(place) for place in curve.places]
+        r = told_radii(problem, fine, tension(fine), self.rtol, own)
+        roll = wind(problem, r, tension(r), self.rtol, turn.film)
+        known = self.nips
+        checks = Nips(problem, self.nodes, self.agreed, known.tell, known.told(), known.solved)
+        missed = largest_miss(departs, checks, roll, tension)
+        known.solved = checks.solved
+        smooth = curve.off(turn.answers, turn.r, np.interp(turn.r, r, tension(r) - departs(r)))
+        return told(
+            problem, r, tension(r), roll, known,
+            interpolation=(smooth + missed, curve.off_on_core(turn.answers)),
+            rtol=self.rtol, agreed=self.agreed, film=turn.film, bent=tension(r, bent=True),
+            departure=departs(np.array(sorted(own))),
+        )  # fmt: skip
 
 
-def _needed(r: Array, values: Array, within: float) -> Array:
-    """Return which points a line through them needs, to miss none by more (Douglas, Peucker)."""
-    keep = np.zeros(r.size, dtype=bool)
-    keep[[0, -1]] = True
-    waiting = [(0, r.size - 1)]
-    while waiting:
-        a, b = waiting.pop()
-        line = values[a] + (values[b] - values[a]) * (r[a : b + 1] - r[a]) / (r[b] - r[a])
-        off = np.abs(values[a : b + 1] - line)
-        k = a + int(np.argmax(off))
-        if off[k - a] > within:
-            keep[k] = True
-            waiting += [(a, k), (k, b)]
-    return keep
-
-
-def _corrected(
-    given: Mapping[float, float], answers: Mapping[float, float],
-    before: tuple[Mapping[float, float], Mapping[float, float]] | None,
-) -> dict[float, float]:  # fmt: skip
+def _corrected(turn: _Turn, before: _Turn | None) -> dict[float, float]:
     """Return the next shares: each by a secant of its own, for nips feel little of each other.
 
     An effective roll needs none: what it feels is found with the tension that it gives.
     """
     found = {}
-    for place, share in given.items():
-        steep, answer = 0.0, answers[place]
-        if before is not None and place in before[0]:
-            moved = share - before[0][place]
+    for place, share in turn.given.items():
+        steep, answer = 0.0, turn.answers[place]
+        if before is not None and place in before.given:
+            moved = share - before.given[place]
             if abs(moved) > 1e-12:
-                steep = float(np.clip((answer - before[1][place]) / moved, -0.5, 0.3))
+                steep = float(np.clip((answer - before.answers[place]) / moved, -0.5, 0.3))
         found[place] = share + (answer - share) / (1 - steep)
     return found
 
 
-@contextmanager
-def _at(radius: float) -> Iterator[None]:
-    """Name the radius at which a nip fails."""
-    where = f"at the radius {radius:.4g} m: "
-    try:
-        yield
-    except InvalidProblem as fault:
-        raise type(fault)([(f, where + text) for f, text in fault.faults]) from None
-    except NotConverged as stop:
-        raise NotConverged(where + str(stop), stop.best) from None
-
-
-def _warnings(nips: list[tuple[float, WrappedNipResult]]) -> tuple[str, ...]:
-    """Return the nips' warnings, each sort once, with the radius where it first comes up."""
-    told: dict[str, str] = {}
-    for radius, result in nips:
-        for text in result.warnings:
-            sort = re.sub(r"[\d.e+-]+", "", text)
-            mark = RESOLUTION if text.startswith(RESOLUTION) else ""
-            where = f"nip at the radius {radius:.4g} m: "
-            told.setdefault(sort, mark + where + text.removeprefix(RESOLUTION))
-    return tuple(told.values())
-
-
-def _errors(result: WindingResult) -> dict[str, float]:
-    """Return the errors told: what nips, their interpolation and the roll leave."""
-    told = {}
-    share = result.interpolation_error + result.agreed
-    if result.nip_radius.size:
-        share += float(np.max(result.nip_error / result.nip_wound_on_tension))
-        told["mean_wound_on_tension"] = share * result.mean_wound_on_tension
-    for name in ("core_pressure", "mid_pressure", "least_hoop_stress"):
-        # a roll's pressure goes with about the square of its tension
-        own = result.roll.errors.get(name, nan)
-        told[name] = own + 2 * share * abs(getattr(result, name))
-    return told
+def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> WindingResult:
+    """Wind with a tension that takes no nip."""
+    law, at, r = problem.tension_law, problem.at, looked_at(problem)
+    if isinstance(law, Profile):
+        tension = problem.curve("tension_law").at(r)
+    elif law == "fixed":
+        tension = at("web_tension", r) + at("nip_induced_tension", r)
+    else:
+        tension = at("web_tension", r) + at("winding_force", r)
+        tension = tension + problem.roll_friction * at("nip_load", r)
+    own = told_radii(problem, r, tension, rtol)
+    drawn = np.interp(own, r, tension)
+    off = float(np.max(np.abs(np.interp(r, own, drawn) - tension)) / np.max(np.abs(tension)))
+    return told(
+        problem, own, drawn, wind(problem, own, drawn, rtol),
+        Nips(problem, nodes, agreed, lambda _: None),
+        interpolation=(off * (off > ROUNDING), 0.0), rtol=rtol, agreed=agreed, film=0.0,
+    )  # fmt: skip

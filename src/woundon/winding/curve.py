@@ -1,0 +1,226 @@
+r"""The wound-on tension over the radius, from what a few nips add.
+
+What is drawn is the share y = (WOT - T_in)/(mu+ P), which hardly varies: what the schedules do is
+in T_in and P.  Its coordinate, the *place*, is x = ln(r - r_c), for a nip feels a roll's depth:
+
+    laps    1     10         0.05 r_c                     a sharp kink          R
+            |------|============|================================|==============|
+          tangent    on the core         a piece each of polynomials through few places
+
+On fewer laps than ten there is no roll whose pressure could be told.  In the piece on the core the
+contact is wider than what it presses, and y changes quickly; it matters to the core's surroundings
+only, and takes a few places of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..problems.roll import FEWEST_LAPS
+from ..problems.winding import LOADS, WindingProblem
+from .interpolation import FEWEST, Piece
+
+__all__ = ["MOST_PIECES", "TensionCurve", "looked_at", "sharp_kinks", "told_radii"]
+
+Array = np.ndarray
+
+NEAR_CORE = 0.05  # depth of the piece on the core, of the core's radius
+ROOM_FOR_AIR = 2.0  # how thick ten laps may be with their air, of the web alone
+FEWEST_NEAR_CORE = 4  # of its places
+LESS_EXACT = 5  # times rtol, by which that piece may be off
+DEEP_ENOUGH = 1.5  # times ten laps: the least depth of such a piece
+# of x: from where the curvature before the first place is taken, and on which slopes are
+JUST_BEHIND, STEP = 0.5, 1e-4
+LEAST_KEPT = 0.2  # of the tenth lap's tension, by those before it
+SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in two pieces
+MOST_PIECES = 6  # beside that on the core
+LOOKED_AT = 200  # radii from which those of the curve told are taken
+STRAIGHT = 0.3  # of rtol, by which the curve may miss the line between two of them
+
+
+class TensionCurve:
+    """The tension of a winding, between places at which shares y are given.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    rtol : float
+        By how much of it the tension may be off.
+
+    Attributes
+    ----------
+    pieces : list of Piece
+        From the tenth lap to the surface; their places are where nips are wanted.
+    allowed : list of float
+        By how much of the tension each piece may be off.
+    """
+
+    def __init__(self, problem: WindingProblem, rtol: float) -> None:
+        self.problem, self.rtol = problem, rtol
+        core, R = problem.ends
+        room = ROOM_FOR_AIR if problem.air is not None and problem.web_speed else 1 + 1e-9
+        self.least = FEWEST_LAPS * problem.web.thickness * room
+        inner = min(max(self.least, NEAR_CORE * core), max(self.least, 0.25 * (R - core)))
+        sharp = {r: bend for r, bend in sharp_kinks(problem).items() if core + inner < r < R}
+        cuts = sorted(sorted(sharp, key=sharp.__getitem__)[-MOST_PIECES + 1 :])
+        ends = [float(np.log(r - core)) for r in (core + inner, *cuts, R)]
+        self.pieces = [Piece(a, b, FEWEST) for a, b in pairwise(ends)]
+        if inner > DEEP_ENOUGH * self.least:
+            start = float(np.log(self.least))
+            self.pieces.insert(0, Piece(start, ends[0], FEWEST_NEAR_CORE))
+        self.on_core = len(self.pieces) >= len(ends)  # whether the first one is that on the core
+        # the rest is for the lines between the radii told
+        self.allowed = [(1 - STRAIGHT) * rtol] * len(self.pieces)
+        if self.on_core:
+            self.allowed[0] *= LESS_EXACT
+
+    @property
+    def places(self) -> list[float]:
+        """Where nips are wanted."""
+        return list(dict.fromkeys(place for piece in self.pieces for place in piece.places))
+
+    def radius(self, place: float) -> float:
+        """Return the radius of a place [m]; at the surface exactly."""
+        core, R = self.problem.ends
+        return R if place == self.pieces[-1].end else core + float(np.exp(place))
+
+    def shares(self, values: Mapping[float, float], r: Array, *, bent: bool = False) -> Array:
+        """Return y at radii, from values at the places.
+
+        On fewer laps than ten along the tangent, or ``bent`` as y is just behind; below a lap that
+        of one lap.
+        """
+        x = np.log(np.maximum(r - self.problem.core.radius, self.problem.web.thickness))
+        out = np.empty(x.shape)
+        for piece in self.pieces:
+            own = x >= piece.start - 1e-12
+            out[own] = piece.at(np.clip(x[own], piece.start, piece.end), values)
+        first = self.pieces[0]
+        below = x < first.start
+        before = x[below] - first.start
+        out[below] = values[first.start] + self._slope(values, 0.0) * before
+        if bent:
+            bend = (self._slope(values, JUST_BEHIND) - self._slope(values, 0.0)) / JUST_BEHIND
+            out[below] += bend * before**2 / 2
+        return out
+
+    def _slope(self, values: Mapping[float, float], behind: float) -> float:
+        """Return dy/dx somewhat behind the first place."""
+        first = self.pieces[0]
+        at = first.start + min(behind, first.end - first.start) + np.array([0.0, STEP])
+        one, two = first.at(at, values)
+        return float(two - one) / STEP
+
+    def tension(self, values: Mapping[float, float], r: Array, *, bent: bool = False) -> Array:
+        """Return WOT at radii [N/m], from shares at the places; see :meth:`shares`.
+
+        No extrapolation leaves the first laps slack.
+        """
+        found, first = self.wound_on(self.shares(values, r, bent=bent), r), self.pieces[0].start
+        at = np.array(self.radius(first))
+        tenth = float(self.wound_on(np.array(values[first]), at))
+        return np.where(r < at, np.maximum(found, min(tenth, LEAST_KEPT * tenth)), found)
+
+    def wound_on(self, shares: Array, r: Array) -> Array:
+        """Return WOT of shares at radii [N/m]."""
+        at = self.problem.at
+        return at("web_tension", r) + shares * self.problem.roll_friction * at("nip_load", r)
+
+    def share(self, tension: float, r: float) -> float:
+        """Return y of a tension at a radius."""
+        at = self.problem.at
+        gained = tension - float(at("web_tension", r))
+        return gained / (self.problem.roll_friction * float(at("nip_load", r)))
+
+    def knots(self, values: Mapping[float, float]) -> Array:
+        """Return the radii at which the tension is told: the places, and what it takes between."""
+        r = looked_at(self.problem)
+        own = [self.radius(place) for place in values]
+        return told_radii(self.problem, r, self.tension(values, r), self.rtol, own)
+
+    # ---- how far it may be off ------------------------------------------------------------------
+
+    def errors(self, values: Mapping[float, float]) -> list[float]:
+        """Return of each piece by how much of the tension it may be off."""
+        return [
+            max(self._relative(place, off, values[place]) for place, off in piece.misses(values))
+            for piece in self.pieces
+        ]
+
+    def _relative(self, place: float, off: float, value: float) -> float:
+        """Return by how much of the tension a share is off."""
+        r = np.array(self.radius(place))
+        added = off * self.problem.roll_friction * self.problem.at("nip_load", r)
+        return float(added / self.wound_on(np.array(value), r))
+
+    def off(self, values: Mapping[float, float], r: Array, told: Array) -> float:
+        """Return by how much of it the tension told at some radii may be off between nips."""
+        fine = looked_at(self.problem)
+        exact = self.tension(values, fine)
+        straight = np.max(np.abs(np.interp(fine, r, told) / exact - 1))
+        return (
+            max(self.errors(values)[self.on_core :]) + float(straight) + self._unseen(fine, exact)
+        )
+
+    def off_on_core(self, values: Mapping[float, float]) -> float:
+        """Return by how much of it the tension in the piece on the core may be off."""
+        return self.errors(values)[0] if self.on_core else 0.0
+
+    def _unseen(self, r: Array, tension: Array) -> float:
+        """Return what schedules may do to the tension between nips, of it.
+
+        Where the nip load is off its own polynomial through the nips, so is the share; by less than
+        half as much, for NIT grows with a power of the load between 1/2 and 1.
+        """
+        at = self.problem.at
+        loads = {place: float(at("nip_load", self.radius(place))) for place in self.places}
+        off = np.abs(self.shares(loads, r) / at("nip_load", r) - 1) / 2
+        added = np.abs(tension - at("web_tension", r)) / tension
+        return float(np.max((off * added)[r >= self.radius(self.pieces[0].start)]))
+
+
+def sharp_kinks(problem: WindingProblem) -> dict[float, float]:
+    """Return the radii at which a schedule has a sharp kink [m], and how sharp it is."""
+    return {r: bend for r, bend in problem.kinks.items() if bend > SHARP}
+
+
+def looked_at(problem: WindingProblem) -> Array:
+    """Return radii, dense near the core, among which are those where something is told [m]."""
+    core, R = problem.ends
+    lap = problem.web.thickness
+    deep = core + np.exp(np.linspace(np.log(lap), np.log(R - core), LOOKED_AT))
+    r = np.union1d(deep[:-1], problem.radii(LOOKED_AT))
+    r = r[np.append(True, np.diff(r) > 1e-9 * R)]
+    r[-1] = R
+    return np.asarray(r)
+
+
+def told_radii(
+    problem: WindingProblem, r: Array, tension: Array, rtol: float, own: Sequence[float] = ()
+) -> Array:
+    """Return which radii the tension and the schedules take, drawn linear between, and own ones."""
+    curves = [tension, *(problem.at(name, r) for name in LOADS)]
+    within = STRAIGHT * rtol
+    taken = np.any([_points_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
+    found, R = r[taken], problem.radius
+    apart = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
+    return np.union1d(found[apart], list(own))
+
+
+def _points_needed(r: Array, values: Array, within: float) -> Array:
+    """Return which points a line through them needs, to miss none by more (Douglas, Peucker)."""
+    keep = np.zeros(r.size, dtype=bool)
+    keep[[0, -1]] = True
+    waiting = [(0, r.size - 1)]
+    while waiting:
+        a, b = waiting.pop()
+        line = values[a] + (values[b] - values[a]) * (r[a : b + 1] - r[a]) / (r[b] - r[a])
+        off = np.abs(values[a : b + 1] - line)
+        k = a + int(np.argmax(off))
+        if off[k - a] > within:
+            keep[k] = True
+            waiting += [(a, k), (k, b)]
+    return keep

@@ -1,0 +1,111 @@
+"""What is told of a winding: its result from curve, roll and nips."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from ..errors import RESOLUTION
+from ..problems.winding import LOADS, WindingProblem
+from ..results import Residuals
+from ..roll.result import WoundRollResult
+from .nips import Nips
+from .result import WindingResult
+from .roll import wind
+
+__all__ = ["told"]
+
+Array = np.ndarray
+
+
+def told(
+    problem: WindingProblem, r: Array, tension: Array, roll: WoundRollResult, nips: Nips, *,
+    interpolation: tuple[float, float], rtol: float, agreed: float, film: float,
+    bent: Array | None = None, departure: Array | None = None,
+) -> WindingResult:  # fmt: skip
+    """Return the result of a winding, without its certificate.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    r, tension : (M,) arrays
+        The radii told [m], the wound-on tension there [N/m].
+    roll : WoundRollResult
+        Wound with it.
+    nips : Nips
+    interpolation : (float, float)
+        By what of it the tension between the nips may be off, and that in the piece on the core.
+    rtol, agreed, film : float
+        As of the result.
+    bent : (M,) array, optional
+        The tension, extrapolated to the core otherwise [N/m].
+    departure : (n,) array, optional
+        By how much the tension departs at the nips from theirs, which are of smooth schedules.
+    """
+    loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
+    felt = nips.told()
+    solved = [each.result for each in felt]
+    result = WindingResult(
+        problem=problem,
+        radius=r,
+        **loads,
+        nip_induced_tension=tension - loads["web_tension"],
+        wound_on_tension=tension,
+        nip_radius=np.array([each.radius for each in felt]),
+        nip_wound_on_tension=np.array([nip.wound_on_tension for nip in solved]),
+        nip_departure=np.zeros(len(felt)) if departure is None else departure,
+        nip_half_width=np.array([nip.half_width for nip in solved]),
+        nip_peak_pressure=np.array([nip.peak_pressure for nip in solved]),
+        nip_felt_pressure=np.array([each.pressure for each in felt]),
+        nip_air_film=np.array([nips.films[each.radius] for each in felt]),
+        nip_friction=np.array([nip.problem.roll_friction for nip in solved]),
+        air_film=film,
+        nip_error=np.array([nip.wound_on_tension_error for nip in solved]),
+        nip_residual=np.array([nip.residual for nip in solved]),
+        interpolation_error=interpolation[0],
+        core_interpolation_error=interpolation[1],
+        nodes=nips.nodes,
+        roll_rtol=rtol,
+        agreed=agreed,
+        nips_solved=nips.solved,
+        residuals=Residuals(),
+        warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(felt))),
+        wound=roll,
+        nips=tuple(felt),
+    )
+    if bent is None:
+        return result.replace(errors=_errors(result, None))
+    return result.replace(errors=_errors(result, wind(problem, r, bent, rtol, film)))
+
+
+def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
+    if interpolation <= 2 * rtol:
+        return []
+    return [
+        f"{RESOLUTION}the schedules vary so much between the {count} nips that the wound-on "
+        f"tension there may be {100 * interpolation:.2g} % off; smooth them, or take them apart "
+        "where they change"
+    ]
+
+
+def _errors(result: WindingResult, bent: WoundRollResult | None) -> dict[str, float]:
+    """Return the errors told: what nips, their interpolation and the roll leave.
+
+    What laps before the first nip may do is how a roll differs whose tension is ``bent`` there.
+    """
+    found = {}
+    share = result.interpolation_error + result.agreed
+    if result.nip_radius.size:
+        share += float(np.max(result.nip_error / result.nip_wound_on_tension))
+        found["mean_wound_on_tension"] = share * result.mean_wound_on_tension
+    for name in ("core_pressure", "mid_pressure", "least_hoop_stress"):
+        own, value = result.roll.errors.get(name, nan), getattr(result, name)
+        # a roll's pressure goes with about the square of its tension
+        found[name] = own + 2 * share * abs(value)
+        if bent is not None:
+            found[name] += abs(getattr(bent, name) - value)
+    # the piece on the core matters there only
+    found["core_pressure"] += result.core_interpolation_error * result.core_pressure
+    return found
