@@ -13,13 +13,15 @@ __all__ = ["coarse", "coarse_anew", "coarse_options"]
 
 # as cheap as a kind's solver lets it be; a winding is 60 nips
 CHEAP = {"rtol": 0.05, "agreed": 1e-3}
+LEAST_NODES = 25  # of a winding's nips
 
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
     """Return the options of a kind's solver that make it quick."""
     options = signature(kind.solver).parameters
-    chosen: dict[str, Any] = {"nodes": nodes} if "nodes" in options else {}
-    return chosen | (CHEAP if "agreed" in options else {})
+    if "agreed" in options:
+        return CHEAP | {"nodes": max(nodes, LEAST_NODES)}
+    return {"nodes": nodes} if "nodes" in options else {}
 
 
 def coarse_anew(problem: wo.Problem, nodes: int = 25) -> Any:
