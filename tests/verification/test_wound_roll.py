@@ -33,6 +33,12 @@ SOFT_CORE = {"radial": 40e6, "nu": 0.01, "core": 0.2e9}
 NEWSPRINT = wo.WoundRollProblem.example()
 
 
+def left(result: wo.WoundRollResult, name: str = "peak_pressure") -> float:
+    """Return the told error without what finite laps change: that of the solution [Pa]."""
+    by = np.abs(result.finite_laps)
+    return result.errors[name] - float(by[0] if name == "core_pressure" else by.max())
+
+
 @pytest.mark.parametrize(
     ("case", "pressures"),
     [  # kPa, of an independent derivation
@@ -89,13 +95,13 @@ def test_told_errors_hold_and_fall_with_the_tolerance():
     fine = wo.solve(NEWSPRINT, rtol=1e-6)
     for rtol in (1e-2, 1e-3, 1e-4):
         result = wo.solve(NEWSPRINT, rtol=rtol)
-        assert result.errors["peak_pressure"] <= rtol * result.peak_pressure
+        assert left(result) <= rtol * result.peak_pressure
         inside = np.linspace(0.0446, 0.1499, 300)
         miss = np.abs(
             result.at_radius(inside)["pressure"] - fine.at_radius(inside)["pressure"]
         ).max()
-        assert miss <= 2 * result.errors["peak_pressure"]
-        assert abs(result.core_pressure - fine.core_pressure) <= 2 * result.errors["core_pressure"]
+        assert miss <= 2 * left(result)
+        assert abs(result.core_pressure - fine.core_pressure) <= 2 * left(result, "core_pressure")
         assert miss <= rtol * fine.peak_pressure
 
 
@@ -170,7 +176,7 @@ def test_strong_kinks_are_stages():
     rough, fine = wo.solve(problem, rtol=1e-2), wo.solve(problem, rtol=3e-4)
     r = np.linspace(0.0446, 0.1499, 300)
     miss = np.abs(rough.at_radius(r)["pressure"] - fine.at_radius(r)["pressure"]).max()
-    assert miss <= rough.errors["peak_pressure"] + fine.errors["peak_pressure"]
+    assert miss <= left(rough) + left(fine)
     assert rough.residuals.largest < 1e-8
 
 
@@ -181,8 +187,8 @@ def test_strong_kinks_are_stages():
     ids=["newsprint", "0.6 m", "100 000 laps", "taper"],
 )  # fmt: skip
 def test_the_price_does_not_depend_on_laps_radius_or_taper(changes: dict):
-    """158 to 163 linear systems, 34 to 41 dense solves; some 340 to 660 if kappa is iterated."""
-    assert wo.solve(NEWSPRINT.replace(**changes)).steps < 200
+    """201 to 211 linear systems, 46 for finite laps; some 340 to 660 if kappa is iterated."""
+    assert wo.solve(NEWSPRINT.replace(**changes)).steps < 240
 
 
 def test_told_errors_of_random_rolls_hold():
@@ -199,7 +205,7 @@ def test_told_errors_of_random_rolls_hold():
         result = wo.solve(roll)
         r = np.geomspace(roll.core.radius, roll.radius, 500)
         miss = np.abs(result.at_radius(r)["pressure"] - constant_moduli(roll, r).pressure).max()
-        ratios.append(miss / result.errors["peak_pressure"])
+        ratios.append(miss / left(result))
     assert max(ratios) <= 1.2  # an estimate
     assert np.median(ratios) < 0.8
 
@@ -211,7 +217,7 @@ def test_a_stack_without_stiffness_of_its_own_is_wound(m: float):
     roll = NEWSPRINT.replace(stack=NEWSPRINT.stack.replace(radial=law))
     rough, fine = wo.solve(roll, rtol=1e-2), wo.solve(roll, rtol=1e-3)
     miss = abs(rough.core_pressure - fine.core_pressure)
-    assert miss <= rough.errors["core_pressure"] + fine.errors["core_pressure"]
+    assert miss <= left(rough, "core_pressure") + left(fine, "core_pressure")
     assert fine.residuals.largest <= 1e-8
 
 
@@ -286,7 +292,7 @@ def test_random_rolls_are_certified(
     )  # fmt: skip
     result = wo.solve(problem)
     assert result.residuals.largest <= 1e-8
-    assert result.errors["peak_pressure"] <= 1e-3 * result.peak_pressure
+    assert left(result) <= 1e-3 * result.peak_pressure
     assert (result.pressure >= -1e-9 * result.peak_pressure).all()
 
 

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
 from .. import kinds
 from ..quantities import Quantity, length, pure, strain, stress
 from ..results import Residuals, Result
+
+if TYPE_CHECKING:
+    from .growth import Growth
 
 __all__ = ["WoundRollResult"]
 
@@ -48,6 +52,8 @@ class WoundRollResult(Result):
         surface [1].
     stage_order : (J,) int array
         How many stages the polynomial of kappa goes through that ends at each.
+    lap_growth : (J,) array
+        Kappa with laps of the web's thickness, instead of thin ones.
     surface_slope : float
         -r P'/T - 1 at the surface, which is 0 but for the discretisation [1].
     steps : int
@@ -60,7 +66,7 @@ class WoundRollResult(Result):
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("growth", "stage_order"), "stage_radius")
+        dict.fromkeys(("growth", "stage_order", "lap_growth"), "stage_radius")
     )
 
     radius: Annotated[Array, length("r", "radius")]
@@ -77,6 +83,9 @@ class WoundRollResult(Result):
     growth: Annotated[Array, pure("kappa", "growth below the surface of a further lap's pressure")]
     stage_order: Annotated[
         Array, pure("n_k", "stages that the growth's polynomial goes through"), int
+    ]
+    lap_growth: Annotated[
+        Array, pure("kappa_h", "the same with laps of the web's thickness, not thin ones")
     ]
     surface_slope: Annotated[
         float, strain("e_s", "by how much the slope at the surface misses the tension")
@@ -112,6 +121,28 @@ class WoundRollResult(Result):
         """Share of the radii, core to surface, at which sigma_t < 0 [1]."""
         r = np.linspace(self.radius[0], self.radius[-1], COMPARED)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
+
+    @property
+    def finite_laps(
+        self,
+    ) -> Annotated[Array, stress("P_h", "what laps of finite thickness add to the pressure")]:
+        """What laps of the web's thickness add to P, which is that of thin ones [Pa]."""
+        return kinds.fetch("woundon.roll.laps:finite_laps")(self)[0]
+
+    @property
+    def lap_effect(
+        self,
+    ) -> Annotated[float, strain("e_h", "change of the pressure by finite laps, of the largest")]:
+        """Largest of ``finite_laps``, of the largest pressure; contained in the told errors [1]."""
+        by = self.finite_laps
+        return float(by[np.argmax(np.abs(by))]) / self.peak_pressure
+
+    @cached_property
+    def kappa(self) -> Growth:
+        """Kappa over ln r, a function."""
+        from .growth import Growth
+
+        return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
 
     @property
     def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:

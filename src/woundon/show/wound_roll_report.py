@@ -18,7 +18,7 @@ __all__ = ["wound_roll_report"]
 
 LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # told otherwise
 NAMES = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length", "laps",
-         "mass", "surface_slope"]  # fmt: skip
+         "mass", "surface_slope", "lap_effect"]  # fmt: skip
 # of the finished roll, where they are not nil
 CHANGES = ("temperature_change", "core_shrinkage")
 
@@ -32,6 +32,7 @@ def wound_roll_report(result: WoundRollResult) -> list[Part]:
     notes = {
         "peak_pressure": _place(r, result.pressure, int(np.argmax(result.pressure))),
         "least_hoop_stress": _place(r, hoop, int(np.argmin(hoop))),
+        "lap_effect": ", in the errors told",
     }
     return [
         Line(how, "quiet"),
