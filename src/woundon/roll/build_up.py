@@ -15,7 +15,7 @@ less in C, and at the core (E_t/E_c + nu) p more in T_c.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import exp, log
 from typing import Protocol
@@ -317,29 +317,37 @@ def wind_again(
     layer: float, told: Callable[[float], None] | None = None,
 ) -> BuildUp:  # fmt: skip
     """Wind a roll with the stages of another build-up: parameters as of :func:`wind`."""
-    return _with_stages(Laps(equations, tension), known, AGREED * tolerance, cells, layer, told)
+    laps, every = Laps(equations, tension), range(1, known.growth.x.size)
+    return _with_stages(laps, known, every, AGREED * tolerance, cells, layer, told)
 
 
-def wind_laps(laps: Laps, known: BuildUp, *, cells: int, layer: float) -> Growth:
-    """Return kappa with laps of a finite thickness, from the same stages with thin ones.
+def wind_laps(laps: Laps, known: BuildUp, *, cells: int, layer: float) -> Array:
+    """Return kappa with laps of a finite thickness, at the stages of a build-up with thin ones.
 
-    One step of Newton's method a stage will mostly do for the little that this changes.
+    What they change is little and smooth: every second stage will do, and kinks, and there mostly
+    one step of Newton's method.
     """
-    return _with_stages(laps, known, ROUGHLY, cells, layer, None).growth
+    thin = known.growth
+    kinks = np.flatnonzero(thin.through == 2) - 1
+    kept = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
+    found = _with_stages(laps, known, kept, ROUGHLY, cells, layer, None).growth
+    return np.asarray(thin.kappa + np.interp(thin.x, found.x, found.kappa - thin(found.x)))
 
 
 def _with_stages(
-    laps: Laps, known: BuildUp, agreed: float, cells: int, layer: float,
+    laps: Laps, known: BuildUp, which: Iterable[int], agreed: float, cells: int, layer: float,
     told: Callable[[float], None] | None,
 ) -> BuildUp:  # fmt: skip
     roll = _Roll(laps, exp(known.growth.x[0]), cells, layer, told)
-    for stage, through in zip(known.stages(), known.growth.through[1:], strict=True):
-        if through == 2:
+    stages, last = known.stages(), 0
+    for k in which:
+        if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last one
             roll.growth.begin_anew()
-        found, _ = roll.stage(stage.x[-1], agreed, stage)
+        found, _ = roll.stage(stages[k - 1].x[-1], agreed, stages[k - 1])
         if found is None:
-            raise NotWoundError(_no_stage_beyond(stage.x[-1]))
+            raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))
         roll.keep(found)
+        last = k
     return roll.wound()
 
 

@@ -220,7 +220,7 @@ def _with_laps(
         growth = wind_laps(laps, known, cells=cells, layer=layer_of(result.problem))
     except NotWoundError as stop:
         raise NotConverged(f"with laps as thick as the web {stop}", result) from None
-    result = result.replace(lap_growth=growth.kappa, steps=result.steps + laps.equations.steps)
+    result = result.replace(lap_growth=growth, steps=result.steps + laps.equations.steps)
     by = changed_by_laps(result)
     return result.replace(errors={name: error + by[name] for name, error in errors.items()})
 
