@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 
 from .. import kinds
-from ..quantities import Quantity, length, pure, strain, stress
+from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 
 if TYPE_CHECKING:
@@ -152,18 +152,55 @@ class WoundRollResult(Result):
 
     @property
     def laps(self) -> Annotated[float, pure("n", "laps on the roll")]:
-        """How many laps there are [1]."""
+        """How many laps of the web's full thickness there is room for [1]."""
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 
     @property
     def mass(
         self,
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
-        """Of the web alone [kg/m]; nan where its density is not given."""
+        """Of the web alone, laps of full thickness [kg/m]; nan without its density."""
         density = self.problem.density
         if density is None:
             return float("nan")
         return self.length * float(self.problem.web_thickness) * float(density)
+
+    @property
+    def residual_tension(
+        self,
+    ) -> Annotated[Array, line_load("T_r", "tension that is left in the laps")]:
+        """The web's thickness times sigma_t, > 0 tension [N/m]."""
+        return np.asarray(self.hoop_stress * self.problem.web_thickness)
+
+    @property
+    def density(
+        self,
+    ) -> Annotated[Array, Quantity("rho_r", "kg/m^3", "density of the wound layers")]:
+        """Of the finished roll, pressed and drawn laps, at the nodes [kg/m^3]; nan as ``mass``."""
+        return np.asarray(kinds.fetch("woundon.roll.density:in_the_roll")(self))
+
+    @property
+    def density_as_wound(
+        self,
+    ) -> Annotated[
+        Array, Quantity("rho_w", "kg/m^3", "web laid over the volume that the roll grew by")
+    ]:
+        """What a density analyser on the winder draws, at the nodes [kg/m^3]; nan as ``mass``."""
+        return np.asarray(kinds.fetch("woundon.roll.density:as_wound")(self, self.radius))
+
+    @property
+    def wound_mass(
+        self,
+    ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web, its laps pressed thinner")]:
+        """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
+        return float(kinds.fetch("woundon.roll.density:wound_mass")(self))
+
+    @property
+    def mean_density(
+        self,
+    ) -> Annotated[float, Quantity("rho_m", "kg/m^3", "mean density of the wound layers")]:
+        """The wound mass over the volume that it fills [kg/m^3]; nan as ``mass``."""
+        return self.wound_mass / float(kinds.fetch("woundon.roll.density:volume")(self))
 
     def at_radius(self, radius: Any) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.
