@@ -28,6 +28,7 @@ __all__ = [
     "KernelParts",
     "Past",
     "cosine_grid",
+    "distances",
     "nearest_nodes",
     "segmented_grid",
     "uniform_grid",
@@ -260,7 +261,7 @@ class Grid:
             out += kernel.sign * scale * self.sign[rows]
         if kernel.smooth is not None:
             at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
+            distance, where = distances(rank)
             core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
         return out if kernel.lag is None else out + past
@@ -319,12 +320,12 @@ class Grid:
             return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
         rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
-        singular, shape = self._singular, (len(kernels), self.points.size, self.unknowns)
+        singular, shape = self.singular, (len(kernels), self.points.size, self.unknowns)
         if smooth is None:
             out: Array = (factors @ singular).reshape(shape)
         else:
             at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
+            distance, where = distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
             out = at_points @ (core @ (scale * moments))
             for part, own in zip(out, factors, strict=True):  # small arrays stay in the cache
@@ -337,8 +338,8 @@ class Grid:
         return out
 
     @cached_property
-    def _singular(self) -> Array:
-        """The integrals of the singular parts, (4, K n)."""
+    def singular(self) -> Array:
+        """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K n)."""
         return np.array([self.inverse, self.value, self.log, self.sign]).reshape(4, -1)
 
 
@@ -347,7 +348,7 @@ def _chebyshev_points(r: int) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _distances(r: int) -> tuple[Array, Array]:
+def distances(r: int) -> tuple[Array, Array]:
     """Return the different distances between r Chebyshev points, and which belongs to each pair.
 
     The points are symmetric, so t_i - t_j comes back as t_(r-1-j) - t_(r-1-i): half are new.
