@@ -336,6 +336,39 @@ class Grid:
             out += self.lagging(lag, scale)
         return out
 
+    def act_together(
+        self,
+        kernels: Sequence[KernelParts],
+        smooth: Callable[[Array], Array] | None,
+        scale: float,
+        rank: int,
+        p: Array,
+        q: Array,
+    ) -> tuple[Array, Array]:
+        """Integrate slope by p and q and strain by p and q against tractions, (K,) each.
+
+        What ``integrate_together`` makes matrices of, in this order, times nodal tractions (n,).
+        """
+        loads = np.stack([p, q], axis=1)
+        log = [k.log * scale for k in kernels]
+        factors = np.array([
+            [k.inverse, k.delta, l, k.sign * scale] for k, l in zip(kernels, log, strict=True)
+        ])  # fmt: skip
+        used = 2 + 2 * bool(factors[:, 2:].any())
+        parts = self._singular[:used].reshape(-1, self.unknowns) @ loads
+        both = factors[:, :used].reshape(2, 2, used)  # slope and strain, by p and by q
+        found = np.einsum("slj,jkl->sk", both, parts.reshape(used, -1, 2))
+        if any(log):
+            found += (np.array(log).reshape(2, 2) @ (self.weights @ loads) * np.log(scale))[:, None]
+        if smooth is not None:
+            at_points, moments = self.interpolation(rank)
+            distance, where = _distances(rank)
+            core = smooth(scale * distance).take(where, axis=1).reshape(2, 2, rank, rank)
+            at_nodes = (core @ (scale * (moments @ loads).T)[..., None]).sum(axis=1)[..., 0]
+            found += at_nodes @ at_points.T
+        slope, strain = found
+        return slope, strain
+
     @cached_property
     def _singular(self) -> Array:
         """The integrals of the singular parts, (4, K n)."""

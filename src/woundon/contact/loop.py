@@ -23,10 +23,12 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import NotConverged
+from .follow import follow
 from .grid import nearest_nodes, zone_borders
 from .panagiotopoulos import panagiotopoulos
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
+from .zones import Runs
 from .width import WidthNotFound, width_for_load
 
 __all__ = [
@@ -60,6 +62,7 @@ FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
 STAND_INS = 3  # linear contacts before one that is not
+MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -190,6 +193,10 @@ class Contact(Protocol):
         """Return the equations for the half width a [m]."""
         ...
 
+    def zones(self, start: Start, equations: Any) -> Array:
+        """Return the zones to begin with, after another mesh or a neighbouring case."""
+        ...
+
     def refuse(self, equations: Any, state: Any) -> None:
         """Raise for a state that shows that there is no steady state."""
         ...
@@ -246,6 +253,8 @@ class Start:
         What it was linearised about.
     rough : bool
         Whether it is no more than a guess.
+    runs : sequence of Runs, optional
+        The zones of each face, borders to a fraction of a cell, in units of a.
     """
 
     half_width: float
@@ -257,6 +266,7 @@ class Start:
     widths: Widths | None = None
     before: Before | None = None
     rough: bool = False
+    runs: Sequence[Runs] | None = None
 
     def zones_on(self, faces: Sequence[Array]) -> Array:
         """Carry the zones over: each new node takes that of the nearest old one of its face."""
@@ -362,7 +372,8 @@ class Ladder:
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
-            start = self.level.start
+            if count != counts[-1]:
+                start = self.level.start
         if self.contact.settles_apart:  # there the coarsest mesh is but a start
             del self.history[:-2]
         self._tell()
@@ -490,6 +501,8 @@ class Ladder:
         for _ in range(MOST_PASSES):
             (equations, state), power = self._width(step.at, a, tolerance.load, power)
             a = state.half_width
+            if step.followed:
+                power = step.power
             if step.settled:
                 contact.refuse(equations, state)
                 carried_over = start is not None and start.level is not None
@@ -529,7 +542,7 @@ class Ladder:
         def evaluate(a: float) -> tuple[float, float]:
             return a, self.contact.frictionless_load(mesh, a)
 
-        return self._width(evaluate, self.contact.guess(), 1e-2, 2.0)
+        return self._width(evaluate, self.contact.guess(), 3e-2, 2.0)
 
     def _stand_in(self, mesh: Mesh) -> Start | None:
         """Return what linear bodies, about as stiff as the present ones, start from; or None."""
@@ -568,6 +581,7 @@ class _Step:
         self.tolerance = tolerance
         self.latest: tuple[Any, Any]
         self.missed = nan  # ln of the load carried at first over that asked
+        self.power, self.followed = 2.0 if start is None else start.power, False
         # from a neighbouring state, linearisation and width settle together
         self.apart = ladder.contact.settles_apart and (start is None or start.rough)
 
@@ -578,18 +592,36 @@ class _Step:
         return bool(equations.imbalance(state) <= self.tolerance.balance)
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
-        """Return equations, state and carried load for the half width a [m]."""
+        """Return equations, state and carried load for the half width a [m], or a better one."""
         contact = self.ladder.contact
         equations, state = self._linear(a)
+        self._note(float(equations.carried(state)))
+        for _ in range(MOST_FOLLOWED):
+            if state.solution.joint is None or contact.settles_apart:
+                break
+            found = follow(
+                equations, state.solution, contact.load, self.tolerance, self.power
+            )
+            if found is None:
+                break
+            equations, state, self.power = found[:3]
+            self.followed = True
+            self.latest = equations, state
+            if found.kept:
+                break
+            equations, state = self._linear(state.half_width)
         # where bodies are not linear, a load means something only once they have settled
         for _ in range(MOST_PASSES if self.apart else 0):
             if self.settled:
                 break
             equations, state = self._linear(a)
         carried = float(equations.carried(state))
-        if isnan(self.missed):
-            self.missed = log(carried / contact.load) if carried > 0 else 0.0
+        self._note(carried)
         return (equations, state), carried
+
+    def _note(self, carried: float) -> None:
+        if isnan(self.missed):
+            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
 
     def _linear(self, a: float) -> tuple[Any, Any]:
         """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
@@ -611,8 +643,11 @@ class _Step:
         equations = self.ladder.contact.equations(self.mesh, a, self.known.about)
         zones = self.known.zones
         if self.start is not None:
-            zones, self.start = self.start.zones_on(equations.faces), None
-        solution = self.ladder.find_zones(equations.stick_slip(), zones)
+            zones, self.start = self.ladder.contact.zones(self.start, equations), None
+        joint = getattr(equations, "joint", None)
+        by_pivots = self.ladder.find_zones is solve_stick_slip and joint is not None
+        problem = joint if by_pivots else equations.stick_slip()
+        solution = self.ladder.find_zones(problem, zones)
         self.ladder.solves += solution.solves
         return equations, equations.state(solution), solution
 

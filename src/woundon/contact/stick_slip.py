@@ -34,11 +34,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import lapack
+
+if TYPE_CHECKING:
+    from .joint import Joint
 
 __all__ = ["Ending", "StickSlip", "StickSlipSolution", "keep_one_stuck", "solve_stick_slip"]
 
@@ -170,10 +173,10 @@ class StickSlip:
         # rows are written contiguously, so LAPACK is handed the transpose
         factor, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)
         if info != 0:
-            return StickSlipSolution.failed(self, state)
+            return StickSlipSolution.failed(state)
         unknown, _ = lapack.dgetrs(factor, pivots, right, trans=1, overwrite_b=1)
         if not np.isfinite(unknown).all():
-            return StickSlipSolution.failed(self, state)
+            return StickSlipSolution.failed(state)
         creep = self.scale * float(unknown[m]) if self.creep is not None else 0.0
         return self.evaluate(state, unknown[:m], creep)
 
@@ -190,7 +193,10 @@ class StickSlip:
 
 @dataclass(frozen=True, eq=False)
 class StickSlipSolution:
-    """Tractions, rigid slip, slips and bounds of a state, and how it was reached."""
+    """Tractions, rigid slip, slips and bounds of a state, and how it was reached.
+
+    ``joint`` is what a joint system tells besides: factors, unknowns, further slips.
+    """
 
     state: Array
     traction: Array
@@ -199,9 +205,10 @@ class StickSlipSolution:
     bound: Array
     ending: Ending = Ending.SOLVED
     solves: int = 1
+    joint: Any = None
 
     @classmethod
-    def failed(cls, problem: StickSlip, state: Array) -> StickSlipSolution:
+    def failed(cls, state: Array) -> StickSlipSolution:
         """Return what stands for the solution of a singular system."""
         nan = np.full(state.size, np.nan)
         return cls(state, nan, np.nan, nan, nan, Ending.SINGULAR)
@@ -226,12 +233,14 @@ class StickSlipSolution:
         return np.where(which, asked, self.state)
 
 
-def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSlipSolution:
+def solve_stick_slip(
+    problem: StickSlip | Joint, start: Array | None = None
+) -> StickSlipSolution:
     """Find the state in which every law holds.
 
     Parameters
     ----------
-    problem : StickSlip
+    problem : StickSlip or Joint
     start : (m,) int array, optional
         State to begin with; all in stick by default.
 
@@ -249,11 +258,12 @@ def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSli
             return replace(direct, solves=solves)
     if problem.creep is None:
         return replace(direct, solves=solves)
-    bracketed = _bracket_creep(problem, direct.state, direct.creep)
+    whole = problem if isinstance(problem, StickSlip) else problem.condensed()
+    bracketed = _bracket_creep(whole, direct.state, direct.creep)
     return replace(bracketed, solves=bracketed.solves + solves)
 
 
-def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
+def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSolution:
     """Block pivoting; single pivots when the number of violated laws does not fall."""
     fewest, patience, solution = state.size + 1, 8, problem.solve(state)
     for solves in range(1, limit + 1):
@@ -275,7 +285,9 @@ def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
     return replace(solution, ending=Ending.LIMIT, solves=limit)
 
 
-def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array) -> Array:
+def keep_one_stuck(
+    problem: StickSlip | Joint, solution: StickSlipSolution, state: Array
+) -> Array:
     """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
     if problem.creep is None:
         return state
@@ -336,7 +348,7 @@ class _CreepSearch:
         self.problem, self.state, self.solves = problem, start, 0
         self.limit = 200 + 4 * start.size
         self.alive = True
-        self.last: StickSlipSolution = StickSlipSolution.failed(problem, start)
+        self.last: StickSlipSolution = StickSlipSolution.failed(start)
 
     def excess(self, creep: float) -> float:
         """Return the resultant less the prescribed one."""
