@@ -53,7 +53,7 @@ def follow(
         First guess of d ln P/d ln a.
     """
     joint, (factors, x, _) = equations.joint, solution.joint
-    n = joint.gap.size - 1
+    n = joint.unknowns
     carried = equations.load_of(x[:n])
     if carried <= 0 or abs(log(carried / load)) > FARTHEST:
         return None
@@ -63,8 +63,8 @@ def follow(
         step = -miss / power
         moved = equations.moved(exp(at + step))
         before = x + along * step
-        gap, slips, force = moved.left(before)
-        change = joint.step(factors, gap, -slips, force)
+        left = moved.left(before)
+        change = joint.step(factors, left)
         now = before + change
         carried = moved.load_of(now[:n])
         if not carried > 0:
@@ -74,9 +74,9 @@ def follow(
             power, along = (miss - missed) / step, (now - x) / step
         at, x = at + step, now
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
-        left = size * min(1.0, CONTRACTION * abs(at - first))
-        if abs(miss) <= tolerance.load and left <= max(LEFT * tolerance.balance, 1e-15):
-            found = joint.solution(factors, x, slips + joint.slips(change))
+        error = size * min(1.0, CONTRACTION * abs(at - first))
+        if abs(miss) <= tolerance.load and error <= max(LEFT * tolerance.balance, 1e-15):
+            found = joint.solution(factors, x, joint.slips(change) - left[n + 2 :])
             kept = not found.violated().any()
             return Followed(moved, moved.state(found), power, kept)
         if not 0.5 < power < 15.0:

@@ -1,14 +1,14 @@
 r"""The whole contact problem of one half width as one system: pressure, shift, tractions, creep.
 
     gap       [ slope_p   1   slope_q   0 ] [ p  ]   [ gap ]      N = n + 1 cells
-    slips     [ S         0   D         e ] [ D  ] = [ -c0 ]      m nodes
-    resultant [ -F w      0   g         0 ] [ q  ]   [  0  ]
+    resultant [ -F w      0   g         0 ] [ D  ] = [  0  ]
+    slips     [ S         0   D         e ] [ q  ]   [ -c0 ]      m nodes, and further places
                                             [ xi ]
 
 A slipping node needs no unknown of its own: its traction is s mu p, so that its column is added to
 that of its pressure and its row is left out.  What is left has n + 2 unknowns and one a sticking
 node, less work than to solve for the pressure by all tractions first.  That is what the regula
-falsi of :mod:`.stick_slip` asks for, to which :meth:`Joint.condensed` leads back.
+falsi of :mod:`.stick_slip` asks for, to which :attr:`Joint.condensed` leads back.
 
 The factors of one half width serve its neighbours too: :mod:`.follow`.
 """
@@ -31,10 +31,11 @@ Array = np.ndarray
 
 
 class Factors(NamedTuple):
-    """A state of stick and slip, the indices of its sticking nodes, its system factorised."""
+    """A state of stick and slip, which rows and columns its system has, and that factorised."""
 
     state: Array
-    stuck: Array
+    rows: Array
+    columns: Array
     lu: Array
     pivots: Array
 
@@ -45,107 +46,80 @@ class Joint:
 
     Attributes
     ----------
-    matrix : (N + m + ..., n + m) array
-        Slopes and slips by (p, q); more slips than the nodes' are told too.
-    gap : (N,) array
-        Slope of the gap.
-    offset : (m + ...,) array
-        c0.
+    matrix : (N + 1 + m + ..., n + m + 2) array
+        All rows; the resultant's is of the size of the others.
+    right : (N + 1 + m + ...,) array
+        The right sides.
     friction : (m,) array
         mu of each node; node k of each face sees pressure k.
-    moves : (m + ...,) array
-        e.
-    resultant : (m,) array
-        g.
-    share : (n,) array
-        F w: by the pressures, what the resultant is to be.
     condensed : callable
         () -> the same, solved for the pressure.
     """
 
     matrix: Array
-    gap: Array
-    offset: Array
+    right: Array
     friction: Array
-    moves: Array
-    resultant: Array
-    share: Array
     condensed: Callable[[], StickSlip]
+
+    @cached_property
+    def unknowns(self) -> int:
+        """Number n of pressures."""
+        return self.matrix.shape[1] - 2 - self.friction.size
 
     @property
     def creep(self) -> Array:
         """e of the nodes, (m,)."""
-        return self.moves[: self.friction.size]
-
-    @cached_property
-    def scale(self) -> float:
-        """Slope per pressure: what the rows are measured by."""
-        slope = self.matrix[: self.gap.size, : self.gap.size - 1]
-        return float(max(slope.max(), -slope.min()))
-
-    @cached_property
-    def weight(self) -> float:
-        """What the resultant's row is multiplied by."""
-        return self.scale / float(self.resultant.max())
+        return self.matrix[self.unknowns + 2 :, -1][: self.friction.size]
 
     def factorised(self, state: Array) -> Factors | None:
         """Return the factors of one state of stick and slip; None where it is singular."""
-        N, n = self.gap.size, self.gap.size - 1
-        stuck, slides = np.flatnonzero(state == 0), self.friction * state
-        law = self.matrix.take(np.concatenate([np.arange(N), N + stuck]), axis=0)
-        A = np.empty((N + stuck.size + 1,) * 2)
-        by_p = A[:-1, :n]
-        by_p[...] = law[:, :n]
+        n, last = self.unknowns, self.matrix.shape[1] - 1
+        stuck = np.flatnonzero(state == 0)
+        known = np.arange(n + 2)
+        rows = np.concatenate([known, n + 2 + stuck])
+        columns = np.concatenate([known[:-1], n + 1 + stuck, [last]])
+        law = self.matrix.take(rows, axis=0)
+        A = law.take(columns, axis=1)
+        slides = self.friction * state
         for first in range(0, state.size, n):
             own = slides[first : first + n]
             if own.any():
-                by_p += law[:, n + first : 2 * n + first] * own
-        A[:N, n], A[N:, n] = self.scale, 0.0
-        A[:-1, N:-1] = law.take(n + stuck, axis=1)
-        A[:N, -1], A[N:-1, -1], A[-1, -1] = 0.0, self.scale * self.creep[stuck], 0.0
-        slid = (self.resultant * slides).reshape(-1, n).sum(axis=0)
-        A[-1, :n], A[-1, N:-1] = self.weight * (slid - self.share), self.resultant[stuck]
-        A[-1, N:-1] *= self.weight
+                A[:, :n] += law[:, n + 1 + first : 2 * n + 1 + first] * own
         # rows are written contiguously, so LAPACK is handed the transpose
         lu, pivots, info = lapack.dgetrf(A.T, overwrite_a=1)
-        return Factors(state, stuck, lu, pivots) if info == 0 else None
+        return Factors(state, rows, columns, lu, pivots) if info == 0 else None
 
-    def step(self, factors: Factors, gap: Array, slip: Array, force: float) -> Array:
-        """Return the unknowns that give gap slopes, slips and a resultant, by a state's laws.
+    def step(self, factors: Factors, right: Array) -> Array:
+        """Return the unknowns that give right sides by a state's laws, (n + m + 2,).
 
         What the slips of slipping nodes are is not asked.
         """
-        n, stuck = gap.size - 1, factors.stuck
-        right = np.concatenate([gap, slip[stuck], [self.weight * force]])
+        n, right = self.unknowns, right.take(factors.rows)
         found, _ = lapack.dgetrs(factors.lu, factors.pivots, right, trans=1, overwrite_b=1)
-        out = np.empty(n + 2 + factors.state.size)
-        out[: n + 1], out[-1] = found[: n + 1], found[-1]
-        out[n] *= self.scale
-        out[-1] *= self.scale
-        q = out[n + 1 : -1]
-        np.multiply((self.friction * factors.state).reshape(-1, n), out[:n], out=q.reshape(-1, n))
-        q[stuck] = found[n + 1 : -1]
+        out = np.empty(self.matrix.shape[1])
+        slides = (self.friction * factors.state).reshape(-1, n)
+        np.multiply(slides, found[:n], out=out[n + 1 : -1].reshape(-1, n))
+        out[factors.columns] = found
         return out
 
     def slips(self, found: Array) -> Array:
         """Return all slips by unknowns, less c0."""
-        n = self.gap.size - 1
-        loads = np.concatenate([found[:n], found[n + 1 : -1]])
-        return np.asarray(self.matrix[n + 1 :] @ loads + self.moves * found[-1])
+        return np.asarray(self.matrix[self.unknowns + 2 :] @ found)
 
     def solve(self, state: Array) -> StickSlipSolution:
         """Solve the linear system of one state."""
         factors = self.factorised(state)
         if factors is not None:
-            found = self.step(factors, self.gap, -self.offset, 0.0)
+            found = self.step(factors, self.right)
             if np.isfinite(found).all():
-                return self.solution(factors, found, self.offset + self.slips(found))
+                slip = self.slips(found) - self.right[self.unknowns + 2 :]
+                return self.solution(factors, found, slip)
         return StickSlipSolution.failed(state)
 
     def solution(self, factors: Factors, found: Array, slip: Array) -> StickSlipSolution:
         """Return unknowns and slips as the solution of a state."""
-        n, m = self.gap.size - 1, self.friction.size
-        slip[factors.stuck] = 0.0  # solved for: what is left is rounding
+        n, m = self.unknowns, self.friction.size
+        slip[factors.rows[n + 2 :] - (n + 2)] = 0.0  # solved for: what is left is rounding
         bound = (self.friction.reshape(-1, n) * found[:n]).ravel()
         return StickSlipSolution(
             factors.state, found[n + 1 : -1], float(found[-1]), slip[:m], bound,

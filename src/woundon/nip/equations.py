@@ -45,11 +45,10 @@ class NipMatrices(Matrices):
     """The nip's matrices: tractions are stacked (q+, q-), m = 2n.
 
     Slips are those of the nodes' cells first, roll then drum; the last cell, which belongs to no
-    unknown, follows for both, (2n + 2,).  All are parts of one matrix: what closes the gap and what
-    slips, by p and by q, (3n + 3, 3n).
+    unknown, follows for both, (2n + 2,).  All are parts of one matrix, that of the joint system.
     """
 
-    whole: Array
+    whole: Array  # (3n + 4, 3n + 2)
 
     @classmethod
     def of(
@@ -65,9 +64,11 @@ class NipMatrices(Matrices):
         top, offset = float(np.max(gap)), np.zeros(2 * N)
         if not problem.web.linear:
             gap = gap + mesh.slope[:-1] @ (thinned - by_pressure * known) / a
-        whole = np.empty((3 * N, 3 * n))
-        slope_p, slope_q = whole[:N, :n], whole[:N, n:]
-        through, direct = whole[N:, :n], whole[N:, n:]
+        whole = np.empty((3 * N + 1, 3 * N - 1))
+        slope_p, slope_q = whole[:N, :n], whole[:N, N:-1]
+        through, direct = whole[N + 1 :, :n], whole[N + 1 :, N:-1]
+        moves = whole[N + 1 :, -1]
+        whole[:N, n], whole[:N, -1], whole[N + 1 :, n] = 1.0, 0.0, 0.0
         np.multiply(mesh.slope[:-1], -by_pressure / a, out=slope_p)
         # the web: its tension between the point and the trailing edge, and its squeezing
         value = web.c12 * mesh.value[:-1]
@@ -95,7 +96,7 @@ class NipMatrices(Matrices):
                 rest = rest[:-1] - (rest[-1] if face == 0 else 0.0)
                 offset[own], offset[last] = -rest[:-1], -rest[-1]
                 gap = gap - np.broadcast_to(response.slope, (N + 1,))[:-1]
-        moves = np.zeros(2 * N)
+        moves[:] = 0.0
         moves[n : 2 * n] = moves[-1] = 1.0
         weights = a * mesh.grid.weights
         return cls(
@@ -130,12 +131,19 @@ class NipEquations(PairEquations):
     @cached_property
     def joint(self) -> Joint:
         """The system of pressure and tractions together."""
-        made = self.matrices
-        by_drum = np.concatenate([np.zeros(self.mesh.unknowns), made.weights])
-        return Joint(
-            made.whole, made.gap, made.offset, self._friction, made.moves, by_drum,
-            self._share * made.weights, self.stick_slip,
-        )  # fmt: skip
+        made, n = self.matrices, self.mesh.unknowns
+        row = made.whole[n + 1]
+        row[...] = 0.0
+        row[:n], row[2 * n + 1 : -1] = -self._share * made.weights, made.weights
+        row *= self._size
+        right = np.concatenate([made.gap, [0.0], -made.offset])
+        return Joint(made.whole, right, self._friction, self.stick_slip)
+
+    @cached_property
+    def _size(self) -> float:
+        """What makes the row of the force as large as those of slopes."""
+        slope = self.matrices.slope_p
+        return float(max(slope.max(), -slope.min()) / self.matrices.weights.max())
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
@@ -176,14 +184,21 @@ class NipEquations(PairEquations):
 
     def moved(self, a: float) -> Self:
         """Return the equations for another half width [m], as laws without matrices."""
-        return replace(self, matrices=NipLaws(self.problem, self.mesh, a))
+        other = replace(self, matrices=NipLaws(self.problem, self.mesh, a))
+        other.__dict__["_size"] = self._size
+        return other
 
-    def left(self, found: Array) -> tuple[Array, Array, float]:
-        """Return what unknowns leave of the gap's slope and of the force, and their slips."""
+    def left(self, found: Array) -> Array:
+        """Return what unknowns leave of the joint system's right sides; less all slips."""
         n, made, weights = self.mesh.unknowns, self.matrices, self.matrices.weights
         p, q = found[:n], found[n + 1 : -1]
+        out = np.empty(3 * n + 4)
         miss, slips = made.laws(p, q, float(found[n]), float(found[-1]))
-        return -miss, slips, self._share * float(weights @ p) - float(weights @ q[n:])
+        force = self._share * float(weights @ p) - float(weights @ q[n:])
+        np.negative(miss, out=out[: n + 1])
+        np.negative(slips, out=out[n + 2 :])
+        out[n + 1] = self._size * force
+        return out
 
     def load_of(self, p: Array) -> float:
         """Return the load that a pressure carries [N/m]."""
