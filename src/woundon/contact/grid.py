@@ -28,6 +28,7 @@ __all__ = [
     "KernelParts",
     "Past",
     "cosine_grid",
+    "distances",
     "nearest_nodes",
     "segmented_grid",
     "uniform_grid",
@@ -260,7 +261,7 @@ class Grid:
             out += kernel.sign * scale * self.sign[rows]
         if kernel.smooth is not None:
             at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
+            distance, where = distances(rank)
             core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
         return out if kernel.lag is None else out + past
@@ -319,12 +320,12 @@ class Grid:
             return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
         rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
-        singular, shape = self._singular, (len(kernels), self.points.size, self.unknowns)
+        singular, shape = self.singular, (len(kernels), self.points.size, self.unknowns)
         if smooth is None:
             out: Array = (factors @ singular).reshape(shape)
         else:
             at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
+            distance, where = distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
             out = at_points @ (core @ (scale * moments))
             for part, own in zip(out, factors, strict=True):  # small arrays stay in the cache
@@ -336,42 +337,9 @@ class Grid:
             out += self.lagging(lag, scale)
         return out
 
-    def act_together(
-        self,
-        kernels: Sequence[KernelParts],
-        smooth: Callable[[Array], Array] | None,
-        scale: float,
-        rank: int,
-        p: Array,
-        q: Array,
-    ) -> tuple[Array, Array]:
-        """Integrate slope by p and q and strain by p and q against tractions, (K,) each.
-
-        What ``integrate_together`` makes matrices of, in this order, times nodal tractions (n,).
-        """
-        loads = np.stack([p, q], axis=1)
-        log = [k.log * scale for k in kernels]
-        factors = np.array([
-            [k.inverse, k.delta, l, k.sign * scale] for k, l in zip(kernels, log, strict=True)
-        ])  # fmt: skip
-        used = 2 + 2 * bool(factors[:, 2:].any())
-        parts = self._singular[:used].reshape(-1, self.unknowns) @ loads
-        both = factors[:, :used].reshape(2, 2, used)  # slope and strain, by p and by q
-        found = np.einsum("slj,jkl->sk", both, parts.reshape(used, -1, 2))
-        if any(log):
-            found += (np.array(log).reshape(2, 2) @ (self.weights @ loads) * np.log(scale))[:, None]
-        if smooth is not None:
-            at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
-            core = smooth(scale * distance).take(where, axis=1).reshape(2, 2, rank, rank)
-            at_nodes = (core @ (scale * (moments @ loads).T)[..., None]).sum(axis=1)[..., 0]
-            found += at_nodes @ at_points.T
-        slope, strain = found
-        return slope, strain
-
     @cached_property
-    def _singular(self) -> Array:
-        """The integrals of the singular parts, (4, K n)."""
+    def singular(self) -> Array:
+        """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K n)."""
         return np.array([self.inverse, self.value, self.log, self.sign]).reshape(4, -1)
 
 
@@ -380,7 +348,7 @@ def _chebyshev_points(r: int) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _distances(r: int) -> tuple[Array, Array]:
+def distances(r: int) -> tuple[Array, Array]:
     """Return the different distances between r Chebyshev points, and which belongs to each pair.
 
     The points are symmetric, so t_i - t_j comes back as t_(r-1-j) - t_(r-1-i): half are new.

@@ -19,6 +19,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
+from .action import Action
 from .grid import Grid, cosine_grid, segmented_grid, uniform_grid
 from .response import Act, Response
 
@@ -163,7 +164,7 @@ class GradedMesh(Mesh):
         """Return what integrates tractions without matrices, where kernels are interpolated."""
         if kernels.lag is not None or rank > self.grid.highest_rank:
             return None
-        return partial(self.grid.act_together, kernels.gradients, kernels.smooth, a, rank)
+        return Action(self.grid, kernels.gradients, kernels.smooth, a, rank)
 
 
 @dataclass(frozen=True, eq=False)
