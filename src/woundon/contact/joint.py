@@ -66,6 +66,11 @@ class Joint:
         """Number n of pressures."""
         return self.matrix.shape[1] - 2 - self.friction.size
 
+    @cached_property
+    def _ends(self) -> tuple[Array, Array]:
+        """The rows that every state has, and the last column."""
+        return np.arange(self.unknowns + 2), np.array([self.matrix.shape[1] - 1])
+
     @property
     def creep(self) -> Array:
         """e of the nodes, (m,)."""
@@ -73,18 +78,16 @@ class Joint:
 
     def factorised(self, state: Array) -> Factors | None:
         """Return the factors of one state of stick and slip; None where it is singular."""
-        n, last = self.unknowns, self.matrix.shape[1] - 1
-        stuck = np.flatnonzero(state == 0)
-        known = np.arange(n + 2)
-        rows = np.concatenate([known, n + 2 + stuck])
-        columns = np.concatenate([known[:-1], n + 1 + stuck, [last]])
+        n, stuck = self.unknowns, np.flatnonzero(state == 0)
+        first, last = self._ends
+        rows = np.concatenate([first, n + 2 + stuck])
+        columns = np.concatenate([first[:-1], n + 1 + stuck, last])
         law = self.matrix.take(rows, axis=0)
         A = law.take(columns, axis=1)
-        slides = self.friction * state
-        for first in range(0, state.size, n):
-            own = slides[first : first + n]
-            if own.any():
-                A[:, :n] += law[:, n + 1 + first : 2 * n + 1 + first] * own
+        sliding = law[:, n + 1 : -1]
+        sliding *= self.friction * state
+        for start in range(0, state.size, n):
+            A[:, :n] += sliding[:, start : start + n]
         # rows are written contiguously, so LAPACK is handed the transpose
         lu, pivots, info = lapack.dgetrf(A.T, overwrite_a=1)
         return Factors(state, rows, columns, lu, pivots) if info == 0 else None

@@ -221,16 +221,17 @@ class StickSlipSolution:
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         stuck = self.state == 0
-        b_tol = TOLERANCE * max(self.bound.max(), -self.bound.min())
-        v_tol = TOLERANCE * max(self.slip.max(), -self.slip.min())
-        return np.where(
-            stuck, np.abs(self.traction) > self.bound + b_tol, self.state * self.slip < -v_tol
-        )
+        # how far traction or slip goes beyond its law, and what that is measured by
+        beyond = np.where(stuck, np.abs(self.traction) - self.bound, -self.state * self.slip)
+        b_tol = TOLERANCE * float(np.abs(self.bound).max())
+        v_tol = TOLERANCE * float(np.abs(self.slip).max())
+        return np.asarray(beyond > np.where(stuck, b_tol, v_tol))
 
     def flipped(self, which: Array) -> Array:
         """Return the state with the given nodes brought to the law they ask for."""
-        asked = np.where(self.state == 0, np.sign(self.traction), 0).astype(self.state.dtype)
-        return np.where(which, asked, self.state)
+        out, turned = self.state.copy(), np.flatnonzero(which)
+        out[turned] = np.where(out[turned] == 0, np.sign(self.traction[turned]), 0)
+        return out
 
 
 def solve_stick_slip(
