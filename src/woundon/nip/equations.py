@@ -184,7 +184,7 @@ class NipEquations(PairEquations):
 
     def moved(self, a: float) -> Self:
         """Return the equations for another half width [m], as laws without matrices."""
-        other = replace(self, matrices=NipLaws(self.problem, self.mesh, a))
+        other = replace(self, matrices=NipLaws.at(self.problem, self.mesh, a))
         other.__dict__["_size"] = self._size
         return other
 

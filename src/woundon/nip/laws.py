@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -27,13 +27,13 @@ class NipLaws:
     problem: Any
     mesh: Mesh
     half_width: float
+    responses: tuple[Response, Response]
 
-    @cached_property
-    def responses(self) -> tuple[Response, Response]:
-        """Of roll and drum."""
-        problem, mesh, a = self.problem, self.mesh, self.half_width
+    @classmethod
+    def at(cls, problem: Any, mesh: Mesh, a: float) -> Self:
+        """Return the laws for the half width ``a`` [m]."""
         one, two = (problem.respond(body, mesh, a) for body in problem.bodies)
-        return one, two
+        return cls(problem, mesh, a, (one, two))
 
     @property
     def gap(self) -> Array:
