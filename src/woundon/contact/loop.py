@@ -28,8 +28,9 @@ from .grid import nearest_nodes, zone_borders
 from .panagiotopoulos import panagiotopoulos
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
-from .zones import Runs
+from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, by_changes
 from .width import WidthNotFound, width_for_load
+from .zones import Runs
 
 __all__ = [
     "ALGORITHMS", "COARSE", "FINE", "Contact", "Equations", "Known", "Ladder", "Level", "Start",
@@ -64,14 +65,6 @@ COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they
 STAND_INS = 3  # linear contacts before one that is not
 MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
-# An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
-# Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
-# so both weights are larger, set by benchmarks/campaign (95 % of cases within 1.5 estimates).
-ERROR_WEIGHTS = (0.7, 0.2)
-# Where only one change is known (from a neighbour's state, or on coarse meshes) it may be small by
-# chance, as zone borders fall between nodes; so it counts less, and a share of the scale is added
-# which falls with the nodes: 95 % of random nips are within 2 estimates (4.3 of the change alone).
-CHANGE_WEIGHT, CHANCE = 0.4, 4e-4
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
 
 
@@ -341,6 +334,8 @@ class Ladder:
         The scalar that refinement is for.
     tolerance : Tolerance, optional
         Of the meshes that count; ``FINE`` without.
+    tell : callable
+        Values mesh by mesh -> the told error of the last, from three on.
     """
 
     def __init__(
@@ -350,7 +345,9 @@ class Ladder:
         target: str,
         find_zones: FindZones = solve_stick_slip,
         tolerance: Tolerance | None = None,
+        tell: Callable[[Sequence[float]], float] = by_changes,
     ) -> None:
+        self.tell = tell
         self.contact, self.scheme, self.target = contact, scheme, target
         self.find_zones, self.tolerance = find_zones, tolerance or FINE
         self.level: Level
@@ -463,7 +460,7 @@ class Ladder:
                 by_chance = chance * self.contact.scale(name, value)
                 self.errors[name] = CHANGE_WEIGHT * abs(told[1] - told[0]) + by_chance
             else:
-                self.errors[name] = _told_error(told)
+                self.errors[name] = self.tell(told)
 
     def _extrapolate(self, before: list[Scalars], fitted: list[Scalars]) -> None:
         for name in self.values:
@@ -471,7 +468,7 @@ class Ladder:
             values = [told[0], *(b + (b - a) / 3 for a, b in pairwise(told))]
             weights = ERROR_WEIGHTS if len(values) < 4 else EXTRAPOLATED_WEIGHTS
             self.values[name] = values[-1]
-            self.errors[name] = _told_error([*(s[name] for s in before), *values], weights)
+            self.errors[name] = by_changes([*(s[name] for s in before), *values], weights)
 
     # ---- one mesh ------------------------------------------------------------------------------
 
@@ -599,9 +596,7 @@ class _Step:
         for _ in range(MOST_FOLLOWED):
             if state.solution.joint is None or contact.settles_apart:
                 break
-            found = follow(
-                equations, state.solution, contact.load, self.tolerance, self.power
-            )
+            found = follow(equations, state.solution, contact.load, self.tolerance, self.power)
             if found is None:
                 break
             equations, state, self.power = found[:3]
@@ -646,7 +641,7 @@ class _Step:
             zones, self.start = self.ladder.contact.zones(self.start, equations), None
         joint = getattr(equations, "joint", None)
         by_pivots = self.ladder.find_zones is solve_stick_slip and joint is not None
-        problem = joint if by_pivots else equations.stick_slip()
+        problem: Any = joint if by_pivots else equations.stick_slip()
         solution = self.ladder.find_zones(problem, zones)
         self.ladder.solves += solution.solves
         return equations, equations.state(solution), solution
@@ -658,11 +653,3 @@ def halved(nodes: int, coarsest: int) -> list[int]:
     while counts[0] > coarsest:
         counts.insert(0, (counts[0] + 1) // 2)
     return counts
-
-
-def _told_error(values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
-    """Estimate the last value's error from the last two changes; nan from a single value."""
-    changes = [abs(b - a) for a, b in pairwise(values)][::-1]
-    if len(changes) < 2:
-        return changes[0] if changes else nan
-    return weights[0] * changes[0] + weights[1] * changes[1]

@@ -17,7 +17,16 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["Act", "ContactGrid", "Displace", "Gradients", "Response", "Tractions", "on_columns", "padded"]
+__all__ = [
+    "Act",
+    "ContactGrid",
+    "Displace",
+    "Gradients",
+    "Response",
+    "Tractions",
+    "on_columns",
+    "padded",
+]
 
 Array = np.ndarray
 Gradients = tuple[Array, Array, Array, Array]

@@ -159,7 +159,6 @@ class GradedMesh(Mesh):
             truncation_error=kernels.truncation_error,
         )
 
-
     def _act(self, kernels: Any, a: float, rank: int) -> Act | None:
         """Return what integrates tractions without matrices, where kernels are interpolated."""
         if kernels.lag is not None or rank > self.grid.highest_rank:

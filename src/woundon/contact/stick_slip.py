@@ -234,9 +234,7 @@ class StickSlipSolution:
         return out
 
 
-def solve_stick_slip(
-    problem: StickSlip | Joint, start: Array | None = None
-) -> StickSlipSolution:
+def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> StickSlipSolution:
     """Find the state in which every law holds.
 
     Parameters
@@ -286,9 +284,7 @@ def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSol
     return replace(solution, ending=Ending.LIMIT, solves=limit)
 
 
-def keep_one_stuck(
-    problem: StickSlip | Joint, solution: StickSlipSolution, state: Array
-) -> Array:
+def keep_one_stuck(problem: StickSlip | Joint, solution: StickSlipSolution, state: Array) -> Array:
     """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
     if problem.creep is None:
         return state
