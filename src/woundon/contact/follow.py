@@ -23,7 +23,7 @@ Array = np.ndarray
 FARTHEST = 0.1  # of ln(load): beyond, another factorisation pays
 MOST_STEPS = 8
 CONTRACTION = 3.0  # of the chord method, per ln a; 0.01 to 0.8 are seen on random nips
-LEFT = 0.1  # of the imbalance that is allowed
+LEFT = 0.02  # of the imbalance that is allowed
 
 
 class Followed(NamedTuple):
