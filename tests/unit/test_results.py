@@ -13,8 +13,8 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon.contact.schemes import SCHEMES
 from woundon.contact.joint import Joint
+from woundon.contact.schemes import SCHEMES
 from woundon.contact.stick_slip import StickSlip, _bracket_creep, solve_stick_slip
 from woundon.nip.equations import NipEquations
 from woundon.quantities import length, pure, strain

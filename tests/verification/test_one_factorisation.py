@@ -10,7 +10,7 @@ from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
 from woundon.contact.schemes import SCHEMES, Graded
 from woundon.contact.stick_slip import Ending, solve_stick_slip
-from woundon.contact.told import STUDENT, by_scatter
+from woundon.contact.told import Scatter
 from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.nip.laws import NipLaws
 from woundon.nip.solve import NipContact
@@ -150,15 +150,33 @@ def test_the_scatter_of_second_order_is_told_as_students_t_has_it() -> None:
     random, cases = np.random.default_rng(3), 20_000
     for changes in (2, 3, 4):
         errors = random.normal(size=(cases, changes + 1)) * 4.0 ** -np.arange(changes + 1)
-        told = np.array([by_scatter(list(values)) for values in errors])
+        told = np.array([Scatter.of(values.tolist(), 64, 7.0).error(64, 7.0) for values in errors])
         outside = np.mean(np.abs(errors[:, -1]) > 1.5 * told)
         # 2 % but for what two changes share a mesh, and 0.1 % of chance
         assert 0.01 < outside < 0.03
-    assert by_scatter([1.0]) != by_scatter([1.0])
-    assert by_scatter([0.0, 1.0] * 6) < STUDENT[-1]
 
 
 def test_a_smooth_error_of_second_order_is_within_what_is_told() -> None:
     for meshes in (3, 4, 5):
         values = [4.0**-k for k in range(meshes)]
-        assert values[-1] < 1.5 * by_scatter(values) < 10 * values[-1]
+        assert values[-1] < 1.5 * Scatter.of(values, 64, 1.0).error(64, 1.0) < 10 * values[-1]
+
+
+def test_what_neighbours_told_counts_as_one_s_own_changes_up_to_three() -> None:
+    own, before = Scatter(2.0, 1), Scatter(4.0, 2)
+    assert own.after(None) == own
+    both = own.after(before)
+    assert both == Scatter(pytest.approx(np.sqrt((4 + 2 * 16) / 3)), 3)
+    assert own.after(Scatter(4.0, 9)).changes == 4
+    # of twice the cells and the scale: a quarter, twice
+    assert both.error(128, 6.0) == pytest.approx(both.error(64, 3.0) / 2)
+    assert np.isnan(Scatter.of([1.0], 64, 1.0).error(64, 1.0))
+
+
+def test_a_start_is_as_sure_of_its_errors_as_a_cold_solve() -> None:
+    """Cold on three meshes, from a neighbour on two: told within a factor of three."""
+    for nip in (NIPS["hard drum"], NIPS["cover"]):
+        cold = wo.solve_nip(nip, nodes=65)
+        near = wo.solve_nip(nip.replace(nip_load=1.02 * nip.nip_load), nodes=65, start=cold)
+        for name in ("nip_induced_tension", "half_width", "peak_pressure"):
+            assert 1 / 3 < near.errors[name] / cold.errors[name] < 3

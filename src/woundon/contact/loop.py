@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import exp, isnan, log, nan
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -28,7 +29,7 @@ from .grid import nearest_nodes, zone_borders
 from .panagiotopoulos import panagiotopoulos
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
-from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, by_changes
+from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, Scatter, by_changes
 from .width import WidthNotFound, width_for_load
 from .zones import Runs
 
@@ -210,16 +211,19 @@ class Contact(Protocol):
 class Widths(NamedTuple):
     """The half width that carries the load on each mesh, by its number of nodes [m].
 
-    ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.
+    ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.  ``scatters`` are
+    those of the outputs.
     """
 
     power: float
     by_nodes: Mapping[int, float]
+    scatters: Mapping[str, Scatter] = MappingProxyType({})
 
     def at(self, share: float) -> Widths:
         """Return what they would be at another load, ``share`` times as large."""
         factor = share ** (1 / self.power)
-        return Widths(self.power, {nodes: a * factor for nodes, a in self.by_nodes.items()})
+        by_nodes = {nodes: a * factor for nodes, a in self.by_nodes.items()}
+        return Widths(self.power, by_nodes, self.scatters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,8 +338,8 @@ class Ladder:
         The scalar that refinement is for.
     tolerance : Tolerance, optional
         Of the meshes that count; ``FINE`` without.
-    tell : callable
-        Values mesh by mesh -> the told error of the last, from three on.
+    scatters : bool
+        Whether errors are told by the scatter of all meshes, not by the last two changes.
     """
 
     def __init__(
@@ -345,9 +349,11 @@ class Ladder:
         target: str,
         find_zones: FindZones = solve_stick_slip,
         tolerance: Tolerance | None = None,
-        tell: Callable[[Sequence[float]], float] = by_changes,
+        scatters: bool = False,
     ) -> None:
-        self.tell = tell
+        self.scatters = scatters
+        self._scatters: dict[str, Scatter] = {}
+        self._scattered: Mapping[str, Scatter] = {}  # a neighbouring case
         self.contact, self.scheme, self.target = contact, scheme, target
         self.find_zones, self.tolerance = find_zones, tolerance or FINE
         self.level: Level
@@ -365,7 +371,7 @@ class Ladder:
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
         """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
         if start is not None and start.widths is not None:
-            self._expected = start.widths.by_nodes
+            self._expected, self._scattered = start.widths.by_nodes, start.widths.scatters
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
@@ -418,7 +424,7 @@ class Ladder:
     @property
     def widths(self) -> Widths:
         """What a neighbouring case may begin with."""
-        return Widths(self.level.power, self._by_nodes)
+        return Widths(self.level.power, self._by_nodes, self._scatters)
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
@@ -453,14 +459,21 @@ class Ladder:
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
-        chance = CHANCE * (64 / (self.level.mesh.nodes.size - 1)) ** 1.6
-        for name, value in self.values.items():
-            told = [scalars[name] for scalars in self.history]
-            if len(told) == 2:
-                by_chance = chance * self.contact.scale(name, value)
-                self.errors[name] = CHANGE_WEIGHT * abs(told[1] - told[0]) + by_chance
-            else:
-                self.errors[name] = self.tell(told)
+        for name in self.values:
+            self.errors[name] = self._told(name, [scalars[name] for scalars in self.history])
+
+    def _told(self, name: str, values: Sequence[float]) -> float:
+        cells, scale = self.level.mesh.nodes.size - 1, self.contact.scale(name, values[-1])
+        if self.scatters:
+            largest = max(self.contact.scale(name, value) for value in values)
+            known = Scatter.of(values, cells, largest).after(self._scattered.get(name))
+            self._scatters[name] = known
+            if known.changes > 1:
+                return known.error(cells, largest)
+        if len(values) == 2:
+            chance = CHANCE * (64 / cells) ** 1.6
+            return CHANGE_WEIGHT * abs(values[1] - values[0]) + chance * scale
+        return by_changes(values)
 
     def _extrapolate(self, before: list[Scalars], fitted: list[Scalars]) -> None:
         for name in self.values:

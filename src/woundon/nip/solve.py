@@ -26,7 +26,6 @@ from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import Scheme, scheme_of
-from ..contact.told import by_scatter
 from ..contact.zones import Runs, slip_lengths
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
@@ -102,7 +101,7 @@ def solve_nip(
     counts = [M] if cold else halved(M, chosen.coarsest)
     ladder = Ladder(
         NipContact(problem, chosen.refines), chosen, "nip_induced_tension", ALGORITHMS[algorithm],
-        tell=by_scatter,
+        scatters=True,
     )  # fmt: skip
     ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
     if chosen.refines and nodes is None and rtol is None:
