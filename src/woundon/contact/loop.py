@@ -15,31 +15,29 @@ that is not linear, behind the equations.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import exp, isnan, log, nan
-from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import NotConverged
+from .contracts import Contact, Equations, State
 from .follow import follow
-from .grid import nearest_nodes, zone_borders
+from .levels import Before, Known, Level, Scalars, Start, Widths
 from .panagiotopoulos import panagiotopoulos
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
 from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, Scatter, by_changes
 from .width import WidthNotFound, width_for_load
-from .zones import Runs
 
 __all__ = [
-    "ALGORITHMS", "COARSE", "FINE", "Contact", "Equations", "Known", "Ladder", "Level", "Start",
-    "State", "Tolerance", "Widths", "halved",
+    "ALGORITHMS", "COARSE", "FINE", "Before", "Contact", "Equations", "Known", "Ladder", "Level",
+    "Start", "State", "Tolerance", "Widths", "halved",
 ]  # fmt: skip
 
 Array = np.ndarray
-Scalars = Mapping[str, float]
 FindZones = Callable[[StickSlip, Array | None], StickSlipSolution]
 
 ALGORITHMS: dict[str, FindZones] = {
@@ -67,258 +65,6 @@ STAND_INS = 3  # linear contacts before one that is not
 MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
-
-
-class State(Protocol):
-    """What solved tractions come to on one mesh."""
-
-    @property
-    def half_width(self) -> float:
-        """a [m]."""
-        ...
-
-    @property
-    def solution(self) -> StickSlipSolution:
-        """Tractions, zones, slips."""
-        ...
-
-    @property
-    def known(self) -> Any:
-        """What to linearise about next on the same mesh."""
-        ...
-
-
-class Equations(Protocol):
-    """A contact's equations for one half width, linear."""
-
-    def stick_slip(self) -> StickSlip:
-        """Return the stick-slip problem, the normal problem put in."""
-        ...
-
-    def state(self, solution: StickSlipSolution) -> Any:
-        """Return the state of solved tractions."""
-        ...
-
-    def carried(self, state: Any) -> float:
-        """Return the load that a state carries [N/m]."""
-        ...
-
-    def imbalance(self, state: Any) -> float:
-        """Return what a state leaves of whatever was linearised, relative; 0 where nothing was."""
-        ...
-
-    def frictionless(self) -> float | None:
-        """Return the load without friction [N/m] where the equations tell it, else None."""
-        ...
-
-    @property
-    def faces(self) -> Sequence[Array]:
-        """Where each face's unknown tractions are, in units of a."""
-        ...
-
-    @property
-    def places(self) -> Array:
-        """Where what is linearised about is given, in units of a."""
-        ...
-
-
-class Known(NamedTuple):
-    """What is known before a half width is tried: a state to linearise about, and zones."""
-
-    about: Any
-    zones: Array | None
-
-
-class Before(NamedTuple):
-    """What another mesh, or a neighbouring case, was linearised about."""
-
-    places: Array  # in units of a
-    about: Any
-
-
-class Contact(Protocol):
-    """A problem that the loop can solve."""
-
-    @property
-    def load(self) -> float:
-        """What the pressure must carry [N/m]."""
-        ...
-
-    @property
-    def widest(self) -> float:
-        """Largest half width that makes sense [m]."""
-        ...
-
-    @property
-    def beyond(self) -> str:
-        """What is wrong with a wider one, and what to change."""
-        ...
-
-    @property
-    def outside(self) -> str:
-        """What of the problem lies far outside the model, and what to change; '' where nothing."""
-        ...
-
-    @property
-    def settles_apart(self) -> bool:
-        """Whether what is linearised must settle before a load tells the width.
-
-        Bodies that are not linear must; else both settle together.
-        """
-        ...
-
-    def stand_in(self, peak: float | None) -> Contact | None:
-        """Return a linear contact to start from, for this largest pressure; None if unknown."""
-        ...
-
-    def guess(self) -> float:
-        """Return a half width to start from [m]."""
-        ...
-
-    def frictionless_load(self, mesh: Mesh, a: float) -> float:
-        """Return the load that a frictionless contact of half width a carries [N/m]."""
-        ...
-
-    def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
-        """Return what to linearise about on a mesh, after another or to begin with."""
-        ...
-
-    def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
-        """Return the equations for the half width a [m]."""
-        ...
-
-    def zones(self, start: Start, equations: Any) -> Array:
-        """Return the zones to begin with, after another mesh or a neighbouring case."""
-        ...
-
-    def refuse(self, equations: Any, state: Any) -> None:
-        """Raise for a state that shows that there is no steady state."""
-        ...
-
-    def scalars(self, level: Level) -> Scalars:
-        """Return the numbers whose changes from mesh to mesh tell their errors."""
-        ...
-
-    def scale(self, name: str, value: float) -> float:
-        """Return what relative errors of a scalar are measured by."""
-        ...
-
-    def grain(self, name: str, mesh: Mesh) -> float:
-        """Return what a mesh leaves of a scalar that changes between meshes need not show."""
-        ...
-
-
-class Widths(NamedTuple):
-    """The half width that carries the load on each mesh, by its number of nodes [m].
-
-    ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.  ``scatters`` are
-    those of the outputs.
-    """
-
-    power: float
-    by_nodes: Mapping[int, float]
-    scatters: Mapping[str, Scatter] = MappingProxyType({})
-
-    def at(self, share: float) -> Widths:
-        """Return what they would be at another load, ``share`` times as large."""
-        factor = share ** (1 / self.power)
-        by_nodes = {nodes: a * factor for nodes, a in self.by_nodes.items()}
-        return Widths(self.power, by_nodes, self.scatters)
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """What one mesh, or a neighbouring case, hands to the next.
-
-    Attributes
-    ----------
-    half_width : float
-        [m].
-    faces : sequence of arrays
-        Where each face's tractions were, in units of a.
-    zones : (m,) int array
-        Their states, face by face.
-    power : float
-        d ln P/d ln a.
-    frictionless : (a, load), optional
-        A half width and the load that it would carry on that mesh without friction.
-    level : Level, optional
-        The solved mesh itself.
-    widths : Widths, optional
-        Those of a neighbouring case, at the load asked.
-    before : Before, optional
-        What it was linearised about.
-    rough : bool
-        Whether it is no more than a guess.
-    runs : sequence of Runs, optional
-        The zones of each face, borders to a fraction of a cell, in units of a.
-    """
-
-    half_width: float
-    faces: Sequence[Array]
-    zones: Array
-    power: float = 2.0
-    frictionless: tuple[float, float] | None = None
-    level: Level | None = None
-    widths: Widths | None = None
-    before: Before | None = None
-    rough: bool = False
-    runs: Sequence[Runs] | None = None
-
-    def zones_on(self, faces: Sequence[Array]) -> Array:
-        """Carry the zones over: each new node takes that of the nearest old one of its face."""
-        ends = np.cumsum([0, *(face.size for face in self.faces)])
-        return np.concatenate([
-            self.zones[first:last][nearest_nodes(old, new)]
-            for old, new, first, last in zip(self.faces, faces, ends, ends[1:], strict=False)
-        ])  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Level:
-    """A solved mesh, and the power d ln P/d ln a found on the way."""
-
-    mesh: Mesh
-    equations: Any
-    state: Any
-    load: float  # asked
-    power: float
-
-    @property
-    def share(self) -> float:
-        """Load asked over load carried: a coarse mesh is not solved to the last digit."""
-        return self.load / float(self.equations.carried(self.state))
-
-    @property
-    def half_width(self) -> float:
-        """The half width at which this mesh would carry the load [m]."""
-        return float(self.state.half_width * self.share ** (1 / self.power))
-
-    def at_load(self, value: float) -> float:
-        """Return a pressure as it would be at the load asked: it goes like load over width."""
-        return float(value * self.share ** (1 - 1 / self.power))
-
-    @property
-    def start(self) -> Start:
-        """What the next mesh starts from."""
-        load = self.equations.frictionless()
-        frictionless = None if load is None else (self.state.half_width, load)
-        zones = self.state.solution.state
-        return Start(
-            self.half_width, self.equations.faces, zones, self.power, frictionless, self,
-            before=Before(self.equations.places, self.state.known),
-        )  # fmt: skip
-
-    def borders(self) -> Array:
-        """Return where zones change on any face, in units of the half width."""
-        solution, first, found = self.state.solution, 0, []
-        slack = solution.bound - np.abs(solution.traction)
-        for face in self.equations.faces:
-            own = slice(first, first + face.size)
-            nodes = np.concatenate([[-1.0], face, [1.0]])
-            found.append(zone_borders(nodes, solution.state[own], slack[own]))
-            first += face.size
-        return np.sort(np.concatenate(found))
 
 
 class Ladder:
