@@ -255,10 +255,12 @@ def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> 
         solves += direct.solves
         if direct.ending is Ending.SOLVED:
             return replace(direct, solves=solves)
+    if not isinstance(problem, StickSlip):  # nearer to rounding, and then the safe way
+        apart = solve_stick_slip(problem.condensed(), start)
+        return replace(apart, solves=apart.solves + solves)
     if problem.creep is None:
         return replace(direct, solves=solves)
-    whole = problem if isinstance(problem, StickSlip) else problem.condensed()
-    bracketed = _bracket_creep(whole, direct.state, direct.creep)
+    bracketed = _bracket_creep(problem, direct.state, direct.creep)
     return replace(bracketed, solves=bracketed.solves + solves)
 
 
