@@ -146,20 +146,20 @@ def test_zones_are_foreseen_better_than_by_the_nearest_nodes(
 
 
 def test_the_scatter_of_second_order_is_told_as_students_t_has_it() -> None:
-    """Random errors s z 4^-k: 1.5 told errors are exceeded in 2 % of cases, whatever s is."""
+    """Random errors s z 4^-k: 1.5 told errors are exceeded in 1 % of cases, whatever s is."""
     random, cases = np.random.default_rng(3), 20_000
     for changes in (2, 3, 4):
         errors = random.normal(size=(cases, changes + 1)) * 4.0 ** -np.arange(changes + 1)
         told = np.array([Scatter.of(values.tolist(), 64, 7.0).error(64, 7.0) for values in errors])
         outside = np.mean(np.abs(errors[:, -1]) > 1.5 * told)
-        # 2 % but for what two changes share a mesh, and 0.1 % of chance
-        assert 0.01 < outside < 0.03
+        # 1 % but for what two changes share a mesh, and 0.1 % of chance
+        assert 0.005 < outside < 0.015
 
 
 def test_a_smooth_error_of_second_order_is_within_what_is_told() -> None:
     for meshes in (3, 4, 5):
         values = [4.0**-k for k in range(meshes)]
-        assert values[-1] < 1.5 * Scatter.of(values, 64, 1.0).error(64, 1.0) < 10 * values[-1]
+        assert values[-1] < 1.5 * Scatter.of(values, 64, 1.0).error(64, 1.0) < 12 * values[-1]
 
 
 def test_what_neighbours_told_counts_as_one_s_own_changes_up_to_three() -> None:

@@ -31,10 +31,10 @@ ERROR_WEIGHTS = (0.7, 0.2)
 CHANGE_WEIGHT, CHANCE = 0.4, 4e-4
 
 ORDER = 2
-WITHIN, OUTSIDE = 1.5, 0.02
+WITHIN, OUTSIDE = 1.5, 0.01
 REMEMBERED = 3  # changes of neighbouring cases
 # Student's t that is exceeded, either way, in OUTSIDE of cases, by degrees of freedom from 1 on
-STUDENT = (31.821, 6.965, 4.541, 3.747, 3.365, 3.143, 2.998)
+STUDENT = (63.657, 9.925, 5.841, 4.604, 4.032, 3.707, 3.499)
 
 
 class Scatter(NamedTuple):
