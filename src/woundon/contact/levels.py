@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -102,13 +102,14 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A solved mesh, and the power d ln P/d ln a found on the way."""
+    """A solved mesh, and the power d ln P/d ln a found on the way; what was made of it is kept."""
 
     mesh: Mesh
     equations: Any
     state: Any
     load: float  # asked
     power: float
+    kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @property
     def share(self) -> float:

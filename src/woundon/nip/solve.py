@@ -236,6 +236,12 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
 
 def along_nip(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the nip, by the names of the result, (M,) each."""
+    if "along" not in level.kept:  # asked for by outputs, zones of the next mesh and result
+        level.kept["along"] = _along(level)
+    return dict(level.kept["along"])
+
+
+def _along(level: Level) -> dict[str, Any]:
     state, mesh, n = level.state, level.mesh, level.mesh.unknowns
     a, slips, zones = state.half_width, state.solution.slip, state.solution.state
     last = level.equations.last_slips(state)
