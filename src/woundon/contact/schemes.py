@@ -11,7 +11,7 @@ thesis   even nodes; slope and strain as backward differences of the nodal displ
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from math import asinh
 from typing import Any, ClassVar, Protocol
@@ -19,6 +19,8 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
+from .certificate import from_edge, integral
+from .elements import ElementGrid, borders_of
 from .grid import Grid, cosine_grid, segmented_grid, uniform_grid
 from .response import Response
 
@@ -46,6 +48,9 @@ class Mesh:
     """
 
     grid: Grid
+
+    # where borders of zones are, from the node before them to the next; None: slips tell it
+    border_share: ClassVar[float | None] = None
 
     @property
     def unknowns(self) -> int:
@@ -94,6 +99,18 @@ class Mesh:
     def behind(self) -> Array:
         """Less the integral of the traction from each cell to the trailing edge, (N, n)."""
         return self.upstream - self.grid.weights
+
+    def facing(self, rigid: bool) -> Mesh:
+        """Return the mesh of the tractions on a body, which may jump on a rigid one."""
+        return self
+
+    def from_edge(self, values: Array, x: Array) -> Array:
+        """Integrate nodal values from the first node to every node, (M,)."""
+        return from_edge(values, x)
+
+    def integral(self, values: Array, x: Array) -> float:
+        """Integrate nodal values over the contact."""
+        return integral(values, x)
 
     def rank(self, kernels: Any, a: float) -> int:
         """Return how many interpolation points the kernels' smooth parts ask for."""
@@ -159,10 +176,51 @@ class GradedMesh(Mesh):
 
 
 @dataclass(frozen=True, eq=False)
+class ElementMesh(GradedMesh):
+    """Chebyshev elements between zone borders (:mod:`.elements`)."""
+
+    grid: ElementGrid
+
+    border_share: ClassVar[float | None] = 0.0
+
+    @property
+    def slope(self) -> Array:  # type: ignore[override]
+        """Derivative of the traction in each cell; the last row repeats the last cell, (M, n)."""
+        return self.grid.slope
+
+    @property
+    def upstream(self) -> Array:  # type: ignore[override]
+        """Integral of the traction from the leading edge to each cell's point, (N, n)."""
+        return self.grid.upstream[:-1]
+
+    def from_edge(self, values: Array, x: Array) -> Array:
+        """Integrate nodal values from the first node to every node, (M,)."""
+        return np.append(0.0, x[-1] * self.grid.to_nodes @ values[1:-1])
+
+    def integral(self, values: Array, x: Array) -> float:
+        """Integrate nodal values over the contact."""
+        return float(x[-1] * self.grid.weights @ values[1:-1])
+
+    @cached_property
+    def _split(self) -> ElementMesh:
+        return ElementMesh(replace(self.grid, split=True))
+
+    def facing(self, rigid: bool) -> ElementMesh:
+        """Return the mesh of the tractions on a body, which may jump on a rigid one."""
+        return self._split if rigid else self
+
+    def rank(self, kernels: Any, a: float) -> int:
+        """Return how many interpolation points the kernels' smooth parts ask for."""
+        return max(64, 2 * interpolation_rank(kernels.length, a))
+
+
+@dataclass(frozen=True, eq=False)
 class ThesisMesh(Mesh):
     """Even nodes and backward differences; ``printed`` takes the web's coefficients (121) so."""
 
     printed: bool = False
+
+    border_share: ClassVar[float | None] = 0.5
 
     @cached_property
     def middle(self) -> Array:
@@ -295,6 +353,29 @@ class Thesis:
         return self.mesh(nodes.size)
 
 
+@dataclass(frozen=True)
+class Elements:
+    """Chebyshev elements between zone borders, which ``rtol`` asks for (docs, discretisation)."""
+
+    name: ClassVar[str] = "elements"
+    nodes: ClassVar[int] = 65
+    coarsest: ClassVar[int] = 24
+    refines: ClassVar[bool] = True
+    starts_cold: ClassVar[bool] = False
+
+    def mesh(self, nodes: int) -> Mesh:
+        """Return the mesh of a single element."""
+        return self.between(np.array([-1.0, 1.0]), nodes - 1)
+
+    def between(self, borders: Array, cells: int) -> ElementMesh:
+        """Return the mesh of so many cells between any two borders."""
+        return ElementMesh(ElementGrid.between(borders, cells))
+
+    def restored(self, nodes: Array, points: Array) -> Mesh:
+        """Return the mesh of given nodes."""
+        return self.between(*borders_of(nodes))
+
+
 @lru_cache(maxsize=64)
 def _graded_mesh(nodes: int) -> Mesh:
     return GradedMesh(cosine_grid(nodes))
@@ -306,6 +387,7 @@ def _thesis_mesh(nodes: int, printed: bool) -> Mesh:
 
 
 SCHEMES: dict[str, Scheme] = {s.name: s for s in (Graded(), Thesis(), Thesis(printed=True))}
+ELEMENTS = Elements()
 
 
 def scheme_of(given: Any) -> Scheme:
@@ -318,6 +400,8 @@ def scheme_of(given: Any) -> Scheme:
     """
     if isinstance(given, str) and given in SCHEMES:
         return SCHEMES[given]
+    if given == ELEMENTS.name:
+        return ELEMENTS
     if hasattr(given, "starts_cold"):  # a scheme from outside too
         return given
     text = f"{given!r} is unknown{did_you_mean(str(given), SCHEMES)}"

@@ -31,7 +31,7 @@ from ..contact.schemes import Mesh
 from ..contact.stick_slip import StickSlip
 from ..two_bodies import About, Matrices, PairEquations, PairState
 
-__all__ = ["NipEquations", "NipMatrices"]
+__all__ = ["NipEquations", "NipMatrices", "gained"]
 
 Array = np.ndarray
 
@@ -57,12 +57,15 @@ class NipMatrices(Matrices):
         thinned, by_pressure = problem.web.thinned(known)
         slope_p = mesh.slope[:-1] * (-by_pressure / a)
         slope_q = np.empty((N, 2 * n))
-        slope_q[:, :n] = slope_q[:, n:] = web.c12 * value
         # the web: its tension between the point and the trailing edge, and its squeezing
         direct, through = np.empty((2 * N, 2 * n)), np.empty((2 * N, n))
-        stretch, squeeze = (a * web.c11 / thickness) * mesh.behind, -web.c12 * value
-        direct[: 2 * n].reshape(2, n, 2, n)[...] = stretch[:-1, None]
-        direct[2 * n :].reshape(2, 2, n)[...] = stretch[-1]
+        squeeze = -web.c12 * value
+        for face, body in enumerate(problem.bodies):
+            own, facing = slice(face * n, (face + 1) * n), mesh.facing(body.rigid)
+            slope_q[:, own] = web.c12 * facing.value[:-1]
+            stretch = (a * web.c11 / thickness) * facing.behind
+            direct[: 2 * n].reshape(2, n, 2, n)[:, :, face] = stretch[:-1]
+            direct[2 * n :, own] = stretch[-1]
         through[: 2 * n].reshape(2, n, n)[...] = squeeze[:-1]
         through[2 * n :] = squeeze[-1]
         gap = mesh.middle * (a / problem.contact_radius)
@@ -113,6 +116,7 @@ class NipEquations(PairEquations):
         nodes = slice(0, 2 * n)
         zero, one = np.zeros(n), np.ones(n)
         friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
+        held = made.half_width * self.mesh.facing(problem.drum.rigid).grid.weights
         # F in proportion to the load that this half width carries: a steady state at any width
         share = problem.winding_force / problem.nip_load
         carried = share * (made.weights @ K)
@@ -120,7 +124,7 @@ class NipEquations(PairEquations):
             made.direct[nodes], made.through_pressure[nodes], made.offset[nodes],
             p0, K, friction, faces=2,
             creep=np.concatenate([zero, one]),
-            resultant=np.concatenate([zero, made.weights]) - carried,
+            resultant=np.concatenate([zero, held]) - carried,
             force=share * float(made.weights @ p0),
         )  # fmt: skip
 
@@ -130,3 +134,11 @@ class NipEquations(PairEquations):
         v = made.offset[last] + made.direct[last] @ state.solution.traction
         v += made.through_pressure[last] @ state.pressure
         return float(v[0]), float(v[1]) + state.solution.creep
+
+
+def gained(problem: Any, mesh: Mesh, x: Array, q_roll: Array, q_drum: Array) -> Array:
+    """Return what nodal tractions add to the web's tension up to every node, (M,) [N/m]."""
+    roll, drum = (mesh.facing(body.rigid) for body in problem.bodies)
+    if roll is drum:
+        return roll.from_edge(q_roll + q_drum, x)
+    return roll.from_edge(q_roll, x) + drum.from_edge(q_drum, x)

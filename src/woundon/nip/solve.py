@@ -22,18 +22,18 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import Scheme, scheme_of
 from ..contact.zones import slip_lengths
-from ..errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
+from .borders import OnElements, Unsettled
 from .certificate import certificate, matrices_of
-from .equations import NipEquations, NipMatrices
+from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
 from .validity import nip_warnings, web_far_outside
 
@@ -45,6 +45,7 @@ Array = np.ndarray
 # much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
+ON_ELEMENTS = 3e-5  # elements are tried for a finer rtol
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
 
@@ -99,18 +100,33 @@ def solve_nip(
     chosen = scheme_of(scheme)
     cold = chosen.starts_cold and algorithm == "panagiotopoulos"
     counts = [M] if cold else halved(M, chosen.coarsest)
-    ladder = Ladder(
-        NipContact(problem, chosen.refines), chosen, "nip_induced_tension", ALGORITHMS[algorithm]
-    )
+    ladder = Ladder(NipContact(problem), chosen, "nip_induced_tension", ALGORITHMS[algorithm])
     ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
     if chosen.refines and nodes is None and rtol is None:
         ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
-    if rtol is not None:
+    if rtol is not None and not ladder.reached(rtol):
+        found = _on_elements(ladder, problem, rtol, algorithm)
+        if found is not None:
+            return found.warned()
         ladder.fit(rtol, MOST_NODES)
     result = _result(ladder, problem, algorithm).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "NIT", result)
     return result.warned()
+
+
+def _on_elements(
+    ladder: Ladder, problem: NipProblem, rtol: float, algorithm: str
+) -> NipResult | None:
+    """Return the result on Chebyshev elements; None where their borders are not found."""
+    if rtol > ON_ELEMENTS or not problem.linear or problem.viscoelastic:
+        return None
+    try:
+        found = OnElements(ladder)
+        found.refine(rtol)
+        return _result(found, problem, algorithm).checked()
+    except (Unsettled, NotConverged):
+        return None
 
 
 def check_options(
@@ -156,9 +172,7 @@ def _started(start: NipResult, problem: NipProblem) -> Start:
 
 @dataclass(frozen=True, eq=False)
 class NipContact(PairContact):
-    """A nip as the loop sees it; ``sub_cell`` follows zone borders to a fraction of a cell."""
-
-    sub_cell: bool = True
+    """A nip as the loop sees it."""
 
     equations_of: ClassVar[type[PairEquations]] = NipEquations
 
@@ -176,7 +190,7 @@ class NipContact(PairContact):
             "nip_induced_tension": whole,
             "tension_behind_nip": self.problem.web_tension + whole,
             "drum_creep": _drum_creep(self.problem, level.state, whole),
-            **slip_ratios(self.problem, along_nip(level), sub_cell=self.sub_cell),
+            **slip_ratios(self.problem, along_nip(level), level.mesh.border_share),
         }
 
 
@@ -188,7 +202,9 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     level, scheme = ladder.level, ladder.scheme
     state, made = level.state, level.equations.matrices
     arrays = along_nip(level)
-    gained = from_edge(arrays["roll_traction"] + arrays["drum_traction"], arrays["x"])
+    gain = gained(
+        problem, level.mesh, *(arrays[k] for k in ("x", "roll_traction", "drum_traction"))
+    )
     whole, T_in = _whole(level), problem.web_tension
     NIT = ladder.values["nip_induced_tension"]
     told: dict[str, Any] = {name: ladder.history[-1][name] for name in ("drum_creep", *SLIP_RATIOS)}
@@ -203,7 +219,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         offset=state.shift * problem.contact_radius,
         **told,
         **arrays,
-        web_tension=T_in + gained,
+        web_tension=T_in + gain,
         residuals=Residuals(),
         scheme=scheme.name,
         algorithm=algorithm,
@@ -247,7 +263,7 @@ def _on_nodes(values: Array, last: Any) -> Array:
 
 
 def slip_ratios(
-    problem: Any, arrays: Mapping[str, Array], *, sub_cell: bool = True
+    problem: Any, arrays: Mapping[str, Array], share: float | None = None
 ) -> dict[str, Any]:
     """Return the signed slip lengths over the nip width (thesis eq. 172) by name.
 
@@ -256,8 +272,8 @@ def slip_ratios(
     problem : NipProblem or WrappedNipProblem
     arrays : mapping
         x, slip_x, pressures, tractions, zones and slips of both faces, in the nip.
-    sub_cell : bool
-        Place borders by slip and slack; else they lie half-way between nodes.
+    share : float, optional
+        Where borders are from the node before them to the next; else slip and slack tell it.
     """
     x, slip_x = arrays["x"], arrays["slip_x"]
     (leading, trailing), (_, drum) = (
@@ -265,7 +281,7 @@ def slip_ratios(
             x, slip_x, arrays[f"{face}_zone"], arrays[f"{face}_slip"],
             friction * arrays.get(f"{face}_pressure", arrays["pressure"])
             - np.abs(arrays[f"{face}_traction"]),
-            rigid=getattr(problem, face).rigid, sub_cell=sub_cell,
+            rigid=getattr(problem, face).rigid, share=share,
         )
         for face, friction in (("roll", problem.roll_friction), ("drum", problem.drum_friction))
     )  # fmt: skip
@@ -284,7 +300,11 @@ def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:
 def _whole(level: Level) -> float:
     """Return the integral of q+ + q-, the NIT of this mesh [N/m]."""
     weights, q = level.equations.matrices.weights, level.state.traction
-    return float(weights @ (q[: weights.size] + q[weights.size :]))
+    n, problem, a = weights.size, level.equations.problem, level.state.half_width
+    roll, drum = (level.mesh.facing(body.rigid) for body in problem.bodies)
+    if roll is drum:
+        return float(weights @ (q[:n] + q[n:]))
+    return float(a * (roll.grid.weights @ q[:n] + drum.grid.weights @ q[n:]))
 
 
 # ---- from a result's arrays ---------------------------------------------------------------------
@@ -300,7 +320,7 @@ def recomputed(result: NipResult) -> dict[str, tuple[float, float]]:
     )  # fmt: skip
     behind = problem.web.compliance.c12 * float(result.web_tension[-1])
     delta = approach(problem, matrices_of(result), state, behind)
-    slips = slip_ratios(problem, vars(result), sub_cell=scheme_of(result.scheme).refines)
+    slips = slip_ratios(problem, vars(result), mesh_of(result).border_share)
     # meshes are fitted before they are extrapolated, and then leave thousandths at most
     beyond = 0.02 * problem.roll_friction * problem.nip_load
     return {"extrapolation": (0.0, beyond), **told_by(delta, slips, result.x)}
