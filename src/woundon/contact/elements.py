@@ -50,7 +50,7 @@ def cauchy(z: Array, degree: int) -> Array:
     root = np.sqrt(z.astype(complex) ** 2 - 1)
     far = np.maximum(np.abs(z + root), np.abs(z - root)) ** degree > GROWTH
     if far.any():
-        r, weights = np.polynomial.legendre.leggauss(ceil(2.5 * degree) + 4)
+        r, weights = _gauss(ceil(2.5 * degree) + 4)
         out[far] = (1 / (r - z[far, None])) @ (weights[:, None] * chebyshev.chebvander(r, degree))
     w, ends = z[~far], np.abs(z[~far]) == 1
     ratio = (1 - w) / np.where(ends, 1, 1 + w)
@@ -63,6 +63,11 @@ def cauchy(z: Array, degree: int) -> Array:
         near.append(2 * w * near[n] - near[n - 1] + (0 if n % 2 else 4 / (1 - n * n)))
     out[~far] = np.transpose(near[: degree + 1])
     return out
+
+
+@lru_cache(maxsize=64)
+def _gauss(points: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(points)  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +165,7 @@ class Element:
         out = np.empty((away.size, degree + 1))
         far = np.abs(near + np.sqrt(near**2 - 1)) ** degree > GROWTH
         if far.any():
-            phi, kernel = self._gauss
+            phi, kernel = self._far
             eta = np.where(side > 0, 1 + away, -away)[far, None]
             out[far] = (1 / (eta - phi)) @ kernel
         if not far.all():
@@ -170,12 +175,19 @@ class Element:
         return out
 
     @cached_property
-    def _gauss(self) -> tuple[Array, Array]:
+    def _far(self) -> tuple[Array, Array]:
         """phi at Gauss's points, and the weights of its Chebyshev integrals there."""
         degree = self.cells + 3
-        r, weights = np.polynomial.legendre.leggauss(ceil(2.5 * degree) + 4)
+        r, weights = _gauss(ceil(2.5 * degree) + 4)
         kernel = (weights * 0.75 * (1 - r * r))[:, None] * chebyshev.chebvander(r, degree)
         return (2 + 3 * r - r**3) / 4, kernel
+
+    @lru_cache(maxsize=8)  # noqa: B019 - elements are kept as well
+    def ruled(self, points: int) -> tuple[Array, Array]:
+        """Return phi at the points of Gauss's rule, and the nodal functions by its weights."""
+        r, weights = _gauss(points)
+        values = chebyshev.chebvander(r, self.cells) @ self.coefficients
+        return (2 + 3 * r - r**3) / 4, (weights * 0.75 * (1 - r * r))[:, None] * values
 
     @cached_property
     def to_right(self) -> Array:
@@ -293,10 +305,8 @@ class ElementGrid(Grid):
         transform = chebyshev_transform(r)
         at_points = chebyshev.chebvander(self.points, r - 1) @ transform
         waves = r * float(np.max(np.diff(np.arccos(-self.borders))))
-        g, w = np.polynomial.legendre.leggauss(self.order + 8 + ceil(0.75 * waves))
-        x = self.borders[:-1, None] + self.lengths[:, None] * (2 + 3 * g - g**3) / 4
-        hats = chebyshev.chebvander(g, self.order) @ self.element.coefficients
-        hats *= (w * 0.75 * (1 - g * g))[:, None]
+        phi, hats = self.element.ruled(8 * ceil((self.order + 8 + 0.75 * waves) / 8))
+        x = self.borders[:-1, None] + self.lengths[:, None] * phi
         polynomials = chebyshev.chebvander(x.ravel(), r - 1).T.reshape(r, *x.shape)
         return at_points, transform.T @ self.gathered(polynomials * self.lengths[:, None] @ hats)
 
@@ -304,28 +314,33 @@ class ElementGrid(Grid):
         """Put the elements' matrices (K, S, m+1) into one on the interior nodes, (K, n)."""
         K, S, m = blocks.shape[0], self.lengths.size, self.order
         out = np.zeros((K, S * m + 1))
+        blocks = self._on_nodes(blocks)
         if self.split:
-            blocks = blocks[..., 1:] + blocks[..., :1] * self.element.extrapolation
             out[:, 1:] = blocks.reshape(K, S * m)
         else:
             out[:, :-1].reshape(K, S, m)[...] = blocks[..., :-1]
             out[:, m::m] += blocks[..., -1]
         return out[:, 1:-1]
 
-    def _in_own(self, block: Array, factors: Array) -> Array:
-        S, m = factors.size, self.order
-        blocks = np.zeros((S * m + 1, S, m + 1))
-        for s, factor in enumerate(factors):
-            blocks[s * m : (s + 1) * m, s] = factor * block
-        return self.gathered(blocks)
+    def _in_own(self, block: Array, factors: Array, whole: Array | None = None) -> Array:
+        """Put an element's matrix at each one's own points, times a factor, and a row behind it."""
+        m, block = self.order, self._on_nodes(block)
+        out = np.zeros((self.lengths.size * m + 1,) * 2)
+        for s, factor in enumerate(factors.tolist()):
+            columns = slice(s * m + self.split, (s + 1) * m + 1)
+            out[s * m : (s + 1) * m, columns] += factor * block
+            if whole is not None:
+                out[(s + 1) * m :, columns] += factor * self._on_nodes(whole)
+        return out[:, 1:-1]
 
     def _before(self, block: Array) -> Array:
-        S, m = self.lengths.size, self.order
-        blocks = np.zeros((S * m + 1, S, m + 1))
-        for s, length in enumerate(self.lengths):
-            blocks[s * m : (s + 1) * m, s] = length * block
-            blocks[(s + 1) * m :, s] = length * self.element.weights
-        return self.gathered(blocks)
+        return self._in_own(block, self.lengths, self.element.weights)
+
+    def _on_nodes(self, blocks: Array) -> Array:
+        """Return elements' matrices on nodes of their own, where the left one is none."""
+        if not self.split:
+            return blocks
+        return blocks[..., 1:] + blocks[..., :1] * self.element.extrapolation
 
     @cached_property
     def _own(self) -> Array:

@@ -211,7 +211,7 @@ class ElementMesh(GradedMesh):
 
     def rank(self, kernels: Any, a: float) -> int:
         """Return how many interpolation points the kernels' smooth parts ask for."""
-        return max(64, 2 * interpolation_rank(kernels.length, a))
+        return max(48, 2 * interpolation_rank(kernels.length, a))
 
 
 @dataclass(frozen=True, eq=False)

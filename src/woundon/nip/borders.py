@@ -24,7 +24,7 @@ formula, from one order to the next.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import exp, log
 from typing import Any, NamedTuple
@@ -33,8 +33,11 @@ import numpy as np
 
 from ..contact.grid import zone_borders
 from ..contact.loop import Ladder, Level
-from ..contact.schemes import ELEMENTS
-from ..contact.stick_slip import StickSlip, StickSlipSolution
+from ..contact.response import padded
+from ..contact.schemes import ELEMENTS, ElementMesh
+from ..contact.stick_slip import StickSlipSolution
+from ..two_bodies import Matrices, PairState
+from .equations import NipEquations, NipMatrices
 
 __all__ = ["Face", "OnElements", "Unsettled", "faces_of"]
 
@@ -62,12 +65,11 @@ class Face(NamedTuple):
 
 
 class Run(NamedTuple):
-    """A run of stick on a face: where it begins and ends, and the ways of the slip around it."""
+    """A run of stick on a face, by nodes, and the way of the slip behind it."""
 
     face: int
-    begins: float  # -1 at the leading edge
-    ends: float
-    before: int
+    first: int  # the node where it begins
+    last: int
     behind: int
 
 
@@ -87,128 +89,159 @@ def faces_of(level: Level) -> list[Face]:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Elements between given borders of given zones, and the equations on them."""
+    """Elements between given borders of given zones, and the equations on them.
 
-    contact: Any
+    With tractions put in where they slip, unknown are p, the shift, q where it sticks, and levels:
+
+                       p         shift   q      levels
+        [ slope_p + slope_q s mu   1   slope_q    0   ]    indentation      N
+        [ through + direct s mu    0   direct     1   ]    sticking nodes
+        [          .               0     .        .   ]    what closes a run
+    """
+
+    problem: Any
     faces: list[Face]
     half_width: float
-    order: int
+    mesh: ElementMesh
 
-    @cached_property
-    def ends(self) -> Array:
-        """Ends of all elements."""
-        inner = np.sort(np.concatenate([face.borders for face in self.faces]))
+    @classmethod
+    def between(cls, problem: Any, faces: list[Face], half_width: float, order: int) -> Layout:
+        """Return the layout of elements of this order."""
+        inner = np.sort(np.concatenate([face.borders for face in faces]))
         ends = np.concatenate([[-1.0], inner, [1.0]])
         # the web's thinness leaves p a layer at the edges, a hundredth of the contact
         edges = [-1 + EDGE * (ends[1] + 1), 1 - EDGE * (1 - ends[-2])]
         kept = [edge for edge in edges if abs(edge) < 1 - EDGE * LONG]
-        return np.sort(np.append(ends, kept))
+        return cls(problem, faces, half_width, ELEMENTS.between(np.sort(np.append(ends, kept)), order))
 
     @cached_property
-    def mesh(self) -> Any:
-        return ELEMENTS.between(self.ends, self.order)
-
-    @cached_property
-    def equations(self) -> Any:
-        return self.contact.equations(self.mesh, self.half_width, None)
-
-    @cached_property
-    def problem(self) -> StickSlip:
-        return self.equations.stick_slip()
+    def made(self) -> Matrices:
+        """The nip's matrices."""
+        return NipMatrices.at(self.problem, self.mesh, self.half_width)
 
     @property
+    def order(self) -> int:
+        """Cells of an element."""
+        return self.mesh.grid.order
+
+    @cached_property
+    def friction(self) -> tuple[float, float]:
+        """mu+ and mu-."""
+        return self.problem.roll_friction, self.problem.drum_friction
+
+    @cached_property
+    def state(self) -> Array:
+        """The zones of all unknown tractions, (2n,)."""
+        borders = self.mesh.grid.borders
+        middle = (borders[1:] + borders[:-1]) / 2
+        each = (np.array(zones)[np.searchsorted(at, middle)] for zones, at in self.faces)
+        return np.concatenate([np.repeat(zone, self.order)[:-1] for zone in each]).astype(np.int8)
+
+    @cached_property
     def runs(self) -> list[Run]:
-        """The runs of stick whose level is free; one that ends at the trailing edge is the roll's
-        own, to which slips are referred."""
+        """The runs of stick of both faces.
+
+        But for one of the roll that ends at the trailing edge, to which its slips are referred.
+        """
         found = []
         for f, (zones, borders) in enumerate(self.faces):
             at = [-1.0, *borders.tolist(), 1.0]
             for k, zone in enumerate(zones):
                 if zone == 0 and not (f == 0 and k + 1 == len(zones)):
-                    around = (zones[k - 1] if k else 0, zones[k + 1] if k + 1 < len(zones) else 0)
-                    found.append(Run(f, at[k], at[k + 1], *around))
+                    behind = zones[k + 1] if k + 1 < len(zones) else 0
+                    found.append(Run(f, self.node(at[k]), self.node(at[k + 1]), behind))
         return found
 
     def node(self, border: float) -> int:
         """Return the number of the node on a border."""
-        return self.order * int(np.searchsorted(self.ends, border))
+        return self.order * int(np.searchsorted(self.mesh.grid.borders, border))
 
     @cached_property
-    def state(self) -> Array:
-        """The zones of all unknown tractions."""
-        middle = (self.ends[1:] + self.ends[:-1]) / 2
-        each = (np.array(zones)[np.searchsorted(at, middle)] for zones, at in self.faces)
-        return np.concatenate([np.repeat(zone, self.order)[:-1] for zone in each]).astype(np.int8)
+    def solved(self) -> tuple[PairState, Array]:
+        """The state, and the levels of the runs."""
+        made, n, runs, stuck = self.made, self.mesh.unknowns, self.runs, self.state == 0
+        rigid = [body.rigid for body in self.problem.bodies]
+        slipping = self.state * np.repeat(self.friction, n)  # s mu, 0 in stick
 
-    def rigid(self, face: int) -> bool:
-        return bool(self.contact.problem.bodies[face].rigid)
+        def columns(p: Array, q: Array) -> tuple[Array, Array]:
+            return p + q[:, :n] * slipping[:n] + q[:, n:] * slipping[n:], q[:, stuck]
 
-    def solve(self) -> tuple[StickSlipSolution, Array]:
-        """Return the solution, and the levels of the runs."""
-        problem, runs, n = self.problem, self.runs, self.mesh.unknowns
-        m, scale = 2 * n, problem.scale
-        base, right = problem.system(self.state)
-        matrix = np.zeros((m + len(runs),) * 2)
-        matrix[:m, :m] = base[:m, :m]
-        right = np.append(right[:m], np.zeros(len(runs)))
-        for r, run in enumerate(runs, start=m):
-            first, last = self.node(run.begins), self.node(run.ends)
+        N, sticks = n + 1, int(np.count_nonzero(stuck))
+        size, scale = N + sticks + len(runs), float(np.max(np.abs(made.direct)))
+        matrix, right = np.zeros((size, size)), np.zeros(size)
+        matrix[:N, :n], matrix[:N, N : N + sticks] = columns(made.slope_p, made.slope_q)
+        matrix[:N, n], right[:N] = scale, made.gap
+        rows = slice(N, N + sticks)
+        held = np.nonzero(stuck)[0]
+        matrix[rows, :n], matrix[rows, rows] = columns(made.through_pressure[held], made.direct[held])
+        place = np.cumsum(stuck) - 1 + N  # of a sticking traction among the unknowns
+        for r, run in enumerate(runs, start=N + sticks):
+            first, last = run.face * n + run.first, run.face * n + run.last
             # node k belongs with the cell before it, and is traction k - 1 of its face
-            matrix[run.face * n + first : run.face * n + last, r] = scale
-            if self.rigid(run.face):
-                cells = run.face * n + np.arange(first - self.order, first)
-                to_end = self.mesh.grid.element.to_right
-                matrix[r, :m], matrix[r, r] = to_end @ problem.stick_matrix[cells], scale
-                right[r] = -to_end @ problem.stick_offset[cells]
+            matrix[place[first : last], r] = scale
+            if rigid[run.face]:
+                cells, to_end = np.arange(first - self.order, first), self.mesh.grid.element.to_right
+                by_p = to_end @ made.through_pressure[cells]
+                by_q = to_end @ made.direct[cells]
+                matrix[r, :n], matrix[r, rows] = (
+                    part[0] for part in columns(by_p[None], by_q[None])
+                )
+                matrix[r, r] = scale
             else:
-                bound = run.behind * scale * problem.friction[run.face * n]
-                matrix[r, :m] = -bound * problem.pressure_response[last - 1]
-                matrix[r, run.face * n + last - 1] += scale
-                right[r] = bound * problem.pressure[last - 1]
+                matrix[r, place[last - 1]] = scale
+                matrix[r, run.last - 1] = -scale * run.behind * self.friction[run.face]
         found = np.linalg.solve(matrix, right)
-        levels = scale * found[m:]
-        drum = [level for run, level in zip(runs, levels, strict=True) if run.face == 1]
-        return problem.evaluate(self.state, found[:m], drum[0]), levels
+        p, levels = found[:n], scale * found[N + sticks :]
+        q = slipping * np.tile(p, 2)
+        q[stuck] = found[rows]
+        creep = next(float(x) for run, x in zip(runs, levels, strict=True) if run.face == 1)
+        slip = made.slips(p, q, creep)[: 2 * n]
+        slip[stuck] = 0.0
+        bound = np.repeat(self.friction, n) * np.tile(p, 2)
+        solution = StickSlipSolution(self.state, q, creep, slip, bound)
+        state = PairState(self.half_width, solution, p, float(scale * found[n]), made.loads(p, q))
+        return state, levels
 
-    @cached_property
-    def level(self) -> Level:
-        return Level(self.mesh, self.equations, self.solved[0], self.contact.load, 2.0)
-
-    @cached_property
-    def solved(self) -> tuple[Any, Array]:
-        solution, levels = self.solve()
-        return self.equations.state(solution), levels
-
+    @property
     def left(self) -> Array:
-        """Return what the solution leaves of the conditions, in the order of borders, then of P."""
-        (state, levels), problem, n = self.solved, self.problem, self.mesh.unknowns
-        top, peak = self.equations.matrices.top, float(np.max(state.pressure))
-        force = float(problem.resultant @ state.traction) - problem.force
-        closed = {(run.face, run.ends): level for run, level in zip(self.runs, levels)}
-        xi, found = state.solution.creep, []
-        p = np.concatenate([[0.0], state.pressure, [0.0]])
+        """What the solution leaves of the conditions, in the order of borders, then that of P."""
+        (state, levels), made, n = self.solved, self.made, self.mesh.unknowns
+        P, carried = self.problem.nip_load, float(made.weights @ state.pressure)
+        p, peak = padded(state.pressure), float(np.max(state.pressure))
+        closed = {(run.face, run.last): x for run, x in zip(self.runs, levels, strict=True)}
+        found = []
         for f, (zones, borders) in enumerate(self.faces):
-            mu, first = problem.friction[f * n], True
-            q = np.concatenate([[0.0], state.traction[f * n : (f + 1) * n], [0.0]])
-            for border, before, behind in zip(borders, zones, zones[1:]):
+            mu, q, first = self.friction[f], padded(state.traction[f * n : (f + 1) * n]), True
+            for border, before, behind in zip(borders, zones[:-1], zones[1:], strict=True):
+                k = self.node(border)
                 if behind == 0:
-                    k = self.node(border)
-                    own = slice(k, k + self.order + 1)
-                    element, excess = self.mesh.grid.element, q[own] - before * mu * p[own]
-                    if self.rigid(f):
-                        excess[0] = element.extrapolation @ q[own][1:] - before * mu * p[k]
-                    else:
-                        excess[0] = element.start_slope @ excess
-                    found.append(excess[0] / (mu * peak))
+                    found.append(self._entry(f, q[k:], before * mu * p[k:]) / (mu * peak))
                 elif f == 0:
-                    found.append(closed[f, border] / top)
+                    found.append(closed[f, k] / made.top)
                 elif first:
-                    found.append(force / self.contact.load)
+                    # F in proportion to the load that this half width carries
+                    force = self._force(q[1:-1]) / carried
+                    found.append(force - self.problem.winding_force / P)
                     first = False
                 else:
-                    found.append((closed[f, border] - xi) / top)
-        found.append(log(self.equations.carried(state) / self.contact.load))
-        return np.array(found)
+                    found.append((closed[f, k] - state.solution.creep) / made.top)
+        return np.array([*found, log(carried / P)])
+
+    def _entry(self, face: int, q: Array, bound: Array) -> float:
+        """Return what must be nil where stick begins, by q and s mu p from there on."""
+        element, own = self.mesh.grid.element, slice(0, self.order + 1)
+        if self.problem.bodies[face].rigid:
+            return float(element.extrapolation @ q[own][1:] - bound[0])
+        return float(element.start_slope @ (q - bound)[own])
+
+    def _force(self, q_drum: Array) -> float:
+        drum = self.mesh.facing(self.problem.drum.rigid)
+        return float(self.half_width * drum.grid.weights @ q_drum)
+
+    def level(self, contact: Any, power: float) -> Level:
+        """Return what the loop knows of a solved mesh."""
+        equations = NipEquations(self.problem, self.mesh, self.made, np.empty(0))
+        return Level(self.mesh, equations, self.solved[0], contact.load, power)
 
 
 class OnElements(Ladder):
@@ -238,7 +271,7 @@ class OnElements(Ladder):
         """
         for k, order in enumerate(ORDERS):
             layout = self._settled(order)
-            self.level = replace(layout.level, power=self.level.power)
+            self.level = layout.level(self.contact, self.level.power)
             self.history.append(self.contact.scalars(self.level))
             if k:
                 self._tell_by(ORDERS[k - 1] / order)
@@ -258,12 +291,12 @@ class OnElements(Ladder):
         parts = np.split(unknowns[:-1], cuts[:-1])
         faces = [Face(face.zones, part) for face, part in zip(self.faces, parts, strict=True)]
         self.solves += 1
-        return Layout(self.contact, faces, exp(unknowns[-1]), order)
+        return Layout.between(self.contact.problem, faces, exp(unknowns[-1]), order)
 
     def _settled(self, order: int) -> Layout:
         """Return the layout of this order whose conditions are kept."""
         here = self._layout(self._unknowns, order)
-        left = here.left()
+        left = here.left
         for _ in range(MOST_STEPS):
             if np.max(np.abs(left)) < CLOSE:
                 return here
@@ -272,7 +305,7 @@ class OnElements(Ladder):
             step = -np.linalg.solve(self._jacobian, left)
             step *= min(1.0, float(np.min(self._room() / np.maximum(np.abs(step), 1e-300))))
             here = self._layout(self._unknowns + step, order)
-            new = here.left()
+            new = here.left
             self._unknowns = self._unknowns + step
             if np.max(np.abs(new)) > LEAST_GAIN * np.max(np.abs(left)):
                 self._jacobian = None
@@ -287,7 +320,7 @@ class OnElements(Ladder):
         for k in range(made.shape[0]):
             moved = self._unknowns.copy()
             moved[k] += STEP
-            made[:, k] = (self._layout(moved, order).left() - left) / STEP
+            made[:, k] = (self._layout(moved, order).left - left) / STEP
         return made
 
     def _room(self) -> Array:

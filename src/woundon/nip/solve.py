@@ -30,7 +30,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
-from ..two_bodies import PairContact, PairEquations, PairState, approach
+from ..two_bodies import PairContact, PairEquations, PairState, approach, mesh_of
 from .borders import OnElements, Unsettled
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
