@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from math import exp, log
 from typing import Any, NamedTuple
 
@@ -46,14 +47,17 @@ Array = np.ndarray
 
 SHORTEST = 1e-7  # element
 GROWTH, CUT = 12.0, 5.0
-ORDERS = (10, 14, 20, 28)
-RATE = 4  # errors fall at least like order^-RATE
+ORDERS = (10, 14, 20, 28)  # cells of an element
+RATE = 5  # coefficients of t ln t, the worst that leaves a border, fall like order^-5
+SHORTEST = 1e-7  # element
+GROWTH, CUT = 12.0, 5.0  # elements are cut that are so much longer than one beside; to how much
+COARSE, CLOSE = 1e-7, 2e-9  # of the conditions, on the first order and others; a law's is 1e-8
+NEAR = 0.1  # the first nodes behind a border are a hundredth of the element away
 MISSED, APART = 3e-3, 1e-6  # of a law, on the first order and on others: zones are missing
-MOST_CHANGES = 6  # of the zones on one order
-CLOSE = 2e-9  # the certificate allows 1e-8
-STEP = 1e-6  # of borders and ln a, for the Jacobian
-MOST_STEPS = 12  # on one order
-LEAST_GAIN = 0.3  # a step that leaves more asks for a new Jacobian
+MOST_CHANGES = 4  # of the zones on one order
+MOST_STEPS = 12  # of Newton on one order
+STEP = 1e-4  # for the Jacobian, of the way to the next border
+LEAST_GAIN, RENEWED = 0.3, 1e-7  # a step that leaves more asks for a new Jacobian, but near the end
 
 
 class Unsettled(ArithmeticError):
@@ -133,6 +137,10 @@ def graded(ends: Array, layer: float) -> Array:
     return np.array(made)
 
 
+def _same(one: Array, two: Array) -> bool:
+    return one.size == two.size and bool(np.max(np.abs(one - two)) < 1e-6)
+
+
 @dataclass(frozen=True, eq=False)
 class Layout:
     """Elements between given borders of given zones, and the equations on them.
@@ -197,6 +205,13 @@ class Layout:
                     found.append(Run(f, self.node(at[k]), self.node(at[k + 1]), behind))
         return found
 
+    def refuse(self) -> None:
+        """Raise for zones whose borders these conditions do not tell."""
+        for f, ((zones, _), body) in enumerate(zip(self.faces, self.problem.bodies, strict=True)):
+            turns = any(before and behind for before, behind in pairwise(zones))
+            if turns or (body.rigid and zones[0] == 0) or (f and (zones[-1] == 0 or 0 not in zones)):
+                raise Unsettled("borders of a kind that elements do not know")
+
     def node(self, border: float) -> int:
         """Return the number of the node on a border."""
         return self.order * int(np.searchsorted(self.mesh.grid.borders, border))
@@ -260,7 +275,7 @@ class Layout:
             for border, before, behind in zip(borders, zones[:-1], zones[1:], strict=True):
                 k = self.node(border)
                 if behind == 0:
-                    found.append(self._entry(f, q[k:], before * mu * p[k:]) / (mu * peak))
+                    found.append(NEAR * self._entry(f, q[k:], before * mu * p[k:]) / (mu * peak))
                 elif f == 0:
                     found.append(closed[f, k] / made.top)
                 elif first:
@@ -339,7 +354,7 @@ class OnElements(Ladder):
             Where borders are not found, or the last order does not reach rtol.
         """
         for k, order in enumerate(ORDERS):
-            layout = self._solved(order, MISSED if k == 0 else APART)
+            layout = self._solved(order, fine=k > 0)
             self.level = layout.level(self.contact, self.level.power)
             self.history.append(self.contact.scalars(self.level))
             if k:
@@ -360,14 +375,18 @@ class OnElements(Ladder):
         parts = np.split(unknowns[:-1], cuts[:-1])
         faces = [Face(face.zones, part) for face, part in zip(self.faces, parts, strict=True)]
         self.solves += 1
-        return Layout.between(self.contact.problem, faces, exp(unknowns[-1]), order)
+        made = Layout.between(self.contact.problem, faces, exp(unknowns[-1]), order)
+        made.refuse()
+        return made
 
-    def _solved(self, order: int, tolerated: float) -> Layout:
+    def _solved(self, order: int, fine: bool) -> Layout:
         """Return the layout of this order whose zones are those that the laws ask for."""
+        before, tolerated = np.empty(0), APART if fine else MISSED
         for _ in range(MOST_CHANGES):
-            layout = self._settled(order)
-            if layout.broken < tolerated:
+            layout = self._settled(order, CLOSE if fine else COARSE)
+            if layout.broken < tolerated or _same(before, self._unknowns):
                 return layout
+            before = self._unknowns
             self._begin(layout.asked(), layout.half_width)
         raise Unsettled("zones appear and vanish")
 
@@ -376,12 +395,12 @@ class OnElements(Ladder):
         self.faces, self._jacobian = faces, None
         self._unknowns = np.array([*(b for face in faces for b in face.borders), log(half_width)])
 
-    def _settled(self, order: int) -> Layout:
+    def _settled(self, order: int, close: float = 2e-9) -> Layout:
         """Return the layout of this order whose conditions are kept."""
         here = self._layout(self._unknowns, order)
         left = here.left
         for _ in range(MOST_STEPS):
-            if np.max(np.abs(left)) < CLOSE:
+            if np.max(np.abs(left)) < close:
                 return here
             if self._jacobian is None:
                 self._jacobian = self._differences(left, order)
@@ -390,7 +409,7 @@ class OnElements(Ladder):
             here = self._layout(self._unknowns + step, order)
             new = here.left
             self._unknowns = self._unknowns + step
-            if np.max(np.abs(new)) > LEAST_GAIN * np.max(np.abs(left)):
+            if np.max(np.abs(new)) > max(LEAST_GAIN * np.max(np.abs(left)), RENEWED):
                 self._jacobian = None
             else:
                 miss = new - left - self._jacobian @ step
@@ -399,11 +418,11 @@ class OnElements(Ladder):
         raise Unsettled("the borders of the zones did not settle")
 
     def _differences(self, left: Array, order: int) -> Array:
-        made = np.empty((self._unknowns.size,) * 2)
+        made, steps = np.empty((self._unknowns.size,) * 2), STEP * self._room()
         for k in range(made.shape[0]):
             moved = self._unknowns.copy()
-            moved[k] += STEP
-            made[:, k] = (self._layout(moved, order).left - left) / STEP
+            moved[k] += steps[k]
+            made[:, k] = (self._layout(moved, order).left - left) / steps[k]
         return made
 
     def _room(self) -> Array:
