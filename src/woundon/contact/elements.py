@@ -21,7 +21,7 @@ first kind.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import ceil, pi
 from typing import Any
@@ -226,11 +226,14 @@ class ElementGrid(Grid):
     split : bool
         Whether functions may jump behind a border: each element's left node is then no node of its
         own, and its polynomial of degree m - 1.
+    beside : bool
+        Whether the points lie outside the contact, in place of in the cells.
     """
 
     borders: Array
     order: int
     split: bool = False
+    beside: bool = False
 
     @classmethod
     def between(cls, borders: Array, order: int, points: Array | None = None) -> ElementGrid:
@@ -241,6 +244,11 @@ class ElementGrid(Grid):
         if points is None:
             points = np.append((left + length * _phi(own.angles[1])).ravel(), borders[-1])
         return cls(nodes, points, borders, order)
+
+    def outside(self, points: Array) -> ElementGrid:
+        """Return the same elements with points outside them, none nearer than rounding can see."""
+        points = np.sign(points) * np.maximum(np.abs(points), 1 + 1e-13)
+        return replace(self, points=points, beside=True)
 
     @cached_property
     def lengths(self) -> Array:
@@ -324,6 +332,9 @@ class ElementGrid(Grid):
 
     def _in_own(self, block: Array, factors: Array, whole: Array | None = None) -> Array:
         """Put an element's matrix at each one's own points, times a factor, and a row behind it."""
+        if self.beside:
+            behind = 0.0 if whole is None else np.where(self.points > 0, 1.0, 0.0)[:, None]
+            return behind * np.broadcast_to(self.weights, (self.points.size, self.unknowns))
         m, block = self.order, self._on_nodes(block)
         out = np.zeros((self.lengths.size * m + 1,) * 2)
         for s, factor in enumerate(factors.tolist()):
@@ -344,15 +355,18 @@ class ElementGrid(Grid):
 
     @cached_property
     def _own(self) -> Array:
-        """In which element each of the own points lies, (K,)."""
+        """In which element each of the points lies, (K,)."""
         S, m = self.lengths.size, self.order
+        if self.beside:
+            return np.full(self.points.size, -1)
         return np.minimum(np.arange(S * m + 1) // m, S - 1)
 
     @cached_property
     def _distance(self) -> Array:
         """Points less borders, (K, S+1), without cancellation next to them."""
-        t = self.points[:, None] - self.borders
-        own, m = self._own, self.order
+        t, own = self.points[:, None] - self.borders, self._own
+        if self.beside:
+            return t
         k, angles = np.arange(own.size - 1), np.tile(self.element.angles[1], self.lengths.size)
         t[k, own[:-1]] = self.lengths[own[:-1]] * _phi(angles)
         t[k, own[:-1] + 1] = -self.lengths[own[:-1]] * _phi(pi / 2 - angles)
@@ -363,8 +377,9 @@ class ElementGrid(Grid):
         """int T_n phi'/(eta - phi) dr of every element at every point, (K, S, m+4)."""
         own, m, S = self._own, self.order, self.lengths.size
         out = np.empty((own.size, S, m + 4))
-        k = np.arange(own.size)
-        out[k, own] = self.element.own[np.append(np.tile(np.arange(m), S), m)]
+        if not self.beside:
+            k = np.arange(own.size)
+            out[k, own] = self.element.own[np.append(np.tile(np.arange(m), S), m)]
         other = np.arange(S) != own[:, None]
         left, right = self._distance[:, :-1][other], self._distance[:, 1:][other]
         away = np.where(right > 0, right, -left) / np.broadcast_to(self.lengths, other.shape)[other]

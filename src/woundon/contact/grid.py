@@ -121,6 +121,10 @@ class Grid:
         """Number n of interior nodes."""
         return self.nodes.size - 2
 
+    def outside(self, points: Array) -> Grid:
+        """Return the same nodes with other points, outside of them."""
+        return Grid(self.nodes, points)
+
     @cached_property
     def cells(self) -> Array:
         """Cell lengths, (N,)."""

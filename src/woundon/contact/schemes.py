@@ -211,7 +211,10 @@ class ElementMesh(GradedMesh):
 
     def rank(self, kernels: Any, a: float) -> int:
         """Return how many interpolation points the kernels' smooth parts ask for."""
-        return max(48, 2 * interpolation_rank(kernels.length, a))
+        rank = max(48, 2 * interpolation_rank(kernels.length, a))
+        if rank > self.grid.highest_rank:
+            raise ArithmeticError("a layer is too thin beside the contact for elements")
+        return rank
 
 
 @dataclass(frozen=True, eq=False)

@@ -165,7 +165,12 @@ class Layout:
         ends = np.concatenate([[-1.0], inner, [1.0]])
         if np.diff(ends).min() < SHORTEST:
             raise Unsettled("borders of zones collide")
-        return cls(problem, faces, half_width, ELEMENTS.between(graded(ends, layer(problem) / half_width), order))
+        return cls(
+            problem,
+            faces,
+            half_width,
+            ELEMENTS.between(graded(ends, layer(problem) / half_width), order),
+        )
 
     @cached_property
     def made(self) -> Matrices:
@@ -209,7 +214,11 @@ class Layout:
         """Raise for zones whose borders these conditions do not tell."""
         for f, ((zones, _), body) in enumerate(zip(self.faces, self.problem.bodies, strict=True)):
             turns = any(before and behind for before, behind in pairwise(zones))
-            if turns or (body.rigid and zones[0] == 0) or (f and (zones[-1] == 0 or 0 not in zones)):
+            if (
+                turns
+                or (body.rigid and zones[0] == 0)
+                or (f and (zones[-1] == 0 or 0 not in zones))
+            ):
                 raise Unsettled("borders of a kind that elements do not know")
 
     def node(self, border: float) -> int:
@@ -233,14 +242,19 @@ class Layout:
         matrix[:N, n], right[:N] = scale, made.gap
         rows = slice(N, N + sticks)
         held = np.nonzero(stuck)[0]
-        matrix[rows, :n], matrix[rows, rows] = columns(made.through_pressure[held], made.direct[held])
+        matrix[rows, :n], matrix[rows, rows] = columns(
+            made.through_pressure[held], made.direct[held]
+        )
         place = np.cumsum(stuck) - 1 + N  # of a sticking traction among the unknowns
         for r, run in enumerate(runs, start=N + sticks):
             first, last = run.face * n + run.first, run.face * n + run.last
             # node k belongs with the cell before it, and is traction k - 1 of its face
-            matrix[place[first : last], r] = scale
+            matrix[place[first:last], r] = scale
             if rigid[run.face]:
-                cells, to_end = np.arange(first - self.order, first), self.mesh.grid.element.to_right
+                cells, to_end = (
+                    np.arange(first - self.order, first),
+                    self.mesh.grid.element.to_right,
+                )
                 by_p = to_end @ made.through_pressure[cells]
                 by_q = to_end @ made.direct[cells]
                 matrix[r, :n], matrix[r, rows] = (
@@ -315,7 +329,10 @@ class Layout:
             own = state[f * n : (f + 1) * n]
             changes = np.nonzero(np.diff(own))[0]
             between = (x[changes + 1] + x[changes + 2]) / 2
-            at = [x[k + 1] if x[k + 1] in borders else y for k, y in zip(changes, between, strict=True)]
+            at = [
+                x[k + 1] if x[k + 1] in borders else y
+                for k, y in zip(changes, between, strict=True)
+            ]
             kinds, at = [int(own[0]), *(int(own[k + 1]) for k in changes)], [float(b) for b in at]
             if not self.problem.bodies[f].rigid:
                 _part_slips(kinds, at)

@@ -24,14 +24,14 @@ import numpy as np
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
-from ..contact.schemes import Scheme, scheme_of
+from ..contact.schemes import ELEMENTS, Scheme, scheme_of
 from ..contact.zones import slip_lengths
 from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach, mesh_of
-from .borders import OnElements, Unsettled
+from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
@@ -125,7 +125,7 @@ def _on_elements(
         found = OnElements(ladder)
         found.refine(rtol)
         return _result(found, problem, algorithm).checked()
-    except (Unsettled, NotConverged):
+    except (ArithmeticError, np.linalg.LinAlgError, NotConverged):
         return None
 
 
@@ -144,6 +144,9 @@ def check_options(
         For an option out of range.
     """
     chosen = scheme_of(scheme)
+    if chosen is ELEMENTS:
+        text = f"{ELEMENTS.name!r} is not admissible: a fine rtol chooses it by itself"
+        raise InvalidProblem.at("scheme", text)
     if not isinstance(algorithm, str) or algorithm not in ALGORITHMS:
         text = f"{algorithm!r} is unknown{did_you_mean(str(algorithm), ALGORITHMS)}"
         raise InvalidProblem.at("algorithm", text)
