@@ -348,6 +348,7 @@ def _chebyshev_points(r: int) -> Array:
     return -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
 
 
+@lru_cache(maxsize=32)
 def chebyshev_transform(r: int) -> Array:
     """Return coefficients of Chebyshev polynomials by values at r points of the first kind."""
     transform = np.cos(np.outer(np.arange(r), np.arccos(_chebyshev_points(r)))) * (2 / r)

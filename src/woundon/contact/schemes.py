@@ -372,7 +372,7 @@ class Elements:
 
     def between(self, borders: Array, cells: int) -> ElementMesh:
         """Return the mesh of so many cells between any two borders."""
-        return ElementMesh(ElementGrid.between(borders, cells))
+        return _element_mesh(tuple(borders.tolist()), cells)
 
     def restored(self, nodes: Array, points: Array) -> Mesh:
         """Return the mesh of given nodes."""
@@ -382,6 +382,11 @@ class Elements:
 @lru_cache(maxsize=64)
 def _graded_mesh(nodes: int) -> Mesh:
     return GradedMesh(cosine_grid(nodes))
+
+
+@lru_cache(maxsize=4)  # the width alone changes from one layout to another
+def _element_mesh(borders: tuple[float, ...], cells: int) -> ElementMesh:
+    return ElementMesh(ElementGrid.between(np.array(borders), cells))
 
 
 @lru_cache(maxsize=64)

@@ -51,13 +51,13 @@ ORDERS = (10, 14, 20, 28)  # cells of an element
 RATE = 5  # coefficients of t ln t, the worst that leaves a border, fall like order^-5
 SHORTEST = 1e-7  # element
 GROWTH, CUT = 12.0, 5.0  # elements are cut that are so much longer than one beside; to how much
-COARSE, CLOSE = 1e-7, 2e-9  # of the conditions, on the first order and others; a law's is 1e-8
+COARSE, CLOSE = 2e-8, 2e-9  # of the conditions, on the first order and others; a law's is 1e-8
 NEAR = 0.1  # the first nodes behind a border are a hundredth of the element away
 MISSED, APART = 3e-3, 1e-6  # of a law, on the first order and on others: zones are missing
 MOST_CHANGES = 4  # of the zones on one order
 MOST_STEPS = 12  # of Newton on one order
 STEP = 1e-4  # for the Jacobian, of the way to the next border
-LEAST_GAIN, RENEWED = 0.3, 1e-7  # a step that leaves more asks for a new Jacobian, but near the end
+LEAST_GAIN, RENEWED = 0.8, 1e-7  # a step that leaves more asks for a new Jacobian, but near the end
 
 
 class Unsettled(ArithmeticError):
