@@ -11,6 +11,7 @@ With s the way of the slip, these are left for Newton's method, one for each bor
 
     stick begins       d(q - s mu p)/dr = 0 at its side       q = s mu p at its side
     stick ends         level = 0 at the roll; at the drum int q- = F, and all levels = xi
+    slip turns         (never, on an elastic body)             v = 0
     half width         int p = P
 
 On an elastic body a traction is continuous, and where material leaves a stick zone it goes like the
@@ -94,8 +95,22 @@ def faces_of(level: Level) -> list[Face]:
         first += face.size
         if not body.rigid:
             _part_slips(kinds, borders)
+        elif kinds[0] == 0:
+            _slip_before(level, kinds, borders)
         found.append(Face(tuple(kinds), np.array(borders)))
     return found
+
+
+def _slip_before(level: Level, kinds: list[int], borders: list[float]) -> None:
+    """Put slip before stick that begins at the leading edge of a rigid body.
+
+    There the web's strain -c12 p' is held by a traction, more than friction allows as p is nil.
+    """
+    problem = level.equations.problem
+    web, thickness = problem.web.compliance, problem.web.thickness
+    length = thickness * abs(web.c12) / (web.c11 * problem.drum_friction * level.half_width)
+    kinds.insert(0, 1 if web.c12 > 0 else -1)
+    borders.insert(0, min(length, 0.5 * (borders[0] + 1)) - 1)
 
 
 def _part_slips(kinds: list[int], borders: list[float]) -> None:
@@ -215,7 +230,7 @@ class Layout:
         for f, ((zones, _), body) in enumerate(zip(self.faces, self.problem.bodies, strict=True)):
             turns = any(before and behind for before, behind in pairwise(zones))
             if (
-                turns
+                (turns and not body.rigid)
                 or (body.rigid and zones[0] == 0)
                 or (f and (zones[-1] == 0 or 0 not in zones))
             ):
@@ -290,6 +305,10 @@ class Layout:
                 k = self.node(border)
                 if behind == 0:
                     found.append(NEAR * self._entry(f, q[k:], before * mu * p[k:]) / (mu * peak))
+                elif before:  # slip turns, on a rigid body
+                    cells = slice(f * n + k - self.order, f * n + k)
+                    turns = self.mesh.grid.element.to_right @ state.solution.slip[cells]
+                    found.append(turns / made.top)
                 elif f == 0:
                     found.append(closed[f, k] / made.top)
                 elif first:
