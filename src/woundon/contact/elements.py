@@ -54,10 +54,7 @@ def cauchy(z: Array, degree: int) -> Array:
         out[far] = (1 / (r - z[far, None])) @ (weights[:, None] * chebyshev.chebvander(r, degree))
     w, ends = z[~far], np.abs(z[~far]) == 1
     ratio = (1 - w) / np.where(ends, 1, 1 + w)
-    if not np.iscomplexobj(z):
-        first = np.log(np.where(ends, 1, np.abs(ratio)))
-    else:
-        first = np.log(-ratio)
+    first = np.log(np.where(ends, 1, np.abs(ratio))) if not np.iscomplexobj(z) else np.log(-ratio)
     near = [first, 2 + w * first]
     for n in range(1, degree):
         near.append(2 * w * near[n] - near[n - 1] + (0 if n % 2 else 4 / (1 - n * n)))
@@ -67,7 +64,7 @@ def cauchy(z: Array, degree: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _gauss(points: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(points)  # type: ignore[no-any-return]
+    return np.polynomial.legendre.leggauss(points)
 
 
 @dataclass(frozen=True, eq=False)

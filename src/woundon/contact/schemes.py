@@ -184,12 +184,12 @@ class ElementMesh(GradedMesh):
     border_share: ClassVar[float | None] = 0.0
 
     @property
-    def slope(self) -> Array:  # type: ignore[override]
+    def slope(self) -> Array:
         """Derivative of the traction in each cell; the last row repeats the last cell, (M, n)."""
         return self.grid.slope
 
     @property
-    def upstream(self) -> Array:  # type: ignore[override]
+    def upstream(self) -> Array:
         """Integral of the traction from the leading edge to each cell's point, (N, n)."""
         return self.grid.upstream[:-1]
 
@@ -376,7 +376,10 @@ class Elements:
 
     def restored(self, nodes: Array, points: Array) -> Mesh:
         """Return the mesh of given nodes."""
-        return self.between(*borders_of(nodes))
+        found = borders_of(nodes)
+        if found is None:
+            raise InvalidProblem.at("x", "its nodes are not those of Chebyshev elements")
+        return self.between(*found)
 
 
 @lru_cache(maxsize=64)

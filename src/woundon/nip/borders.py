@@ -136,7 +136,7 @@ def graded(ends: Array, layer: float) -> Array:
     """
     lengths = [layer, *np.diff(ends).tolist(), layer]
     made = [-1.0]
-    for k, length in enumerate(lengths[1:-1]):
+    for k, _length in enumerate(lengths[1:-1]):
         before, behind = lengths[k], lengths[k + 2]
         low, high, cuts = float(ends[k]), float(ends[k + 1]), [float(ends[k + 1])]
         while high - low > GROWTH * min(before, behind):
@@ -353,6 +353,8 @@ class Layout:
                 for k, y in zip(changes, between, strict=True)
             ]
             kinds, at = [int(own[0]), *(int(own[k + 1]) for k in changes)], [float(b) for b in at]
+            if f and not kinds[-1] and len(kinds) > 1:  # at the edge nothing holds: slip turns
+                kinds, at = [*kinds, -kinds[-2]], [*at, (at[-1] + 1) / 2]
             if not self.problem.bodies[f].rigid:
                 _part_slips(kinds, at)
             found.append(Face(tuple(kinds), np.array(at)))
@@ -376,6 +378,7 @@ class OnElements(Ladder):
     def __init__(self, ladder: Ladder) -> None:
         self.__dict__.update(ladder.__dict__)
         self.scheme, self.history = ELEMENTS, []
+        self.problem = ladder.contact.problem  # type: ignore[attr-defined]
         self.faces: list[Face]
         self._unknowns: Array
         self._jacobian: Array | None
@@ -390,7 +393,7 @@ class OnElements(Ladder):
             Where borders are not found, or the last order does not reach rtol.
         """
         for k, order in enumerate(ORDERS):
-            layout = self._solved(order, fine=k > 0)
+            layout = self._agreed(order, fine=k > 0)
             self.level = layout.level(self.contact, self.level.power)
             self.history.append(self.contact.scalars(self.level))
             if k:
@@ -411,11 +414,11 @@ class OnElements(Ladder):
         parts = np.split(unknowns[:-1], cuts[:-1])
         faces = [Face(face.zones, part) for face, part in zip(self.faces, parts, strict=True)]
         self.solves += 1
-        made = Layout.between(self.contact.problem, faces, exp(unknowns[-1]), order)
+        made = Layout.between(self.problem, faces, exp(unknowns[-1]), order)
         made.refuse()
         return made
 
-    def _solved(self, order: int, fine: bool) -> Layout:
+    def _agreed(self, order: int, fine: bool) -> Layout:
         """Return the layout of this order whose zones are those that the laws ask for."""
         before, tolerated = np.empty(0), APART if fine else MISSED
         for _ in range(MOST_CHANGES):

@@ -45,7 +45,7 @@ Array = np.ndarray
 # much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
-ON_ELEMENTS = 3e-5  # elements are tried for a finer rtol
+ON_ELEMENTS = 3e-5  # rtol from which elements are tried: for a larger one, meshes cost as little
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
 
@@ -73,9 +73,10 @@ def solve_nip(
         of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
         In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
-        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then
-        fitted to the zones, and NIT is extrapolated from them (``extrapolation``); the arrays are
-        those of the finest.
+        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  From 3e-5 down, and
+        for linear elastic bodies, Chebyshev elements between zone borders take over (``scheme`` is
+        then ``"elements"``).  Else, or where zones collide, meshes are fitted to the zones and NIT
+        is extrapolated from them (``extrapolation``); the arrays are those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
@@ -101,13 +102,19 @@ def solve_nip(
     cold = chosen.starts_cold and algorithm == "panagiotopoulos"
     counts = [M] if cold else halved(M, chosen.coarsest)
     ladder = Ladder(NipContact(problem), chosen, "nip_induced_tension", ALGORITHMS[algorithm])
-    ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
-    if chosen.refines and nodes is None and rtol is None:
-        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
-    if rtol is not None and not ladder.reached(rtol):
+    counts, begun = (
+        counts[-2 if start else 0 :],
+        None if start is None else _started(start, problem),
+    )
+    if rtol is not None and rtol <= ON_ELEMENTS and problem.linear and not problem.viscoelastic:
+        ladder.climb(counts[:-1], begun)  # their borders are all that elements ask for
         found = _on_elements(ladder, problem, rtol, algorithm)
         if found is not None:
             return found.warned()
+    ladder.climb(counts, begun)
+    if chosen.refines and nodes is None and rtol is None:
+        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
+    if rtol is not None:
         ladder.fit(rtol, MOST_NODES)
     result = _result(ladder, problem, algorithm).checked()
     if rtol is not None and not ladder.reached(rtol):
@@ -116,15 +123,13 @@ def solve_nip(
 
 
 def _on_elements(
-    ladder: Ladder, problem: NipProblem, rtol: float, algorithm: str
+    climbed: Ladder, problem: NipProblem, rtol: float, algorithm: str
 ) -> NipResult | None:
     """Return the result on Chebyshev elements; None where their borders are not found."""
-    if rtol > ON_ELEMENTS or not problem.linear or problem.viscoelastic:
-        return None
     try:
-        found = OnElements(ladder)
-        found.refine(rtol)
-        return _result(found, problem, algorithm).checked()
+        ladder = OnElements(climbed)
+        ladder.refine(rtol)
+        return _result(ladder, problem, algorithm).checked()
     except (ArithmeticError, np.linalg.LinAlgError, NotConverged):
         return None
 
