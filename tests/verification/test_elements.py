@@ -171,7 +171,7 @@ def test_sensitivities_are_those_of_the_graded_mesh(solved: dict[str, wo.NipResu
     result, step = solved["half-plane roll"], 1.0
     loads = (result.problem.nip_load + sign * step for sign in (-1, 1))
     low, high = (
-        wo.solve_nip(result.problem.replace(nip_load=load), rtol=1e-8).nip_induced_tension
+        wo.solve_nip(result.problem.replace(nip_load=load), rtol=5e-8).nip_induced_tension
         for load in loads
     )
     told = result.sensitivity("nip_load").derivative("nip_induced_tension", "nip_load")

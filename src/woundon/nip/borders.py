@@ -49,6 +49,7 @@ Array = np.ndarray
 SHORTEST = 1e-7  # element
 GROWTH, CUT = 12.0, 5.0
 ORDERS = (10, 14, 20, 28)  # cells of an element
+FLOOR = 1e-8  # relative: what interpolated kernels leave, whatever the order
 RATE = 5  # coefficients of t ln t, the worst that leaves a border, fall like order^-5
 SHORTEST = 1e-7  # element
 GROWTH, CUT = 12.0, 5.0  # elements are cut that are so much longer than one beside; to how much
@@ -407,7 +408,8 @@ class OnElements(Ladder):
         self.values = dict(self.history[-1])
         left = share**RATE / (1 - share**RATE)
         for name, value in self.values.items():
-            self.errors[name] = left * abs(value - self.history[-2][name])
+            change = abs(value - self.history[-2][name])
+            self.errors[name] = left * change + FLOOR * self.contact.scale(name, value)
 
     def _layout(self, unknowns: Array, order: int) -> Layout:
         cuts = np.cumsum([face.borders.size for face in self.faces])
