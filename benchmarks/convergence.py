@@ -128,8 +128,8 @@ def fitted_table(found: dict[str, list[Point]]) -> str:
             true = f"{p.error:.1e}" if p.error else "is the limit"
             reached = "" if p.told <= rtol else " (not reached)"
             text += (
-                f"| {name} | {rtol:.0e}{reached} | {p.scheme} | {p.nodes} | {p.told:.1e} | {true} | "
-                f"{p.dense_solves:.0f} |\n"
+                f"| {name} | {rtol:.0e}{reached} | {p.scheme} | {p.nodes} | {p.told:.1e} | "
+                f"{true} | {p.dense_solves:.0f} |\n"
             )
     return text
 
