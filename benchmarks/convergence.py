@@ -148,7 +148,7 @@ def figure(plains: dict[str, list[Point]], fits: dict[str, list[Point]], path: P
     drawn, axes = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
     for k, name in enumerate(plains):
         for points, style, label in (
-            (plains[name], "o-", f"{name}, plain"), (fits[name], "s--", f"{name}, fitted")
+            (plains[name], "o-", f"{name}, plain"), (fits[name], "s--", f"{name}, rtol=")
         ):  # fmt: skip
             points = [p for p in points if p.error]  # without that which the limit is from
             errors = [p.error for p in points]
@@ -162,7 +162,7 @@ def figure(plains: dict[str, list[Point]], fits: dict[str, list[Point]], path: P
     axes[0].set_xticks([], minor=True)
     axes[0].set(xlabel="nodes", ylabel="error of NIT, relative")
     axes[1].set(xlabel="time / dense solve of 398 x 398")
-    axes[0].legend(fontsize=7, frameon=False)
+    axes[0].legend(fontsize=6.5, frameon=False, loc="lower left")
     drawn.savefig(path, dpi=150, metadata={"Software": None})
     plt.close(drawn)
 
