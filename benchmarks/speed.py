@@ -129,8 +129,9 @@ def nip_table(baseline: Baseline) -> str:
                          baseline.ratio(near), error))  # fmt: skip
             slopes = baseline.ratio(result.sensitivity, 9)
             rows.append((f"{label}: all its sensitivities", slopes, None))
-    for name, problem in (("half-plane roll, hard drum", HALF_PLANE_ROLL),
-                          ("hybrid winding", HYBRID), ("cylinder roll, 20 mm cover", COVERED)):  # fmt: skip
+    accurately = {"half-plane roll, hard drum": HALF_PLANE_ROLL, "hybrid winding": HYBRID,
+                  "cylinder roll, 20 mm cover": COVERED}  # fmt: skip
+    for name, problem in accurately.items():
         result, others = wo.solve_nip(problem, rtol=1e-6), _others(problem)
         label = f"{name}, `rtol=1e-6`, {result.nodes} nodes on {result.scheme}"
 
