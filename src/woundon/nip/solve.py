@@ -106,12 +106,13 @@ def solve_nip(
         counts[-2 if start else 0 :],
         None if start is None else _started(start, problem),
     )
-    if rtol is not None and rtol <= ON_ELEMENTS and problem.linear and not problem.viscoelastic:
-        ladder.climb(counts[:-1], begun)  # their borders are all that elements ask for
+    fine = _asks_for_elements(problem, rtol)
+    # elements ask for borders alone, which the mesh before the last tells well enough mostly
+    for last in (counts[:-1], counts) if fine else (counts,):
+        ladder.climb(last, begun)
         found = _on_elements(ladder, problem, rtol, algorithm)
         if found is not None:
             return found.warned()
-    ladder.climb(counts, begun)
     if chosen.refines and nodes is None and rtol is None:
         ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
     if rtol is not None:
@@ -122,10 +123,17 @@ def solve_nip(
     return result.warned()
 
 
+def _asks_for_elements(problem: NipProblem, rtol: float | None) -> bool:
+    fine = rtol is not None and rtol <= ON_ELEMENTS
+    return fine and problem.linear and not problem.viscoelastic
+
+
 def _on_elements(
-    climbed: Ladder, problem: NipProblem, rtol: float, algorithm: str
+    climbed: Ladder, problem: NipProblem, rtol: float | None, algorithm: str
 ) -> NipResult | None:
-    """Return the result on Chebyshev elements; None where their borders are not found."""
+    """Return the result on Chebyshev elements; None without, or where borders are not found."""
+    if rtol is None or not _asks_for_elements(problem, rtol):
+        return None
     try:
         ladder = OnElements(climbed)
         ladder.refine(rtol)
