@@ -57,7 +57,7 @@ def test_a_border_moves_with_the_state_and_never_jumps() -> None:
 
 def test_without_sub_cells_borders_lie_half_way() -> None:
     zones, slip, slack = state(0.1234, TRAILING, ahead=1)
-    _, trailing = slip_lengths(X, SLIP_X, zones, slip, slack, rigid=False, sub_cell=False)
+    _, trailing = slip_lengths(X, SLIP_X, zones, slip, slack, rigid=False, share=0.5)
     (_, _, left), (_, right, _) = zone_runs(X, zones)
     assert left == right
     assert left in (X[1:] + X[:-1]) / 2

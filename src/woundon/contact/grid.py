@@ -27,6 +27,7 @@ __all__ = [
     "Grid",
     "KernelParts",
     "Past",
+    "chebyshev_transform",
     "cosine_grid",
     "distances",
     "nearest_nodes",
@@ -121,6 +122,10 @@ class Grid:
         """Number n of interior nodes."""
         return self.nodes.size - 2
 
+    def outside(self, points: Array) -> Grid:
+        """Return the same nodes with other points, outside of them."""
+        return Grid(self.nodes, points)
+
     @cached_property
     def cells(self) -> Array:
         """Cell lengths, (N,)."""
@@ -209,10 +214,7 @@ class Grid:
         return {}
 
     def _interpolate(self, r: int) -> tuple[Array, Array]:
-        t = _chebyshev_points(r)
-        transform = np.cos(np.outer(np.arange(r), np.arccos(t))) * (2 / r)  # to coefficients
-        transform[0] /= 2
-        chebyshev = np.polynomial.chebyshev.chebvander
+        transform, chebyshev = chebyshev_transform(r), np.polynomial.chebyshev.chebvander
         at_points = chebyshev(self.points, r - 1) @ transform
         # moments of T_j over the hats: eight points, more where a cell is longer than their waves
         phase = r * float(np.max(np.diff(np.arccos(-self.nodes)))) / 2
@@ -345,6 +347,14 @@ class Grid:
 
 def _chebyshev_points(r: int) -> Array:
     return -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
+
+
+@lru_cache(maxsize=32)
+def chebyshev_transform(r: int) -> Array:
+    """Return coefficients of Chebyshev polynomials by values at r points of the first kind."""
+    transform = np.cos(np.outer(np.arange(r), np.arccos(_chebyshev_points(r)))) * (2 / r)
+    transform[0] /= 2
+    return np.asarray(transform)
 
 
 @lru_cache(maxsize=32)

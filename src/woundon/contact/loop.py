@@ -116,6 +116,7 @@ class Ladder:
 
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
         """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
+        self.history.clear()
         if start is not None and start.widths is not None:
             self._expected, self._scattered = start.widths.by_nodes, start.widths.scatters
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]

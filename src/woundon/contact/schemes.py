@@ -11,7 +11,7 @@ thesis   even nodes; slope and strain as backward differences of the nodal displ
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from math import asinh
 from typing import Any, ClassVar, Protocol
@@ -20,6 +20,8 @@ import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
 from .action import Action
+from .certificate import from_edge, integral
+from .elements import ElementGrid, borders_of
 from .grid import Grid, cosine_grid, segmented_grid, uniform_grid
 from .response import Act, Response
 
@@ -47,6 +49,9 @@ class Mesh:
     """
 
     grid: Grid
+
+    # where borders of zones are, from the node before them to the next; None: slips tell it
+    border_share: ClassVar[float | None] = None
 
     @property
     def unknowns(self) -> int:
@@ -95,6 +100,18 @@ class Mesh:
     def behind(self) -> Array:
         """Less the integral of the traction from each cell to the trailing edge, (N, n)."""
         return self.upstream - self.grid.weights
+
+    def facing(self, rigid: bool) -> Mesh:
+        """Return the mesh of the tractions on a body, which may jump on a rigid one."""
+        return self
+
+    def from_edge(self, values: Array, x: Array) -> Array:
+        """Integrate nodal values from the first node to every node, (M,)."""
+        return from_edge(values, x)
+
+    def integral(self, values: Array, x: Array) -> float:
+        """Integrate nodal values over the contact."""
+        return integral(values, x)
 
     def rank(self, kernels: Any, a: float) -> int:
         """Return how many interpolation points the kernels' smooth parts ask for."""
@@ -167,10 +184,57 @@ class GradedMesh(Mesh):
 
 
 @dataclass(frozen=True, eq=False)
+class ElementMesh(GradedMesh):
+    """Chebyshev elements between zone borders (:mod:`.elements`)."""
+
+    grid: ElementGrid
+
+    border_share: ClassVar[float | None] = 0.0
+
+    @property
+    def slope(self) -> Array:
+        """Derivative of the traction in each cell; the last row repeats the last cell, (M, n)."""
+        return self.grid.slope
+
+    @property
+    def upstream(self) -> Array:
+        """Integral of the traction from the leading edge to each cell's point, (N, n)."""
+        return self.grid.upstream[:-1]
+
+    def from_edge(self, values: Array, x: Array) -> Array:
+        """Integrate nodal values from the first node to every node, (M,)."""
+        return np.append(0.0, x[-1] * self.grid.to_nodes @ values[1:-1])
+
+    def integral(self, values: Array, x: Array) -> float:
+        """Integrate nodal values over the contact."""
+        return float(x[-1] * self.grid.weights @ values[1:-1])
+
+    @cached_property
+    def _split(self) -> ElementMesh:
+        return ElementMesh(replace(self.grid, split=True))
+
+    def facing(self, rigid: bool) -> ElementMesh:
+        """Return the mesh of the tractions on a body, which may jump on a rigid one."""
+        return self._split if rigid else self
+
+    def _act(self, kernels: Any, a: float, rank: int) -> None:
+        """Return nothing: elements have their matrices."""
+
+    def rank(self, kernels: Any, a: float) -> int:
+        """Return how many interpolation points the kernels' smooth parts ask for."""
+        rank = max(48, 2 * interpolation_rank(kernels.length, a))
+        if rank > self.grid.highest_rank:
+            raise ArithmeticError("a layer is too thin beside the contact for elements")
+        return rank
+
+
+@dataclass(frozen=True, eq=False)
 class ThesisMesh(Mesh):
     """Even nodes and backward differences; ``printed`` takes the web's coefficients (121) so."""
 
     printed: bool = False
+
+    border_share: ClassVar[float | None] = 0.5
 
     @cached_property
     def middle(self) -> Array:
@@ -303,9 +367,40 @@ class Thesis:
         return self.mesh(nodes.size)
 
 
+@dataclass(frozen=True)
+class Elements:
+    """Chebyshev elements between zone borders, which ``rtol`` asks for (docs, discretisation)."""
+
+    name: ClassVar[str] = "elements"
+    nodes: ClassVar[int] = 65
+    coarsest: ClassVar[int] = 24
+    refines: ClassVar[bool] = True
+    starts_cold: ClassVar[bool] = False
+
+    def mesh(self, nodes: int) -> Mesh:
+        """Return the mesh of a single element."""
+        return self.between(np.array([-1.0, 1.0]), nodes - 1)
+
+    def between(self, borders: Array, cells: int) -> ElementMesh:
+        """Return the mesh of so many cells between any two borders."""
+        return _element_mesh(tuple(borders.tolist()), cells)
+
+    def restored(self, nodes: Array, points: Array) -> Mesh:
+        """Return the mesh of given nodes."""
+        found = borders_of(nodes)
+        if found is None:
+            raise InvalidProblem.at("x", "its nodes are not those of Chebyshev elements")
+        return self.between(*found)
+
+
 @lru_cache(maxsize=64)
 def _graded_mesh(nodes: int) -> Mesh:
     return GradedMesh(cosine_grid(nodes))
+
+
+@lru_cache(maxsize=4)  # the width alone changes from one layout to another
+def _element_mesh(borders: tuple[float, ...], cells: int) -> ElementMesh:
+    return ElementMesh(ElementGrid.between(np.array(borders), cells))
 
 
 @lru_cache(maxsize=64)
@@ -314,6 +409,7 @@ def _thesis_mesh(nodes: int, printed: bool) -> Mesh:
 
 
 SCHEMES: dict[str, Scheme] = {s.name: s for s in (Graded(), Thesis(), Thesis(printed=True))}
+ELEMENTS = Elements()
 
 
 def scheme_of(given: Any) -> Scheme:
@@ -326,6 +422,8 @@ def scheme_of(given: Any) -> Scheme:
     """
     if isinstance(given, str) and given in SCHEMES:
         return SCHEMES[given]
+    if given == ELEMENTS.name:
+        return ELEMENTS
     if hasattr(given, "starts_cold"):  # a scheme from outside too
         return given
     text = f"{given!r} is unknown{did_you_mean(str(given), SCHEMES)}"

@@ -96,7 +96,7 @@ def _on_rigid(face: _Face, node: int, ahead: int) -> float:
 
 def slip_lengths(
     x: Array, slip_x: Array, zones: Array, slip: Array, slack: Array, *, rigid: bool,
-    sub_cell: bool = True,
+    share: float | None = None,
 ) -> tuple[float, float]:  # fmt: skip
     """Return the lengths over which a face slips one way from its leading and trailing edge [m].
 
@@ -107,8 +107,9 @@ def slip_lengths(
         the traction's size [Pa].
     rigid : bool
         Whether the body behind the face is.
-    sub_cell : bool
-        Place borders by slip and slack, so that lengths vary smoothly; else half-way between nodes.
+    share : float, optional
+        Place borders so far from the node before them to the next one.  Without it they are placed
+        by slip and slack, so that lengths vary smoothly.
 
     Returns
     -------
@@ -123,8 +124,8 @@ def slip_lengths(
     face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))  # single numbers
 
     def border(node: int) -> float:
-        if not sub_cell:
-            return 0.5 * (face.x[node] + face.x[node - 1])
+        if share is not None:
+            return share * face.x[node] + (1 - share) * face.x[node - 1]
         return _border(face, node, int(zones[node - 1]), int(zones[node]), rigid)[0]
 
     leading = trailing = 0.0

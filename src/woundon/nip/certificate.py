@@ -9,15 +9,13 @@ import numpy as np
 from ..contact.certificate import (
     beyond_rounding,
     friction_laws,
-    from_edge,
-    integral,
     largest,
     positive_pressure,
 )
 from ..losses import Surface, balance_law, pressed, surfaces
 from ..results import Residuals
 from ..two_bodies import Matrices, mesh_of, within
-from .equations import NipMatrices
+from .equations import NipMatrices, gained
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -50,10 +48,11 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
     q_roll, q_drum = result.roll_traction, result.drum_traction
     q = np.concatenate([q_roll[inside], q_drum[inside]])
     zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
-    gained = from_edge(q_roll + q_drum, x)
+    mesh = mesh_of(result)
+    gain = gained(problem, mesh, x, q_roll, q_drum)
     c11 = problem.web.compliance.c11
     # the solved rigid slip holds the web's strain behind the nip too
-    creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
+    creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gain[-1])
     shift = result.offset / problem.contact_radius
     miss, v = made.laws(p, q, shift, creep)
     n = p.size
@@ -63,8 +62,8 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
     told = np.array([result.roll_slip, result.drum_slip])
     friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
     tension = np.concatenate([
-        result.web_tension - T_in - gained,
-        [result.nip_induced_tension - result.extrapolation - gained[-1]],
+        result.web_tension - T_in - gain,
+        [result.nip_induced_tension - result.extrapolation - gain[-1]],
     ])  # fmt: skip
     return Residuals(
         indentation=largest(np.abs(miss)) / made.top,
@@ -75,14 +74,16 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
             strain=result.drum_creep,
         ),
         slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / made.top,
-        load_equilibrium=abs(integral(result.pressure, x) / P - 1),
-        force_equilibrium=abs(integral(q_drum, x) - problem.winding_force) / P,
+        load_equilibrium=abs(mesh.integral(result.pressure, x) / P - 1),
+        force_equilibrium=abs(
+            mesh.facing(problem.drum.rigid).integral(q_drum, x) - problem.winding_force
+        ) / P,
         web_equilibrium=beyond_rounding(tension, result.web_tension) / P,
         half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
         **within(problem, made.responses),
         **balance_law(
             result,
-            lambda: surfaces(problem, made.responses, mesh_of(result), a, made.loads(p, q)),
+            lambda: surfaces(problem, made.responses, mesh, a, made.loads(p, q)),
             lambda one, two: _put_in(result, made, one, two),
         ),
     )  # fmt: skip

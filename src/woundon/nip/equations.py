@@ -35,7 +35,7 @@ from ..contact.stick_slip import StickSlip, StickSlipSolution
 from ..two_bodies import About, Matrices, PairEquations, PairState
 from .laws import NipLaws
 
-__all__ = ["NipEquations", "NipMatrices"]
+__all__ = ["NipEquations", "NipMatrices", "gained"]
 
 Array = np.ndarray
 # below, tractions drown in the rounding of the pressures if both are solved for together
@@ -74,13 +74,13 @@ class NipMatrices(Matrices):
         np.multiply(mesh.slope[:-1], -by_pressure / a, out=slope_p)
         # the web: its tension between the point and the trailing edge, and its squeezing
         value = web.c12 * mesh.value[:-1]
-        stretch = (a * web.c11 / thickness) * mesh.behind
         for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
             own, last = slice(face * n, (face + 1) * n), 2 * n + face
-            other = slice((1 - face) * n, (2 - face) * n)
-            direct[own, other], direct[last, other] = stretch[:-1], stretch[-1]
+            other, facing = slice((1 - face) * n, (2 - face) * n), mesh.facing(body.rigid)
+            stretch = (a * web.c11 / thickness) * facing.behind
+            direct[other, own], direct[2 * n + 1 - face, own] = stretch[:-1], stretch[-1]
             if body.rigid:
-                slope_q[:, own] = value
+                slope_q[:, own] = web.c12 * facing.value[:-1]
                 direct[own, own], direct[last, own] = stretch[:-1], stretch[-1]
                 through[own], through[last] = -value[:-1], -value[-1]
                 continue
@@ -132,8 +132,11 @@ class NipEquations(PairEquations):
 
     @cached_property
     def joint(self) -> Joint | None:
-        """The system of pressure and tractions together; None where rounding blurs tractions."""
-        if self._friction.min() < LEAST_FRICTION:
+        """The system of pressure and tractions together.
+
+        None where rounding blurs tractions, and on elements, which have a search of their own.
+        """
+        if self._friction.min() < LEAST_FRICTION or self.mesh.facing(True) is not self.mesh:
             return None
         made, n = self.matrices, self.mesh.unknowns
         row = made.whole[n + 1]
@@ -154,12 +157,13 @@ class NipEquations(PairEquations):
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
         n, made = self.mesh.unknowns, self.matrices
         nodes, p0, K = slice(0, 2 * n), self.pressure, self.pressure_response
+        held = made.half_width * self.mesh.facing(self.problem.drum.rigid).grid.weights
         carried = self._share * (made.weights @ K)
         return StickSlip(
             made.direct[nodes], made.through_pressure[nodes], made.offset[nodes],
             p0, K, self._friction, faces=2,
             creep=made.moves[nodes],
-            resultant=np.concatenate([np.zeros(n), made.weights]) - carried,
+            resultant=np.concatenate([np.zeros(n), held]) - carried,
             force=self._share * float(made.weights @ p0),
         )  # fmt: skip
 
@@ -208,3 +212,11 @@ class NipEquations(PairEquations):
     def load_of(self, p: Array) -> float:
         """Return the load that a pressure carries [N/m]."""
         return float(self.matrices.weights @ p)
+
+
+def gained(problem: Any, mesh: Mesh, x: Array, q_roll: Array, q_drum: Array) -> Array:
+    """Return what nodal tractions add to the web's tension up to every node, (M,) [N/m]."""
+    roll, drum = (mesh.facing(body.rigid) for body in problem.bodies)
+    if roll is drum:
+        return roll.from_edge(q_roll + q_drum, x)
+    return roll.from_edge(q_roll, x) + drum.from_edge(q_drum, x)

@@ -12,6 +12,7 @@ from ..contact.grid import Grid
 from ..contact.response import Response, Tractions
 from ..contact.schemes import interpolation_rank
 from ..errors import InvalidProblem
+from ..two_bodies import mesh_of
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -42,7 +43,7 @@ def roll_strain(result: NipResult, s: Array) -> Array:
     if np.any(np.abs(s) < a * (1 - 1e-12)) or np.any(np.abs(s) > reach * (1 + 1e-12)):
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
         raise InvalidProblem.at("s", text)
-    outside = _Outside(Grid(result.x / a, s / a))
+    outside = _Outside(mesh_of(result).grid.outside(s / a))
     loads = Tractions(result.pressure[1:-1], result.roll_traction[1:-1])
     response = result.problem.respond(roll, outside, a, loads)
     _, _, strain_p, strain_q = response.gradients

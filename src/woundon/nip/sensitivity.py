@@ -29,6 +29,7 @@ import numpy as np
 
 from .. import kinds
 from ..contact.response import Response, Tractions
+from ..contact.schemes import ELEMENTS
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..quantities import walk
@@ -39,6 +40,7 @@ from .differential import Differential
 from .equations import NipMatrices
 from .laws import NipLaws
 from .result import NipResult
+from .solve import solve_nip
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
 __all__ = ["Sensitivity", "continuous_fields", "differentiated", "nip_sensitivity"]
 
 Array = np.ndarray
+GRADED_NODES = 257  # in place of elements: NIT to some 1e-5
 MOST_TOLD = 3  # parameters in one line
 
 
@@ -162,7 +165,8 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     Parameters
     ----------
     result : NipResult
-        Of :func:`solve_nip`; on its own mesh, in its own state.
+        Of :func:`solve_nip`; on its own mesh, in its own state.  Of one on elements, whose borders
+        would have to move too, the same nip's on graded nodes.
     parameters : tuple of str
         Dotted names; all continuous fields if empty, without the items of lists.
 
@@ -171,6 +175,8 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
     InvalidProblem
         For a name that is not a continuous field.
     """
+    if result.scheme == ELEMENTS.name:
+        result = solve_nip(result.problem, nodes=GRADED_NODES, start=result)
     known = continuous_fields(result.problem)
     return differentiated(_NipDifferential, result, parameters, known)
 

@@ -22,18 +22,18 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
-from ..contact.schemes import Scheme, scheme_of
+from ..contact.schemes import ELEMENTS, Scheme, scheme_of
 from ..contact.zones import Runs, slip_lengths
-from ..errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
-from ..two_bodies import PairContact, PairEquations, PairState, approach
+from ..two_bodies import PairContact, PairEquations, PairState, approach, mesh_of
+from .borders import OnElements
 from .certificate import certificate, matrices_of
-from .equations import NipEquations, NipMatrices
+from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
 from .validity import nip_warnings, web_far_outside
 
@@ -45,6 +45,7 @@ Array = np.ndarray
 # much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
+ON_ELEMENTS = 3e-5  # rtol from which elements are tried: for a larger one, meshes cost as little
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
 
@@ -72,9 +73,10 @@ def solve_nip(
         of NIT is below 0.1 % (200 for the thesis's scheme).
     rtol : float, optional
         In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
-        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  The meshes are then
-        fitted to the zones, and NIT is extrapolated from them (``extrapolation``); the arrays are
-        those of the finest.
+        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  From 3e-5 down, and
+        for linear elastic bodies, Chebyshev elements between zone borders take over (``scheme`` is
+        then ``"elements"``).  Else, or where zones collide, meshes are fitted to the zones and NIT
+        is extrapolated from them (``extrapolation``); the arrays are those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
@@ -100,10 +102,19 @@ def solve_nip(
     cold = chosen.starts_cold and algorithm == "panagiotopoulos"
     counts = [M] if cold else halved(M, chosen.coarsest)
     ladder = Ladder(
-        NipContact(problem, chosen.refines), chosen, "nip_induced_tension", ALGORITHMS[algorithm],
-        scatters=True,
-    )  # fmt: skip
-    ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
+        NipContact(problem), chosen, "nip_induced_tension", ALGORITHMS[algorithm], scatters=True
+    )
+    counts, begun = (
+        counts[-2 if start else 0 :],
+        None if start is None else _started(start, problem),
+    )
+    fine = _asks_for_elements(problem, rtol)
+    # elements ask for borders alone, which the mesh before the last tells well enough mostly
+    for last in (counts[:-1], counts) if fine else (counts,):
+        ladder.climb(last, begun)
+        found = _on_elements(ladder, problem, rtol, algorithm)
+        if found is not None:
+            return found.warned()
     if chosen.refines and nodes is None and rtol is None:
         ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
     if rtol is not None:
@@ -112,6 +123,25 @@ def solve_nip(
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "NIT", result)
     return result.warned()
+
+
+def _asks_for_elements(problem: NipProblem, rtol: float | None) -> bool:
+    fine = rtol is not None and rtol <= ON_ELEMENTS
+    return fine and problem.linear and not problem.viscoelastic
+
+
+def _on_elements(
+    climbed: Ladder, problem: NipProblem, rtol: float | None, algorithm: str
+) -> NipResult | None:
+    """Return the result on Chebyshev elements; None without, or where borders are not found."""
+    if rtol is None or not _asks_for_elements(problem, rtol):
+        return None
+    try:
+        ladder = OnElements(climbed)
+        ladder.refine(rtol)
+        return _result(ladder, problem, algorithm).checked()
+    except (ArithmeticError, np.linalg.LinAlgError, NotConverged):
+        return None
 
 
 def check_options(
@@ -129,6 +159,9 @@ def check_options(
         For an option out of range.
     """
     chosen = scheme_of(scheme)
+    if chosen is ELEMENTS:
+        text = f"{ELEMENTS.name!r} is not admissible: a fine rtol chooses it by itself"
+        raise InvalidProblem.at("scheme", text)
     if not isinstance(algorithm, str) or algorithm not in ALGORITHMS:
         text = f"{algorithm!r} is unknown{did_you_mean(str(algorithm), ALGORITHMS)}"
         raise InvalidProblem.at("algorithm", text)
@@ -159,9 +192,7 @@ def _started(start: NipResult, problem: NipProblem) -> Start:
 
 @dataclass(frozen=True, eq=False)
 class NipContact(PairContact):
-    """A nip as the loop sees it; ``sub_cell`` follows zone borders to a fraction of a cell."""
-
-    sub_cell: bool = True
+    """A nip as the loop sees it."""
 
     equations_of: ClassVar[type[PairEquations]] = NipEquations
 
@@ -173,9 +204,9 @@ class NipContact(PairContact):
 
     def zones(self, start: Start, equations: NipEquations) -> Array:
         """Return the zones to begin with, their borders found within the cells before."""
-        runs = start.runs
-        if runs is None and start.level is not None and self.sub_cell:
-            runs = _runs(self.problem, along_nip(start.level), start.level.state.half_width)
+        runs, before = start.runs, start.level
+        if runs is None and before is not None and before.mesh.border_share is None:
+            runs = _runs(self.problem, along_nip(before), before.state.half_width)
         if runs is None:
             return super().zones(start, equations)
         mesh = equations.mesh
@@ -189,7 +220,7 @@ class NipContact(PairContact):
             "nip_induced_tension": whole,
             "tension_behind_nip": self.problem.web_tension + whole,
             "drum_creep": _drum_creep(self.problem, level.state, whole),
-            **slip_ratios(self.problem, along_nip(level), sub_cell=self.sub_cell),
+            **slip_ratios(self.problem, along_nip(level), level.mesh.border_share),
         }
 
 
@@ -201,7 +232,9 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     level, scheme = ladder.level, ladder.scheme
     state, made = level.state, level.equations.matrices
     arrays = along_nip(level)
-    gained = from_edge(arrays["roll_traction"] + arrays["drum_traction"], arrays["x"])
+    gain = gained(
+        problem, level.mesh, *(arrays[k] for k in ("x", "roll_traction", "drum_traction"))
+    )
     whole, T_in = _whole(level), problem.web_tension
     NIT = ladder.values["nip_induced_tension"]
     told: dict[str, Any] = {name: ladder.history[-1][name] for name in ("drum_creep", *SLIP_RATIOS)}
@@ -216,7 +249,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         offset=state.shift * problem.contact_radius,
         **told,
         **arrays,
-        web_tension=T_in + gained,
+        web_tension=T_in + gain,
         residuals=Residuals(),
         scheme=scheme.name,
         algorithm=algorithm,
@@ -266,7 +299,7 @@ def _on_nodes(values: Array, last: Any) -> Array:
 
 
 def slip_ratios(
-    problem: Any, arrays: Mapping[str, Array], *, sub_cell: bool = True
+    problem: Any, arrays: Mapping[str, Array], share: float | None = None
 ) -> dict[str, Any]:
     """Return the signed slip lengths over the nip width (thesis eq. 172) by name.
 
@@ -275,11 +308,11 @@ def slip_ratios(
     problem : NipProblem or WrappedNipProblem
     arrays : mapping
         x, slip_x, pressures, tractions, zones and slips of both faces, in the nip.
-    sub_cell : bool
-        Place borders by slip and slack; else they lie half-way between nodes.
+    share : float, optional
+        Where borders are from the node before them to the next; else slip and slack tell it.
     """
     (leading, trailing), (_, drum) = (
-        slip_lengths(**face, sub_cell=sub_cell) for face in _faces(problem, arrays)
+        slip_lengths(**face, share=share) for face in _faces(problem, arrays)
     )
     x = arrays["x"]
     width = float(x[-1] - x[0])
@@ -314,7 +347,11 @@ def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:
 def _whole(level: Level) -> float:
     """Return the integral of q+ + q-, the NIT of this mesh [N/m]."""
     weights, q = level.equations.matrices.weights, level.state.traction
-    return float(weights @ (q[: weights.size] + q[weights.size :]))
+    n, problem, a = weights.size, level.equations.problem, level.state.half_width
+    roll, drum = (level.mesh.facing(body.rigid) for body in problem.bodies)
+    if roll is drum:
+        return float(weights @ (q[:n] + q[n:]))
+    return float(a * (roll.grid.weights @ q[:n] + drum.grid.weights @ q[n:]))
 
 
 # ---- from a result's arrays ---------------------------------------------------------------------
@@ -330,7 +367,7 @@ def recomputed(result: NipResult) -> dict[str, tuple[float, float]]:
     )  # fmt: skip
     behind = problem.web.compliance.c12 * float(result.web_tension[-1])
     delta = approach(problem, matrices_of(result), state, behind)
-    slips = slip_ratios(problem, vars(result), sub_cell=scheme_of(result.scheme).refines)
+    slips = slip_ratios(problem, vars(result), mesh_of(result).border_share)
     # meshes are fitted before they are extrapolated, and then leave thousandths at most
     beyond = 0.02 * problem.roll_friction * problem.nip_load
     return {"extrapolation": (0.0, beyond), **told_by(delta, slips, result.x)}
