@@ -11,7 +11,7 @@ const RIGHT = 54;
 // ---- colours of the style sheet, read once a theme ----
 
 let palette = null;
-export const forgetColours = () => { palette = null; };
+export const forgetColours = () => { palette = null; hatches.clear(); };
 function colours() {
   if (!palette) {
     const style = getComputedStyle(document.documentElement);
@@ -23,7 +23,14 @@ function colours() {
 }
 export const colourOf = (name) => colours()[name];
 
+const hatches = new Map(); // by zone and size
 function hatched(ctx, zone, size) {
+  const key = `${zone} ${size}`;
+  if (!hatches.has(key)) hatches.set(key, newHatch(ctx, zone, size));
+  return hatches.get(key);
+}
+
+function newHatch(ctx, zone, size) {
   const tile = document.createElement("canvas");
   tile.width = tile.height = size;
   const pen = tile.getContext("2d");

@@ -41,8 +41,8 @@ function difference(units, output, from, to) {
 
 export function Numbers({ store }) {
   const { units, kind, state } = store;
-  const { result, busy } = state;
-  return html`<section class=${`numbers${busy ? " busy" : ""}`} aria-label=${T.results.numbers}>
+  const { result } = state;
+  return html`<section class="numbers" aria-label=${T.results.numbers}>
     ${headlines(kind, result).map((output) => {
       const told = result.outputs[output.name];
       return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}
