@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -353,6 +354,58 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     profile = wo.Profile(radius=[r / 1e3 for r in schedule[0]], value=schedule[1])
     result = wo.solve(example.replace(wound_on_tension=profile))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-5)  # 6 digits
+
+
+def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.click(".design summary")
+    page.wait_for_selector(".design [data-panel=design_tension]")
+    before = page.locator(".design canvas").first.screenshot()
+    knob = page.locator(".design .knob").nth(2).bounding_box()
+    x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 30, steps=4)
+    page.mouse.up()
+    wanted = page.eval_on_selector_all(
+        ".design .knob", "knobs => knobs.map(knob => knob.getAttribute('aria-valuetext'))"
+    )
+    numbers = [re.findall(r"[\d.]+", text) for text in wanted]  # "point 3: 155.6 kPa at radius ..."
+    radii, pressures = ([float(n[k]) for n in numbers] for k in (2, 1))
+    assert pressures[2] < 0.9 * pressures[1]
+    page.wait_for_function(
+        "old => document.querySelector('.design canvas').toDataURL() !== old", arg=before
+    )
+    page.wait_for_timeout(1500)  # the last design
+    page.click(".design .primary")
+    seen.rest()
+    assert page.locator(".chip.pin-A").count() == 1  # before and after are seen
+    middle = 1e-3 * radii[2]
+    example = wo.WoundRollProblem.example()
+    profile = wo.Profile(radius=[0.0445, *(1e-3 * r for r in radii[1:-1]), 0.15],
+                         value=[1e3 * P for P in pressures])  # fmt: skip
+    design = wo.design_tension(example, profile, rtol=1e-3)
+    taken = float(page.input_value("#f-wound_on_tension-value").split()[0])
+    assert taken == pytest.approx(design.tension.value[0], rel=1e-3)  # both to 4 digits and rtol
+    wound = wo.solve(design.problem)
+    assert wound.at_radius(middle)["pressure"] == pytest.approx(1e3 * pressures[2], rel=2e-3)
+    assert seen.output("core_pressure") == pytest.approx(wound.core_pressure, rel=2e-3)
+    assert seen.output("core_pressure") == pytest.approx(1e3 * pressures[0], rel=2e-3)
+    page.click("[aria-label=Undo]")
+    seen.rest()
+    assert seen.output("core_pressure") == pytest.approx(wo.solve(example).core_pressure, rel=SAME)
+
+
+def test_a_pressure_that_no_tension_leaves_is_told(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    seen.put("core_shrinkage", "0.01")
+    page.click(".design summary")
+    assert "changes after winding" in page.inner_text(".design .fault")
+    assert page.locator(".design .primary:enabled").count() == 0
 
 
 def test_a_winding_tells_its_margins(look):

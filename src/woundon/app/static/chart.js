@@ -73,9 +73,13 @@ class Chart {
     this.tell = tell;
     this.plot = null;
     this.key = "";
+    this.inSight = true;
+    this.late = null; // what is to be shown when it comes into sight again
   }
 
   show(cases, units, height) {
+    this.late = this.plot && !this.inSight ? [cases, units, height] : null;
+    if (this.late) return;
     this.cases = cases;
     this.units = units;
     const { panel } = cases[0];
@@ -89,6 +93,11 @@ class Chart {
     const data = this.data();
     if (!this.plot || key !== this.key) this.make(key, data, height);
     else this.plot.batch(() => { this.plot.setData(data, false); this.fit(); });
+  }
+
+  look(inSight) {
+    this.inSight = inSight;
+    if (inSight && this.late) this.show(...this.late);
   }
 
   /** The strips of all cases below each other. */
@@ -402,7 +411,11 @@ export function Panel({ title, cases, units, height, theme, description }) {
     chart.current = new Chart(place.current, (told) => tellIn(legend.current, told));
     const watch = new ResizeObserver(() => chart.current?.resize(chart.current.tall_));
     watch.observe(place.current);
-    return () => { watch.disconnect(); chart.current.end(); chart.current = null; };
+    const sight = new IntersectionObserver((entries) => chart.current?.look(entries.at(-1).isIntersecting), { rootMargin: "120px" });
+    sight.observe(place.current);
+    const print = () => chart.current?.look(true);
+    addEventListener("beforeprint", print);
+    return () => { removeEventListener("beforeprint", print); sight.disconnect(); watch.disconnect(); chart.current.end(); chart.current = null; };
   }, []);
   useEffect(() => { if (chart.current) chart.current.key = ""; }, [theme]);
   useLayoutEffect(() => {

@@ -82,9 +82,18 @@ export const T = {
   },
   winding: {
     schedule: "Schedule", drag: "Drag the points, or move them with the arrow keys",
-    add: "Add a point",
+    add: "Add a point", fewer: "Replace them by five points to drag",
+    many: (n) => `The schedule has ${n} points, too many to drag; the numbers stand in the form.`,
     margins: "Margins", good: "holds", bad: "fails", open: "not checked", limit: "limit", radius: "Radius",
     point: (k, r, v) => `point ${k}: ${v} at radius ${r}`,
+  },
+  design: {
+    title: "Find the tension for a wanted pressure", wanted: "wanted", found: "found", now: "now", reached: "reached",
+    about: "The pressure between the laps that the roll is to keep:",
+    tension: "Wound-on tension", pressure: "Pressure",
+    take: "Take this tension over", pins: "The state before is pinned, so that both are seen.", full: "Four states are pinned already; the state before is not.",
+    met: "The pressure is met from the core to the surface.",
+    layer: (depth, miss) => `The pressure is met but for the outer ${depth}, where it must fall to nil at the surface (${miss} are missed there).`,
   },
   thesis: { title: "Figures of the thesis, computed here", choose: "Figure or table", compute: "Compute", wait: "Computing", seconds: (s) => `about ${s} s` },
 };
