@@ -241,9 +241,8 @@ def _body(name: str, body: Any) -> dict[str, Any]:
 def design(body: Any) -> bytes:
     """Return the tension over the radius that leaves a wanted pressure in a wound roll, as JSON."""
     asked = fields_of(body, "case", "pressure", "rtol")
-    found = design_tension(
-        problem_of(asked.get("case")), _wanted(asked.get("pressure")), rtol=asked.get("rtol", 1e-3)
-    )
+    problem: Any = problem_of(asked.get("case"))  # of another kind it is refused in words
+    found = design_tension(problem, _wanted(asked.get("pressure")), rtol=asked.get("rtol", 1e-3))
     return as_json({
         "tension": tables_of(found.tension), "radius": found.radius.tolist(),
         "wanted": found.wanted.tolist(), "reached": found.reached.tolist(),
