@@ -6,11 +6,13 @@ import { digits } from "./units.js";
 
 export const LENGTH = { unit: "m", shown_unit: "mm" };
 const MOST_POINTS = 40; // that can be told apart to be dragged
-const BOX = { width: 860, height: 190, left: 58, right: 16, top: 12, bottom: 40 };
+const WIDE = { width: 860, height: 190, left: 58, right: 16, top: 12, bottom: 40 };
+const NARROW = { ...WIDE, width: 400, height: 220 }; // of a phone, where its texts would be too small
 
 /** Points (radius, value) that are dragged, or moved with the arrow keys. */
 export function Points({ store, quantity, points, ends, put, name, own = true, usual = 0, least = 0, rest = () => {} }) {
   const { units } = store;
+  const BOX = matchMedia("(max-width: 820px)").matches ? NARROW : WIDE;
   const svg = useRef(null);
   const drag = useRef(null);
   const [grip, setGrip] = useState(null);

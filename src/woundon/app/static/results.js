@@ -234,12 +234,12 @@ export function Sections({ store }) {
 /** A row of the report in the chosen units. */
 function SectionValue({ store, row }) {
   const entry = Object.entries(store.catalogue.units).find(([, known]) => known.some((unit) => unit.name === row.unit));
-  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td>${row.unit}</td>`;
+  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td class="told">${row.unit}</td>`;
   const quantity = { unit: entry[0], shown_unit: row.unit };
   const { factor } = entry[1].find((unit) => unit.name === row.unit);
   const ratio = factor / store.units.of(quantity).factor;
   const error = row.error_text && (row.error_text.startsWith("<") ? `<${digits(Number(row.error_text.slice(1)) * ratio, 1)}` : digits(Number(row.error_text) * ratio, 2));
-  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td>${store.units.text(quantity)}</td>`;
+  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="told">${store.units.text(quantity)}</td>`;
 }
 
 /** Two estimates of the main output that bracket it: a line with the answer between them. */
