@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import woundon as wo
@@ -80,6 +81,10 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     for name, value in told(result).items():
         assert seen.output(name) == pytest.approx(value, rel=SAME)
     assert seen.page.locator("[data-panel=tractions] canvas").screenshot() != before
+    seen.page.hover("[data-panel=pressure] .u-over")  # at x = 0, the middle of the panel
+    read = float(seen.page.inner_text("[data-panel=pressure] [data-value='0']"))
+    # of the node next to it, a tenth of the half-width away at most
+    assert 1e3 * read == pytest.approx(np.interp(0.0, result.x, result.roll_pressure), rel=5e-3)
     tables = list(blocks(seen.saved("Data of what is shown").decode()))
     curve = "roll_traction on the roll [kPa]"
     tractions = next(table for table in tables if curve in table)
