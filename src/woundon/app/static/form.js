@@ -1,7 +1,7 @@
 // The form of a case, generated from the catalogue.
 import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
 import { isSchedule, profileOf } from "./schedules.js";
-import { html, useEffect, useState } from "./html.js";
+import { html, useEffect, useMemo, useState } from "./html.js";
 import { Symbol } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits, parsed } from "./units.js";
@@ -15,11 +15,17 @@ export function Form({ store }) {
   const { catalogue, kind } = store;
   const narrow = matchMedia("(max-width: 820px)").matches; // there the first group alone is open
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
-    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<details class="group" open=${!narrow || k === 0} key=${`${kind.name}.${group.name}`} data-group=${group.name}>
-      <summary>${group.title.charAt(0).toUpperCase() + group.title.slice(1)}</summary>
-      <div class="fields">${group.fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: group.fields.length === 1 }} />`)}</div>
-    </details>`)}
+    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<${Group} key=${`${kind.name}.${group.name}`} ...${{ store, group, open: !narrow || k === 0 }} />`)}
   </form>`;
+}
+
+/** Drawn anew only where one of its own fields has changed: a slider moves one of a hundred. */
+function Group({ store, group: { name, title, fields }, open }) {
+  const { state, units } = store;
+  return useMemo(() => html`<details class="group" open=${open} data-group=${name}>
+      <summary>${title.charAt(0).toUpperCase() + title.slice(1)}</summary>
+      <div class="fields">${fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: fields.length === 1 }} />`)}</div>
+    </details>`, [units, state.faults, ...fields.map((field) => state.case[field.name])]);
 }
 
 function Field(props) {

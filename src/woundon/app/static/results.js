@@ -2,7 +2,7 @@
 import { at, same } from "./cases.js";
 import { colourOf, Panel } from "./chart.js";
 import { Drawing } from "./drawing.js";
-import { Fragment, html, useEffect, useRef, useState } from "./html.js";
+import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js";
 import { Symbol, symbolText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
@@ -221,14 +221,13 @@ function Bars({ store }) {
 
 export function Sections({ store }) {
   const { told: report, stale } = store.extra("report");
-  if (!report) return null;
-  return html`<details class=${`sections${stale ? " stale" : ""}`} open>
+  return useMemo(() => report && html`<details class=${`sections${stale ? " stale" : ""}`} open>
     <summary>${T.results.report}</summary>
     <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
       <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row">${row.label}</th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
         <${SectionValue} store=${store} row=${row} /><td class="note">${row.note.replace(/^,\s*/, "")}</td></tr>`)}</tbody></table>
       ${section.text && store.units.name === "SI" && html`<p>${section.text}</p>`}</section>`)}</div>
-  </details>`;
+  </details>`, [report, stale, store.units]);
 }
 
 /** A row of the report in the chosen units. */
