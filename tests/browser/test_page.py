@@ -175,16 +175,22 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
     seen.page.click(".pin")
     seen.page.hover("[data-panel=zones] .u-over")
     seen.put("nip_load", "9000")
+    seen.page.locator("[data-panel=wrap_tension]").scroll_into_view_if_needed()
+    seen.page.wait_for_timeout(300)  # it is drawn, with A, and goes out of sight again
+    seen.page.click(".pin")
+    seen.page.click("[aria-label='Remove state A']")
+    seen.put("nip_load", "5000")
     seen.from_menu("Copy a link")
     seen.page.wait_for_function("() => location.hash.length > 10")
     other = look(seen.page.evaluate("() => location.hash"))
-    other.page.wait_for_selector(".chip.pin-A")
+    other.page.wait_for_selector(".chip.pin-B")
     for panel in ("tractions", "zones", "slips", "pressure", "wrap_tension"):
         pictures = []
         for one in (seen, other):
             canvas = one.page.locator(f"[data-panel={panel}] canvas")
             canvas.scroll_into_view_if_needed()
             one.page.mouse.move(1, 1)
+            one.page.wait_for_timeout(200)  # what was out of sight is drawn now
             pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
         assert pictures[0] == pictures[1], panel
 
