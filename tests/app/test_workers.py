@@ -67,6 +67,28 @@ def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error():
     run(test())
 
 
+def turns_every_fault_into_its_own():
+    """As serialisers do that call back."""
+    try:
+        time.sleep(30)
+    except BaseException as fault:
+        raise ValueError("in a callback") from fault
+
+
+def test_an_interrupt_that_a_library_made_a_fault_of_is_no_fault(capfd):
+    async def test():
+        async with pool() as own:
+            older = asyncio.create_task(own.run(turns_every_fault_into_its_own, key="slider"))
+            await asyncio.sleep(0.2)
+            assert await own.run(pow, 2, 10, key="slider") == 1024
+            with pytest.raises(Refusal) as raised:
+                await older
+            assert raised.value.status == 409
+
+    run(test())
+    assert "Traceback" not in capfd.readouterr().err
+
+
 def test_of_one_key_the_newest_request_wins():
     async def test():
         async with pool() as own:

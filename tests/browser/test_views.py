@@ -51,6 +51,7 @@ def test_all_can_be_done_with_the_keyboard(look):
     page.focus("#tab-case")
     page.keyboard.press("ArrowRight")
     assert page.get_attribute("#tab-study", "aria-selected") == "true"
+    assert page.evaluate("() => document.activeElement.id") == "tab-study"  # arrows go on from it
 
 
 def test_what_panels_show_stands_in_tables_too(look):

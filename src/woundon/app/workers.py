@@ -44,10 +44,13 @@ class _Interrupted(BaseException):
 
 
 _working = False
+_stopped = False  # libraries make faults of their own of what interrupts their callbacks
 
 
 def _interrupt(number: int, frame: Any) -> None:
+    global _stopped
     if _working:
+        _stopped = True
         raise _Interrupted
 
 
@@ -66,8 +69,9 @@ def _prepare(nice: int, warm_up: Callable[[], Any]) -> None:
 
 def _work(item: tuple[Callable[..., Any], tuple[Any, ...]]) -> tuple[str, Any]:
     """Return what became of a request: ("done", answer), ("refused", why), ..."""
-    global _working
+    global _stopped, _working
     call, given = item
+    _stopped = False
     try:
         try:
             _working = True
@@ -77,6 +81,8 @@ def _work(item: tuple[Callable[..., Any], tuple[Any, ...]]) -> tuple[str, Any]:
     except _Interrupted:
         return "interrupted", None
     except Exception as fault:
+        if _stopped:
+            return "interrupted", None
         refusal = refusal_of(fault)
         if refusal is None:
             traceback.print_exc(file=sys.stderr)
