@@ -23,7 +23,7 @@ from woundon.results import ReadOnly
 from woundon.show.html import parts_html
 from woundon.show.parts import Line, Section, row_of
 
-NODES = 17
+NODES = 25
 KINDS = [kind.name for kind in kinds.every()]
 STUDIES = ["fit", "sobol", "sensitivity"]
 BOUNDS = {"roll_friction": (0.1, 0.4), "roll.material.shear": (3e6, 3e7)}
