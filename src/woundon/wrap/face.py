@@ -25,7 +25,7 @@ from ..contact.schemes import interpolation_rank
 from ..losses import Surface
 from ..problems.bodies import Body
 from ..problems.nip import WindingNip
-from .grid import Influence, OpenGrid, WrapGrid
+from .grid import Gauss, Influence, OpenGrid, WrapGrid
 
 __all__ = ["Face", "face"]
 
@@ -196,27 +196,30 @@ class FaceGrid:
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
         """Return the response of a linear body by its influence functions."""
         period = 2 * pi * radius if curvature else inf
+        gauss = Gauss(self.columns, a, kernels.length)
 
         def influence(points: Array, nip: Any, rows: Array, columns: slice) -> Influence:
             grid = OpenGrid(self.columns, points)
-            return Influence(grid, nip, rows, columns, a, kernels.length, period)
+            return Influence(grid, nip, rows, columns, a, kernels.length, period, gauss)
 
-        put = influence(self.points, self.nip, self.rows, self.inside)
+        def gradients() -> Array:
+            put = influence(self.points, self.nip, self.rows, self.inside)
+            return put.together(kernels.gradients, kernels.smooth, kernels.lag)
 
-        def last(kernel: Any) -> Array:
+        def last(*normal: Any) -> Any:
             """Integrate at the last node; without an arc as the plain nip does."""
             if self.has_arc:
-                return influence(self.points[-1:], None, np.arange(0), slice(0))(kernel)
+                return map(influence(self.points[-1:], None, np.arange(0), slice(0)), normal)
             rank = interpolation_rank(kernels.length, a)
-            return np.pad(self.nip.integrate(kernel, a, slice(-1, None), rank), ((0, 0), (1, 1)))
+            put = (self.nip.integrate(one, a, slice(-1, None), rank) for one in normal)
+            return (np.pad(one, ((0, 0), (1, 1))) for one in put)
 
         return Response(
-            lambda: (put(kernels.slope_p), put(kernels.slope_q),
-                     put(kernels.strain_p), put(kernels.strain_q)),
-            lambda points: (last(kernels.normal_p), last(kernels.normal_q)),
+            lambda: tuple(gradients()),  # type: ignore[arg-type,return-value]
+            lambda points: tuple(last(kernels.normal_p, kernels.normal_q)),
             terms=kernels.terms,
             truncation_error=kernels.truncation_error,
-        )  # fmt: skip
+        )
 
     def deflection(self, slope: Array, last: Array, a: float) -> Array:
         """Return v at the nodes: at the last one as given, from there by the slopes."""
