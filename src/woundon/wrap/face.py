@@ -215,7 +215,7 @@ class FaceGrid:
             return (np.pad(one, ((0, 0), (1, 1))) for one in put)
 
         return Response(
-            lambda: tuple(gradients()),  # type: ignore[arg-type,return-value]
+            lambda: tuple(gradients()),
             lambda points: tuple(last(kernels.normal_p, kernels.normal_q)),
             terms=kernels.terms,
             truncation_error=kernels.truncation_error,
