@@ -61,6 +61,7 @@ COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
 STAND_INS = 3  # linear contacts before one that is not
 MOST_PASSES = 20  # linearisations about what was found before
+BLUR = 0.1  # of the load missed: the imbalance from which on it is found again at the same width
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
 # so both weights are larger, set by benchmarks/campaign (95 % of cases within 1.5 estimates).
@@ -186,8 +187,8 @@ class Contact(Protocol):
         """Return what to linearise about on a mesh, after another or to begin with."""
         ...
 
-    def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
-        """Return the equations for the half width a [m]."""
+    def equations(self, mesh: Mesh, a: float, about: Any, last: Any = None) -> Any:
+        """Return the equations for the half width a [m]; what still holds of the last may stay."""
         ...
 
     def refuse(self, equations: Any, state: Any) -> None:
@@ -566,7 +567,7 @@ class _Step:
     ) -> None:
         self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
         self.tolerance = tolerance
-        self.latest: tuple[Any, Any]
+        self.latest: tuple[Any, Any] | None = None
         self.missed = nan  # ln of the load carried at first over that asked
         # from a neighbouring state, linearisation and width settle together
         self.apart = ladder.contact.settles_apart and (start is None or start.rough)
@@ -574,6 +575,7 @@ class _Step:
     @property
     def settled(self) -> bool:
         """Whether the last state is what its equations were linearised about."""
+        assert self.latest is not None
         equations, state = self.latest
         return bool(equations.imbalance(state) <= self.tolerance.balance)
 
@@ -581,15 +583,28 @@ class _Step:
         """Return equations, state and carried load for the half width a [m]."""
         contact = self.ladder.contact
         equations, state = self._linear(a)
-        # where bodies are not linear, a load means something only once they have settled
-        for _ in range(MOST_PASSES if self.apart else 0):
-            if self.settled:
+        carried = float(equations.carried(state))
+        for _ in range(MOST_PASSES):
+            if not self._unsure(equations, state, carried):
                 break
             equations, state = self._linear(a)
-        carried = float(equations.carried(state))
+            carried = float(equations.carried(state))
         if isnan(self.missed):
             self.missed = log(carried / contact.load) if carried > 0 else 0.0
         return (equations, state), carried
+
+    def _unsure(self, equations: Any, state: Any, carried: float) -> bool:
+        """Tell whether a load means little yet, for what was linearised has not settled.
+
+        Bodies that are not linear must settle first; what else is linearised, where it blurs by how
+        much the load is missed: then the next width misses it again.
+        """
+        contact = self.ladder.contact
+        if contact.settles_apart:
+            return self.apart and not self.settled
+        missed = abs(carried / contact.load - 1)
+        blurred = missed > self.tolerance.load and equations.imbalance(state) > BLUR * missed
+        return bool(blurred)
 
     def _linear(self, a: float) -> tuple[Any, Any]:
         """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
@@ -608,7 +623,8 @@ class _Step:
         return equations, state
 
     def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:
-        equations = self.ladder.contact.equations(self.mesh, a, self.known.about)
+        last = self.latest[0] if self.latest else None
+        equations = self.ladder.contact.equations(self.mesh, a, self.known.about, last)
         zones = self.known.zones
         if self.start is not None:
             zones, self.start = self.start.zones_on(equations.faces), None
