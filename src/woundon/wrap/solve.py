@@ -222,7 +222,7 @@ class WrapContact(PairContact):
     def equations(
         self, mesh: Mesh, a: float, about: Known, last: WrapEquations | None = None
     ) -> WrapEquations:
-        """Return the equations for the half width a [m], with the last ones' matrices for the same."""
+        """Return the equations for the half width a [m]; for the same, with the last matrices."""
         if last is not None and last.half_width == a:
             return last.linearised(about)
         return WrapEquations(self.problem, self.grid(mesh, a), a, about)
