@@ -301,6 +301,7 @@ class Grid:
         scale: float,
         rank: int = 24,
         lag: Past | None = None,
+        rows: slice = slice(None),
     ) -> Array:
         """Integrate several kernels as ``integrate`` does one, (kernels, K, n).
 
@@ -314,32 +315,34 @@ class Grid:
         rank : int
         lag : Past, optional
             Their lags at once.
+        rows : slice
+            Which points; all by default.
         """
         if rank > self.highest_rank and all(k.twice is not None for k in kernels):
-            return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
+            return np.array([self.integrate(k, scale, rows, rank) for k in kernels])
         rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
-        singular, shape = self._singular, (len(kernels), self.points.size, self.unknowns)
+        singular = self._singular[:, rows].reshape(4, -1)
         if smooth is None:
-            out: Array = (factors @ singular).reshape(shape)
+            out: Array = (factors @ singular).reshape(len(kernels), -1, self.unknowns)
         else:
             at_points, moments = self.interpolation(rank)
             distance, where = _distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
-            out = at_points @ (core @ (scale * moments))
+            out = at_points[rows] @ (core @ (scale * moments))
             for part, own in zip(out, factors, strict=True):  # small arrays stay in the cache
                 part += (own @ singular).reshape(part.shape)
         for part, log in zip(out, factors[:, 2].tolist(), strict=True):
             if log:
                 part += log * np.log(scale) * self.weights
         if lag is not None:
-            out += self.lagging(lag, scale)
+            out += self.lagging(lag, scale, rows)
         return out
 
     @cached_property
     def _singular(self) -> Array:
-        """The integrals of the singular parts, (4, K n)."""
-        return np.array([self.inverse, self.value, self.log, self.sign]).reshape(4, -1)
+        """The integrals of the singular parts, (4, K, n)."""
+        return np.array([self.inverse, self.value, self.log, self.sign])
 
 
 def _chebyshev_points(r: int) -> Array:

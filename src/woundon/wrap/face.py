@@ -25,7 +25,7 @@ from ..contact.schemes import interpolation_rank
 from ..losses import Surface
 from ..problems.bodies import Body
 from ..problems.nip import WindingNip
-from .grid import Gauss, Influence, OpenGrid, WrapGrid
+from .grid import Influence, OpenGrid, WrapGrid
 
 __all__ = ["Face", "face"]
 
@@ -196,29 +196,25 @@ class FaceGrid:
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
         """Return the response of a linear body by its influence functions."""
         period = 2 * pi * radius if curvature else inf
-        gauss = Gauss(self.columns, a, kernels.length)
+        put = Influence(
+            OpenGrid(self.columns, self.points), self.nip, self.rows, self.inside,
+            a, kernels.length, period,
+        )  # fmt: skip
 
-        def influence(points: Array, nip: Any, rows: Array, columns: slice) -> Influence:
-            grid = OpenGrid(self.columns, points)
-            return Influence(grid, nip, rows, columns, a, kernels.length, period, gauss)
+        def gradients() -> Any:
+            return tuple(put.together(kernels.gradients, kernels.smooth, kernels.lag))
 
-        def gradients() -> Array:
-            put = influence(self.points, self.nip, self.rows, self.inside)
-            return put.together(kernels.gradients, kernels.smooth, kernels.lag)
-
-        def last(*normal: Any) -> Any:
+        def last(points: Array | None) -> Any:
             """Integrate at the last node; without an arc as the plain nip does."""
+            normal = kernels.normal_p, kernels.normal_q
             if self.has_arc:
-                return map(influence(self.points[-1:], None, np.arange(0), slice(0)), normal)
+                return tuple(put.at_end(normal))
             rank = interpolation_rank(kernels.length, a)
-            put = (self.nip.integrate(one, a, slice(-1, None), rank) for one in normal)
-            return (np.pad(one, ((0, 0), (1, 1))) for one in put)
+            made = (self.nip.integrate(one, a, slice(-1, None), rank) for one in normal)
+            return tuple(np.pad(one, ((0, 0), (1, 1))) for one in made)
 
         return Response(
-            lambda: tuple(gradients()),
-            lambda points: tuple(last(kernels.normal_p, kernels.normal_q)),
-            terms=kernels.terms,
-            truncation_error=kernels.truncation_error,
+            gradients, last, terms=kernels.terms, truncation_error=kernels.truncation_error
         )
 
     def deflection(self, slope: Array, last: Array, a: float) -> Array:

@@ -50,9 +50,10 @@ class OpenGrid(Grid):
         return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
 
     def _hats(self, zeroth: Array, first: Array) -> Array:
-        falling = zeroth - first
-        inner = first[:, :-1] + falling[:, 1:]
-        return np.hstack([falling[:, :1], inner, first[:, -1:]])
+        out = np.zeros((first.shape[0], first.shape[1] + 1))
+        np.subtract(zeroth, first, out=out[:, :-1])
+        out[:, 1:] += first
+        return out
 
     def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
         """Integrate what a viscoelastic surface adds against hats and half hats, (k, K, N+1)."""
@@ -252,8 +253,7 @@ class Influence:
 
     def __call__(self, kernel: Kernel) -> Array:
         """Return the integrals of one kernel at each point, (K, N+1)."""
-        alone = kernel.smooth
-        smooth = None if alone is None else lambda t: alone(t)[None]
+        smooth = None if kernel.smooth is None else _stacked(kernel.smooth)
         found: Array = self.together((kernel,), smooth, kernel.lag)[0]
         return found
 
@@ -268,7 +268,7 @@ class Influence:
         (kernels, K, N+1) array
             See :meth:`woundon.contact.grid.Grid.integrate_together`.
         """
-        out = self.grid.integrate_together(kernels, None, self.scale)
+        out = self._closed(kernels)
         if smooth is not None:
             for rows, points in self._blocks:
                 out[:, rows] += self._smooth(kernels, smooth, rows, points)
@@ -283,6 +283,23 @@ class Influence:
             out[:, self.rows, self.columns] = own[:, : self.rows.size]
         return out if lag is None else out + self.grid.lagging(lag, self.scale)
 
+    def at_end(self, kernels: Sequence[Kernel]) -> Array:
+        """Return the integrals at the last point alone, (kernels, 1, N+1)."""
+        end, out = slice(-1, None), self._closed(kernels, slice(-1, None))
+        rank, every = interpolation_rank(self.length, self.scale), slice(None)
+        for part, kernel in zip(out, kernels, strict=True):
+            if rank > HIGHEST_RANK and kernel.twice is not None:
+                part[:, 1:-1] = self.grid.by_second_integral(kernel.twice, self.scale, end)
+            elif kernel.smooth is not None:
+                part += self._smooth((kernel,), _stacked(kernel.smooth), end, every)[0]
+            if kernel.lag is not None:
+                part += self.grid.lagging(kernel.lag, self.scale, end)[0]
+        return out
+
+    def _closed(self, kernels: Sequence[Kernel], rows: slice = slice(None)) -> Array:
+        """Return the integrals of the singular parts, (kernels, rows, N+1)."""
+        return self.grid.integrate_together(kernels, None, self.scale, rows=rows)
+
     @cached_property
     def _blocks(self) -> list[tuple[Array, Array]]:
         """Return for which points smooth parts are integrated by which of Gauss's points."""
@@ -295,7 +312,7 @@ class Influence:
 
     def _smooth(
         self, kernels: Sequence[Kernel], smooth: Callable[[Array], Array],
-        rows: Array, points: Array,
+        rows: Array | slice, points: Array | slice,
     ) -> Array:  # fmt: skip
         """Return the integrals of smooth parts by some of Gauss's points, (kernels, rows, N+1).
 
@@ -312,6 +329,11 @@ class Influence:
             for value, kernel in zip(values, kernels, strict=True):
                 value[far] += kernel.singular(round_) - kernel.singular(straight)
         return values @ self.gauss.hats[points]
+
+
+def _stacked(smooth: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return one smooth part as if it were several together."""
+    return lambda t: smooth(t)[None]
 
 
 @lru_cache
