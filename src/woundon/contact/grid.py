@@ -38,6 +38,7 @@ Array = np.ndarray
 
 HIGHEST_RANK = 600
 BLOCK = 4000  # entries: small arrays stay in the cache, and are not handed back to the system
+SINGULAR = ("inverse", "value", "log", "sign")  # what integrates each singular part of a kernel
 
 
 class Past(Protocol):
@@ -301,7 +302,6 @@ class Grid:
         scale: float,
         rank: int = 24,
         lag: Past | None = None,
-        rows: slice = slice(None),
     ) -> Array:
         """Integrate several kernels as ``integrate`` does one, (kernels, K, n).
 
@@ -315,34 +315,34 @@ class Grid:
         rank : int
         lag : Past, optional
             Their lags at once.
-        rows : slice
-            Which points; all by default.
         """
         if rank > self.highest_rank and all(k.twice is not None for k in kernels):
-            return np.array([self.integrate(k, scale, rows, rank) for k in kernels])
+            return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
         rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
-        singular = self._singular[:, rows].reshape(4, -1)
         if smooth is None:
-            out: Array = (factors @ singular).reshape(len(kernels), -1, self.unknowns)
+            out: Array = np.zeros((len(kernels), self.points.size, self.unknowns))
+            for k, part in zip(*np.nonzero(factors), strict=True):  # few of them
+                out[k] += factors[k, part] * getattr(self, SINGULAR[part])
         else:
+            singular = self.singular
             at_points, moments = self.interpolation(rank)
             distance, where = _distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
-            out = at_points[rows] @ (core @ (scale * moments))
+            out = at_points @ (core @ (scale * moments))
             for part, own in zip(out, factors, strict=True):  # small arrays stay in the cache
                 part += (own @ singular).reshape(part.shape)
         for part, log in zip(out, factors[:, 2].tolist(), strict=True):
             if log:
                 part += log * np.log(scale) * self.weights
         if lag is not None:
-            out += self.lagging(lag, scale, rows)
+            out += self.lagging(lag, scale)
         return out
 
     @cached_property
-    def _singular(self) -> Array:
-        """The integrals of the singular parts, (4, K, n)."""
-        return np.array([self.inverse, self.value, self.log, self.sign])
+    def singular(self) -> Array:
+        """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K n)."""
+        return np.array([getattr(self, name) for name in SINGULAR]).reshape(4, -1)
 
 
 def _chebyshev_points(r: int) -> Array:

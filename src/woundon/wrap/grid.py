@@ -298,7 +298,14 @@ class Influence:
 
     def _closed(self, kernels: Sequence[Kernel], rows: slice = slice(None)) -> Array:
         """Return the integrals of the singular parts, (kernels, rows, N+1)."""
-        return self.grid.integrate_together(kernels, None, self.scale, rows=rows)
+        a, grid = self.scale, self.grid
+        factors = np.array([[k.inverse, k.delta, k.log * a, k.sign * a] for k in kernels])
+        singular = grid.singular.reshape(4, grid.points.size, -1)[:, rows]
+        out: Array = (factors @ singular.reshape(4, -1)).reshape(-1, *singular.shape[1:])
+        for part, kernel in zip(out, kernels, strict=True):
+            if kernel.log:
+                part += kernel.log * a * np.log(a) * grid.weights
+        return out
 
     @cached_property
     def _blocks(self) -> list[tuple[Array, Array]]:
