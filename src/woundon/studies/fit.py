@@ -36,7 +36,6 @@ __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
 SAME_MINIMUM = 1e-3  # relative difference of S
-ROUGH = (1e-5, 1e-7)  # xtol, ftol: to tell minima apart, S to well below SAME_MINIMUM
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -182,12 +181,10 @@ def fit_parameters(
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    ends = [_from(predictor, u, *ROUGH) for u in _starting_points(parameters, starts, seed)]
+    ends = [_from(predictor, u) for u in _starting_points(parameters, starts, seed)]
     found = sorted((end for end in ends if end is not None), key=lambda end: end[0])
     if not found:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    # which minimum is the lowest shows early; the last digits are for that one alone
-    found[0] = _from(predictor, found[0][1]) or found[0]
     made: tuple[ProfileLikelihood, ...] = ()
     for _ in range(3):
         S, u = found[0]
@@ -216,9 +213,7 @@ def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) ->
     return [base, *(low + drawn * (high - low))]
 
 
-def _from(
-    predictor: Predictor, start: Array, xtol: float = 1e-8, ftol: float = 1e-10
-) -> tuple[float, Array] | None:
+def _from(predictor: Predictor, start: Array) -> tuple[float, Array] | None:
     """Descend from a start; None if it cannot be solved there."""
     from scipy.optimize import least_squares
 
@@ -230,7 +225,7 @@ def _from(
         # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
         end = least_squares(
             predictor.residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
-            xtol=xtol, ftol=ftol, gtol=None, max_nfev=60,
+            xtol=1e-8, ftol=1e-10, gtol=None, max_nfev=60,
         )  # fmt: skip
     except ValueError:  # a derivative could not be had
         return None
