@@ -1,4 +1,4 @@
-"""What need not be made or solved again is not: equal rollers, kept matrices, nips by slopes."""
+"""What need not be made or solved again is not: equal rollers, kept matrices, widths."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from woundon.contact import loop
 from woundon.contact.normal import solve_normal
 from woundon.contact.schemes import Graded
 from woundon.contact.stick_slip import StickSlip
-from woundon.winding.bodies import solved_nip
 from woundon.wrap.solve import WrapContact
 
 
@@ -84,32 +83,3 @@ def test_two_widths_are_enough_near_a_neighbour(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(loop._Step, "at", noted)
     wo.solve(problem.replace(nip_load=1.02 * problem.nip_load), nodes=65, start=before)
     assert tried == [33, 65, 65]
-
-
-def test_a_nip_on_a_roll_that_hardly_differs_is_not_solved_again() -> None:
-    problem = wo.WindingProblem.example().replace(roll_body="effective", radius=0.1)
-    stack, core = problem.stack, problem.core
-    tension = wo.Profile(radius=[core.radius, 0.1], value=[400.0, 400.0])
-    roll = wo.solve(wo.WoundRollProblem(
-        core=core, radius=0.1, stack=stack, web_thickness=problem.web.thickness,
-        wound_on_tension=tension,
-    ))  # fmt: skip
-    solved = []
-
-    def solve(body: Any, start: Any) -> wo.WrappedNipResult:
-        solved.append(body)
-        return wo.solve_wrapped_nip(problem.nip(body.radius, body), nodes=17, start=start)
-
-    first = solved_nip(problem, roll, None, solve, 1e-3, 1e-4)
-    count = len(solved)
-    assert count > 1
-    assert first.slope
-    again = solved_nip(problem, roll, first, solve, 1e-3, 1e-4)
-    assert len(solved) == count
-    assert again.tension == pytest.approx(first.tension, rel=1e-12)
-    # what is asked more exactly, or may be told by no slope, is solved again
-    solved_nip(problem, roll, first, solve, 1e-4, 1e-4)
-    assert len(solved) > count
-    count = len(solved)
-    solved_nip(problem, roll, first._replace(pressure=1.1 * first.pressure), solve, 1e-3, 1e-4)
-    assert len(solved) > count

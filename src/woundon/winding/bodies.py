@@ -55,8 +55,6 @@ class Felt(NamedTuple):
         How much of a change of P_e comes back.
     slope : float
         Change of the wound-on tension by that of P_e [m].
-    agreed : float
-        To what of it P_e was found.
     """
 
     result: WrappedNipResult
@@ -64,7 +62,6 @@ class Felt(NamedTuple):
     wanted: float = nan
     steep: float = STEEP
     slope: float = 0.0
-    agreed: float = nan
 
     @property
     def radius(self) -> float:
@@ -80,7 +77,7 @@ class Felt(NamedTuple):
 
 def solved_nip(
     problem: WindingProblem, stage: WoundRollResult, before: Felt | None, solve: Solve,
-    agreed: float, told: float = 0.0,
+    agreed: float,
 ) -> Felt:  # fmt: skip
     """Return the nip on a roll wound so far.
 
@@ -95,32 +92,13 @@ def solved_nip(
         (roll, neighbouring result or None) -> result.
     agreed : float
         To what P_e is to be found, relative.
-    told : float
-        Of the wound-on tension, what ``slope`` may tell of it without the nip solved again.
     """
     radius, start = float(stage.radius[-1]), before.result if before else None
     if problem.roll_body == "linear":
         return Felt(solve(_linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
         return Felt(solve(hardening_roll(problem, stage), start))
-    kept = None if before is None else _kept(problem, stage, before, agreed, told)
-    return kept or _effective(problem, stage, before, solve, agreed)
-
-
-def _kept(
-    problem: WindingProblem, stage: WoundRollResult, before: Felt, agreed: float, told: float
-) -> Felt | None:
-    """Return the same nip for a roll that hardly differs; None if it has to be solved again."""
-    result, P = before.result, before.pressure
-    if problem.air is not None or before.agreed != agreed or not before.slope:
-        return None
-    radius = float(stage.radius[-1])
-    if result.problem != problem.nip(radius, effective_cylinder(problem, radius, P)):
-        return None
-    found = min(felt_pressure(stage, result), ALMOST * problem.stack.limit)
-    now = before._replace(wanted=max(P + (found - P) / (1 - before.steep), 0.2 * P))
-    linear = abs(now.tension - result.wound_on_tension) <= told * result.wound_on_tension
-    return now if linear and abs(found - P) <= agreed * P else None
+    return _effective(problem, stage, before, solve, agreed)
 
 
 def _effective(
@@ -140,7 +118,7 @@ def _effective(
             slope = (result.wound_on_tension - last[2]) / (P - last[0])
         wanted = max(P + (found - P) / (1 - steep), 0.2 * P)
         if abs(found - P) <= agreed * P:
-            return Felt(result, P, wanted, steep, slope, agreed)
+            return Felt(result, P, wanted, steep, slope)
         last, P = (P, found, result.wound_on_tension), wanted
     raise NotConverged(f"the pressure that the roll feels is not found within {MOST} nips", result)
 

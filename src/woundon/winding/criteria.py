@@ -10,7 +10,7 @@ import numpy as np
 from ..problems.materials import Isotropic
 from ..problems.roll import Core
 
-__all__ = ["collapse_pressure", "torque_carried", "torque_share"]
+__all__ = ["collapse_pressure", "sliding_laps_buckle", "torque_carried", "torque_share"]
 
 Array = np.ndarray
 THIN = 10  # radius over thickness beyond which a tube collapses as a thin one
@@ -41,6 +41,28 @@ def torque_share(r: Array, P: Array, friction: float | Array, torque: Array) -> 
     capacity = 2 * pi * np.asarray(r) ** 2 * friction * np.maximum(P, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(torque > 0, torque / capacity, 0.0)
+
+
+def sliding_laps_buckle(radial: float, tangential: float, thickness: float, depth: float) -> float:
+    """Return the compression at which a zone of laps that slide freely on each other buckles [Pa].
+
+    An estimate: each lap is a beam, held by its neighbours through the stack between them; the zone
+    is even, and held at both of its faces by laps in tension.  A wave of the number q needs
+
+        N = E_t h^3/12 q^2 + k/q^2,    k = 4 E_r/h sin^2(pi/(2 (n + 1))),    n h = depth
+
+    (the softest mode of n laps on n + 1 springs E_r/h), at least 2 (k E_t h^3/12)^(1/2).  As long
+    as friction lets no lap slide, the stack's shear modulus adds to it, which is far more.
+
+    Parameters
+    ----------
+    radial, tangential : float
+        E_r and E_t [Pa].
+    thickness, depth : float
+        Of the web, and of the zone in compression [m].
+    """
+    k = 4 * radial / thickness * np.sin(pi / (2 * (depth / thickness + 1))) ** 2
+    return float(2 * np.sqrt(k * tangential * thickness**3 / 12) / thickness)
 
 
 def collapse_pressure(core: Core) -> float:

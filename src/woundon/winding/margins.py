@@ -29,7 +29,7 @@ from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, line_load, strain, stress
 from ..roll.result import WoundRollResult
-from .criteria import collapse_pressure, torque_carried, torque_share
+from .criteria import collapse_pressure, sliding_laps_buckle, torque_carried, torque_share
 
 __all__ = ["Margin", "Margins", "Pull", "WithMargins", "margins"]
 
@@ -222,8 +222,8 @@ SLACK = line_load("T_min", "least tension before and behind the nip")
 LEFT_OUT = {
     "slip": "air between laps, friction that falls once they slide, the slip under the nip, the "
     f"outermost {TAIL_LAPS} laps, the drum's help at a start or stop, impacts",
-    "compression": "at which depth a lap buckles: stars need compression, but their supported laps "
-    "bear some of it; impacts, moisture, uneven thickness",
+    "compression": "how far friction between laps keeps them from buckling: stars need "
+    "compression, but supported laps bear some of it; impacts, moisture, uneven thickness",
     "blocking": "time, temperature, moisture and the chemistry of the surfaces; ridges across the "
     "width, where the pressure is higher",
     "core": "the core's own strength and creep, a tube of paper's layers, the roll's support "
@@ -335,7 +335,21 @@ def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pul
 def _compression(states: list[_State], roll: WoundRollResult, limits: Limits) -> Margin:
     found = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
-    return _margin("compression", found, limits.compression, COMPRESSION, scale=wound_on)
+    told = NO_LIMIT * (limits.compression is None)
+    note = "; ".join(filter(None, (told, _if_laps_slid(states[-1], roll))))
+    return _margin("compression", found, limits.compression, COMPRESSION, note, scale=wound_on)
+
+
+def _if_laps_slid(final: _State, roll: WoundRollResult) -> str:
+    """Say at which compression laps without friction would buckle, where any is compressed."""
+    pressed, stack = final.hoop < 0, roll.problem.stack
+    if pressed.sum() < 2:
+        return ""
+    r, E_r = final.r[pressed], stack.radial.modulus(np.maximum(final.P[pressed], 0))
+    depth = float(r[-1] - r[0])
+    mean = float(np.trapezoid(E_r, r)) / depth
+    limit = sliding_laps_buckle(mean, stack.tangential, float(roll.problem.web_thickness), depth)
+    return f"laps that slid freely would buckle at about {1e-3 * limit:.3g} kPa (estimate)"
 
 
 def _blocking(final: _State, limits: Limits) -> Margin:

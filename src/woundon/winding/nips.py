@@ -73,7 +73,7 @@ class Nips:
             stage = roll if radius == self.problem.radius else roll.at(radius)
             felt = solved_nip(
                 self._on(roll), stage, own or self._near(radius), self._solve,
-                FELT_COARSELY if self.coarse else FELT, self.agreed if own else 0.0,
+                FELT_COARSELY if self.coarse else FELT,
             )  # fmt: skip
         self.felt[radius] = felt
         return felt.tension
