@@ -3,8 +3,10 @@
     python benchmarks/browser.py [--moves 60]
 
 Asked for: slider to picture 60 ms in the median and 120 ms at 95 % for a plain nip, 150 and 300 ms
-for a wrapped one; four users at once at most twice that, and so one beside another's long study; a
-first page within a second and 300 kB.
+for a wrapped one; four users at once at most twice these times; a slider beside another's long
+study at most twice as slow as alone; a first page within a second and 300 kB.  (The ratio of four
+users to one is told too.  On two cores it is above 2 for a page that never waits: each of their
+moves takes all the work of one, the browsers' included, which run here as well.)
 
 Measured in the browser itself, from the slider's event to the frame after the numbers and curves
 are drawn.  A machine that does other work meanwhile is slower by the load that is printed beside:
@@ -33,7 +35,7 @@ from playwright.sync_api import Browser, Page
 ASKED = {"nip": (60, 120), "wrapped_nip": (150, 300)}  # [ms] in the median, at 95 %
 WEIGHT, FIRST = 300_000, 1.0  # bytes, seconds
 USERS = 4
-AT_MOST = 2.0  # times what one user alone waits
+AT_MOST = 2.0  # times what is asked of one user; beside a study, what one alone waits
 
 MOVE = """async moves => {
     const slider = document.querySelector("[data-path=nip_load] .slider")
@@ -182,7 +184,9 @@ def main() -> int:
             four = told(f"{kind}, {USERS} users at once", times, load)
             print(json.dumps({"beside a study": round(beside[0] / alone[0], 2),
                               f"{USERS} users": round(four[0] / alone[0], 2)}))  # fmt: skip
-            good &= beside[0] <= AT_MOST * alone[0] and four[0] <= AT_MOST * alone[0]
+            good &= beside[0] <= AT_MOST * alone[0]
+            # what loads the machine is their own work
+            good &= four[0] <= AT_MOST * middle and four[1] <= AT_MOST * late
             for page in pages:
                 page.context.close()
     return 0 if good else 1

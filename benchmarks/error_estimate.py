@@ -30,9 +30,9 @@ warnings.simplefilter("ignore", wo.ValidityWarning)
 warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 FINER, FINEST = 8, 1025
-WITHIN = 1.5  # estimates; asked of 95 % of the cases
-SHARE = 0.95
-LOOSE = 10.0  # the estimate over the true error, asked of the median
+WITHIN = 1.5  # estimates; asked of 97 % of the cases
+SHARE = 0.97
+LOOSE = 5.0  # the estimate over the true error, asked of the median
 OTHERS = ("half_width", "peak_pressure", "offset", "drum_creep", "leading_roll", "trailing_roll",
           "dual")  # fmt: skip
 COLUMNS = ("nodes", "nip_induced_tension", "estimate", "reference_nodes", "reference", "scale",
@@ -96,9 +96,10 @@ def report(rows: list[Row]) -> str:
     ]  # fmt: skip
     text = "| | |\n|---|---|\n" + "".join(f"| {name} | {value} |\n" for name, value in lines)
     text += (
-        f"\n| output | true error below {WITHIN} estimates | estimate over true error, median |\n"
+        f"\n| output | true error below {WITHIN} estimates | largest true error over the estimate "
+        "| estimate over true error, median |\n"
     )
-    text += "|---|---|---|\n" + "".join(_line(good, name) for name in OTHERS)
+    text += "|---|---|---|---|\n" + "".join(_line(good, name) for name in OTHERS)
     return text + "".join(f"- seed {row['seed']}: {row['failure']}\n" for row in failed)
 
 
@@ -106,7 +107,7 @@ def _line(rows: list[Row], name: str) -> str:
     ratio = np.array([float(str(row[name])) for row in rows])
     seen = ratio[(ratio > 0) & np.isfinite(ratio)]  # where a mesh tells of it, and not for certain
     within, median = np.mean(ratio <= WITHIN), np.median(1 / seen) if seen.size else np.nan
-    return f"| {name.replace('_', ' ')} | {within:.1%} | {median:.3g} |\n"
+    return f"| {name.replace('_', ' ')} | {within:.1%} | {ratio.max():.3g} | {median:.3g} |\n"
 
 
 def main() -> int:
@@ -115,13 +116,14 @@ def main() -> int:
     options.add_argument("--cases", type=int, default=200, help="random nips, seeds from --first")
     options.add_argument("--first", type=int, default=0, help="first seed")
     options.add_argument("--nodes", type=int, help="a fixed grid, in place of the program's choice")
+    options.add_argument("--finer", type=int, default=FINER, help="nodes of the reference, times")
     options.add_argument("--workers", type=int, default=1, help="processes")
     options.add_argument("--folder", type=Path, default=Path("out"), help="where the tables go")
     given = options.parse_args()
     name = f"error_estimate_{given.nodes}" if given.nodes else "error_estimate"
     path = given.folder / f"{name}.csv"
     seeds = range(given.first, given.first + given.cases)
-    work = partial(compared, nodes=given.nodes)
+    work = partial(compared, nodes=given.nodes, finer=given.finer)
     rows: list[Row] = list(run_table(path, ("seed", *COLUMNS), seeds, work, given.workers))
     text = report(rows)
     path.with_suffix(".md").write_text(text, encoding="utf-8")

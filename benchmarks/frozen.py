@@ -83,6 +83,13 @@ INTENDED = {
         ("nip 16: warnings", "nip 17: warnings", "sweep 2: warnings"),
         "a cover is told of by its own indentation, not the approach, most of which the roll takes",
     ),
+    # the told error of a nip is that of a scatter by all meshes; fewer go on to the next mesh.  NIT
+    # is off by, and was told to be known to, of itself (against 513 nodes):
+    "nip *: nip_induced_tension_error": "told by the changes of all meshes",
+    "sweep *: nip_induced_tension_error": "told by the changes of all meshes",
+    "nip 14: *": "ends at 129 nodes, before at 257: off by 3.3e-4, told 7.2e-4",
+    "nip 28: *": "ends at 129 nodes, before at 257: off by 9e-5, told 6.9e-4",
+    "nip 44: *": "ends at 129 nodes, before at 257: off by 1.0e-4, told 3.0e-4",
     "nip 25: warnings": "1 N/m: a web as thick as a tenth of the nip is told of",
     "rollers 13: warnings": "rollers tell where they leave the model, as nips do",
     "rollers 14: warnings": "rollers tell where they leave the model, as nips do",

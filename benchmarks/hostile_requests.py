@@ -65,12 +65,13 @@ def damaged(random_: random.Random, kinds: list[Any]) -> tuple[str, dict[str, An
     case = copy.deepcopy(random_.choice(kinds)["example"])
     over: Any = {"nip_load": {"from": 1e3, "to": 2e3, "count": 3}}
     path = random_.choice(("solve", "solve", "curve", "sensitivities", "sweep", "report", "figure",
-                           "file", "python", "case/write", "case/read"))  # fmt: skip
+                           "file", "python", "case/write", "case/read", "design"))  # fmt: skip
     body: Any = {
         "sweep": {"case": case, "over": over, "outputs": ["nip_induced_tension"]},
         "report": {"cases": [{"case": case}], "units": {"nip_load": "pli"}},
         "figure": {"cases": [{"label": "A", "case": case}]},
         "case/read": {"toml": json.dumps(case)},
+        "design": {"case": case, "pressure": {"radius": [0.0445, 0.15], "value": [2e5, 1e5]}},
     }.get(path, case)
     for _ in range(random_.randint(1, 4)):
         _overwrite(random_, body)
@@ -195,12 +196,12 @@ def run(server: Server, requests: int, seed: int) -> Judge:
     kinds = judge.client.get("/api/catalogue").json()["kinds"]
     document = judge.client.get("/openapi.json").json()
     before = server.memory()
-    half = requests // 2
-    for number in range(half):
+    from_description = list(described(requests // 2, seed, server.address, document))
+    for number in range(requests - len(from_description)):
         path, query, body = damaged(random.Random(f"{seed}-{number}"), kinds)
         content = json.dumps(body).encode()
         judge.send(f"damaged {number}", "POST", path, params=query, content=content, headers=JSON)
-    for number, given in enumerate(described(requests - half, seed, server.address, document)):
+    for number, given in enumerate(from_description):
         known = {name: given[name] for name in ("params", "json", "headers", "data")
                  if given.get(name) is not None}  # fmt: skip
         if isinstance(known.get("json"), (float, int, list, dict, str)):

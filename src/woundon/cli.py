@@ -35,6 +35,10 @@ _LATE = {
         "woundon.app.commands:report",
         "Write a report of solved cases: one HTML file that prints well.",
     ),
+    "design": (
+        "woundon.design_command:design",
+        "Find the wound-on tension that leaves a wanted pressure in a roll.",
+    ),
     "sweep": ("woundon.studies.commands:sweep", "Solve all cases of a study file."),
     "fit": ("woundon.studies.commands:fit", "Fit fields of a case to measured data."),
     "sensitivity": (

@@ -26,7 +26,7 @@ from .kinds import Kind
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["SolveCommand"]
+__all__ = ["SolveCommand", "console"]
 
 _TYPES = {"int": int, "float": float, "str": str}
 _ABOUT = """\
@@ -270,23 +270,24 @@ def _solved(problem: Any, options: Mapping[str, Any]) -> Any:
 def _show(result: Any, sensitivity: Any) -> None:
     from .show.report import print_report, print_sensitivity
 
-    console = _console()
-    print_report(result, console)
+    paper = console()
+    print_report(result, paper)
     if sensitivity is not None:
-        print_sensitivity(sensitivity, console)
+        print_sensitivity(sensitivity, paper)
 
 
-def _console() -> Console:
+def console() -> Console:
+    """Return the terminal as commands write on it."""
     from rich.console import Console
 
     class Terminal(Console):
         def on_broken_pipe(self) -> None:
             raise BrokenPipeError  # rich would end with exit code 1
 
-    console = Terminal(highlight=False)
+    terminal = Terminal(highlight=False)
     # lines are never folded: what a pipe or a log gets is the same text
-    console.width = max(console.width, 100)
-    return console
+    terminal.width = max(terminal.width, 100)
+    return terminal
 
 
 # ---- help ---------------------------------------------------------------------------------------

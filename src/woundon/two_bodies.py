@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from .contact.loop import Before, Level
+from .contact.loop import Before, Level, Start
 from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns
 from .contact.schemes import Graded, Mesh, scheme_of
@@ -105,6 +105,10 @@ class Matrices:
         """Return what pressures, tractions and shift leave of the gap's slope, (N,)."""
         return np.asarray(self.slope_p @ p + self.slope_q @ q + shift - self.gap)
 
+    def laws(self, p: Array, q: Array, shift: float, creep: float) -> tuple[Array, Array]:
+        """Return what is left of the gap's slope, and all slips."""
+        return self.indentation(p, q, shift), self.slips(p, q, creep)
+
     def slips(self, p: Array, q: Array, creep: float) -> Array:
         """Return all slips."""
         v = self.offset + self.direct @ q + self.through_pressure @ p
@@ -113,20 +117,25 @@ class Matrices:
 
 @dataclass(frozen=True, eq=False)
 class PairEquations:
-    """The equations for one half width, the normal problem solved; made by :meth:`at`."""
+    """The equations for one half width; made by :meth:`at`."""
 
     problem: Any
     mesh: Mesh
-    matrices: Matrices
-    normal: Array  # (N, 1 + m) rows p and shift; by the gap, and by unit tractions
+    matrices: Any
 
     made_of: ClassVar[type[Matrices]]
+    face_count: ClassVar[int] = 1
 
     @classmethod
     def at(cls, problem: Any, mesh: Mesh, a: float, about: About = None) -> Self:
-        """Assemble the equations for the half width ``a`` [m] and solve the normal problem."""
-        made = cls.made_of.at(problem, mesh, a, about)
-        return cls(problem, mesh, made, solve_normal(made.slope_p, made.gap, made.slope_q))
+        """Assemble the equations for the half width ``a`` [m]."""
+        return cls(problem, mesh, cls.made_of.at(problem, mesh, a, about))
+
+    @cached_property
+    def normal(self) -> Array:
+        """Rows p and shift by the gap, and by unit tractions: the normal problem, (N, 1 + m)."""
+        made = self.matrices
+        return solve_normal(made.slope_p, made.gap, made.slope_q)
 
     @property
     def pressure(self) -> Array:
@@ -141,7 +150,7 @@ class PairEquations:
     @property
     def faces(self) -> tuple[Array, ...]:
         """Where the tractions of each face are, in units of a."""
-        return (self.mesh.columns,) * (self.pressure_response.shape[1] // self.mesh.unknowns)
+        return (self.mesh.columns,) * self.face_count
 
     @property
     def places(self) -> Array:
@@ -169,7 +178,7 @@ class PairEquations:
         """Return the integral of the pressure without tractions [N/m]; linear bodies tell it."""
         if not self.problem.linear:
             return None
-        return float(self.matrices.weights @ self.pressure)
+        return frictionless_load(self.problem, self.mesh, self.matrices.half_width)
 
     def imbalance(self, state: PairState) -> float:
         """Return the largest change of slopes and slips by a linearisation anew, relative."""
@@ -355,6 +364,10 @@ class PairContact:
     def equations(self, mesh: Mesh, a: float, about: Any, last: Any = None) -> Any:
         """Return the equations for the half width a [m]."""
         return self.equations_of.at(self.problem, mesh, a, about)
+
+    def zones(self, start: Start, equations: Any) -> Array:
+        """Return the zones to begin with: each node takes that of the nearest one before."""
+        return start.zones_on(equations.faces)
 
     def refuse(self, equations: Any, state: Any) -> None:
         """Refuse nothing: whatever has no steady state was refused with the problem."""

@@ -63,7 +63,9 @@ class Seen:
     def rest(self):
         """Wait until nothing is solved any more."""
         self.page.wait_for_timeout(320)  # what follows a moved slider begins after 220 ms
-        self.page.wait_for_selector(".working:not(.busy)", state="attached", timeout=60_000)
+        self.page.wait_for_selector(
+            ".working:not(.busy):not(.rough)", state="attached", timeout=60_000
+        )
         return self
 
     def output(self, name):

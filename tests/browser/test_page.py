@@ -5,10 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import woundon as wo
@@ -79,6 +81,10 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     for name, value in told(result).items():
         assert seen.output(name) == pytest.approx(value, rel=SAME)
     assert seen.page.locator("[data-panel=tractions] canvas").screenshot() != before
+    seen.page.hover("[data-panel=pressure] .u-over")  # at x = 0, the middle of the panel
+    read = float(seen.page.inner_text("[data-panel=pressure] [data-value='0']"))
+    # of the node next to it, a tenth of the half-width away at most
+    assert 1e3 * read == pytest.approx(np.interp(0.0, result.x, result.roll_pressure), rel=5e-3)
     tables = list(blocks(seen.saved("Data of what is shown").decode()))
     curve = "roll_traction on the roll [kPa]"
     tractions = next(table for table in tables if curve in table)
@@ -169,16 +175,22 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
     seen.page.click(".pin")
     seen.page.hover("[data-panel=zones] .u-over")
     seen.put("nip_load", "9000")
+    seen.page.locator("[data-panel=wrap_tension]").scroll_into_view_if_needed()
+    seen.page.wait_for_timeout(300)  # it is drawn, with A, and goes out of sight again
+    seen.page.click(".pin")
+    seen.page.click("[aria-label='Remove state A']")
+    seen.put("nip_load", "5000")
     seen.from_menu("Copy a link")
     seen.page.wait_for_function("() => location.hash.length > 10")
     other = look(seen.page.evaluate("() => location.hash"))
-    other.page.wait_for_selector(".chip.pin-A")
+    other.page.wait_for_selector(".chip.pin-B")
     for panel in ("tractions", "zones", "slips", "pressure", "wrap_tension"):
         pictures = []
         for one in (seen, other):
             canvas = one.page.locator(f"[data-panel={panel}] canvas")
             canvas.scroll_into_view_if_needed()
             one.page.mouse.move(1, 1)
+            one.page.wait_for_timeout(200)  # what was out of sight is drawn now
             pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
         assert pictures[0] == pictures[1], panel
 
@@ -353,6 +365,58 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     profile = wo.Profile(radius=[r / 1e3 for r in schedule[0]], value=schedule[1])
     result = wo.solve(example.replace(wound_on_tension=profile))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-5)  # 6 digits
+
+
+def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.click(".design summary")
+    page.wait_for_selector(".design [data-panel=design_tension]")
+    before = page.locator(".design canvas").first.screenshot()
+    knob = page.locator(".design .knob").nth(2).bounding_box()
+    x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 30, steps=4)
+    page.mouse.up()
+    wanted = page.eval_on_selector_all(
+        ".design .knob", "knobs => knobs.map(knob => knob.getAttribute('aria-valuetext'))"
+    )
+    numbers = [re.findall(r"[\d.]+", text) for text in wanted]  # "point 3: 155.6 kPa at radius ..."
+    radii, pressures = ([float(n[k]) for n in numbers] for k in (2, 1))
+    assert pressures[2] < 0.9 * pressures[1]
+    page.wait_for_function(
+        "old => document.querySelector('.design canvas').toDataURL() !== old", arg=before
+    )
+    page.wait_for_timeout(1500)  # the last design
+    page.click(".design .primary")
+    seen.rest()
+    assert page.locator(".chip.pin-A").count() == 1  # before and after are seen
+    middle = 1e-3 * radii[2]
+    example = wo.WoundRollProblem.example()
+    profile = wo.Profile(radius=[0.0445, *(1e-3 * r for r in radii[1:-1]), 0.15],
+                         value=[1e3 * P for P in pressures])  # fmt: skip
+    design = wo.design_tension(example, profile, rtol=1e-3)
+    taken = float(page.input_value("#f-wound_on_tension-value").split()[0])
+    assert taken == pytest.approx(design.tension.value[0], rel=1e-3)  # both to 4 digits and rtol
+    wound = wo.solve(design.problem)
+    assert wound.at_radius(middle)["pressure"] == pytest.approx(1e3 * pressures[2], rel=2e-3)
+    assert seen.output("core_pressure") == pytest.approx(wound.core_pressure, rel=2e-3)
+    assert seen.output("core_pressure") == pytest.approx(1e3 * pressures[0], rel=2e-3)
+    page.click("[aria-label=Undo]")
+    seen.rest()
+    assert seen.output("core_pressure") == pytest.approx(wo.solve(example).core_pressure, rel=SAME)
+
+
+def test_a_pressure_that_no_tension_leaves_is_told(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    seen.put("core_shrinkage", "0.01")
+    page.click(".design summary")
+    assert "changes after winding" in page.inner_text(".design .fault")
+    assert page.locator(".design .primary:enabled").count() == 0
 
 
 def test_a_winding_tells_its_margins(look):

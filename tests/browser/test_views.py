@@ -75,3 +75,5 @@ def test_motion_is_reduced_where_asked(look):
         return style.animationName !== 'none' || style.transitionDuration !== '0s'
     }).length"""
     assert seen.page.evaluate(moving) == 0
+    seen.page.evaluate("() => document.querySelector('.working').classList.add('busy')")
+    assert seen.page.evaluate(moving) == 0

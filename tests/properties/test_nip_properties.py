@@ -101,8 +101,13 @@ def curves(result: wo.NipResult) -> dict[str, np.ndarray]:
 def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
     for name, values in curves(one).items():
         np.testing.assert_allclose(curves(other)[name], values, rtol=0, atol=1e-8, err_msg=name)
-    np.testing.assert_array_equal(one.roll_zone, other.roll_zone)
-    np.testing.assert_array_equal(one.drum_zone, other.drum_zone)
+    shown = curves(one)
+    for face, mu in (("roll", one.problem.roll_friction), ("drum", one.problem.drum_friction)):
+        differs = getattr(one, f"{face}_zone") != getattr(other, f"{face}_zone")
+        # where slip and slack are both nil, either zone is right
+        slack = mu * shown["pressure"] - np.abs(shown[f"{face}_traction"])
+        assert np.all(np.abs(shown[f"{face}_slip"][differs]) <= 1e-8)
+        assert np.all(np.abs(slack[differs]) <= 1e-8 * mu)
 
 
 # ---- laws ---------------------------------------------------------------------------------------

@@ -12,7 +12,12 @@ from scipy.integrate import quad
 import woundon as wo
 from woundon.roll.theories import constant_moduli
 from woundon.winding import margins as module
-from woundon.winding.criteria import collapse_pressure, torque_carried, torque_share
+from woundon.winding.criteria import (
+    collapse_pressure,
+    sliding_laps_buckle,
+    torque_carried,
+    torque_share,
+)
 
 NAMES = ("slip", "compression", "blocking", "core", "strength", "slack")
 MU = 0.19
@@ -61,6 +66,34 @@ def test_a_thin_tube_collapses_as_in_its_source() -> None:
     # of a thicker one, and of a core of which only the stiffness is known, nothing is claimed
     assert np.isnan(collapse_pressure(wo.Core(**{**tube, "inner_radius": 6.2 * inch})))
     assert np.isnan(collapse_pressure(wo.Core(radius=0.1, stiffness=1e9)))
+
+
+@pytest.mark.parametrize("laps", [1, 7, 60])
+def test_laps_that_slide_buckle_as_beams_on_springs(laps: int) -> None:
+    """The least load over all waves and modes of a chain of beams, by its eigenvalues."""
+    E_r, E_t, h = 8e6, 3.4e9, 66e-6
+    springs = E_r / h * (2 * np.eye(laps) - np.eye(laps, k=1) - np.eye(laps, k=-1))
+    waves = np.geomspace(1.0, 1e5, 4001)
+    softest = np.linalg.eigvalsh(springs)[0]
+    load = np.min(E_t * h**3 / 12 * waves**2 + softest / waves**2)
+    # of the waves' grid, whose minimum is flat
+    assert sliding_laps_buckle(E_r, E_t, h, laps * h) == pytest.approx(load / h, rel=1e-5)
+
+
+def test_what_friction_must_hold_is_told(roll: wo.WoundRollResult) -> None:
+    """Of newsprint about as much as its compression; a taper that leaves none is told nothing."""
+    note = wo.margins(roll)["compression"].note
+    told = float(note.partition("about ")[2].partition(" kPa")[0])
+    compressed = roll.at_radius(r := np.linspace(0.0445, 0.15, 2001))["hoop_stress"] < 0
+    depth = np.ptp(r[compressed])
+    E_r = float(np.mean(roll.problem.stack.radial.modulus(
+        roll.at_radius(r[compressed])["pressure"])))  # fmt: skip
+    by_hand = 2 * pi / np.sqrt(12) * 66e-6 / depth * np.sqrt(E_r * 3.38e9)
+    assert 1e3 * told == pytest.approx(by_hand, rel=0.02)
+    falls = np.geomspace(0.0445, 0.15, 40)
+    gentle = wo.Profile(radius=falls, value=350.0 * (falls / 0.0445) ** -0.8)
+    tapered = wo.solve(roll.problem.replace(wound_on_tension=gentle))
+    assert "slid" not in wo.margins(tapered)["compression"].note
 
 
 def test_a_roll_in_closed_form_slips_where_and_as_it_should() -> None:

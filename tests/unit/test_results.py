@@ -13,6 +13,7 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
+from woundon.contact.joint import Joint
 from woundon.contact.schemes import SCHEMES
 from woundon.contact.stick_slip import StickSlip, _bracket_creep, solve_stick_slip
 from woundon.nip.equations import NipEquations
@@ -242,13 +243,14 @@ def test_a_plain_nip_has_no_wound_on_tension(results) -> None:  # type: ignore[n
 
 
 def test_iterations_are_the_linear_systems_that_were_solved(monkeypatch: pytest.MonkeyPatch):
-    solved, solve = [], StickSlip.solve
+    solved: list[Any] = []
+    for kind in (StickSlip, Joint):
 
-    def counted(problem: StickSlip, state: Any) -> Any:
-        solved.append(state)
-        return solve(problem, state)
+        def counted(problem: Any, state: Any, solve: Any = kind.solve) -> Any:
+            solved.append(state)
+            return solve(problem, state)
 
-    monkeypatch.setattr(StickSlip, "solve", counted)
+        monkeypatch.setattr(kind, "solve", counted)
     for algorithm in ("pivoting", "panagiotopoulos"):
         solved.clear()
         result = wo.solve_nip(newsprint_nip(), nodes=33, algorithm=algorithm)

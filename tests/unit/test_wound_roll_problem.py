@@ -190,7 +190,7 @@ def test_the_picture_has_a_zero_line_and_shades_compression(result):
     (schedule,) = tension.get_lines()
     np.testing.assert_allclose(schedule.get_ydata()[[0, -1]], [400.0, 300.0])
     two = wo.plot([result, wo.solve(ROLL, rtol=1e-2)])
-    assert len(two.axes) == 4
+    assert len(two.axes) == 5  # density too
     assert all(text.get_text() for text in two.legends[0].get_texts())
 
 

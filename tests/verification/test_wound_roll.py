@@ -12,6 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import woundon as wo
+from woundon.roll.build_up import Laps, _Roll, wind
+from woundon.roll.certificate import equations_of
+from woundon.roll.solve import layer_of
 from woundon.roll.theories import constant_moduli, lap_by_lap, plateau_pressure
 
 RADII = np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
@@ -31,6 +34,12 @@ STIFF = {"radial": 4e9, "nu": 0.3, "core": 1e12}
 PAPER = {"radial": 40e6, "nu": 0.01, "core": 20e9}
 SOFT_CORE = {"radial": 40e6, "nu": 0.01, "core": 0.2e9}
 NEWSPRINT = wo.WoundRollProblem.example()
+
+
+def left(result: wo.WoundRollResult, name: str = "peak_pressure") -> float:
+    """Return the told error without what finite laps change: that of the solution [Pa]."""
+    by = np.abs(result.finite_laps)
+    return result.errors[name] - float(by[0] if name == "core_pressure" else by.max())
 
 
 @pytest.mark.parametrize(
@@ -89,13 +98,13 @@ def test_told_errors_hold_and_fall_with_the_tolerance():
     fine = wo.solve(NEWSPRINT, rtol=1e-6)
     for rtol in (1e-2, 1e-3, 1e-4):
         result = wo.solve(NEWSPRINT, rtol=rtol)
-        assert result.errors["peak_pressure"] <= rtol * result.peak_pressure
+        assert left(result) <= rtol * result.peak_pressure
         inside = np.linspace(0.0446, 0.1499, 300)
         miss = np.abs(
             result.at_radius(inside)["pressure"] - fine.at_radius(inside)["pressure"]
         ).max()
-        assert miss <= 2 * result.errors["peak_pressure"]
-        assert abs(result.core_pressure - fine.core_pressure) <= 2 * result.errors["core_pressure"]
+        assert miss <= 2 * left(result)
+        assert abs(result.core_pressure - fine.core_pressure) <= 2 * left(result, "core_pressure")
         assert miss <= rtol * fine.peak_pressure
 
 
@@ -113,6 +122,43 @@ def test_the_published_scheme_tends_to_the_same_roll_with_order_one():
     assert (np.abs(orders - 1) < 0.1).all()  # first order: 0.97 and 0.99 measured
 
 
+def missed(problem: wo.WoundRollProblem, tolerance: float, cells: int) -> float:
+    """Return what a build-up by given stages and nodes misses of the closed form, at the nodes."""
+    equations, curve = equations_of(problem), problem.tension_curve
+    wound = wind(equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
+                 cells=cells, layer=layer_of(problem))  # fmt: skip
+    exact = constant_moduli(problem, np.exp(wound.x)).pressure
+    return float(np.max(np.abs(wound.solved.P - exact)) / exact.max())
+
+
+@pytest.mark.parametrize("case", [STIFF, PAPER], ids=["stiff", "paper"])
+def test_the_order_in_nodes_is_four(case: dict):
+    """With stages that miss nothing beside: Lobatto's rule of two points and a middle."""
+    roll = plain(**case, wound_on_tension=wo.Taper(start=200.0, taper=0.4))
+    misses = np.array([missed(roll, 1e-7, cells) for cells in (8, 16, 32)])
+    orders = np.log2(misses[:-1] / misses[1:])
+    assert (np.abs(orders - 4) < 0.2).all(), orders  # 3.9 to 4.1
+
+
+@pytest.mark.parametrize(("case", "order"), [(STIFF, 3), (PAPER, 4)], ids=["stiff", "paper"])
+def test_the_order_in_stages(case: dict, order: int):
+    """Cubics through four stages err by h^4; the first ones, through fewer, by h^3 in the end."""
+    roll = plain(**case, wound_on_tension=wo.Taper(start=200.0, taper=0.4))
+    equations, curve, layer = equations_of(roll), roll.tension_curve, layer_of(roll)
+    core, length, misses = np.log(0.05), np.log(4.0), []
+    for count in (20, 40, 80):  # graded like nodes, dense at the core
+        share = np.arange(1, count + 1) / count
+        surfaces = core + layer * np.expm1(share * np.log1p(length / layer))
+        rolled = _Roll(Laps(equations, curve), 0.05, 300, layer, None)
+        for x in surfaces.tolist():
+            rolled.keep(rolled.stage(x, 1e-12)[0])
+        wound = rolled.wound()
+        exact = constant_moduli(roll, np.exp(wound.x)).pressure
+        misses.append(np.max(np.abs(wound.solved.P - exact)) / exact.max())
+    orders = np.log2(np.array(misses[:-1]) / misses[1:])
+    assert (np.abs(orders - order) < 0.25).all(), orders  # 2.8, 3.0; 4.2, 4.1
+
+
 def test_the_surface_slope_comes_out_by_itself():
     for rtol, most in ((1e-3, 1e-3), (1e-5, 1e-5)):
         assert abs(wo.solve(NEWSPRINT, rtol=rtol).surface_slope) < most
@@ -128,23 +174,49 @@ def test_a_stage_is_the_roll_wound_so_far():
         assert stage.radius[-1] == 0.1
 
 
-def test_the_plateau_under_constant_tension():
-    result = wo.solve(NEWSPRINT)
-    middle = result.at_radius(0.09)
-    low = plateau_pressure(NEWSPRINT.stack, 350 / 66e-6)
-    assert 0.87 < low / middle["pressure"] < 0.97  # 3 to 13 % low
-    assert middle["hoop_stress"] == pytest.approx(-middle["pressure"], rel=0.03)
+# polyester film; K1 and K2 are illustrative
+FILM = wo.WoundRollProblem(
+    core=wo.Core(radius=0.0762, stiffness=5e9), radius=0.25, web_thickness=25e-6,
+    stack=wo.Stack(radial=wo.Pfeiffer(K1=2e3, K2=80.0), tangential=4.5e9, poissons_ratio=0.01,
+                   shear=30e6),
+    wound_on_tension=100.0,
+)  # fmt: skip
+PAPER_AND_FILM = pytest.mark.parametrize(
+    ("problem", "exponent"), [(NEWSPRINT, 0.6), (FILM, 0.5)], ids=["newsprint", "film"]
+)
 
 
-def test_a_tension_that_falls_keeps_the_web_in_tension():
-    """Hoop stress >= 0 needs P to fall like 1/r: newsprint's tension about like r^-0.6."""
-    r = np.geomspace(0.0445, 0.15, 40)
-    falls = wo.Profile(radius=r, value=350.0 * (r / 0.0445) ** -0.6)
-    tapered = wo.solve(NEWSPRINT.replace(wound_on_tension=falls), rtol=1e-2)
-    constant = wo.solve(NEWSPRINT, rtol=1e-2)
-    inside = np.linspace(0.07, 0.117, 30)  # away from the core's and the surface's layers
-    assert constant.at_radius(inside)["hoop_stress"].max() < -150e3
-    assert np.abs(tapered.at_radius(inside)["hoop_stress"]).max() < 25e3
+def inside(problem: wo.WoundRollProblem) -> np.ndarray:
+    """Return radii away from the core's and the surface's layers."""
+    core, R = problem.core.radius, problem.radius
+    return np.linspace(core + 0.25 * (R - core), R - 0.3 * (R - core), 30)
+
+
+@PAPER_AND_FILM
+def test_the_plateau_under_constant_tension(problem: wo.WoundRollProblem, exponent: float):
+    roll = wo.solve(problem).at_radius(inside(problem))
+    P, hoop = (roll[name][:20] for name in ("pressure", "hoop_stress"))
+    low = plateau_pressure(problem.stack, problem.wound_on_tension / problem.web_thickness)
+    assert (low / P > 0.87).all()  # 3 to 13 % low: 6 % of both
+    assert (low / P < 0.97).all()
+    np.testing.assert_allclose(hoop, -P, rtol=0.03)
+
+
+@PAPER_AND_FILM
+def test_a_tension_that_falls_keeps_the_web_in_tension(
+    problem: wo.WoundRollProblem, exponent: float
+):
+    """Hoop stress >= 0 needs P to fall like 1/r, so T about like r^-0.6 or, of film, r^-0.5."""
+    r, level = np.geomspace(problem.core.radius, problem.radius, 40), wo.solve(problem).mid_pressure
+
+    def hoop(k: float) -> np.ndarray:
+        tension = wo.Profile(radius=r, value=problem.wound_on_tension * (r / r[0]) ** -k)
+        wound = wo.solve(problem.replace(wound_on_tension=tension), rtol=1e-2)
+        return wound.at_radius(inside(problem))["hoop_stress"] / level
+
+    assert np.abs(hoop(exponent)).max() < 0.05  # -1 under a constant tension; 0.013 and 0.036
+    assert hoop(exponent - 0.15).max() < -0.09  # -0.10 and -0.13
+    assert hoop(exponent + 0.15).min() > 0.04  # 0.05 and 0.10
 
 
 def sampled(points: int, noise: float = 0.0) -> wo.Profile:
@@ -170,7 +242,7 @@ def test_strong_kinks_are_stages():
     rough, fine = wo.solve(problem, rtol=1e-2), wo.solve(problem, rtol=3e-4)
     r = np.linspace(0.0446, 0.1499, 300)
     miss = np.abs(rough.at_radius(r)["pressure"] - fine.at_radius(r)["pressure"]).max()
-    assert miss <= rough.errors["peak_pressure"] + fine.errors["peak_pressure"]
+    assert miss <= left(rough) + left(fine)
     assert rough.residuals.largest < 1e-8
 
 
@@ -181,8 +253,8 @@ def test_strong_kinks_are_stages():
     ids=["newsprint", "0.6 m", "100 000 laps", "taper"],
 )  # fmt: skip
 def test_the_price_does_not_depend_on_laps_radius_or_taper(changes: dict):
-    """158 to 163 linear systems, 34 to 41 dense solves; some 340 to 660 if kappa is iterated."""
-    assert wo.solve(NEWSPRINT.replace(**changes)).steps < 200
+    """181 to 187 linear systems, 24 for finite laps; some 340 to 660 if kappa is iterated."""
+    assert wo.solve(NEWSPRINT.replace(**changes)).steps < 215
 
 
 def test_told_errors_of_random_rolls_hold():
@@ -199,7 +271,7 @@ def test_told_errors_of_random_rolls_hold():
         result = wo.solve(roll)
         r = np.geomspace(roll.core.radius, roll.radius, 500)
         miss = np.abs(result.at_radius(r)["pressure"] - constant_moduli(roll, r).pressure).max()
-        ratios.append(miss / result.errors["peak_pressure"])
+        ratios.append(miss / left(result))
     assert max(ratios) <= 1.2  # an estimate
     assert np.median(ratios) < 0.8
 
@@ -211,7 +283,7 @@ def test_a_stack_without_stiffness_of_its_own_is_wound(m: float):
     roll = NEWSPRINT.replace(stack=NEWSPRINT.stack.replace(radial=law))
     rough, fine = wo.solve(roll, rtol=1e-2), wo.solve(roll, rtol=1e-3)
     miss = abs(rough.core_pressure - fine.core_pressure)
-    assert miss <= rough.errors["core_pressure"] + fine.errors["core_pressure"]
+    assert miss <= left(rough, "core_pressure") + left(fine, "core_pressure")
     assert fine.residuals.largest <= 1e-8
 
 
@@ -286,7 +358,7 @@ def test_random_rolls_are_certified(
     )  # fmt: skip
     result = wo.solve(problem)
     assert result.residuals.largest <= 1e-8
-    assert result.errors["peak_pressure"] <= 1e-3 * result.peak_pressure
+    assert left(result) <= 1e-3 * result.peak_pressure
     assert (result.pressure >= -1e-9 * result.peak_pressure).all()
 
 

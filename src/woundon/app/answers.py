@@ -18,11 +18,14 @@ from pydantic_core import to_json
 
 from .. import kinds
 from ..contact.zones import zone_runs
-from ..errors import InvalidProblem, NotConverged, unwarned
+from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
+from ..io.units import parse
 from ..problems.fields import Problem, bounds, shown
+from ..problems.schedules import Profile
 from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result
+from ..roll.design import design_tension
 from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
 from ..show.report import report_parts
 from ..solve_command import solver_options
@@ -30,7 +33,10 @@ from ..studies.kind_model import KindModel, field_quantity, get_field, measurabl
 from .catalogue import LIMITS, tables_of, told_of
 from .panels import panels_of
 
-__all__ = ["as_json", "curve", "problem_of", "sensitivities", "solve", "solved", "warm_up"]
+__all__ = [
+    "as_json", "curve", "design", "fields_of", "problem_of", "sensitivities", "solve", "solved",
+    "warm_up",
+]  # fmt: skip
 
 WARM_UP = 1.0  # seconds after which a worker is as ready as need be
 MOST_OUTPUTS = 6  # that are told where nobody names any
@@ -52,6 +58,16 @@ def problem_of(tables: Any) -> Problem:
         raise InvalidProblem(text)
     check_like_a_case(tables)
     return make_problem({"schema": SCHEMA, **tables})
+
+
+def fields_of(body: Any, *known: str) -> Mapping[str, Any]:
+    """Return what a body says; it may say only what is known."""
+    if not isinstance(body, Mapping):
+        raise InvalidProblem(f"{shown(body)} is out of place; must be a table")
+    for name in body:
+        if name not in known:
+            raise InvalidProblem.at(str(name), f"no such field{did_you_mean(name, known)}")
+    return body
 
 
 def warm_up() -> None:
@@ -217,6 +233,37 @@ def _body(name: str, body: Any) -> dict[str, Any]:
         "core": None if body.rigid or deep else getattr(body, "core", "rigid"),
         "layers": [{"thickness": layer.thickness} for layer in layers or ()],
     }
+
+
+# ---- the inverse --------------------------------------------------------------------------------
+
+
+def design(body: Any) -> bytes:
+    """Return the tension over the radius that leaves a wanted pressure in a wound roll, as JSON."""
+    asked = fields_of(body, "case", "pressure", "rtol")
+    problem: Any = problem_of(asked.get("case"))  # of another kind it is refused in words
+    found = design_tension(problem, _wanted(asked.get("pressure")), rtol=asked.get("rtol", 1e-3))
+    return as_json({
+        "tension": tables_of(found.tension), "radius": found.radius.tolist(),
+        "wanted": found.wanted.tolist(), "reached": found.reached.tolist(),
+        "outer_layer": found.outer_layer, "surface_miss": found.surface_miss,
+    })  # fmt: skip
+
+
+def _wanted(given: Any) -> float | Profile:
+    """Return a pressure as it came, in SI: a number or a text, or such over the radius."""
+    if not isinstance(given, Mapping):
+        return parse(given, "Pa", "pressure")
+    told = dict(given)
+    for name, unit in (("radius", "m"), ("value", "Pa")):
+        if isinstance(told.get(name), list):
+            told[name] = [
+                parse(one, unit, f"pressure.{name}.{k}") for k, one in enumerate(told[name])
+            ]
+    try:
+        return Profile(**told)
+    except InvalidProblem as fault:
+        raise fault.under("pressure") from None
 
 
 # ---- around a state ---------------------------------------------------------------------------

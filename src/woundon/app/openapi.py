@@ -8,7 +8,7 @@ from typing import Any
 
 from .refusals import MEDIA
 
-__all__ = ["OF_CASE", "OF_CASES", "OF_STUDY", "OF_TOML", "described", "page_of"]
+__all__ = ["OF_CASE", "OF_CASES", "OF_DESIGN", "OF_STUDY", "OF_TOML", "described", "page_of"]
 
 _NIP = {
     "web": {"thickness": "66 um", "material": "newsprint"},
@@ -27,6 +27,16 @@ _ROLLERS = {
     "tangential_load": 8.4e3,
 }
 _WRAPPED = {**_NIP, "wrap": {"roll_wrap": "180 deg"}}
+_ROLL = {
+    "radius": 0.15,
+    "core": {"radius": 0.0445, "stiffness": "1 GPa"},
+    "stack": {
+        "radial": {"kind": "pfeiffer", "K1": "10 kPa", "K2": 40},
+        "tangential": "3.38 GPa", "poissons_ratio": 0.01, "shear": "10 MPa",
+    },
+    "web_thickness": "66 um",
+    "wound_on_tension": 350,
+}  # fmt: skip
 _TOML = 'schema = 1\nload = "89 kN/m"\nfriction = 0.5\n[upper]\nradius = "0.25 m"\n'
 
 _VALUE = {
@@ -81,6 +91,22 @@ OF_STUDY = _body(_STUDY, loads={
     "case": _NIP, "over": {"nip_load": {"from": "1 kN/m", "to": "5 kN/m", "count": 5}},
     "outputs": ["nip_induced_tension", "nip_width"],
 })  # fmt: skip
+_DESIGN = {
+    "type": "object",
+    "required": ["case", "pressure"],
+    "properties": {
+        "case": _TABLES,
+        "pressure": {**_VALUE, "description": "wanted between the laps: a number in Pa, a text "
+                     "with its unit, or a table of radius and value from core to surface"},
+        "rtol": {"type": "number", "minimum": 1e-6, "maximum": 1e-2},
+    },
+}  # fmt: skip
+OF_DESIGN = _body(
+    _DESIGN, constant={"case": _ROLL, "pressure": "200 kPa"},
+    falling={"case": _ROLL, "rtol": 1e-3, "pressure": {
+        "radius": ["44.5 mm", "90 mm", "150 mm"], "value": ["250 kPa", "180 kPa", 0],
+    }},
+)  # fmt: skip
 OF_TOML = _body(
     {"type": "object", "required": ["toml"], "properties": {"toml": {"type": "string"}}},
     text={"toml": _TOML},

@@ -17,7 +17,7 @@ from ..io.chosen_units import units
 from ..io.python_texts import to_python
 from ..io.result_files import writer_for
 from ..problems.fields import shown
-from .answers import as_json, problem_of, solved
+from .answers import as_json, fields_of, problem_of, solved
 from .catalogue import LIMITS, exhibits, tables_of
 
 __all__ = ["exhibit", "figure", "python_text", "read_case", "report", "result_file", "written_case"]
@@ -25,7 +25,7 @@ __all__ = ["exhibit", "figure", "python_text", "read_case", "report", "result_fi
 
 def read_case(body: Any) -> bytes:
     """Return the tables that the text of a case file says, complete and in SI."""
-    text = _fields(body, "toml").get("toml")
+    text = fields_of(body, "toml").get("toml")
     if not isinstance(text, str):
         raise InvalidProblem.at("toml", f"must be the text of a case file, got {shown(text)}")
     tables = tables_of_text(text.encode("utf-8", "replace"), "the file")
@@ -65,7 +65,7 @@ def figure(body: Any, ending: str, panels: Sequence[str]) -> bytes:
     from ..show.figures import figure_bytes
     from ..show.plots import plotted
 
-    asked = _fields(body, "cases", "units")
+    asked = fields_of(body, "cases", "units")
     results, labels = _cases(asked)
     with _units(asked):
         drawn = plotted(results, labels=labels if len(labels) > 1 else None, panels=panels or None)
@@ -76,7 +76,7 @@ def report(body: Any) -> bytes:
     """Return the report of solved cases: one HTML file that stands alone."""
     from ..show.report_file import report_file
 
-    asked = _fields(body, "cases", "units", "title", "remarks")
+    asked = fields_of(body, "cases", "units", "title", "remarks")
     for name in ("title", "remarks"):
         if not isinstance(asked.get(name, ""), str):
             raise InvalidProblem.at(name, f"must be a text, got {shown(asked[name])}")
@@ -99,15 +99,6 @@ def exhibit(name: str) -> bytes:
 # ---- what is asked ----------------------------------------------------------------------------
 
 
-def _fields(body: Any, *known: str) -> Mapping[str, Any]:
-    if not isinstance(body, Mapping):
-        raise InvalidProblem(f"{shown(body)} is out of place; must be a table")
-    for name in body:
-        if name not in known:
-            raise InvalidProblem.at(str(name), f"no such field{did_you_mean(name, known)}")
-    return body
-
-
 def _cases(asked: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
     """Return the solved cases and their labels."""
     given = asked.get("cases")
@@ -117,7 +108,7 @@ def _cases(asked: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
     results, labels = [], []
     for k, entry in enumerate(given):
         try:
-            told = _fields(entry, "label", "case")
+            told = fields_of(entry, "label", "case")
             label = told.get("label", "ABCD"[k])
             if not isinstance(label, str):
                 raise InvalidProblem.at("label", f"must be a text, got {shown(label)}")

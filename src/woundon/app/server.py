@@ -26,7 +26,7 @@ from ..studies.runners import usable_cores
 from . import answers, papers, sweeps
 from .catalogue import LIMITS, catalogue
 from .guard import Guard, json_of, whole_body
-from .openapi import OF_CASE, OF_CASES, OF_STUDY, OF_TOML, described, page_of
+from .openapi import OF_CASE, OF_CASES, OF_DESIGN, OF_STUDY, OF_TOML, described, page_of
 from .refusals import MEDIA, Refusal
 from .workers import Pool
 
@@ -81,6 +81,8 @@ def application(names: Iterable[str] = (), token: str = "") -> Guard:
     app.add_exception_handler(RequestValidationError, _refused_query)
     _pages(app)
     _states(app, office)
+    _around(app, office)
+    _studies(app, office)
     _papers(app, office)
     app.openapi = lambda: described(FastAPI.openapi(app))  # type: ignore[method-assign]
     return Guard(app, names, token)
@@ -169,6 +171,16 @@ def _states(app: FastAPI, office: _Office) -> None:
                             _session_of(request), warm, report, drawn)  # fmt: skip
         return Response(body, media_type="application/json")
 
+    @app.post("/api/design", tags=["states"], openapi_extra=OF_DESIGN)
+    async def design(request: Request) -> Response:
+        """Find the tension over the radius that leaves a wanted pressure in a wound roll."""
+        body = await _asked(
+            office.solvers, request, "design", answers.design, await _tables(request)
+        )
+        return Response(body, media_type="application/json")
+
+
+def _around(app: FastAPI, office: _Office) -> None:
     @app.post("/api/curve", tags=["states"], openapi_extra=OF_CASE)
     async def curve(
         request: Request,
@@ -194,6 +206,8 @@ def _states(app: FastAPI, office: _Office) -> None:
                             tables, options, rank=1)  # fmt: skip
         return Response(body, media_type="application/json")
 
+
+def _studies(app: FastAPI, office: _Office) -> None:
     @app.post("/api/sweep", tags=["studies"], openapi_extra=OF_STUDY)
     async def sweep(request: Request) -> Response:
         """Solve a study: its events, a line of JSON each, as they come."""

@@ -28,6 +28,7 @@ __all__ = [
     "KernelParts",
     "Past",
     "cosine_grid",
+    "distances",
     "nearest_nodes",
     "segmented_grid",
     "uniform_grid",
@@ -261,7 +262,7 @@ class Grid:
             out += kernel.sign * scale * self.sign[rows]
         if kernel.smooth is not None:
             at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
+            distance, where = distances(rank)
             core = kernel.smooth(scale * distance)[where]
             out += scale * (at_points[rows] @ (core @ moments))
         return out if kernel.lag is None else out + past
@@ -327,7 +328,7 @@ class Grid:
         else:
             singular = self.singular
             at_points, moments = self.interpolation(rank)
-            distance, where = _distances(rank)
+            distance, where = distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
             out = at_points @ (core @ (scale * moments))
             for part, own in zip(out, factors, strict=True):  # small arrays stay in the cache
@@ -350,7 +351,7 @@ def _chebyshev_points(r: int) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _distances(r: int) -> tuple[Array, Array]:
+def distances(r: int) -> tuple[Array, Array]:
     """Return the different distances between r Chebyshev points, and which belongs to each pair.
 
     The points are symmetric, so t_i - t_j comes back as t_(r-1-j) - t_(r-1-i): half are new.

@@ -15,27 +15,29 @@ that is not linear, behind the equations.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import exp, isnan, log, nan
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import NotConverged
-from .grid import nearest_nodes, zone_borders
+from .contracts import Contact, Equations, State
+from .follow import follow
+from .levels import Before, Known, Level, Scalars, Start, Widths
 from .panagiotopoulos import panagiotopoulos
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
+from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, Scatter, by_changes
 from .width import WidthNotFound, width_for_load
 
 __all__ = [
-    "ALGORITHMS", "COARSE", "FINE", "Contact", "Equations", "Known", "Ladder", "Level", "Start",
-    "State", "Tolerance", "Widths", "halved",
+    "ALGORITHMS", "COARSE", "FINE", "Before", "Contact", "Equations", "Known", "Ladder", "Level",
+    "Start", "State", "Tolerance", "Widths", "halved",
 ]  # fmt: skip
 
 Array = np.ndarray
-Scalars = Mapping[str, float]
 FindZones = Callable[[StickSlip, Array | None], StickSlipSolution]
 
 ALGORITHMS: dict[str, FindZones] = {
@@ -60,259 +62,10 @@ FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
 STAND_INS = 3  # linear contacts before one that is not
+MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
 BLUR = 0.1  # of the load missed: the imbalance from which on it is found again at the same width
-# An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
-# Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
-# so both weights are larger, set by benchmarks/campaign (95 % of cases within 1.5 estimates).
-ERROR_WEIGHTS = (0.7, 0.2)
-# Where only one change is known (from a neighbour's state, or on coarse meshes) it may be small by
-# chance, as zone borders fall between nodes; so it counts less, and a share of the scale is added
-# which falls with the nodes: 95 % of random nips are within 2 estimates (4.3 of the change alone).
-CHANGE_WEIGHT, CHANCE = 0.4, 4e-4
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
-
-
-class State(Protocol):
-    """What solved tractions come to on one mesh."""
-
-    @property
-    def half_width(self) -> float:
-        """a [m]."""
-        ...
-
-    @property
-    def solution(self) -> StickSlipSolution:
-        """Tractions, zones, slips."""
-        ...
-
-    @property
-    def known(self) -> Any:
-        """What to linearise about next on the same mesh."""
-        ...
-
-
-class Equations(Protocol):
-    """A contact's equations for one half width, linear."""
-
-    def stick_slip(self) -> StickSlip:
-        """Return the stick-slip problem, the normal problem put in."""
-        ...
-
-    def state(self, solution: StickSlipSolution) -> Any:
-        """Return the state of solved tractions."""
-        ...
-
-    def carried(self, state: Any) -> float:
-        """Return the load that a state carries [N/m]."""
-        ...
-
-    def imbalance(self, state: Any) -> float:
-        """Return what a state leaves of whatever was linearised, relative; 0 where nothing was."""
-        ...
-
-    def frictionless(self) -> float | None:
-        """Return the load without friction [N/m] where the equations tell it, else None."""
-        ...
-
-    @property
-    def faces(self) -> Sequence[Array]:
-        """Where each face's unknown tractions are, in units of a."""
-        ...
-
-    @property
-    def places(self) -> Array:
-        """Where what is linearised about is given, in units of a."""
-        ...
-
-
-class Known(NamedTuple):
-    """What is known before a half width is tried: a state to linearise about, and zones."""
-
-    about: Any
-    zones: Array | None
-
-
-class Before(NamedTuple):
-    """What another mesh, or a neighbouring case, was linearised about."""
-
-    places: Array  # in units of a
-    about: Any
-
-
-class Contact(Protocol):
-    """A problem that the loop can solve."""
-
-    @property
-    def load(self) -> float:
-        """What the pressure must carry [N/m]."""
-        ...
-
-    @property
-    def widest(self) -> float:
-        """Largest half width that makes sense [m]."""
-        ...
-
-    @property
-    def beyond(self) -> str:
-        """What is wrong with a wider one, and what to change."""
-        ...
-
-    @property
-    def outside(self) -> str:
-        """What of the problem lies far outside the model, and what to change; '' where nothing."""
-        ...
-
-    @property
-    def settles_apart(self) -> bool:
-        """Whether what is linearised must settle before a load tells the width.
-
-        Bodies that are not linear must; else both settle together.
-        """
-        ...
-
-    def stand_in(self, peak: float | None) -> Contact | None:
-        """Return a linear contact to start from, for this largest pressure; None if unknown."""
-        ...
-
-    def guess(self) -> float:
-        """Return a half width to start from [m]."""
-        ...
-
-    def frictionless_load(self, mesh: Mesh, a: float) -> float:
-        """Return the load that a frictionless contact of half width a carries [N/m]."""
-        ...
-
-    def about(self, mesh: Mesh, a: float, before: Before | None) -> Any:
-        """Return what to linearise about on a mesh, after another or to begin with."""
-        ...
-
-    def equations(self, mesh: Mesh, a: float, about: Any, last: Any = None) -> Any:
-        """Return the equations for the half width a [m]; what still holds of the last may stay."""
-        ...
-
-    def refuse(self, equations: Any, state: Any) -> None:
-        """Raise for a state that shows that there is no steady state."""
-        ...
-
-    def scalars(self, level: Level) -> Scalars:
-        """Return the numbers whose changes from mesh to mesh tell their errors."""
-        ...
-
-    def scale(self, name: str, value: float) -> float:
-        """Return what relative errors of a scalar are measured by."""
-        ...
-
-    def grain(self, name: str, mesh: Mesh) -> float:
-        """Return what a mesh leaves of a scalar that changes between meshes need not show."""
-        ...
-
-
-class Widths(NamedTuple):
-    """The half width that carries the load on each mesh, by its number of nodes [m].
-
-    ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.
-    """
-
-    power: float
-    by_nodes: Mapping[int, float]
-
-    def at(self, share: float) -> Widths:
-        """Return what they would be at another load, ``share`` times as large."""
-        factor = share ** (1 / self.power)
-        return Widths(self.power, {nodes: a * factor for nodes, a in self.by_nodes.items()})
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """What one mesh, or a neighbouring case, hands to the next.
-
-    Attributes
-    ----------
-    half_width : float
-        [m].
-    faces : sequence of arrays
-        Where each face's tractions were, in units of a.
-    zones : (m,) int array
-        Their states, face by face.
-    power : float
-        d ln P/d ln a.
-    frictionless : (a, load), optional
-        A half width and the load that it would carry on that mesh without friction.
-    level : Level, optional
-        The solved mesh itself.
-    widths : Widths, optional
-        Those of a neighbouring case, at the load asked.
-    before : Before, optional
-        What it was linearised about.
-    rough : bool
-        Whether it is no more than a guess.
-    """
-
-    half_width: float
-    faces: Sequence[Array]
-    zones: Array
-    power: float = 2.0
-    frictionless: tuple[float, float] | None = None
-    level: Level | None = None
-    widths: Widths | None = None
-    before: Before | None = None
-    rough: bool = False
-
-    def zones_on(self, faces: Sequence[Array]) -> Array:
-        """Carry the zones over: each new node takes that of the nearest old one of its face."""
-        ends = np.cumsum([0, *(face.size for face in self.faces)])
-        return np.concatenate([
-            self.zones[first:last][nearest_nodes(old, new)]
-            for old, new, first, last in zip(self.faces, faces, ends, ends[1:], strict=False)
-        ])  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Level:
-    """A solved mesh, and the power d ln P/d ln a found on the way."""
-
-    mesh: Mesh
-    equations: Any
-    state: Any
-    load: float  # asked
-    power: float
-
-    @property
-    def share(self) -> float:
-        """Load asked over load carried: a coarse mesh is not solved to the last digit."""
-        return self.load / float(self.equations.carried(self.state))
-
-    @property
-    def half_width(self) -> float:
-        """The half width at which this mesh would carry the load [m]."""
-        return float(self.state.half_width * self.share ** (1 / self.power))
-
-    def at_load(self, value: float) -> float:
-        """Return a pressure as it would be at the load asked: it goes like load over width."""
-        return float(value * self.share ** (1 - 1 / self.power))
-
-    @property
-    def start(self) -> Start:
-        """What the next mesh starts from."""
-        load = self.equations.frictionless()
-        frictionless = None if load is None else (self.state.half_width, load)
-        zones = self.state.solution.state
-        return Start(
-            self.half_width, self.equations.faces, zones, self.power, frictionless, self,
-            before=Before(self.equations.places, self.state.known),
-        )  # fmt: skip
-
-    def borders(self) -> Array:
-        """Return where zones change on any face, in units of the half width."""
-        solution, first, found = self.state.solution, 0, []
-        slack = solution.bound - np.abs(solution.traction)
-        for face in self.equations.faces:
-            own = slice(first, first + face.size)
-            nodes = np.concatenate([[-1.0], face, [1.0]])
-            found.append(zone_borders(nodes, solution.state[own], slack[own]))
-            first += face.size
-        return np.sort(np.concatenate(found))
 
 
 class Ladder:
@@ -332,6 +85,8 @@ class Ladder:
         The scalar that refinement is for.
     tolerance : Tolerance, optional
         Of the meshes that count; ``FINE`` without.
+    scatters : bool
+        Whether errors are told by the scatter of all meshes, not by the last two changes.
     """
 
     def __init__(
@@ -341,7 +96,11 @@ class Ladder:
         target: str,
         find_zones: FindZones = solve_stick_slip,
         tolerance: Tolerance | None = None,
+        scatters: bool = False,
     ) -> None:
+        self.scatters = scatters
+        self._scatters: dict[str, Scatter] = {}
+        self._scattered: Mapping[str, Scatter] = {}  # a neighbouring case
         self.contact, self.scheme, self.target = contact, scheme, target
         self.find_zones, self.tolerance = find_zones, tolerance or FINE
         self.level: Level
@@ -359,11 +118,12 @@ class Ladder:
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
         """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
         if start is not None and start.widths is not None:
-            self._expected = start.widths.by_nodes
+            self._expected, self._scattered = start.widths.by_nodes, start.widths.scatters
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
-            start = self.level.start
+            if count != counts[-1]:
+                start = self.level.start
         if self.contact.settles_apart:  # there the coarsest mesh is but a start
             del self.history[:-2]
         self._tell()
@@ -411,7 +171,7 @@ class Ladder:
     @property
     def widths(self) -> Widths:
         """What a neighbouring case may begin with."""
-        return Widths(self.level.power, self._by_nodes)
+        return Widths(self.level.power, self._by_nodes, self._scatters)
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
@@ -446,14 +206,21 @@ class Ladder:
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
-        chance = CHANCE * (64 / (self.level.mesh.nodes.size - 1)) ** 1.6
-        for name, value in self.values.items():
-            told = [scalars[name] for scalars in self.history]
-            if len(told) == 2:
-                by_chance = chance * self.contact.scale(name, value)
-                self.errors[name] = CHANGE_WEIGHT * abs(told[1] - told[0]) + by_chance
-            else:
-                self.errors[name] = _told_error(told)
+        for name in self.values:
+            self.errors[name] = self._told(name, [scalars[name] for scalars in self.history])
+
+    def _told(self, name: str, values: Sequence[float]) -> float:
+        cells, scale = self.level.mesh.nodes.size - 1, self.contact.scale(name, values[-1])
+        if self.scatters:
+            largest = max(self.contact.scale(name, value) for value in values)
+            known = Scatter.of(values, cells, largest).after(self._scattered.get(name))
+            self._scatters[name] = known
+            if known.changes > 1:
+                return known.error(cells, largest)
+        if len(values) == 2:
+            chance = CHANCE * (64 / cells) ** 1.6
+            return CHANGE_WEIGHT * abs(values[1] - values[0]) + chance * scale
+        return by_changes(values)
 
     def _extrapolate(self, before: list[Scalars], fitted: list[Scalars]) -> None:
         for name in self.values:
@@ -461,7 +228,7 @@ class Ladder:
             values = [told[0], *(b + (b - a) / 3 for a, b in pairwise(told))]
             weights = ERROR_WEIGHTS if len(values) < 4 else EXTRAPOLATED_WEIGHTS
             self.values[name] = values[-1]
-            self.errors[name] = _told_error([*(s[name] for s in before), *values], weights)
+            self.errors[name] = by_changes([*(s[name] for s in before), *values], weights)
 
     # ---- one mesh ------------------------------------------------------------------------------
 
@@ -491,6 +258,8 @@ class Ladder:
         for _ in range(MOST_PASSES):
             (equations, state), power = self._width(step.at, a, tolerance.load, power)
             a = state.half_width
+            if step.followed:
+                power = step.power
             if step.settled:
                 contact.refuse(equations, state)
                 carried_over = start is not None and start.level is not None
@@ -530,7 +299,7 @@ class Ladder:
         def evaluate(a: float) -> tuple[float, float]:
             return a, self.contact.frictionless_load(mesh, a)
 
-        return self._width(evaluate, self.contact.guess(), 1e-2, 2.0)
+        return self._width(evaluate, self.contact.guess(), 3e-2, 2.0)
 
     def _stand_in(self, mesh: Mesh) -> Start | None:
         """Return what linear bodies, about as stiff as the present ones, start from; or None."""
@@ -569,6 +338,7 @@ class _Step:
         self.tolerance = tolerance
         self.latest: tuple[Any, Any] | None = None
         self.missed = nan  # ln of the load carried at first over that asked
+        self.power, self.followed = 2.0 if start is None else start.power, False
         # from a neighbouring state, linearisation and width settle together
         self.apart = ladder.contact.settles_apart and (start is None or start.rough)
 
@@ -580,20 +350,32 @@ class _Step:
         return bool(equations.imbalance(state) <= self.tolerance.balance)
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
-        """Return equations, state and carried load for the half width a [m]."""
+        """Return equations, state and carried load for the half width a [m], or a better one."""
         contact = self.ladder.contact
         equations, state = self._linear(a)
-        carried = float(equations.carried(state))
+        self._note(float(equations.carried(state)))
+        for _ in range(MOST_FOLLOWED):
+            if state.solution.joint is None or contact.settles_apart:
+                break
+            found = follow(equations, state.solution, contact.load, self.tolerance, self.power)
+            if found is None:
+                break
+            equations, state, self.power = found[:3]
+            self.followed = True
+            self.latest = equations, state
+            if found.kept:
+                break
+            equations, state = self._linear(state.half_width)
+        # where bodies are not linear, a load means something only once they have settled
         for _ in range(MOST_PASSES):
-            if not self._unsure(equations, state, carried):
+            if not self._unsure(equations, state):
                 break
             equations, state = self._linear(a)
-            carried = float(equations.carried(state))
-        if isnan(self.missed):
-            self.missed = log(carried / contact.load) if carried > 0 else 0.0
+        carried = float(equations.carried(state))
+        self._note(carried)
         return (equations, state), carried
 
-    def _unsure(self, equations: Any, state: Any, carried: float) -> bool:
+    def _unsure(self, equations: Any, state: Any) -> bool:
         """Tell whether a load means little yet, for what was linearised has not settled.
 
         Bodies that are not linear must settle first; what else is linearised, where it blurs by how
@@ -602,9 +384,13 @@ class _Step:
         contact = self.ladder.contact
         if contact.settles_apart:
             return self.apart and not self.settled
-        missed = abs(carried / contact.load - 1)
+        missed = abs(float(equations.carried(state)) / contact.load - 1)
         blurred = missed > self.tolerance.load and equations.imbalance(state) > BLUR * missed
         return bool(blurred)
+
+    def _note(self, carried: float) -> None:
+        if isnan(self.missed):
+            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
 
     def _linear(self, a: float) -> tuple[Any, Any]:
         """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
@@ -627,8 +413,11 @@ class _Step:
         equations = self.ladder.contact.equations(self.mesh, a, self.known.about, last)
         zones = self.known.zones
         if self.start is not None:
-            zones, self.start = self.start.zones_on(equations.faces), None
-        solution = self.ladder.find_zones(equations.stick_slip(), zones)
+            zones, self.start = self.ladder.contact.zones(self.start, equations), None
+        joint = getattr(equations, "joint", None)
+        by_pivots = self.ladder.find_zones is solve_stick_slip and joint is not None
+        problem: Any = joint if by_pivots else equations.stick_slip()
+        solution = self.ladder.find_zones(problem, zones)
         self.ladder.solves += solution.solves
         return equations, equations.state(solution), solution
 
@@ -639,11 +428,3 @@ def halved(nodes: int, coarsest: int) -> list[int]:
     while counts[0] > coarsest:
         counts.insert(0, (counts[0] + 1) // 2)
     return counts
-
-
-def _told_error(values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:
-    """Estimate the last value's error from the last two changes; nan from a single value."""
-    changes = [abs(b - a) for a, b in pairwise(values)][::-1]
-    if len(changes) < 2:
-        return changes[0] if changes else nan
-    return weights[0] * changes[0] + weights[1] * changes[1]

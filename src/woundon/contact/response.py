@@ -17,13 +17,23 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["ContactGrid", "Displace", "Gradients", "Response", "Tractions", "on_columns", "padded"]
+__all__ = [
+    "Act",
+    "ContactGrid",
+    "Displace",
+    "Gradients",
+    "Response",
+    "Tractions",
+    "on_columns",
+    "padded",
+]
 
 Array = np.ndarray
 Gradients = tuple[Array, Array, Array, Array]
 # points in units of a, or None for the grid's last one -> (k, n) by unit p and by unit q [m/Pa];
 # or of what there is without tractions: v and u, (k,) [m]
 Displace = Callable[[Array | None], tuple[Array, Array]]
+Act = Callable[[Array, Array], tuple[Array, Array]]  # p, q -> slope, strain
 
 
 class Tractions(NamedTuple):
@@ -110,6 +120,8 @@ class Response:
         Empty, or in what the body is outside the range of its own law.
     pressure_slope : callable, optional
         Makes slope_p in the cells alone, (K-1, n), where that is cheaper.
+    act : callable, optional
+        (p, q) -> slope and strain, (K,) each, where that is cheaper than by the gradients.
     terms : int
         Fourier terms summed, ``truncation_error`` their estimated relative error.
 
@@ -134,10 +146,11 @@ class Response:
         imbalance: float | None = None,
         outside: str = "",
         pressure_slope: Callable[[], Array] | None = None,
+        act: Act | None = None,
         terms: int = 0,
         truncation_error: float = 0.0,
     ) -> None:
-        self._gradients, self._pressure_slope = gradients, pressure_slope
+        self._gradients, self._pressure_slope, self._act = gradients, pressure_slope, act
         self._normal, self._tangent = normal, tangent
         self.slope, self.strain, self._rest = slope, strain, rest
         self.imbalance, self.outside = imbalance, outside
@@ -158,6 +171,13 @@ class Response:
         if self._pressure_slope is not None:
             return self._pressure_slope()
         return self.gradients[0][:-1]
+
+    def act(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return slope and strain at the points under tractions, (K,) each; of a linear body."""
+        if self._act is not None:
+            return self._act(p, q)
+        slope_p, slope_q, strain_p, strain_q = self.gradients
+        return slope_p @ p + slope_q @ q, strain_p @ p + strain_q @ q
 
     def normal(self, points: Array | None = None) -> tuple[Array, Array]:
         """Return v at points in units of a (at the last of the grid's own), by p and by q."""

@@ -19,8 +19,9 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
+from .action import Action
 from .grid import Grid, cosine_grid, segmented_grid, uniform_grid
-from .response import Response
+from .response import Act, Response
 
 __all__ = [
     "RESOLVED", "SCHEMES", "Graded", "Mesh", "Scheme", "Thesis", "interpolation_rank", "scheme_of",
@@ -153,9 +154,16 @@ class GradedMesh(Mesh):
             # alone it makes a static contact, whose borders start the next mesh: never coarse
             partial(self.displaced, kernels.tangent_p, kernels.tangent_q, max(rank, 24), a),
             pressure_slope=lambda: grid.integrate(kernels.slope_p, a, slice(0, -1), rank),
+            act=self._act(kernels, a, rank),
             terms=kernels.terms,
             truncation_error=kernels.truncation_error,
         )
+
+    def _act(self, kernels: Any, a: float, rank: int) -> Act | None:
+        """Return what integrates tractions without matrices, where kernels are interpolated."""
+        if kernels.lag is not None or rank > self.grid.highest_rank:
+            return None
+        return Action(self.grid, kernels.gradients, kernels.smooth, a, rank)
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,11 +34,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import lapack
+
+if TYPE_CHECKING:
+    from .joint import Joint
 
 __all__ = ["Ending", "StickSlip", "StickSlipSolution", "keep_one_stuck", "solve_stick_slip"]
 
@@ -179,10 +182,10 @@ class StickSlip:
         # rows are written contiguously, so LAPACK is handed the transpose
         factor, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)
         if info != 0:
-            return StickSlipSolution.failed(self, state)
+            return StickSlipSolution.failed(state)
         unknown, _ = lapack.dgetrs(factor, pivots, right, trans=1, overwrite_b=1)
         if not np.isfinite(unknown).all():
-            return StickSlipSolution.failed(self, state)
+            return StickSlipSolution.failed(state)
         creep = self.scale * float(unknown[m]) if self.creep is not None else 0.0
         return self.evaluate(state, unknown[:m], creep)
 
@@ -220,7 +223,10 @@ class StickSlip:
 
 @dataclass(frozen=True, eq=False)
 class StickSlipSolution:
-    """Tractions, rigid slip, slips and bounds of a state, and how it was reached."""
+    """Tractions, rigid slip, slips and bounds of a state, and how it was reached.
+
+    ``joint`` is what a joint system tells besides: factors, unknowns, further slips.
+    """
 
     state: Array
     traction: Array
@@ -229,9 +235,10 @@ class StickSlipSolution:
     bound: Array
     ending: Ending = Ending.SOLVED
     solves: int = 1
+    joint: Any = None
 
     @classmethod
-    def failed(cls, problem: StickSlip, state: Array) -> StickSlipSolution:
+    def failed(cls, state: Array) -> StickSlipSolution:
         """Return what stands for the solution of a singular system."""
         nan = np.full(state.size, np.nan)
         return cls(state, nan, np.nan, nan, nan, Ending.SINGULAR)
@@ -244,24 +251,25 @@ class StickSlipSolution:
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         stuck = self.state == 0
-        b_tol = TOLERANCE * max(self.bound.max(), -self.bound.min())
-        v_tol = TOLERANCE * max(self.slip.max(), -self.slip.min())
-        return np.where(
-            stuck, np.abs(self.traction) > self.bound + b_tol, self.state * self.slip < -v_tol
-        )
+        # how far traction or slip goes beyond its law, and what that is measured by
+        beyond = np.where(stuck, np.abs(self.traction) - self.bound, -self.state * self.slip)
+        b_tol = TOLERANCE * float(np.abs(self.bound).max())
+        v_tol = TOLERANCE * float(np.abs(self.slip).max())
+        return np.asarray(beyond > np.where(stuck, b_tol, v_tol))
 
     def flipped(self, which: Array) -> Array:
         """Return the state with the given nodes brought to the law they ask for."""
-        asked = np.where(self.state == 0, np.sign(self.traction), 0).astype(self.state.dtype)
-        return np.where(which, asked, self.state)
+        out, turned = self.state.copy(), np.flatnonzero(which)
+        out[turned] = np.where(out[turned] == 0, np.sign(self.traction[turned]), 0)
+        return out
 
 
-def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSlipSolution:
+def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> StickSlipSolution:
     """Find the state in which every law holds.
 
     Parameters
     ----------
-    problem : StickSlip
+    problem : StickSlip or Joint
     start : (m,) int array, optional
         State to begin with; all in stick by default.
 
@@ -277,13 +285,16 @@ def solve_stick_slip(problem: StickSlip, start: Array | None = None) -> StickSli
         solves += direct.solves
         if direct.ending is Ending.SOLVED:
             return replace(direct, solves=solves)
+    if not isinstance(problem, StickSlip):  # nearer to rounding, and then the safe way
+        apart = solve_stick_slip(problem.condensed(), start)
+        return replace(apart, solves=apart.solves + solves)
     if problem.creep is None:
         return replace(direct, solves=solves)
     bracketed = _bracket_creep(problem, direct.state, direct.creep)
     return replace(bracketed, solves=bracketed.solves + solves)
 
 
-def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
+def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSolution:
     """Block pivoting; single pivots when the number of violated laws does not fall."""
     fewest, patience, solution = state.size + 1, 8, problem.solve(state)
     for solves in range(1, limit + 1):
@@ -305,7 +316,7 @@ def _pivot(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
     return replace(solution, ending=Ending.LIMIT, solves=limit)
 
 
-def keep_one_stuck(problem: StickSlip, solution: StickSlipSolution, state: Array) -> Array:
+def keep_one_stuck(problem: StickSlip | Joint, solution: StickSlipSolution, state: Array) -> Array:
     """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
     if problem.creep is None:
         return state
@@ -366,7 +377,7 @@ class _CreepSearch:
         self.problem, self.state, self.solves = problem, start, 0
         self.limit = 200 + 4 * start.size
         self.alive = True
-        self.last: StickSlipSolution = StickSlipSolution.failed(problem, start)
+        self.last: StickSlipSolution = StickSlipSolution.failed(start)
 
     def excess(self, creep: float) -> float:
         """Return the resultant less the prescribed one."""

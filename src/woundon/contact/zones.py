@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["slip_lengths", "stick_ends", "zone_runs"]
+__all__ = ["Runs", "slip_lengths", "stick_ends", "zone_runs"]
 
 Array = np.ndarray
 
@@ -122,19 +122,57 @@ def slip_lengths(
         return whole, whole
     face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))  # single numbers
 
-    def border(node: int, ahead: int, law: tuple[float, float]) -> float:
+    def border(node: int) -> float:
         if not sub_cell:
             return 0.5 * (face.x[node] + face.x[node - 1])
-        if zones[node] * zones[node - 1] < 0:  # slip one way meets slip the other way
-            return _crossing(face, node)
-        return _on_rigid(face, node, ahead) if rigid else stick_ends(face, node, ahead, *law)
+        return _border(face, node, int(zones[node - 1]), int(zones[node]), rigid)[0]
 
     leading = trailing = 0.0
     if first:
-        leading = first * (border(int(runs[0]), -1, LEADING) - float(x[0]))
+        leading = first * (border(int(runs[0])) - float(x[0]))
     if last:
-        trailing = last * (float(x[-1]) - border(int(runs[-1]), 1, TRAILING))
+        trailing = last * (float(x[-1]) - border(int(runs[-1])))
     return leading, trailing
+
+
+def _border(face: _Face, node: int, before: int, behind: int, rigid: bool) -> tuple[float, float]:
+    """Return where the zone changes between ``node - 1`` and ``node`` [m], and at which share.
+
+    A node changes as the border passes this share of the way from where its slip is taken to it.
+    """
+    if before * behind < 0:  # slip one way meets slip the other way
+        return _crossing(face, node), 0.0
+    ahead, law = (1, TRAILING) if before == 0 else (-1, LEADING)
+    if rigid:
+        return _on_rigid(face, node, ahead), 0.0
+    return stick_ends(face, node, ahead, *law), law[1]
+
+
+class Runs(NamedTuple):
+    """The zones of a face in their order, and where each ends, with its share; by :meth:`of`."""
+
+    zones: list[int]
+    borders: list[tuple[float, float]]
+
+    @classmethod
+    def of(
+        cls, x: Array, slip_x: Array, zones: Array, slip: Array, slack: Array, *, rigid: bool
+    ) -> Runs:
+        """Return those of a solved face; see :func:`slip_lengths`."""
+        nodes = (np.nonzero(zones[1:] != zones[:-1])[0] + 1).tolist()
+        states = zones.tolist()
+        face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))
+        return cls(
+            [states[0], *(states[node] for node in nodes)],
+            [_border(face, node, states[node - 1], states[node], rigid) for node in nodes],
+        )
+
+    def on(self, x: Array, slip_x: Array) -> Array:
+        """Return the zones of other nodes, whose slips are taken at ``slip_x``."""
+        out = np.full(x.size, self.zones[0], dtype=np.int8)
+        for zone, (place, share) in zip(self.zones[1:], self.borders, strict=True):
+            out[int(np.searchsorted(slip_x + share * (x - slip_x), place)) :] = zone
+        return out
 
 
 def _crossing(face: _Face, node: int) -> float:

@@ -29,6 +29,7 @@ __all__ = ["POWERS", "HarmonicSum", "HarmonicSums", "polylogarithm", "quintics"]
 
 Array = np.ndarray
 
+KEPT = 1024  # so many angles at a time have their powers kept
 POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at its largest angle pi
 
 
@@ -50,6 +51,29 @@ def polylogarithm(j: int) -> Polylogarithm:
     lead = 1j ** (j - 1) / factorial(j - 1)
     harmonic = sum(1 / m for m in range(1, j))
     return Polylogarithm(0.0, -lead, np.insert(power, j - 1, lead * (harmonic + 0.5j * pi)))
+
+
+@lru_cache(maxsize=16)
+def _power_series(odd: bool, orders: int) -> Array:
+    """Return the power series of theta in the polylogarithms 0, 1, ..., (orders, POWERS)."""
+    powers = np.array([polylogarithm(j).power for j in range(orders)])
+    return powers.imag if odd else powers.real
+
+
+@lru_cache(maxsize=8)
+def _powers_of_angles(size: int, first: int) -> Array:
+    """Return the powers of theta = 2 pi k/size and their two derivatives.
+
+    From k = first on, KEPT of them or up to half the circle, (3, POWERS, k).
+    """
+    theta = 2 * pi / size * np.arange(first, min(first + KEPT, size // 2 + 1))
+    k, found = np.arange(1.0, POWERS)[:, None], np.zeros((3, POWERS, theta.size))
+    powers, slopes, bends = found
+    powers[0], powers[1:] = 1.0, theta
+    np.cumprod(powers, axis=0, out=powers)
+    slopes[1:] = k * powers[:-1]
+    bends[1:] = k * slopes[:-1]
+    return found
 
 
 @lru_cache(maxsize=128)
@@ -154,7 +178,7 @@ class HarmonicSum:
         # 4 points per shortest wave: there the coefficients have died out already
         size = max(256, 1 << (4 * self.rest.size - 1).bit_length())
         step = 2 * pi / size
-        values = self._rest_on_circle(size) + self._powers(np.arange(size // 2 + 1) * step)
+        values = self._rest_on_circle(size) + self._powers(size)
         return quintics(values * np.array([[1.0], [step], [step * step]])), 1 / step
 
     def _rest_on_circle(self, size: int) -> Array:
@@ -166,22 +190,21 @@ class HarmonicSum:
             spectrum[derivative, 1 : n.size + 1] = c * (1j * n) ** derivative
         return np.fft.irfft(spectrum, size)[:, : size // 2 + 1]
 
-    def _powers(self, theta: Array) -> Array:
-        """Sum the regular parts of the powers n^-j and their two derivatives at theta."""
-        c = np.zeros(POWERS)
-        c[0] = self.mean
-        for j, a in enumerate(self.tail):
-            c += a * self._part(polylogarithm(j).power)
+    def _powers(self, size: int) -> Array:
+        """Sum the regular parts of the powers n^-j and their two derivatives where they are kept.
+
+        At theta = 2 pi k/size, k = 0 ... size/2, (3, size/2 + 1).
+        """
+        c = self.tail @ _power_series(self.odd, self.tail.size)
         if self.odd:
             c[0] = 0.0  # the step of a_1, which the kernel carries as its sign
         else:
-            c[0] += self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
+            c[0] += self.mean + self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
         c *= self.scale
         if self.power is not None:
             c += self.power
-        k = np.arange(POWERS)
-        first, second = (k * c)[1:], (k * (k - 1) * c)[2:]
-        return np.array([_polynomial(d, theta) for d in (c, first, second)])
+        parts = [c @ _powers_of_angles(size, first) for first in range(0, size // 2 + 1, KEPT)]
+        return np.concatenate(parts, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,20 +267,6 @@ class HarmonicSums:
         for row, of_one in zip(logs, found, strict=True):
             row[: of_one.size] = of_one
         return logs
-
-
-def _polynomial(c: Array, x: Array) -> Array:
-    """Sum c[k] x^k by Horner's rule in x^2, skipping the half of the powers that vanish."""
-    square = x * x
-    result = np.zeros_like(x)
-    for start in (0, 1):
-        half = np.trim_zeros(c[start::2], "b")
-        y = np.zeros_like(x)
-        for value in half[::-1]:
-            y *= square
-            y += value
-        result += y * x if start else y
-    return result
 
 
 def quintics(values: Array) -> Array:

@@ -54,15 +54,14 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
     c11 = problem.web.compliance.c11
     # the solved rigid slip holds the web's strain behind the nip too
     creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gained[-1])
-    v = made.slips(p, q, creep)
+    shift = result.offset / problem.contact_radius
+    miss, v = made.laws(p, q, shift, creep)
     n = p.size
     cells = (v[:n], v[-2:-1]), (v[n : 2 * n], v[-1:])
     # a node has the slip of the cell before it; that at the leading edge repeats the first
     slips = np.array([np.concatenate([own[:1], own, last]) for own, last in cells])
     told = np.array([result.roll_slip, result.drum_slip])
     friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
-    shift = result.offset / problem.contact_radius
-    miss = made.indentation(p, q, shift)
     tension = np.concatenate([
         result.web_tension - T_in - gained,
         [result.nip_induced_tension - result.extrapolation - gained[-1]],

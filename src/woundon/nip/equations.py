@@ -9,9 +9,10 @@ T = T_in + int (q+ + q-), 1/R* = 1/R1 + 1/R2 and the web's compliances c:
     strain of the web (72)                eps = c11 T/(2h) - c12 p
 
 F = c22 p, but of a web that hardens: there it is linearised about known pressures, as bodies are.
-The first is linear in p and Delta and is solved for them once:  p = p0 + K q  (the normal problem).
-Put into the other two it leaves the stick-slip problem in q = (q+, q-) and one rigid slip,
-xi = xi- + c11 T_out/(2h), which the winding force fixes.  T_in drops out: the winding theorem.
+They are solved together, for p, Delta, q = (q+, q-) and one rigid slip, xi = xi- + c11 T_out/(2h),
+which the winding force fixes (the joint system).  T_in drops out: the winding theorem.  Where that
+wanders, the first is solved for p and Delta,  p = p0 + K q  (the normal problem); put into the
+other two it leaves the stick-slip problem in q and xi, which has a safe way.
 
                  p          q+                    q-              xi
     v+  [  S+ = -c12 -E1p | L - E1q           |   L             |  0 ]     E: strain of a body
@@ -21,19 +22,24 @@ xi = xi- + c11 T_out/(2h), which the winding force fixes.  T_in drops out: the w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from ..contact.joint import Joint
 from ..contact.response import Response, Tractions
 from ..contact.schemes import Mesh
-from ..contact.stick_slip import StickSlip
+from ..contact.stick_slip import StickSlip, StickSlipSolution
 from ..two_bodies import About, Matrices, PairEquations, PairState
+from .laws import NipLaws
 
 __all__ = ["NipEquations", "NipMatrices"]
 
 Array = np.ndarray
+# below, tractions drown in the rounding of the pressures if both are solved for together
+LEAST_FRICTION = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +47,10 @@ class NipMatrices(Matrices):
     """The nip's matrices: tractions are stacked (q+, q-), m = 2n.
 
     Slips are those of the nodes' cells first, roll then drum; the last cell, which belongs to no
-    unknown, follows for both, (2n + 2,).
+    unknown, follows for both, (2n + 2,).  All are parts of one matrix, that of the joint system.
     """
+
+    whole: Array  # (3n + 4, 3n + 2)
 
     @classmethod
     def of(
@@ -51,47 +59,51 @@ class NipMatrices(Matrices):
         """Assemble for the half width ``a`` [m] and given responses of roll and drum."""
         web, thickness = problem.web.compliance, problem.web.thickness
         n, N = mesh.unknowns, mesh.unknowns + 1
-        value = mesh.value[:-1]
         # the web's thinning varies linearly between the nodes, as the pressure does
         known = np.zeros(n) if about is None else np.maximum(about[0].pressure, 0.0)
         thinned, by_pressure = problem.web.thinned(known)
-        slope_p = mesh.slope[:-1] * (-by_pressure / a)
-        slope_q = np.empty((N, 2 * n))
-        slope_q[:, :n] = slope_q[:, n:] = web.c12 * value
-        # the web: its tension between the point and the trailing edge, and its squeezing
-        direct, through = np.empty((2 * N, 2 * n)), np.empty((2 * N, n))
-        stretch, squeeze = (a * web.c11 / thickness) * mesh.behind, -web.c12 * value
-        direct[: 2 * n].reshape(2, n, 2, n)[...] = stretch[:-1, None]
-        direct[2 * n :].reshape(2, 2, n)[...] = stretch[-1]
-        through[: 2 * n].reshape(2, n, n)[...] = squeeze[:-1]
-        through[2 * n :] = squeeze[-1]
         gap = mesh.middle * (a / problem.contact_radius)
         top, offset = float(np.max(gap)), np.zeros(2 * N)
         if not problem.web.linear:
             gap = gap + mesh.slope[:-1] @ (thinned - by_pressure * known) / a
+        whole = np.empty((3 * N + 1, 3 * N - 1))
+        slope_p, slope_q = whole[:N, :n], whole[:N, N:-1]
+        through, direct = whole[N + 1 :, :n], whole[N + 1 :, N:-1]
+        moves = whole[N + 1 :, -1]
+        whole[:N, n], whole[:N, -1], whole[N + 1 :, n] = 1.0, 0.0, 0.0
+        np.multiply(mesh.slope[:-1], -by_pressure / a, out=slope_p)
+        # the web: its tension between the point and the trailing edge, and its squeezing
+        value = web.c12 * mesh.value[:-1]
+        stretch = (a * web.c11 / thickness) * mesh.behind
         for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
-            if body.rigid:
-                continue
             own, last = slice(face * n, (face + 1) * n), 2 * n + face
+            other = slice((1 - face) * n, (2 - face) * n)
+            direct[own, other], direct[last, other] = stretch[:-1], stretch[-1]
+            if body.rigid:
+                slope_q[:, own] = value
+                direct[own, own], direct[last, own] = stretch[:-1], stretch[-1]
+                through[own], through[last] = -value[:-1], -value[-1]
+                continue
             body_slope_p, body_slope_q, strain_p, strain_q = response.gradients
-            slope_p = slope_p + body_slope_p[:-1]
-            slope_q[:, own] += body_slope_q[:-1]
-            # the wound-on condition refers the roll's strain to the trailing edge
-            edge_p, edge_q = (strain_p[-1], strain_q[-1]) if face == 0 else (0.0, 0.0)
-            direct[own, own] -= strain_q[:-2] - edge_q
-            direct[last, own] -= strain_q[-2] - edge_q
-            through[own] -= strain_p[:-2] - edge_p
-            through[last] -= strain_p[-2] - edge_p
+            slope_p += body_slope_p[:-1]
+            np.add(value, body_slope_q[:-1], out=slope_q[:, own])
+            by_p, by_q = -value - strain_p[:-1], stretch - strain_q[:-1]
+            if face == 0:  # the wound-on condition refers the roll's strain to the trailing edge
+                by_p += strain_p[-1]
+                by_q += strain_q[-1]
+            through[own], through[last] = by_p[:-1], by_p[-1]
+            direct[own, own], direct[last, own] = by_q[:-1], by_q[-1]
             if not body.linear:
                 rest = np.broadcast_to(response.strain, (N + 1,))
                 rest = rest[:-1] - (rest[-1] if face == 0 else 0.0)
                 offset[own], offset[last] = -rest[:-1], -rest[-1]
                 gap = gap - np.broadcast_to(response.slope, (N + 1,))[:-1]
-        moves = np.zeros(2 * N)
+        moves[:] = 0.0
         moves[n : 2 * n] = moves[-1] = 1.0
         weights = a * mesh.grid.weights
         return cls(
-            a, slope_p, slope_q, gap, top, direct, through, offset, moves, weights, (one, two)
+            a, slope_p, slope_q, gap, top, direct, through, offset, moves, weights, (one, two),
+            whole,
         )  # fmt: skip
 
     @staticmethod
@@ -102,31 +114,97 @@ class NipMatrices(Matrices):
 
 @dataclass(frozen=True, eq=False)
 class NipEquations(PairEquations):
-    """The equations of a nip for one half width, the normal problem solved."""
+    """The equations of a nip for one half width."""
 
     made_of: ClassVar[type[Matrices]] = NipMatrices
+    face_count: ClassVar[int] = 2
+
+    @cached_property
+    def _friction(self) -> Array:
+        """mu of each node, (2n,)."""
+        problem = self.problem
+        return np.repeat([problem.roll_friction, problem.drum_friction], self.mesh.unknowns)
+
+    @property
+    def _share(self) -> float:
+        """F by the load that a half width carries: a steady state at any width."""
+        return float(self.problem.winding_force / self.problem.nip_load)
+
+    @cached_property
+    def joint(self) -> Joint | None:
+        """The system of pressure and tractions together; None where rounding blurs tractions."""
+        if self._friction.min() < LEAST_FRICTION:
+            return None
+        made, n = self.matrices, self.mesh.unknowns
+        row = made.whole[n + 1]
+        row[...] = 0.0
+        row[:n], row[2 * n + 1 : -1] = -self._share * made.weights, made.weights
+        row *= self._size
+        right = np.concatenate([made.gap, [0.0], -made.offset])
+        return Joint(made.whole, right, self._friction, self.stick_slip)
+
+    @cached_property
+    def _size(self) -> float:
+        """What makes the row of the force as large as those of slopes."""
+        # slopes are largest beside their own node, in the middle cell as in any
+        middle = self.matrices.slope_p[self.mesh.unknowns // 2]
+        return float(np.abs(middle).max() / self.matrices.weights.max())
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
-        n, made, problem = self.mesh.unknowns, self.matrices, self.problem
-        p0, K = self.pressure, self.pressure_response
-        nodes = slice(0, 2 * n)
-        zero, one = np.zeros(n), np.ones(n)
-        friction = np.concatenate([problem.roll_friction * one, problem.drum_friction * one])
-        # F in proportion to the load that this half width carries: a steady state at any width
-        share = problem.winding_force / problem.nip_load
-        carried = share * (made.weights @ K)
+        n, made = self.mesh.unknowns, self.matrices
+        nodes, p0, K = slice(0, 2 * n), self.pressure, self.pressure_response
+        carried = self._share * (made.weights @ K)
         return StickSlip(
             made.direct[nodes], made.through_pressure[nodes], made.offset[nodes],
-            p0, K, friction, faces=2,
-            creep=np.concatenate([zero, one]),
-            resultant=np.concatenate([zero, made.weights]) - carried,
-            force=share * float(made.weights @ p0),
+            p0, K, self._friction, faces=2,
+            creep=made.moves[nodes],
+            resultant=np.concatenate([np.zeros(n), made.weights]) - carried,
+            force=self._share * float(made.weights @ p0),
         )  # fmt: skip
+
+    def state(self, solution: StickSlipSolution) -> PairState:
+        """Return the state that belongs to solved tractions."""
+        if solution.joint is None:
+            return super().state(solution)
+        n, found = self.mesh.unknowns, solution.joint[1]
+        p, q = found[:n], solution.traction
+        known = self.matrices.loads(p, q)
+        return PairState(self.matrices.half_width, solution, p, float(found[n]), known)
 
     def last_slips(self, state: PairState) -> tuple[float, float]:
         """Return v+ and v- in the last cell, which belongs to no unknown."""
-        made, last = self.matrices, slice(2 * self.mesh.unknowns, None)
-        v = made.offset[last] + made.direct[last] @ state.solution.traction
-        v += made.through_pressure[last] @ state.pressure
-        return float(v[0]), float(v[1]) + state.solution.creep
+        if state.solution.joint is not None:
+            last = state.solution.joint[2]
+        else:
+            made, q = self.matrices, state.traction
+            last = made.slips(state.pressure, q, state.solution.creep)[q.size :]
+        return float(last[0]), float(last[1])
+
+    def frictionless(self) -> float | None:
+        """Return the load without friction [N/m]; None of what was followed: it goes on so."""
+        return None if isinstance(self.matrices, NipLaws) else super().frictionless()
+
+    # ---- from one half width to another --------------------------------------------------------
+
+    def moved(self, a: float) -> Self:
+        """Return the equations for another half width [m], as laws without matrices."""
+        other = replace(self, matrices=NipLaws.at(self.problem, self.mesh, a))
+        other.__dict__["_size"] = self._size
+        return other
+
+    def left(self, found: Array) -> Array:
+        """Return what unknowns leave of the joint system's right sides; less all slips."""
+        n, made, weights = self.mesh.unknowns, self.matrices, self.matrices.weights
+        p, q = found[:n], found[n + 1 : -1]
+        out = np.empty(3 * n + 4)
+        miss, slips = made.laws(p, q, float(found[n]), float(found[-1]))
+        force = self._share * float(weights @ p) - float(weights @ q[n:])
+        np.negative(miss, out=out[: n + 1])
+        np.negative(slips, out=out[n + 2 :])
+        out[n + 1] = self._size * force
+        return out
+
+    def load_of(self, p: Array) -> float:
+        """Return the load that a pressure carries [N/m]."""
+        return float(self.matrices.weights @ p)

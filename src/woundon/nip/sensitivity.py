@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
-from ..contact.response import Response
+from ..contact.response import Response, Tractions
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..quantities import walk
@@ -38,6 +38,7 @@ from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
 from .differential import Differential
 from .equations import NipMatrices
+from .laws import NipLaws
 from .result import RIG_ANGLE, NipResult
 from .roll_surface import strain_outside
 
@@ -229,12 +230,11 @@ class _NipDifferential(Differential):
         traction = np.concatenate([result.roll_traction[inside], result.drum_traction[inside]])
         self.about = NipMatrices.loads(result.pressure[inside], traction)
         self.here = NipMatrices.at(problem, self.mesh, a, self.about)
-        # integrated once for all fields
-        made = (
-            Response(response.gradients, slope=response.slope, strain=response.strain)
-            for response in self.here.responses
-        )
-        self.bodies = dict(zip(problem.pair, made, strict=True))
+        named = zip(problem.pair, problem.bodies, self.here.responses, self.about, strict=True)
+        self.bodies = {
+            name: _once(response, load, problem.linear, body.rigid)
+            for name, body, response, load in named
+        }
         whole = float(self.here.weights @ (traction[: self.n] + traction[self.n :]))
         c11 = problem.web.compliance.c11
         creep = result.drum_creep + c11 / problem.web.thickness * (problem.web_tension + whole)
@@ -242,18 +242,19 @@ class _NipDifferential(Differential):
         zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
         self.u = _Unknowns(result.pressure[inside], shift, traction, creep, zones)
         self.nodes = slice(0, 2 * self.n)
-        self.rest = self.residual(problem, self.here)
+        self.rest = self.residual(problem, self.assembled(problem, a, ""))
 
-    def residual(self, problem: NipProblem, made: Matrices) -> Array:
+    def residual(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
         u, n = self.u, self.n
         p, q = u.pressure, u.traction
-        slip = made.slips(p, q, u.creep)[self.nodes]
+        miss, slips = made.laws(p, q, u.shift, u.creep)
+        slip = slips[self.nodes]
         friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
         law = np.where(u.zones == 0, slip, q - u.zones * friction * np.tile(p, 2))
         force = float(made.weights @ q[n:]) - problem.winding_force
         load = float(made.weights @ p) - problem.nip_load
-        return np.concatenate([made.indentation(p, q, u.shift), law, [force, load]])
+        return np.concatenate([miss, law, [force, load]])
 
     def jacobian(self) -> Array:
         """Return R_u, (3n + 3, 3n + 3)."""
@@ -321,7 +322,7 @@ class _NipDifferential(Differential):
         far, edge = response.strain + strain_p @ p + strain_q @ q
         return float(far - edge)
 
-    def output_values(self, problem: NipProblem, made: Matrices) -> Array:
+    def output_values(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return the outputs of another problem or half width at the fixed unknowns."""
         w, u, n, a = made.weights, self.u, self.n, made.half_width
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
@@ -329,9 +330,14 @@ class _NipDifferential(Differential):
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
         return np.array([NIT, T_out, a, 2 * a, creep, T_out + self._gained(problem, a)])
 
-    def assembled(self, problem: NipProblem, a: float, part: str) -> Matrices:
-        """Assemble for a half width and a problem of which only one part is another ('' none)."""
+    def assembled(self, problem: NipProblem, a: float, part: str) -> Matrices | NipLaws:
+        """Assemble for a half width and a problem of which only one part is another ('' none).
+
+        Of linear bodies without matrices.
+        """
         if a != self.half_width:
+            if problem.linear:
+                return NipLaws.at(problem, self.mesh, a)
             return NipMatrices.at(problem, self.mesh, a, self.about)
         bodies = self.bodies
         if part in bodies:
@@ -345,6 +351,8 @@ class _NipDifferential(Differential):
                 if body.viscoelastic
             }
         one, two = bodies.values()
+        if problem.linear:
+            return NipLaws(problem, self.mesh, a, (one, two))
         return NipMatrices.of(problem, self.mesh, a, one, two, self.about)
 
     def bounds(self) -> Iterator[tuple[str, Array, Array]]:
@@ -354,3 +362,13 @@ class _NipDifferential(Differential):
             ("roll", self.problem.roll_friction), ("drum", self.problem.drum_friction),
         ):  # fmt: skip
             yield face, nodes, friction * self.u.pressure
+
+
+def _once(response: Response, load: Tractions, linear: bool, rigid: bool) -> Response:
+    """Return a response that is integrated once for all fields; the loads are the same for all."""
+    if not linear:
+        return Response(response.gradients, slope=response.slope, strain=response.strain)
+    if rigid:
+        return response
+    known = response.act(*load)
+    return Response(lambda: response.gradients, act=lambda *_: known)

@@ -13,7 +13,7 @@ two are extrapolated.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import nan
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ from ..contact.certificate import from_edge
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import Scheme, scheme_of
-from ..contact.zones import slip_lengths
+from ..contact.zones import Runs, slip_lengths
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
@@ -100,8 +100,9 @@ def solve_nip(
     cold = chosen.starts_cold and algorithm == "panagiotopoulos"
     counts = [M] if cold else halved(M, chosen.coarsest)
     ladder = Ladder(
-        NipContact(problem, chosen.refines), chosen, "nip_induced_tension", ALGORITHMS[algorithm]
-    )
+        NipContact(problem, chosen.refines), chosen, "nip_induced_tension", ALGORITHMS[algorithm],
+        scatters=True,
+    )  # fmt: skip
     ladder.climb(counts[-2 if start else 0 :], None if start is None else _started(start, problem))
     if chosen.refines and nodes is None and rtol is None:
         ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
@@ -148,9 +149,11 @@ def _started(start: NipResult, problem: NipProblem) -> Start:
     guess = start.half_width * share ** (1 / known.power)
     tractions = (start.roll_traction[1:-1], start.drum_traction[1:-1])
     loads = NipMatrices.loads(start.pressure[1:-1], np.concatenate(tractions))
+    fine = scheme_of(start.scheme).refines
+    runs = _runs(start.problem, vars(start), start.half_width) if fine else None
     return Start(
         guess, (nodes, nodes), zones, known.power, widths=known.at(share),
-        before=Before(nodes, loads),
+        before=Before(nodes, loads), runs=runs,
     )  # fmt: skip
 
 
@@ -167,6 +170,16 @@ class NipContact(PairContact):
         """What of the problem lies far outside the model, and what to change."""
         web = web_far_outside(self.problem, 2 * self.guess())
         return "; ".join(filter(None, (*web, super().outside)))
+
+    def zones(self, start: Start, equations: NipEquations) -> Array:
+        """Return the zones to begin with, their borders found within the cells before."""
+        runs = start.runs
+        if runs is None and start.level is not None and self.sub_cell:
+            runs = _runs(self.problem, along_nip(start.level), start.level.state.half_width)
+        if runs is None:
+            return super().zones(start, equations)
+        mesh = equations.mesh
+        return np.concatenate([run.on(mesh.columns, mesh.middle[:-1]) for run in runs])
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
@@ -223,6 +236,12 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
 
 def along_nip(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the nip, by the names of the result, (M,) each."""
+    if "along" not in level.kept:  # asked for by outputs, zones of the next mesh and result
+        level.kept["along"] = _along(level)
+    return dict(level.kept["along"])
+
+
+def _along(level: Level) -> dict[str, Any]:
     state, mesh, n = level.state, level.mesh, level.mesh.unknowns
     a, slips, zones = state.half_width, state.solution.slip, state.solution.state
     last = level.equations.last_slips(state)
@@ -259,19 +278,30 @@ def slip_ratios(
     sub_cell : bool
         Place borders by slip and slack; else they lie half-way between nodes.
     """
-    x, slip_x = arrays["x"], arrays["slip_x"]
     (leading, trailing), (_, drum) = (
-        slip_lengths(
-            x, slip_x, arrays[f"{face}_zone"], arrays[f"{face}_slip"],
-            friction * arrays.get(f"{face}_pressure", arrays["pressure"])
-            - np.abs(arrays[f"{face}_traction"]),
-            rigid=getattr(problem, face).rigid, sub_cell=sub_cell,
-        )
-        for face, friction in (("roll", problem.roll_friction), ("drum", problem.drum_friction))
-    )  # fmt: skip
+        slip_lengths(**face, sub_cell=sub_cell) for face in _faces(problem, arrays)
+    )
+    x = arrays["x"]
     width = float(x[-1] - x[0])
     dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
     return dict(zip(SLIP_RATIOS, (leading / width, trailing / width, dual / width), strict=True))
+
+
+def _faces(problem: Any, arrays: Mapping[str, Array]) -> Iterator[dict[str, Any]]:
+    """Yield what tells the zones of roll and drum, from arrays as ``slip_ratios`` takes them."""
+    for face, friction in (("roll", problem.roll_friction), ("drum", problem.drum_friction)):
+        p, q = arrays.get(f"{face}_pressure", arrays["pressure"]), arrays[f"{face}_traction"]
+        yield {
+            "x": arrays["x"], "slip_x": arrays["slip_x"],
+            "zones": arrays[f"{face}_zone"], "slip": arrays[f"{face}_slip"],
+            "slack": friction * p - np.abs(q), "rigid": getattr(problem, face).rigid,
+        }  # fmt: skip
+
+
+def _runs(problem: NipProblem, arrays: Mapping[str, Array], a: float) -> list[Runs]:
+    """Return the zones of both faces, in units of a."""
+    arrays = {**arrays, "x": arrays["x"] / a, "slip_x": arrays["slip_x"] / a}
+    return [Runs.of(**face) for face in _faces(problem, arrays)]
 
 
 def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:

@@ -5,11 +5,17 @@ where the surface is, but for kinks where the tension has one.  It is found like
 differential equation by an implicit multistep method: from the stages behind, kappa is extrapolated
 to the next one; there pressure and kappa are solved for together.  By how far the extrapolation was
 off, the step is chosen.  The cost does not know how many laps there are.
+
+Laps of a finite thickness h are laid one after the other: under each the roll below takes the
+pressure T h/s at once, and the lap itself begins with a pressure that falls from T h/s to nil
+through it.  To first order in h that is a stage, and a lap laid on it, at half of that pressure,
+p = T h/(2 s), where thin laps have nil (:class:`Laps`): P(s) = p where kappa is found, E_t F(p)
+less in C, and at the core (E_t/E_c + nu) p more in T_c.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import exp, log
 from typing import Protocol
@@ -17,22 +23,22 @@ from typing import Protocol
 import numpy as np
 
 from .equations import CellSource, Solved, StageEquations, pressure_between
+from .growth import ORDER, Growth
 
 __all__ = [
-    "BuildUp", "Growth", "NotWoundError", "Tension", "cell_source", "in_cells", "kinks_of",
-    "missed_source", "nodes_between", "wind", "wind_again",
+    "BuildUp", "Laps", "NotWoundError", "Tension", "cell_source", "in_cells", "kinks_of",
+    "missed_source", "nodes_between", "wind", "wind_again", "wind_laps",
 ]  # fmt: skip
 
 Array = np.ndarray
 
-ORDER = 3  # of the polynomial through the last stages
 AGREED = 0.02  # of the tolerance: the last stage is solved anew when the roll is finished
+ROUGHLY = 1.0
 WEAK = 0.05  # of the tolerance
 STRETCHED = 0.3  # of a step, lest the next one be tiny
 AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
 # Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
 DENSE, FELT = 0.1, 0.1
-NOISE = 0.5  # of a step: the least distance of a stage that tells its error
 UNTOLD = 1e-5  # of the layer: a step so short is a kink's
 LEAST_STEP = 1e-12  # of ln r
 # Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
@@ -57,115 +63,6 @@ class Tension(Protocol):
     def slope(self, r: Array, side: int | Array) -> Array:
         """dT/dr [Pa/m], at a kink that of the side behind (-1) or before (1) it."""
         ...
-
-
-class Growth:
-    """Kappa over x = ln r: polynomials through up to four stages, none across a kink.
-
-    Parameters
-    ----------
-    x, kappa : float
-        Of the core, where a roll begins.
-
-    Attributes
-    ----------
-    x, kappa : (J,) arrays
-        The stages.
-    through : (J,) int array
-        How many stages the polynomial that ends at each goes through.
-    """
-
-    def __init__(self, x: float, kappa: float) -> None:
-        self.x, self.kappa = np.array([x]), np.array([kappa])
-        self.through = np.array([1])
-        self.first = 0  # the stage behind which no polynomial reaches
-        self._pieces = np.zeros((ORDER + 1, 0))
-
-    @classmethod
-    def of(cls, x: Array, kappa: Array, through: Array) -> Growth:
-        """Return that of given stages; see the attributes."""
-        growth = cls(float(x[0]), float(kappa[0]))
-        for k in range(1, x.size):
-            growth.first = k + 1 - int(through[k])
-            growth = growth.then(float(x[k]), float(kappa[k]))
-        return growth
-
-    def begin_anew(self) -> None:
-        """Draw no polynomial across the last stage: there the tension has a kink."""
-        self.first = self.x.size - 1
-
-    def _behind(self) -> slice:
-        return slice(max(self.first, self.x.size - ORDER), None)
-
-    def extrapolated(self, x: float) -> float:
-        """Return what the polynomial through the last stages says of the next one."""
-        own = self._behind()
-        return _through(self.x[own] - x, self.kappa[own])[0]
-
-    def share(self, surface: float, x: Array) -> Array:
-        """Return how kappa at any x follows that of a further stage at ``surface``: 0 to 1."""
-        share = np.where(x > self.x[-1], 1.0, 0.0)
-        for stage in self.x[self._behind()]:
-            share *= (x - stage) / (surface - stage)
-        return share
-
-    def then(self, x: float, kappa: float) -> Growth:
-        """Return this with one more stage."""
-        more, own = Growth.__new__(Growth), self._behind()
-        more.x, more.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
-        more.first = self.first
-        more.through = np.append(self.through, more.x.size - own.start)
-        c = np.zeros((ORDER + 1, 1))
-        piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
-        c[: len(piece), 0] = piece
-        more._pieces = np.hstack([self._pieces, c])
-        return more
-
-    def missed(self, x: Array) -> Array:
-        """Return by how much kappa misses the next higher polynomials, which tells its error.
-
-        They go through a stage that follows too, or one more behind where none does.
-        """
-        missed, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
-        for j in range(1, self.x.size):
-            at, start = k == j, j + 1 - int(self.through[j])
-            more = self._stage_after(j) or start - 1
-            if more < 0 or not at.any():
-                continue
-            own = [*range(start, j + 1), more]
-            highest = _through(self.x[own] - self.x[j], self.kappa[own])[-1]
-            missed[at] = highest * np.prod(x[at, None] - self.x[own[:-1]], axis=1)
-        return missed
-
-    def _stage_after(self, j: int) -> int:
-        """Return a stage before the next kink, not so near j that it tells noise; 0 if none."""
-        for k in range(j + 1, self.x.size):
-            if self.through[k] == 2:
-                return 0
-            if self.x[k] - self.x[j] > NOISE * (self.x[j] - self.x[j - 1]):
-                return k
-        return 0
-
-    def __call__(self, x: Array) -> Array:
-        """Return kappa at any x."""
-        if not self._pieces.shape[1]:
-            return np.full(np.shape(x), self.kappa[0])
-        k = np.clip(np.searchsorted(self.x, x, side="left") - 1, 0, self._pieces.shape[1] - 1)
-        t, c = x - self.x[k], self._pieces[:, k]
-        return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
-
-
-def _through(x: Array, y: Array) -> list[float]:
-    """Return the ascending coefficients of the polynomial through a few points."""
-    at, divided = x.tolist(), y.tolist()
-    for k in range(1, len(at)):
-        for j in range(len(at) - 1, k - 1, -1):
-            divided[j] = (divided[j] - divided[j - 1]) / (at[j] - at[j - k])
-    c = [divided[-1]]
-    for k in range(len(at) - 2, -1, -1):  # times (x - x_k), and the next difference
-        times = (a - at[k] * b for a, b in zip(c, [*c[1:], 0.0], strict=True))
-        c = [divided[k] - at[k] * c[0], *times]
-    return c
 
 
 @dataclass
@@ -262,17 +159,61 @@ def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
     return x, tension.bends / reach * np.minimum(1.0, curved)
 
 
+@dataclass(frozen=True)
+class Laps:
+    """Laps as they are laid: thin ones without pressure, others with half of their own.
+
+    Parameters
+    ----------
+    equations : StageEquations
+    tension : Tension
+    thickness : float
+        h [m]; 0 in the limit of thin laps.
+    """
+
+    equations: StageEquations
+    tension: Tension
+    thickness: float = 0.0
+
+    def pressure(self, x: Array) -> Array:
+        """P at which a lap is laid at ln r [Pa]."""
+        r = np.exp(x)
+        return np.asarray(self.tension.at(r) * self.thickness / (2 * r))
+
+    def source(self, growth: Growth, nodes: Array) -> CellSource:
+        """C of every cell."""
+        thin = cell_source(self.tension, growth, nodes)
+        if not self.thickness:
+            return thin
+        E_t, strain = self.equations.tangential, self.equations.strain
+
+        def laid(x: Array, side: Array) -> Array:
+            # all of a lap has the tension of its inner radius
+            lag = self.thickness / 2 * self.tension.slope(np.exp(x), side)
+            return np.asarray(lag - E_t * strain(self.pressure(x)))
+
+        more = in_cells(nodes, laid)
+        return CellSource(*(a + b for a, b in zip(thin, more, strict=True)))
+
+    def at_core(self, start: float) -> float:
+        """T_c [Pa], the core at ln r = start."""
+        x = np.array([start])
+        lag = self.thickness / 2 * self.tension.slope(np.exp(x), 1)
+        laid = self.tension.at(np.exp(x)) + (self.equations.core + 1) * self.pressure(x) - lag
+        return float(laid[0])
+
+
 class _Roll:
     """A roll that is being wound: the stages so far, and what all of them need."""
 
     def __init__(
-        self, equations: StageEquations, tension: Tension, core: float, cells: int, layer: float,
+        self, laps: Laps, core: float, cells: int, layer: float,
         told: Callable[[float], None] | None,
     ) -> None:  # fmt: skip
-        self.equations, self.tension, self.start = equations, tension, log(core)
-        self.cells, self.layer, self.told = cells, layer, told
-        self.T_c = float(tension.at(np.array([core]))[0])
-        self.growth = Growth(self.start, equations.core)
+        self.laps, self.equations, self.tension = laps, laps.equations, laps.tension
+        self.cells, self.layer, self.told, self.start = cells, layer, told, log(core)
+        self.T_c = laps.at_core(self.start)
+        self.growth = Growth(self.start, self.equations.core)
         self.last: BuildUp | None = None
 
     def stage(
@@ -290,10 +231,14 @@ class _Roll:
             kappa, guess = behind.extrapolated(surface), _moved(self.last, nodes, self.T_c)
         else:
             kappa = known.solved.growth
-            guess = pressure_between(known.x, known.solved.P, known.solved.Q, nodes)
-        source = cell_source(self.tension, behind.then(surface, kappa), nodes)
+            # under half a lap the layer below a surface is much like that of half a lap more
+            share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
+            inner = nodes - share * self.laps.thickness / (2 * np.exp(nodes[-1]))
+            guess = pressure_between(known.x, known.solved.P, known.solved.Q, inner)
+        source = self.laps.source(behind.then(surface, kappa), nodes)
+        top = float(self.laps.pressure(nodes[-1:])[0])
         more = in_cells(nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.share(surface, x))
-        solved = self.equations.lay(nodes, source, more, self.T_c, *guess, kappa, agreed)
+        solved = self.equations.lay(nodes, source, more, self.T_c, *guess, kappa, agreed, top)
         if solved is None:
             return None, kappa
         return BuildUp(behind.then(surface, solved.growth), nodes, solved, self.last), kappa
@@ -336,7 +281,7 @@ def wind(
     NotWoundError
         Where a stage cannot be solved.
     """
-    roll = _Roll(equations, tension, core, cells, layer, told)
+    roll = _Roll(Laps(equations, tension), core, cells, layer, told)
     x, end, step, kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
         # a kink that changes the source by less than its tolerance is none
@@ -372,14 +317,37 @@ def wind_again(
     layer: float, told: Callable[[float], None] | None = None,
 ) -> BuildUp:  # fmt: skip
     """Wind a roll with the stages of another build-up: parameters as of :func:`wind`."""
-    roll = _Roll(equations, tension, exp(known.growth.x[0]), cells, layer, told)
-    for stage, through in zip(known.stages(), known.growth.through[1:], strict=True):
-        if through == 2:
+    laps, every = Laps(equations, tension), range(1, known.growth.x.size)
+    return _with_stages(laps, known, every, AGREED * tolerance, cells, layer, told)
+
+
+def wind_laps(laps: Laps, known: BuildUp, *, cells: int, layer: float) -> Array:
+    """Return kappa with laps of a finite thickness, at the stages of a build-up with thin ones.
+
+    What they change is little and smooth: every second stage will do, and kinks, and there mostly
+    one step of Newton's method.
+    """
+    thin = known.growth
+    kinks = np.flatnonzero(thin.through == 2) - 1
+    kept = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
+    found = _with_stages(laps, known, kept, ROUGHLY, cells, layer, None).growth
+    return np.asarray(thin.kappa + np.interp(thin.x, found.x, found.kappa - thin(found.x)))
+
+
+def _with_stages(
+    laps: Laps, known: BuildUp, which: Iterable[int], agreed: float, cells: int, layer: float,
+    told: Callable[[float], None] | None,
+) -> BuildUp:  # fmt: skip
+    roll = _Roll(laps, exp(known.growth.x[0]), cells, layer, told)
+    stages, last = known.stages(), 0
+    for k in which:
+        if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last one
             roll.growth.begin_anew()
-        found, _ = roll.stage(stage.x[-1], AGREED * tolerance, stage)
+        found, _ = roll.stage(stages[k - 1].x[-1], agreed, stages[k - 1])
         if found is None:
-            raise NotWoundError(_no_stage_beyond(stage.x[-1]))
+            raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))
         roll.keep(found)
+        last = k
     return roll.wound()
 
 

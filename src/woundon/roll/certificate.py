@@ -8,14 +8,14 @@ import numpy as np
 
 from ..contact.certificate import largest
 from ..results import Residuals
-from .build_up import Growth, cell_source
+from .build_up import cell_source
 from .equations import CellSource, StageEquations
 
 if TYPE_CHECKING:
     from ..problems.roll import WoundRollProblem
     from .result import WoundRollResult
 
-__all__ = ["certificate", "changes", "equations_of", "growth_of"]
+__all__ = ["certificate", "changes", "equations_of"]
 
 Array = np.ndarray
 
@@ -28,11 +28,6 @@ def equations_of(problem: WoundRollProblem) -> StageEquations:
     return StageEquations(
         law.strain_at, law.modulus, law.modulus_slope, E_t, E_t / E_c - 1 + nu
     )  # fmt: skip
-
-
-def growth_of(result: WoundRollResult) -> Growth:
-    """Return kappa over the radius through the stages of a result."""
-    return Growth.of(np.log(result.stage_radius), result.growth, result.stage_order)
 
 
 def changes(problem: WoundRollProblem) -> tuple[float, float]:
@@ -65,8 +60,7 @@ def certificate(result: WoundRollResult) -> Residuals:
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
     unit, more = float(T[0]), changes(problem)
-    growth = growth_of(result)
-    source = shifted(cell_source(curve, growth, x), more[0])
+    source = shifted(cell_source(curve, result.kappa, x), more[0])
     miss, _ = equations_of(problem).defects(x, source, unit + more[1], P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change

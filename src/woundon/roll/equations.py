@@ -10,7 +10,7 @@ because all increments of it are total derivatives.  In x = ln r, with Q = r P' 
     D P = Q
     D Q = C + E_t F(P) - P - 2 Q          on the interval from the core to the surface s
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
-    P = 0               at s
+    P = P_s             at s: nil, but where laps are finite (see :func:`.build_up.with_laps`)
 
 What a thin lap more adds is p = dP/ds, of the same equations made linear, with p = 1 at s (any
 multiple will do) and no T_c; its growth kappa = D p at s says what C the next lap gets:
@@ -92,7 +92,7 @@ class StageEquations:
         return np.asarray(self.tangential * self.strain(P) - P - 2 * Q)
 
     def defects(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array
+        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, top: float = 0.0
     ) -> tuple[Array, Array]:
         """Return what P and Q leave of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,)."""
         h = x[1:] - x[:-1]
@@ -102,7 +102,7 @@ class StageEquations:
         middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
         middle = self._slope_of_Q(middle_P, middle_Q) + source.middle
         out = np.empty(2 * x.size)
-        out[0], out[-1] = Q[0] - self.core * P[0] + tension, P[-1]
+        out[0], out[-1] = Q[0] - self.core * P[0] + tension, P[-1] - top
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         return out, middle_P
@@ -140,14 +140,15 @@ class StageEquations:
         return band
 
     def _linear(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, *more: Array
-    ) -> tuple[Array, Array] | None:
+        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, top: float,
+        *more: Array,
+    ) -> tuple[Array, Array] | None:  # fmt: skip
         """Return what the equations made linear say, a column each, and E_r at the nodes.
 
         By what P and Q are too large, 2 n + 2 values by turns; a further lap's p and D p; and what
         belongs to other right sides.
         """
-        miss, middle_P = self.defects(x, source, tension, P, Q)
+        miss, middle_P = self.defects(x, source, tension, P, Q, top)
         E = self.modulus(np.concatenate([P, middle_P]))
         self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
@@ -175,7 +176,7 @@ class StageEquations:
             First guess [Pa].
         """
         for _ in range(MOST_STEPS):
-            found = self._linear(x, source, tension, P, Q)
+            found = self._linear(x, source, tension, P, Q, 0.0)
             if found is None:
                 return None
             by, more = found[0].T
@@ -186,7 +187,7 @@ class StageEquations:
 
     def lay(
         self, x: Array, source: CellSource, more: CellSource, tension: float, P: Array, Q: Array,
-        growth: float, agreed: float,
+        growth: float, agreed: float, top: float = 0.0,
     ) -> Solved | None:  # fmt: skip
         """Solve a stage together with the kappa that its own source needs; None where that fails.
 
@@ -204,12 +205,14 @@ class StageEquations:
         agreed : float
             Error of kappa that may be left, relative to kappa + 2.  A step leaves about the square
             of what it changes.
+        top : float
+            P_s, the pressure at the surface [Pa].
         """
         by_growth, own = _of_source(x, more), source
         half = np.diff(x) / 2
         weight = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
         for _ in range(MOST_STEPS):
-            found = self._linear(x, own, tension, P, Q, by_growth)
+            found = self._linear(x, own, tension, P, Q, top, by_growth)
             if found is None:
                 return None
             (by, lap, by_one), E = found[0].T, found[1]

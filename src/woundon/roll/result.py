@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
 from .. import kinds
-from ..quantities import Quantity, length, pure, strain, stress
+from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
+
+if TYPE_CHECKING:
+    from .growth import Growth
 
 __all__ = ["WoundRollResult"]
 
@@ -48,6 +52,8 @@ class WoundRollResult(Result):
         surface [1].
     stage_order : (J,) int array
         How many stages the polynomial of kappa goes through that ends at each.
+    lap_growth : (J,) array
+        Kappa with laps of the web's thickness, instead of thin ones.
     surface_slope : float
         -r P'/T - 1 at the surface, which is 0 but for the discretisation [1].
     steps : int
@@ -60,7 +66,7 @@ class WoundRollResult(Result):
     })  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("growth", "stage_order"), "stage_radius")
+        dict.fromkeys(("growth", "stage_order", "lap_growth"), "stage_radius")
     )
 
     radius: Annotated[Array, length("r", "radius")]
@@ -77,6 +83,9 @@ class WoundRollResult(Result):
     growth: Annotated[Array, pure("kappa", "growth below the surface of a further lap's pressure")]
     stage_order: Annotated[
         Array, pure("n_k", "stages that the growth's polynomial goes through"), int
+    ]
+    lap_growth: Annotated[
+        Array, pure("kappa_h", "the same with laps of the web's thickness, not thin ones")
     ]
     surface_slope: Annotated[
         float, strain("e_s", "by how much the slope at the surface misses the tension")
@@ -114,6 +123,28 @@ class WoundRollResult(Result):
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
 
     @property
+    def finite_laps(
+        self,
+    ) -> Annotated[Array, stress("P_h", "what laps of finite thickness add to the pressure")]:
+        """What laps of the web's thickness add to P, which is that of thin ones [Pa]."""
+        return kinds.fetch("woundon.roll.laps:finite_laps")(self)[0]
+
+    @property
+    def lap_effect(
+        self,
+    ) -> Annotated[float, strain("e_h", "change of the pressure by finite laps, of the largest")]:
+        """Largest of ``finite_laps``, of the largest pressure; contained in the told errors [1]."""
+        by = self.finite_laps
+        return float(by[np.argmax(np.abs(by))]) / self.peak_pressure
+
+    @cached_property
+    def kappa(self) -> Growth:
+        """Kappa over ln r, a function."""
+        from .growth import Growth
+
+        return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
+
+    @property
     def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
         """Area of the roll's side over the web's thickness [m]."""
         R, core = float(self.radius[-1]), float(self.radius[0])
@@ -121,18 +152,55 @@ class WoundRollResult(Result):
 
     @property
     def laps(self) -> Annotated[float, pure("n", "laps on the roll")]:
-        """How many laps there are [1]."""
+        """How many laps of the web's full thickness there is room for [1]."""
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 
     @property
     def mass(
         self,
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
-        """Of the web alone [kg/m]; nan where its density is not given."""
+        """Of the web alone, laps of full thickness [kg/m]; nan without its density."""
         density = self.problem.density
         if density is None:
             return float("nan")
         return self.length * float(self.problem.web_thickness) * float(density)
+
+    @property
+    def residual_tension(
+        self,
+    ) -> Annotated[Array, line_load("T_r", "tension that is left in the laps")]:
+        """The web's thickness times sigma_t, > 0 tension [N/m]."""
+        return np.asarray(self.hoop_stress * self.problem.web_thickness)
+
+    @property
+    def density(
+        self,
+    ) -> Annotated[Array, Quantity("rho_r", "kg/m^3", "density of the wound layers")]:
+        """Of the finished roll, pressed and drawn laps, at the nodes [kg/m^3]; nan as ``mass``."""
+        return np.asarray(kinds.fetch("woundon.roll.density:in_the_roll")(self))
+
+    @property
+    def density_as_wound(
+        self,
+    ) -> Annotated[
+        Array, Quantity("rho_w", "kg/m^3", "web laid over the volume that the roll grew by")
+    ]:
+        """What a density analyser on the winder draws, at the nodes [kg/m^3]; nan as ``mass``."""
+        return np.asarray(kinds.fetch("woundon.roll.density:as_wound")(self, self.radius))
+
+    @property
+    def wound_mass(
+        self,
+    ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web, its laps pressed thinner")]:
+        """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
+        return float(kinds.fetch("woundon.roll.density:wound_mass")(self))
+
+    @property
+    def mean_density(
+        self,
+    ) -> Annotated[float, Quantity("rho_m", "kg/m^3", "mean density of the wound layers")]:
+        """The wound mass over the volume that it fills [kg/m^3]; nan as ``mass``."""
+        return self.wound_mass / float(kinds.fetch("woundon.roll.density:volume")(self))
 
     def at_radius(self, radius: Any) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.

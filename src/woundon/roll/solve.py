@@ -21,9 +21,19 @@ from ..errors import NotConverged
 from ..problems.roll import WoundRollProblem
 from ..results import Residuals
 from ..threads import one_thread
-from .build_up import BuildUp, Growth, NotWoundError, cell_source, missed_source, wind, wind_again
-from .certificate import certificate, changes, equations_of, growth_of, shifted
+from .build_up import (
+    BuildUp,
+    NotWoundError,
+    cell_source,
+    missed_source,
+    wind,
+    wind_again,
+    wind_laps,
+)
+from .certificate import certificate, changes, equations_of, shifted
 from .equations import Solved, pressure_between
+from .growth import Growth
+from .laps import changed_by_laps, laps_of
 from .result import WoundRollResult
 
 __all__ = ["check_options", "finished", "layer_of", "solve_wound_roll"]
@@ -102,8 +112,9 @@ def solve_wound_roll(
             }
             error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
             if error <= rtol:
-                result = result.replace(errors=errors, steps=steps)
-                return _admissible(result, known).replace(residuals=certificate(result)).checked()
+                result = _admissible(result.replace(steps=steps), known)
+                result = _with_laps(result, known, cells, errors)
+                return result.replace(residuals=certificate(result)).checked()
         before, cells = result, round(cells * MORE)
     _pressed(result, ROUNDING)
     raise NotConverged(
@@ -193,10 +204,25 @@ def finished(
         stage_radius=np.exp(growth.x),
         growth=growth.kappa,
         stage_order=growth.through,
+        lap_growth=np.full_like(growth.kappa, np.nan),
         surface_slope=float(-solved.Q[-1] / T[-1] - 1),
         steps=equations.steps,
         residuals=Residuals(),
     )  # fmt: skip
+
+
+def _with_laps(
+    result: WoundRollResult, known: BuildUp, cells: int, errors: dict[str, float]
+) -> WoundRollResult:
+    """Return a result with laps of the web's thickness, and what they change in its errors."""
+    laps = laps_of(result)
+    try:
+        growth = wind_laps(laps, known, cells=cells, layer=layer_of(result.problem))
+    except NotWoundError as stop:
+        raise NotConverged(f"with laps as thick as the web {stop}", result) from None
+    result = result.replace(lap_growth=growth, steps=result.steps + laps.equations.steps)
+    by = changed_by_laps(result)
+    return result.replace(errors={name: error + by[name] for name, error in errors.items()})
 
 
 def _left_by_nodes(before: WoundRollResult, now: WoundRollResult) -> dict[str, float]:
@@ -212,7 +238,7 @@ def _left_by_nodes(before: WoundRollResult, now: WoundRollResult) -> dict[str, f
 def _left_by_stages(result: WoundRollResult) -> dict[str, float]:
     """Return the errors that come of the source between stages, where it is interpolated [Pa]."""
     problem, x = result.problem, np.log(result.radius)
-    missed = missed_source(problem.tension_curve, growth_of(result), x)
+    missed = missed_source(problem.tension_curve, result.kappa, x)
     by = equations_of(problem).moved(x, result.pressure, result.pressure_gradient, missed)
     P, Q = (STAGES * np.interp(_compared(result), x, values) for values in by)
     return _worst(result, np.abs(P), np.abs(P + Q))

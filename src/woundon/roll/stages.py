@@ -10,9 +10,10 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import shown
 from ..problems.roll import FEWEST_LAPS, WoundRollProblem
 from ..problems.schedules import Profile, Taper
-from .build_up import Growth, cell_source, kinks_of, nodes_between
-from .certificate import certificate, equations_of, growth_of
+from .build_up import cell_source, kinks_of, nodes_between
+from .certificate import certificate, equations_of
 from .equations import pressure_between
+from .laps import lap_growth
 from .result import WoundRollResult
 from .solve import finished, layer_of
 
@@ -55,11 +56,8 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     if surface < least:
         text = f"{shown(surface)} is out of range; must be >= {least:.6g} [m], {FEWEST_LAPS} laps"
         raise InvalidProblem.at("radius", text)
-    whole, x = growth_of(result), float(np.log(surface))
-    kept = whole.x < x - 1e-12
-    behind = Growth.of(whole.x[kept], whole.kappa[kept], whole.through[kept])
-    behind.first = int(kept.sum()) + 1 - int(whole.through[int(kept.sum())])
-    growth = behind.then(x, float(whole(np.array([x]))[0]))
+    x = float(np.log(surface))
+    growth = result.kappa.until(x)
     # as it was wound: what changes the finished roll comes later
     stage = problem.replace(
         radius=surface, wound_on_tension=_until(problem, surface),
@@ -75,7 +73,8 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
     if solved is None:
         raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
-    found = finished(stage, nodes, growth, solved).replace(errors=result.errors)
+    laps = lap_growth(result).until(x).kappa
+    found = finished(stage, nodes, growth, solved).replace(errors=result.errors, lap_growth=laps)
     return found.replace(residuals=certificate(found)).checked()
 
 

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from html import escape
+from math import isnan
 from typing import Any
 
 from .. import __version__, kinds
@@ -47,7 +48,7 @@ tr, figure, div table { break-inside: avoid; }
 div p { font-size: 9pt; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
-figure svg { width: 100%; height: auto; max-height: 125mm; }
+figure svg { width: 100%; height: auto; max-height: 108mm; }
 tr.differs td { background: #FFF3D6; }
 p.source { margin: 0; font-size: 9pt; color: #444; }
 * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
@@ -185,17 +186,26 @@ def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str
 def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[str]]]:
     known = [scalar_outputs(result) for result in results]
     left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
-    for name in known[0]:
+    # the kind's main outputs first
+    for name in dict.fromkeys((*results[0].MAIN, *known[0])):
         if name in left_out or not all(name in one for one in known):
             continue
         first, *others = [output_row(result, name) for result in results]
+        if isnan(float(first.value)):  # there is no such thing here, as losses of elastic bodies
+            continue
         cells = [_with_error(first)]
-        for row in others:
-            change = float(row.value) - float(first.value)
-            share = f" ({change / abs(float(first.value)):+.1%})" if float(first.value) else ""
-            cells.append(f"{_with_error(row)}\n{change:+.3g}{share}")
+        cells += [f"{_with_error(row)}\n{_change(first, row)}" for row in others]
         unit = f" [{first.unit}]" if first.unit else ""
         yield "", [f"{first.meaning}{unit}", first.symbol], cells
+
+
+def _change(first: Row, row: Row) -> str:
+    """Return how far a value is from the first one, also as a share of that."""
+    change, whole = float(row.value) - float(first.value), abs(float(first.value))
+    if not whole:
+        return f"{change:+.3g}"
+    share = f"{change / whole:+.1%}" if abs(change) >= 5e-4 * whole else "< 0.1%"
+    return f"{change:+.3g} ({share})"
 
 
 def _with_error(row: Row) -> str:
@@ -210,7 +220,8 @@ def _table(
     head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
     body = ""
     for mark, words, numbers in rows:
-        told = "".join(f"<td>{escape(word)}</td>" for word in words)
+        # a dotted name may go on in the next line behind a dot
+        told = "".join(f"<td>{escape(word).replace('.', '.<wbr>')}</td>" for word in words)
         told += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
         body += f"<tr{mark}>{told}</tr>\n"
     return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
@@ -228,12 +239,7 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
         return
     for number, panels in enumerate(columns):  # below each other, for a page is not wide
         drawn = figure_bytes(plotted(results, labels=names, panels=panels), ".svg").decode()
-        svg = re.sub(
-            r"<metadata>.*?</metadata>|<!--.*?-->",
-            "",
-            drawn[drawn.index("<svg") :],
-            flags=re.DOTALL,
-        )
+        svg = _APART.sub("", drawn[drawn.index("<svg") :])
         # two drawings of one page may not name their parts alike
         svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
         yield f'<figure role="img" aria-label="{escape(", ".join(panels))}">{svg}</figure>'

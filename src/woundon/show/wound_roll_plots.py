@@ -31,7 +31,9 @@ def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
     - hoop_stress along the web, compression shaded; cut off above where there is any
     - hardness: the modulus through the stack
     - tension: the wound-on tension, on the stages of the build-up
-    - displacement outward since a lap was laid (if asked for)
+    - density of the wound layers, and as a density analyser on the winder draws it, where the
+      web's density is given
+    - residual_tension in the laps, displacement outward since a lap was laid (if asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     """
     return {
@@ -39,6 +41,10 @@ def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
         "hardness": Panel(OverRadius("radial_modulus", "Hardness $E_r$"), "left", height=2.6),
         "hoop_stress": Panel(_draw_hoop, "right", height=2.8),
         "tension": Panel(_draw_tension, "right", height=2.6),
+        "residual_tension": Panel(_draw_residual, "right", height=2.8, shown=False),
+        "density": Panel(
+            _draw_density, "left", height=2.6, shown=result.problem.density is not None
+        ),
         "displacement": Panel(
             OverRadius("displacement", "Displacement $u$"), "left", height=2.6, shown=False
         ),
@@ -73,22 +79,52 @@ class OverRadius:
 
 
 def _draw_hoop(axes: Axes, cases: Cases) -> Handles:
-    quantity, handles = quantity_of(cases[0].result, "hoop_stress"), []
+    return _draw_along(axes, cases, "hoop_stress", r"Hoop stress $\sigma_t$")
+
+
+def _draw_residual(axes: Axes, cases: Cases) -> Handles:
+    return _draw_along(axes, cases, "residual_tension", "Tension left in the laps")
+
+
+def _draw_along(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
+    quantity, handles = quantity_of(cases[0].result, name), []
     axes.axhline(0, color=NEUTRAL, linewidth=0.8)
     for case in cases:
         result = case.result
         # between the nodes too, which are few
         r = np.linspace(result.radius[0], result.radius[-1], POINTS)
         x = quantity_of(result, "radius").shown(r)
-        hoop = quantity.shown(result.at_radius(r)["hoop_stress"])
-        (line,) = axes.plot(x, hoop, color=case.or_own(COLOURS[0]), label=r"$\sigma_t$")
+        times = _thickness(result, name)
+        hoop = quantity.shown(times * result.at_radius(r)["hoop_stress"])
+        (line,) = axes.plot(x, hoop, color=case.or_own(COLOURS[0]), label=words)
         if case.alone:
             handles = [line, *_compression(axes, x, hoop)]
-    axes.set_ylabel(axis_label(r"Hoop stress $\sigma_t$", quantity))
+    axes.set_ylabel(axis_label(words, quantity))
     _along(axes, cases)
-    deepest = quantity.shown(min(case.result.least_hoop_stress for case in cases))
+    deepest = quantity.shown(
+        min(_thickness(case.result, name) * case.result.least_hoop_stress for case in cases)
+    )
     if deepest < 0:  # at both ends the web has its wound-on stress, many times what is inside
         axes.set_ylim(1.3 * deepest, min(axes.get_ylim()[1], -ABOVE * deepest))
+    return handles
+
+
+def _thickness(result: WoundRollResult, name: str) -> float:
+    return float(result.problem.web_thickness) if name == "residual_tension" else 1.0
+
+
+def _draw_density(axes: Axes, cases: Cases) -> Handles:
+    handles = []
+    for case in cases:
+        x = shown(case.result, "radius")
+        for name, style, words in (
+            ("density", "-", "in the roll"), ("density_as_wound", "--", "as wound")
+        ):  # fmt: skip
+            colour = case.or_own(COLOURS[0 if name == "density" else 1])
+            (line,) = axes.plot(x, shown(case.result, name), style, color=colour, label=words)
+            handles += [line] if case.alone else []
+    axes.set_ylabel(axis_label("Density", quantity_of(cases[0].result, "density")))
+    _along(axes, cases)
     return handles
 
 

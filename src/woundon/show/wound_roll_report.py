@@ -18,7 +18,8 @@ __all__ = ["wound_roll_report"]
 
 LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # told otherwise
 NAMES = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length", "laps",
-         "mass", "surface_slope"]  # fmt: skip
+         "mass", "wound_mass", "mean_density", "surface_slope", "lap_effect"]  # fmt: skip
+OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
 # of the finished roll, where they are not nil
 CHANGES = ("temperature_change", "core_shrinkage")
 
@@ -28,10 +29,12 @@ def wound_roll_report(result: WoundRollResult) -> list[Part]:
     problem, r, hoop = result.problem, result.radius, result.hoop_stress
     stages, nodes = result.stage_radius.size - 1, r.size
     how = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
+    names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
     changes = [field_row(problem, name) for name in CHANGES if getattr(problem, name)]
     notes = {
         "peak_pressure": _place(r, result.pressure, int(np.argmax(result.pressure))),
         "least_hoop_stress": _place(r, hoop, int(np.argmin(hoop))),
+        "lap_effect": ", in the errors told",
     }
     return [
         Line(how, "quiet"),
@@ -40,7 +43,7 @@ def wound_roll_report(result: WoundRollResult) -> list[Part]:
             *(field_row(problem, name) for name in ("radius", "web_thickness")),
             *_tension(result),
         )),
-        Section("Wound roll", rows_of(result, NAMES, leave=LEFT_OUT, **notes), _compressed(result)),
+        Section("Wound roll", rows_of(result, names, leave=LEFT_OUT, **notes), _compressed(result)),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
         *_other_theories(result),
     ]  # fmt: skip

@@ -11,7 +11,7 @@ const RIGHT = 54;
 // ---- colours of the style sheet, read once a theme ----
 
 let palette = null;
-export const forgetColours = () => { palette = null; };
+export const forgetColours = () => { palette = null; hatches.clear(); };
 function colours() {
   if (!palette) {
     const style = getComputedStyle(document.documentElement);
@@ -23,7 +23,14 @@ function colours() {
 }
 export const colourOf = (name) => colours()[name];
 
+const hatches = new Map(); // by zone and size
 function hatched(ctx, zone, size) {
+  const key = `${zone} ${size}`;
+  if (!hatches.has(key)) hatches.set(key, newHatch(ctx, zone, size));
+  return hatches.get(key);
+}
+
+function newHatch(ctx, zone, size) {
   const tile = document.createElement("canvas");
   tile.width = tile.height = size;
   const pen = tile.getContext("2d");
@@ -66,9 +73,13 @@ class Chart {
     this.tell = tell;
     this.plot = null;
     this.key = "";
+    this.inSight = true;
+    this.late = null; // what is to be shown when it comes into sight again
   }
 
   show(cases, units, height) {
+    this.late = this.plot && !this.inSight ? [cases, units, height] : null;
+    if (this.late) return;
     this.cases = cases;
     this.units = units;
     const { panel } = cases[0];
@@ -82,6 +93,11 @@ class Chart {
     const data = this.data();
     if (!this.plot || key !== this.key) this.make(key, data, height);
     else this.plot.batch(() => { this.plot.setData(data, false); this.fit(); });
+  }
+
+  look(inSight) {
+    this.inSight = inSight;
+    if (inSight && this.late) this.show(...this.late);
   }
 
   /** The strips of all cases below each other. */
@@ -395,7 +411,11 @@ export function Panel({ title, cases, units, height, theme, description }) {
     chart.current = new Chart(place.current, (told) => tellIn(legend.current, told));
     const watch = new ResizeObserver(() => chart.current?.resize(chart.current.tall_));
     watch.observe(place.current);
-    return () => { watch.disconnect(); chart.current.end(); chart.current = null; };
+    const sight = new IntersectionObserver((entries) => chart.current?.look(entries.at(-1).isIntersecting), { rootMargin: "120px" });
+    sight.observe(place.current);
+    const print = () => chart.current?.look(true);
+    addEventListener("beforeprint", print);
+    return () => { removeEventListener("beforeprint", print); sight.disconnect(); watch.disconnect(); chart.current.end(); chart.current = null; };
   }, []);
   useEffect(() => { if (chart.current) chart.current.key = ""; }, [theme]);
   useLayoutEffect(() => {

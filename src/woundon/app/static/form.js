@@ -1,7 +1,7 @@
 // The form of a case, generated from the catalogue.
 import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
 import { isSchedule, profileOf } from "./schedules.js";
-import { html, useEffect, useState } from "./html.js";
+import { html, useEffect, useMemo, useState } from "./html.js";
 import { Symbol } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits, parsed } from "./units.js";
@@ -15,11 +15,17 @@ export function Form({ store }) {
   const { catalogue, kind } = store;
   const narrow = matchMedia("(max-width: 820px)").matches; // there the first group alone is open
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
-    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<details class="group" open=${!narrow || k === 0} key=${`${kind.name}.${group.name}`} data-group=${group.name}>
-      <summary>${group.title.charAt(0).toUpperCase() + group.title.slice(1)}</summary>
-      <div class="fields">${group.fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: group.fields.length === 1 }} />`)}</div>
-    </details>`)}
+    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<${Group} key=${`${kind.name}.${group.name}`} ...${{ store, group, open: !narrow || k === 0 }} />`)}
   </form>`;
+}
+
+/** Drawn anew only where one of its own fields has changed: a slider moves one of a hundred. */
+function Group({ store, group: { name, title, fields }, open }) {
+  const { state, units } = store;
+  return useMemo(() => html`<details class="group" open=${open} data-group=${name}>
+      <summary>${title.charAt(0).toUpperCase() + title.slice(1)}</summary>
+      <div class="fields">${fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: fields.length === 1 }} />`)}</div>
+    </details>`, [units, state.faults, ...fields.map((field) => state.case[field.name])]);
 }
 
 function Field(props) {
@@ -54,7 +60,11 @@ function within(field, value) {
 
 // ---- a number ----
 
-const plain = (value) => (value == null ? "" : String(Number(value.toPrecision(6))));
+function plain(value) {
+  if (value == null) return "";
+  const number = Number(value.toPrecision(6));
+  return number && Math.abs(number) < 1e-3 ? number.toExponential() : String(number);
+}
 
 function NumberField({ store, field, path }) {
   const { units, state } = store;
@@ -225,19 +235,23 @@ function Members({ store, field, path }) {
   };
   const up = (k) => store.change(path, items.map((item, n) => (n === k - 1 ? items[k] : n === k ? items[k - 1] : item)));
   const most = field.max_items ?? 20;
+  const titleOf = (member) => T.members[member.form] ?? catalogue.forms[member.form].title;
+  const title = titleOf(field.members[0]);
+  const ordered = /outermost/.test(field.label);
   return html`<div class="members" data-path=${path}>
+    ${!ordered && html`<p class="quiet">${field.label}</p>`}
     ${items.map((item, k) => {
       const member = memberOf(catalogue, field, item) ?? field.members[0];
       return html`<fieldset class="member item" key=${k}>
-        <legend>${T.form.item(T.members[member.form] ?? catalogue.forms[member.form].title, k + 1, items.length, field.label)}</legend>
+        <legend>${T.form.item(titleOf(member), k + 1, items.length, ordered)}</legend>
         <div class="item-tools">
-          <button type="button" disabled=${k === 0} aria-label=${T.form.outward(k + 1)} title=${T.form.outward(k + 1)} onClick=${() => up(k)}>↑</button>
-          <button type="button" disabled=${items.length <= fewest} aria-label=${T.form.drop(k + 1)} title=${T.form.drop(k + 1)} onClick=${() => drop(k)}>✕</button>
+          ${ordered && html`<button type="button" disabled=${k === 0} aria-label=${T.form.outward(title, k + 1)} title=${T.form.outward(title, k + 1)} onClick=${() => up(k)}>↑</button>`}
+          <button type="button" disabled=${items.length <= fewest} aria-label=${T.form.drop(title, k + 1)} title=${T.form.drop(title, k + 1)} onClick=${() => drop(k)}>✕</button>
         </div>
         ${fieldsOf(catalogue, member.form).map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${k}.${one.name}`, field: one }} />`)}
       </fieldset>`;
     })}
-    <button type="button" class="add" disabled=${items.length >= most} onClick=${add}>${T.form.add}</button>
+    <button type="button" class="add" disabled=${items.length >= most} onClick=${add}>${T.form.add(title)}</button>
     <${Fault} path=${path} text=${faultAt(store, path)} />
   </div>`;
 }

@@ -4,7 +4,7 @@ import { forgetColours } from "./chart.js";
 import { Patterns } from "./drawing.js";
 import { Menu, restore } from "./exchange.js";
 import { Form } from "./form.js";
-import { html, render, useEffect, useLayoutEffect } from "./html.js";
+import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
 import { Bracket, Differences, Numbers, Panels, Pins, Sections, Verdict } from "./results.js";
 import { Store, useStore } from "./store.js";
 import { Study } from "./study.js";
@@ -38,12 +38,14 @@ function Page({ store }) {
     return () => { removeEventListener("keydown", keys); dark.removeEventListener("change", repaint); };
   }, [store]);
   const views = { case: Case, study: Study, winding: Winding, thesis: Thesis };
+  // while a slider moves, the form does not wait for the answer, nor the answer for the form
+  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.faults, state.system]);
   return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>
     <${Patterns} />
     <${Header} store=${store} />
-    <div class=${`working${state.busy ? " busy" : ""}`} aria-hidden="true"></div>
+    <div class=${`working${state.busy ? " busy" : ""}${state.rough ? " rough" : ""}`} aria-hidden="true"></div>
     <div class="split">
-      <aside class="left">${state.tab !== "thesis" && html`<${Form} store=${store} />`}</aside>
+      <aside class="left">${state.tab !== "thesis" && form}</aside>
       <main class="right" id="results" tabindex="-1" aria-label=${T.results.name}>
         <div role="tabpanel" id=${`panel-${state.tab}`} aria-labelledby=${`tab-${state.tab}`} class="view"><${views[state.tab]} store=${store} /></div>
       </main>
@@ -92,17 +94,20 @@ function Tabs({ store }) {
 }
 
 function Case({ store }) {
-  const { result, problem, tables } = store.state;
-  if (!result || result.kind !== store.state.kind) return html`<p class="quiet">${problem || T.results.busy}</p>`;
-  return html`<${Verdict} store=${store} />
-    <${Numbers} store=${store} />
-    <${Bracket} store=${store} />
-    <div class="bar-row"><${Pins} store=${store} />
-      <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>
-    <${Panels} store=${store} />
-    <p class="quiet hint">${T.panels.hint}</p>
-    <${Differences} store=${store} />
-    <${Sections} store=${store} />`;
+  const { kind, result, solved, problem, faults, unreachable, extras, pins, tables, system, theme, scheme } = store.state;
+  const stale = Object.keys(extras).filter((name) => store.extra(name).stale).join();
+  return useMemo(() => {
+    if (!result || result.kind !== kind) return html`<p class="quiet">${problem || T.results.busy}</p>`;
+    return html`<${Verdict} store=${store} />
+      <${Numbers} store=${store} />
+      <${Bracket} store=${store} />
+      <div class="bar-row"><${Pins} store=${store} />
+        <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>
+      <${Panels} store=${store} />
+      <p class="quiet hint">${T.panels.hint}</p>
+      <${Differences} store=${store} />
+      <${Sections} store=${store} />`;
+  }, [kind, result, solved, problem, faults, unreachable, extras, stale, pins, tables, system, theme, scheme]);
 }
 
 async function begin() {

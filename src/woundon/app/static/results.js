@@ -2,7 +2,7 @@
 import { at, same } from "./cases.js";
 import { colourOf, Panel } from "./chart.js";
 import { Drawing } from "./drawing.js";
-import { Fragment, html, useEffect, useRef, useState } from "./html.js";
+import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js";
 import { Symbol, symbolText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
@@ -41,8 +41,8 @@ function difference(units, output, from, to) {
 
 export function Numbers({ store }) {
   const { units, kind, state } = store;
-  const { result, busy } = state;
-  return html`<section class=${`numbers${busy ? " busy" : ""}`} aria-label=${T.results.numbers}>
+  const { result } = state;
+  return html`<section class="numbers" aria-label=${T.results.numbers}>
     ${headlines(kind, result).map((output) => {
       const told = result.outputs[output.name];
       return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}
@@ -221,25 +221,24 @@ function Bars({ store }) {
 
 export function Sections({ store }) {
   const { told: report, stale } = store.extra("report");
-  if (!report) return null;
-  return html`<details class=${`sections${stale ? " stale" : ""}`} open>
+  return useMemo(() => report && html`<details class=${`sections${stale ? " stale" : ""}`} open>
     <summary>${T.results.report}</summary>
     <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
       <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row">${row.label}</th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
         <${SectionValue} store=${store} row=${row} /><td class="note">${row.note.replace(/^,\s*/, "")}</td></tr>`)}</tbody></table>
       ${section.text && store.units.name === "SI" && html`<p>${section.text}</p>`}</section>`)}</div>
-  </details>`;
+  </details>`, [report, stale, store.units]);
 }
 
 /** A row of the report in the chosen units. */
 function SectionValue({ store, row }) {
   const entry = Object.entries(store.catalogue.units).find(([, known]) => known.some((unit) => unit.name === row.unit));
-  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td>${row.unit}</td>`;
+  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td class="told">${row.unit}</td>`;
   const quantity = { unit: entry[0], shown_unit: row.unit };
   const { factor } = entry[1].find((unit) => unit.name === row.unit);
   const ratio = factor / store.units.of(quantity).factor;
   const error = row.error_text && (row.error_text.startsWith("<") ? `<${digits(Number(row.error_text.slice(1)) * ratio, 1)}` : digits(Number(row.error_text) * ratio, 2));
-  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td>${store.units.text(quantity)}</td>`;
+  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="told">${store.units.text(quantity)}</td>`;
 }
 
 /** Two estimates of the main output that bracket it: a line with the answer between them. */

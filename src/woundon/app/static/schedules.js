@@ -39,3 +39,13 @@ export function profile(points) {
 export function profileOf(store, path, value) {
   return profile(pointsOf(value, endsOf(store.state.case)));
 }
+
+/** As many points as are dragged, on the lines between more. */
+export function fewer(points, [core, surface]) {
+  return Array.from({ length: POINTS }, (_, n) => {
+    const r = core + ((surface - core) * n) / (POINTS - 1);
+    const k = Math.max(1, points.findIndex(([next]) => next >= r * (1 - 1e-9)));
+    const [[r0, v0], [r1, v1]] = [points[k - 1], points[k]];
+    return [r, v0 + ((v1 - v0) * Math.min(1, Math.max(0, (r - r0) / (r1 - r0))))];
+  });
+}

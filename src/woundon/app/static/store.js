@@ -7,6 +7,7 @@ import { Units } from "./units.js";
 const PINS = 4;
 const REST = 220; // [ms] without a change: then what is slower is asked for
 const KEPT = 200; // steps of undo
+const NO_FAULTS = Object.freeze({});
 
 export class Store {
   constructor(catalogue) {
@@ -17,8 +18,8 @@ export class Store {
     const first = catalogue.kinds.find((kind) => kind.name === "wrapped_nip") ?? catalogue.kinds[0];
     this.state = {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
-      tab: "case", past: [], future: [], faults: {}, problem: "",
-      result: null, solved: null, extras: {}, busy: false, pins: [], tables: false,
+      tab: "case", past: [], future: [], faults: NO_FAULTS, problem: "",
+      result: null, solved: null, extras: {}, busy: false, rough: false, pins: [], tables: false,
       others: {}, study: null, message: "",
     };
     this.units = new Units(catalogue, this.state.system);
@@ -88,7 +89,7 @@ export class Store {
   take(kind, tables) {
     const past = [...this.state.past, { kind: this.state.kind, case: this.state.case }].slice(-KEPT);
     this.moving = false;
-    this.set({ kind, case: tables, past, future: [], faults: {}, problem: "" });
+    this.set({ kind, case: tables, past, future: [], faults: NO_FAULTS, problem: "" });
     this.solve();
   }
 
@@ -107,7 +108,7 @@ export class Store {
     const here = { path: last.path, kind: this.state.kind, case: this.state.case };
     this.set({
       [from]: this.state[from].slice(0, -1), [to]: [...this.state[to], here],
-      kind: last.kind, case: last.case, faults: {}, problem: "",
+      kind: last.kind, case: last.case, faults: NO_FAULTS, problem: "",
     });
     this.solve();
   }
@@ -126,21 +127,26 @@ export class Store {
 
   // ---- the picture ----
 
+  /** Solve; a slider that moves has each answer from the one before, and the exact one at rest. */
   solve(moving = false) {
     clearTimeout(this.resting);
     this.filling?.abort();
     const tables = this.state.case;
     const kind = this.state.kind;
     this.set({ busy: true });
-    this.newest.ask((signal) => this.solved(kind, tables, moving, signal));
-    this.resting = setTimeout(() => this.rest(moving), REST);
+    this.newest.ask(async (signal) => {
+      await this.solved(kind, tables, moving ? { warm: true } : {}, signal);
+      // from the picture on: on a slow machine a rest from the change on would begin before it
+      if (tables === this.state.case) this.resting = setTimeout(() => this.rest(moving), REST);
+    });
   }
 
-  async solved(kind, tables, moving, signal) {
+  async solved(kind, tables, options, signal) {
     try {
-      const result = await api.solve(tables, moving ? { warm: true } : {}, signal);
+      const result = await api.solve(tables, options, signal);
       if (kind !== this.state.kind) return;
-      this.set({ result, solved: tables, busy: this.newest.waiting !== null, faults: {}, problem: "" });
+      this.set({ result, solved: tables, busy: this.newest.waiting !== null, rough: !!options.warm, faults: NO_FAULTS, problem: "" });
+      if (options.report) this.keep("report", tables, result.sections);
     } catch (fault) {
       if (fault.name === "AbortError" || fault.superseded) return;
       if (tables !== this.state.case) return;
@@ -157,15 +163,18 @@ export class Store {
       else left.push(message);
     }
     if (!fault.errors.length) left.push(fault.message);
-    this.set({ faults, problem: left.join("\n"), unreachable: fault.status === 0, busy: false });
+    this.set({ faults, problem: left.join("\n"), unreachable: fault.status === 0, busy: false, rough: false });
   }
 
   /** At rest: the answer to its last digit, then what takes longer and is in sight. */
-  async rest(moving) {
+  rest(moving) {
     const { kind, case: tables } = this.state;
-    if (moving) this.newest.ask((signal) => this.solved(kind, tables, false, signal));
-    while (this.newest.running || this.newest.waiting) await new Promise((wake) => setTimeout(wake, 30));
-    if (tables === this.state.case && tables === this.state.solved) this.fill();
+    const fill = () => { if (tables === this.state.case && tables === this.state.solved) this.fill(); };
+    if (!moving) return fill();
+    return this.newest.ask(async (signal) => {
+      await this.solved(kind, tables, { report: true }, signal);
+      fill();
+    });
   }
 
   /** Something that takes longer has come into sight, or gone out of it. */
@@ -198,9 +207,13 @@ export class Store {
       if (!name || signal.aborted || tables !== this.state.case) break;
       const told = await Promise.resolve(ask[name]()).catch(() => null);
       if (signal.aborted || tables !== this.state.case) break;
-      this.set({ extras: { ...this.state.extras, [name]: { kind: this.state.kind, of: tables, told } } });
+      this.keep(name, tables, told);
     }
     if (this.filling?.signal === signal) this.filling = null;
+  }
+
+  keep(name, of, told) {
+    this.set({ extras: { ...this.state.extras, [name]: { kind: this.state.kind, of, told } } });
   }
 
   /** The field against which the outputs are drawn around the working point. */

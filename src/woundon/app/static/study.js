@@ -36,13 +36,15 @@ export function Study({ store }) {
   const { state, kind, catalogue } = store;
   const fields = variables(store);
   const outputs = kind.outputs.filter((output) => !output.array && !output.whole);
-  const [plan, setPlan] = useState({ first: "nip_load", second: "", count: 21, across: 9, output: "", ends: {} });
+  const [plan, setPlan] = useState({ first: "", second: "", count: 21, across: 9, output: "", ends: {} });
   const abort = useRef(null);
   useEffect(() => () => abort.current?.abort(), []);
   const study = state.study?.kind === kind.name ? state.study : null;
-  const main = kind.main[0] ?? outputs[0]?.name;
+  const here = state.result?.kind === kind.name ? state.result.outputs : {}; // what there is, as losses of elastic bodies are not
+  const main = kind.main[0] ?? (outputs.find((one) => here[one.name]?.value != null) ?? outputs[0])?.name;
   const output = outputs.some((one) => one.name === plan.output) ? plan.output : main;
-  const first = fields.find((one) => one.path === plan.first) ?? fields[0];
+  const field = (path) => fields.find((one) => one.path === path);
+  const first = field(plan.first) ?? field(store.loadOf(kind)) ?? fields[0];
   const second = fields.find((one) => one.path === plan.second && one.path !== first.path);
   const endsOf = (one) => plan.ends[one.path] ?? around(one);
   const cases = plan.count * (second ? plan.across : 1);

@@ -1,0 +1,86 @@
+// The inverse: a wanted pressure, drawn by dragging its points, and the tension that leaves it.
+import * as api from "./api.js";
+import { html, useEffect, useRef, useState } from "./html.js";
+import { LENGTH, Points } from "./points.js";
+import { OnePanel } from "./results.js";
+import { endsOf, fewer, pointsOf } from "./schedules.js";
+import { T } from "./texts.js";
+import { digits } from "./units.js";
+
+export const DESIGNED = "wound_roll"; // the kind whose tension can be found
+const TENSION = "wound_on_tension";
+
+/** Points of the pressure that the roll has, to start from; none can be wanted of the surface. */
+function startOf(result, ends) {
+  const { curves: [{ x, y }] } = result.panels.find((panel) => panel.name === "pressure");
+  const points = fewer(x.map((r, k) => [r, y[k]]), ends);
+  const inner = points.slice(1, -1).map(([, P]) => P);
+  const level = inner.reduce((sum, P) => sum + P, 0) / inner.length;
+  return points.map(([r, P], k) => [(r - ends[0]) / (ends[1] - ends[0]), Number((k === 0 || k === points.length - 1 ? level : P).toPrecision(3))]);
+}
+
+export function Design({ store }) {
+  const { state } = store;
+  const [open, setOpen] = useState(false);
+  const [wanted, setWanted] = useState(null); // (share of the way from core to surface, pressure)
+  const [found, setFound] = useState({});
+  const newest = useRef(new api.Newest());
+  const ends = endsOf(state.solved);
+  const points = (wanted ?? []).map(([share, P]) => [ends[0] + share * (ends[1] - ends[0]), P]);
+  const { [TENSION]: own, ...roll } = state.solved;
+  useEffect(() => {
+    if (!open) return;
+    const tables = state.solved;
+    const pressure = { radius: points.map(([r]) => r), value: points.map(([, P]) => P) };
+    newest.current.ask(async (signal) => {
+      try {
+        setFound({ told: await api.design(tables, pressure, signal), tables, points });
+      } catch (fault) {
+        if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault: fault.message }));
+      }
+    });
+  }, [open, JSON.stringify([roll, points])]);
+  useEffect(() => () => newest.current.drop(), []);
+  const toggle = (event) => { setWanted(wanted ?? startOf(state.result, ends)); setOpen(event.target.open); };
+  const put = (next) => setWanted(next.map(([r, P]) => [(r - ends[0]) / (ends[1] - ends[0]), Number(P.toPrecision(4))]));
+  const take = () => {
+    if (!store.full) store.pin();
+    store.change(TENSION, found.told.tension);
+  };
+  return html`<details class="tab-card design" open=${open} onToggle=${toggle}>
+    <summary><h2>${T.design.title}</h2></summary>
+    ${open && html`<p>${T.design.about}</p>
+      <${Points} ...${{ store, quantity: store.output("pressure"), points, ends, put, name: T.design.wanted }} />
+      ${found.fault && html`<p class="fault" role="alert">${found.fault}</p>`}
+      ${found.told && html`<${Found} store=${store} found=${found} own=${own} />
+        <button type="button" class="primary" disabled=${!!found.fault} onClick=${take}>${T.design.take}</button>
+        <span class="quiet"> ${store.full ? T.design.full : T.design.pins}</span>`}`}
+  </details>`;
+}
+
+/** The tension found beside that of the case, and the pressures: of the case, wanted, reached. */
+function Found({ store, found: { told, fault }, own }) {
+  const { units, state } = store;
+  const pressure = store.output("pressure");
+  const now = pointsOf(own, endsOf(state.solved));
+  const before = state.result.panels.find((panel) => panel.name === "pressure").curves[0];
+  const along = { label: T.winding.radius, quantity: LENGTH };
+  const curve = (symbol, label, role, dash, x, y) => ({ name: label, symbol, label, role, dash, side: "left", x, y });
+  const panel = (name, words, quantity, curves) => [{ label: "", colour: null, panel: {
+    name, column: "design", x: along, y: { label: words, quantity, floor: 0 }, areas: [], marks: [], curves,
+  } }];
+  const tension = store.fieldAt(TENSION);
+  const shown = [
+    [T.design.tension, panel("design_tension", T.design.tension, tension, [
+      curve(tension.symbol, T.design.found, "roll", "solid", told.tension.radius, told.tension.value),
+      curve(tension.symbol, T.design.now, "web", "dashdot", now.map(([r]) => r), now.map(([, v]) => v))])],
+    [T.design.pressure, panel("design_pressure", T.design.pressure, pressure, [
+      curve(pressure.symbol, T.design.reached, "roll", "solid", told.radius, told.reached),
+      curve(pressure.symbol, T.design.wanted, "drum", "dashed", told.radius, told.wanted),
+      curve(pressure.symbol, T.design.now, "web", "dashdot", before.x, before.y)])],
+  ];
+  const size = (quantity, value) => `${digits(units.shown(quantity, value), 3)} ${units.text(quantity)}`;
+  return html`<div class=${fault ? "stale" : ""}><p class="quiet">${told.outer_layer > 0
+    ? T.design.layer(size(LENGTH, told.outer_layer), size(pressure, told.surface_miss)) : T.design.met}</p>
+    <div class="panels">${shown.map(([title, cases]) => html`<div class="panel-cell" key=${title}><${OnePanel} store=${store} name=${cases[0].panel.name} title=${title} cases=${cases} /></div>`)}</div></div>`;
+}

@@ -1,0 +1,84 @@
+"""From one half width to the one that carries the load, by the factors of the first.
+
+Unknowns x and half width a are a root of R(x, a) = 0, load(x, a) = P.  About a solved (x0, a0) with
+factors of R_x, x is followed along ln a by the chord method: as a moves by no more than the meshes
+differ, its error falls by |ln a/a0| a step, and a step costs two matrix products with vectors where
+another assembly and factorisation would cost hundreds.  The changes along ln a tell
+d ln P/d ln a, and predict the next x.
+"""
+
+from __future__ import annotations
+
+from math import exp, log
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .stick_slip import StickSlipSolution
+
+__all__ = ["Followed", "follow"]
+
+Array = np.ndarray
+
+FARTHEST = 0.1  # of ln(load): beyond, another factorisation pays
+MOST_STEPS = 8
+CONTRACTION = 3.0  # of the chord method, per ln a; 0.01 to 0.8 are seen on random nips
+LEFT = 0.02  # of the imbalance that is allowed
+
+
+class Followed(NamedTuple):
+    """Equations, state and power d ln P/d ln a at the half width that carries the load."""
+
+    equations: Any
+    state: Any
+    power: float
+    kept: bool  # whether stick and slip are still the same
+
+
+def follow(
+    equations: Any, solution: StickSlipSolution, load: float, tolerance: Any, power: float
+) -> Followed | None:
+    """Return the state that carries the load, near a solved one; None where it is not got to.
+
+    Parameters
+    ----------
+    equations : Equations
+        Those of the solved half width.
+    solution : StickSlipSolution
+        Its joint solution.
+    load : float
+        [N/m].
+    tolerance : Tolerance
+    power : float
+        First guess of d ln P/d ln a.
+    """
+    joint, (factors, x, _) = equations.joint, solution.joint
+    n = joint.unknowns
+    carried = equations.load_of(x[:n])
+    if carried <= 0 or abs(log(carried / load)) > FARTHEST:
+        return None
+    at = first = log(equations.matrices.half_width)
+    miss, along = log(carried / load), np.zeros_like(x)
+    for _ in range(MOST_STEPS):
+        step = -miss / power
+        moved = equations.moved(exp(at + step))
+        before = x + along * step
+        left = moved.left(before)
+        change = joint.step(factors, left)
+        now = before + change
+        carried = moved.load_of(now[:n])
+        if not carried > 0:
+            return None
+        missed, miss = miss, log(carried / load)
+        if abs(step) > 1e-9:  # a shorter one tells rounding, not the power
+            power, along = (miss - missed) / step, (now - x) / step
+        at, x = at + step, now
+        size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
+        error = size * min(1.0, CONTRACTION * abs(at - first))
+        if abs(miss) <= tolerance.load and error <= max(LEFT * tolerance.balance, 1e-15):
+            found = joint.solution(factors, x, joint.slips(change) - left[n + 2 :])
+            kept = not found.violated().any()
+            return Followed(moved, moved.state(found), power, kept)
+        if not 0.5 < power < 15.0:
+            return None
+    return None

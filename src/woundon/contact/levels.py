@@ -1,0 +1,148 @@
+"""Solved meshes, and what one mesh or a neighbouring case hands to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .grid import nearest_nodes, zone_borders
+from .schemes import Mesh
+from .told import Scatter
+from .zones import Runs
+
+__all__ = ["Before", "Known", "Level", "Scalars", "Start", "Widths"]
+
+Array = np.ndarray
+Scalars = Mapping[str, float]
+
+
+class Known(NamedTuple):
+    """What is known before a half width is tried: a state to linearise about, and zones."""
+
+    about: Any
+    zones: Array | None
+
+
+class Before(NamedTuple):
+    """What another mesh, or a neighbouring case, was linearised about."""
+
+    places: Array  # in units of a
+    about: Any
+
+
+class Widths(NamedTuple):
+    """The half width that carries the load on each mesh, by its number of nodes [m].
+
+    ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.  ``scatters`` are
+    those of the outputs.
+    """
+
+    power: float
+    by_nodes: Mapping[int, float]
+    scatters: Mapping[str, Scatter] = MappingProxyType({})
+
+    def at(self, share: float) -> Widths:
+        """Return what they would be at another load, ``share`` times as large."""
+        factor = share ** (1 / self.power)
+        by_nodes = {nodes: a * factor for nodes, a in self.by_nodes.items()}
+        return Widths(self.power, by_nodes, self.scatters)
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What one mesh, or a neighbouring case, hands to the next.
+
+    Attributes
+    ----------
+    half_width : float
+        [m].
+    faces : sequence of arrays
+        Where each face's tractions were, in units of a.
+    zones : (m,) int array
+        Their states, face by face.
+    power : float
+        d ln P/d ln a.
+    frictionless : (a, load), optional
+        A half width and the load that it would carry on that mesh without friction.
+    level : Level, optional
+        The solved mesh itself.
+    widths : Widths, optional
+        Those of a neighbouring case, at the load asked.
+    before : Before, optional
+        What it was linearised about.
+    rough : bool
+        Whether it is no more than a guess.
+    runs : sequence of Runs, optional
+        The zones of each face, borders to a fraction of a cell, in units of a.
+    """
+
+    half_width: float
+    faces: Sequence[Array]
+    zones: Array
+    power: float = 2.0
+    frictionless: tuple[float, float] | None = None
+    level: Level | None = None
+    widths: Widths | None = None
+    before: Before | None = None
+    rough: bool = False
+    runs: Sequence[Runs] | None = None
+
+    def zones_on(self, faces: Sequence[Array]) -> Array:
+        """Carry the zones over: each new node takes that of the nearest old one of its face."""
+        ends = np.cumsum([0, *(face.size for face in self.faces)])
+        return np.concatenate([
+            self.zones[first:last][nearest_nodes(old, new)]
+            for old, new, first, last in zip(self.faces, faces, ends, ends[1:], strict=False)
+        ])  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """A solved mesh, and the power d ln P/d ln a found on the way; what was made of it is kept."""
+
+    mesh: Mesh
+    equations: Any
+    state: Any
+    load: float  # asked
+    power: float
+    kept: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def share(self) -> float:
+        """Load asked over load carried: a coarse mesh is not solved to the last digit."""
+        return self.load / float(self.equations.carried(self.state))
+
+    @property
+    def half_width(self) -> float:
+        """The half width at which this mesh would carry the load [m]."""
+        return float(self.state.half_width * self.share ** (1 / self.power))
+
+    def at_load(self, value: float) -> float:
+        """Return a pressure as it would be at the load asked: it goes like load over width."""
+        return float(value * self.share ** (1 - 1 / self.power))
+
+    @property
+    def start(self) -> Start:
+        """What the next mesh starts from."""
+        load = self.equations.frictionless()
+        frictionless = None if load is None else (self.state.half_width, load)
+        zones = self.state.solution.state
+        return Start(
+            self.half_width, self.equations.faces, zones, self.power, frictionless, self,
+            before=Before(self.equations.places, self.state.known),
+        )  # fmt: skip
+
+    def borders(self) -> Array:
+        """Return where zones change on any face, in units of the half width."""
+        solution, first, found = self.state.solution, 0, []
+        slack = solution.bound - np.abs(solution.traction)
+        for face in self.equations.faces:
+            own = slice(first, first + face.size)
+            nodes = np.concatenate([[-1.0], face, [1.0]])
+            found.append(zone_borders(nodes, solution.state[own], slack[own]))
+            first += face.size
+        return np.sort(np.concatenate(found))

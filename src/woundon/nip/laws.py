@@ -1,0 +1,79 @@
+"""The nip's equations (:mod:`.equations`) at given tractions, without their matrices.
+
+Where only a residual is asked for, by the certificate or on the way from one half width to another,
+the bodies' responses to given tractions are a few products with vectors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from ..contact.response import Response, Tractions
+from ..contact.schemes import Mesh
+
+__all__ = ["NipLaws"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class NipLaws:
+    """What a nip of linear bodies leaves of its equations; as :class:`~.equations.NipMatrices`."""
+
+    problem: Any
+    mesh: Mesh
+    half_width: float
+    responses: tuple[Response, Response]
+
+    @classmethod
+    def at(cls, problem: Any, mesh: Mesh, a: float) -> Self:
+        """Return the laws for the half width ``a`` [m]."""
+        one, two = (problem.respond(body, mesh, a) for body in problem.bodies)
+        return cls(problem, mesh, a, (one, two))
+
+    @property
+    def gap(self) -> Array:
+        """Slope of the gap, (N,)."""
+        return self.mesh.middle * (self.half_width / self.problem.contact_radius)
+
+    @property
+    def top(self) -> float:
+        """Largest slope of the gap."""
+        return float(np.max(self.gap))
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrate a traction over the contact, (n,) [m]."""
+        return self.half_width * self.mesh.grid.weights
+
+    @staticmethod
+    def loads(p: Array, q: Array) -> tuple[Tractions, Tractions]:
+        """Return what loads roll and drum."""
+        return Tractions(p, q[: p.size]), Tractions(p, q[p.size :])
+
+    def laws(self, p: Array, q: Array, shift: float, creep: float) -> tuple[Array, Array]:
+        """Return what the surfaces leave of the gap's slope, (N,), and all slips, (2n + 2,)."""
+        problem, mesh, a = self.problem, self.mesh, self.half_width
+        n, web = p.size, problem.web.compliance
+        both = q[:n] + q[n:]
+        miss = mesh.slope[:-1] @ (p * (problem.thinning / a))
+        miss += web.c12 * (mesh.value[:-1] @ both) + shift - self.gap
+        strain = (a * web.c11 / problem.web.thickness) * (mesh.behind @ both)
+        strain -= web.c12 * (mesh.value[:-1] @ p)
+        slips = np.empty(2 * n + 2)
+        for face, (body, response) in enumerate(zip(problem.bodies, self.responses, strict=True)):
+            v = strain
+            if not body.rigid:
+                slope, own = response.act(p, q[face * n : (face + 1) * n])
+                miss += slope[:-1]
+                v = strain - own[:-1]
+                if face == 0:  # the wound-on condition: from the trailing edge on
+                    v += own[-1]
+            slips[face * n : (face + 1) * n], slips[2 * n + face] = v[:-1], v[-1]
+        slips[n : 2 * n] += creep
+        slips[-1] += creep
+        return miss, slips

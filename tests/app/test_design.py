@@ -1,0 +1,49 @@
+"""The inverse over HTTP: the tension that leaves a wanted pressure."""
+
+import pytest
+
+import woundon as wo
+
+WANTED = {"radius": ["44.5 mm", 0.09, 0.15], "value": ["250 kPa", 180e3, 0]}
+
+
+def test_a_design_is_that_of_python(client, cases):
+    case = cases["wound_roll"]
+    told = client.post("/api/design", json={"case": case, "pressure": WANTED, "rtol": 1e-3})
+    found = told.raise_for_status().json()
+    pressure = wo.Profile(radius=[0.0445, 0.09, 0.15], value=[250e3, 180e3, 0.0])
+    design = wo.design_tension(wo.WoundRollProblem.example(), pressure, rtol=1e-3)
+    assert found["tension"] == {
+        "radius": list(design.tension.radius), "value": list(design.tension.value),
+        "between": "smooth",
+    }  # fmt: skip
+    assert found["reached"] == design.reached.tolist()
+    assert found["wanted"] == design.wanted.tolist()
+    assert (found["outer_layer"], found["surface_miss"]) == (0.0, design.surface_miss)
+    # what it says is a schedule of a case
+    wound = client.post("/api/solve", json=case | {"wound_on_tension": found["tension"]})
+    core = wound.raise_for_status().json()["outputs"]["core_pressure"]["value"]
+    assert core == pytest.approx(250e3, rel=2e-3)  # rtol of the design, and of the solver
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"pressure": "200"}, "pressure: '200' has no unit"),
+        ({"pressure": -2e5}, "pressure: -200000 is out of range; must be > 0"),
+        ({"pressure": {"radius": [0.05, 0.15], "value": [1e5, 1e5]}}, "pressure.radius.0: 0.05 is"),
+        ({"pressure": {"radius": [0.0445, "9 kPa"], "value": [1e5, 1e5]}}, "pressure.radius.1: "),
+        ({"pressure": {"radius": 1}}, "pressure.value: missing"),
+        ({"pressure": None}, "pressure: None is not a number"),
+        ({"rtol": 0.5}, "rtol: 0.5 is out of range"),
+        ({"case": "nip"}, "must be a WoundRollProblem"),
+        ({"presure": 1}, "presure: no such field; did you mean 'pressure'?"),
+    ],
+)
+def test_what_cannot_be_designed_is_refused_in_words(client, cases, change, says):
+    body = {"case": cases["wound_roll"], "pressure": 2e5} | change
+    if body["case"] == "nip":
+        body["case"] = cases["nip"]
+    answer = client.post("/api/design", json=body)
+    assert answer.status_code == 422
+    assert says in answer.json()["detail"]

@@ -1,0 +1,98 @@
+"""``woundon design``: a wanted pressure in; tension, case and drawing out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.cli import main
+from woundon.io.case_files import load_case
+from woundon.io.case_texts import template
+
+TABLE = "radius [mm]; pressure [kPa]\n44,5; 250\n60; 200\n120; 120\n150; 0\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("roll.toml").write_text(template("wound-roll"))
+    Path("wanted.csv").write_text(TABLE)
+    return tmp_path
+
+
+def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFixture[str]):
+    given = ["design", "roll.toml", "--pressure", "wanted.csv", "--out", "tension.csv",
+             "--case", "found.toml", "--plot", "design.png"]  # fmt: skip
+    assert main(given) == 0
+    told = capsys.readouterr().out
+    assert "largest miss inside, wound forward" in told
+    by_case = load_case("found.toml")
+    lines = [line for line in Path("roll.toml").read_text().splitlines()
+             if not line.startswith("wound_on_tension")]  # fmt: skip
+    table = '[wound_on_tension]\ncsv = "tension.csv"\nbetween = "smooth"\n'
+    Path("by_table.toml").write_text("\n".join([*lines, table]))
+    by_table = load_case("by_table.toml")
+    r = np.array([0.0445, 0.06, 0.12])
+    for problem in (by_case, by_table):
+        wound = wo.solve(problem, rtol=1e-4)
+        # 1e-4 inside, of the largest
+        np.testing.assert_allclose(
+            wound.at_radius(r)["pressure"], [250e3, 200e3, 120e3], atol=2.5e1
+        )
+    np.testing.assert_allclose(by_table.tension_curve.at(r), by_case.tension_curve.at(r), rtol=1e-8)
+    assert Path("design.png").stat().st_size > 10_000
+
+
+def test_what_is_printed_is_what_was_wound(folder: Path, capsys: pytest.CaptureFixture[str]):
+    assert main(["design", "roll.toml", "--pressure", "200 kPa", "--rtol", "1e-3"]) == 0
+    told = capsys.readouterr().out
+    rows = [line.split() for line in told.partition("Over the radius")[2].splitlines()[2:]]
+    design = wo.design_tension(load_case("roll.toml"), 200e3, rtol=1e-3)
+    wound = wo.solve(design.problem, rtol=1e-3)
+    for r, _, T, _, wanted, _, reached, _ in rows:
+        place = 1e-3 * float(r)
+        assert float(wanted) == 200.0
+        near = np.clip(place, 0.0445, 0.15)
+        # rounded radii, where the tension rises by 60 N/m a millimetre
+        assert float(T) == pytest.approx(float(design.tension.at(near)), abs=1.5)
+        assert 1e3 * float(reached) == pytest.approx(
+            float(wound.at_radius(near)["pressure"]), abs=300
+        )
+    layer = next(line for line in told.splitlines() if "d_o" in line).split()[-2]
+    assert float(layer) == pytest.approx(1e3 * design.outer_layer, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["--pressure", "200 N"], "wrong dimension"),
+        (["--pressure", "none.csv"], "none.csv: cannot be read"),
+        (["--pressure", "odd.csv"], "odd.csv: has the columns a, b; must be radius and pressure"),
+        (["--pressure", "falls.csv"], "falls.csv.radius.1: 0.05 is out of range"),
+        (["--pressure", "wanted.csv", "--set", "radius=0.16"], "must be radius = 0.16 [m]"),
+        (["--pressure", "2 kPa", "--smooth"], "--smooth: is given with one value"),
+        (["--pressure", "wanted.csv", "--rtol", "0.5"], "rtol: 0.5 is out of range"),
+        (["--pressure", "wanted.csv", "--out", "t.txt"], "must be .csv"),
+        (["--pressure", "wanted.csv", "--plot", "t.bmp"], "not a known format"),
+        (["--pressure", "2 kPa", "--case", "no/t.toml"], "no/t.toml: "),
+    ],
+)
+def test_refusals_are_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], text: str
+):
+    Path("odd.csv").write_text("a,b\n1,2\n")
+    Path("falls.csv").write_text("radius [mm],pressure [kPa]\n60,200\n50,100\n")
+    assert main(["design", "roll.toml", *arguments]) == 2
+    told = capsys.readouterr()
+    assert not told.out
+    assert text in told.err
+    assert len(told.err.splitlines()) == 1
+
+
+def test_only_wound_rolls_are_designed(folder: Path, capsys: pytest.CaptureFixture[str]):
+    Path("nip.toml").write_text(template())
+    assert main(["design", "nip.toml", "--pressure", "2 kPa"]) == 2
+    assert "is not the case of a wound roll" in capsys.readouterr().err

@@ -1,0 +1,107 @@
+"""How dense a wound roll is: one mass, counted in three ways; what roll people draw."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from matplotlib import pyplot as plt
+
+import woundon as wo
+
+NEWSPRINT = wo.WoundRollProblem.example()
+ROLLS = {
+    "newsprint": NEWSPRINT,
+    "taper": NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.4)),
+    "kink": NEWSPRINT.replace(
+        wound_on_tension=wo.Profile(radius=[0.0445, 0.08, 0.15], value=[350.0, 200.0, 250.0])
+    ),
+    "cooled": NEWSPRINT.replace(
+        temperature_change=-20.0, radial_expansion=5e-5, tangential_expansion=1e-5
+    ),
+    "stiff": NEWSPRINT.replace(stack=NEWSPRINT.stack.replace(radial=40e6)),
+}
+rolls = pytest.mark.parametrize("problem", ROLLS.values(), ids=list(ROLLS))
+
+
+@rolls
+def test_the_mass_is_that_laid(problem: wo.WoundRollProblem):
+    """Density over the volume of the finished roll against the mass laid stage by stage."""
+    result = wo.solve(problem, rtol=1e-5)
+    place = np.pi * (result.radius + result.displacement) ** 2
+    summed = np.trapezoid(result.density, place)
+    assert summed == pytest.approx(result.wound_mass, rel=3e-5)  # of the trapezoids
+    assert summed / (place[-1] - place[0]) == pytest.approx(result.mean_density, rel=3e-5)
+    laid = np.trapezoid(result.density_as_wound, np.pi * result.radius**2)
+    assert laid == pytest.approx(result.wound_mass, rel=1e-3)  # steep at the core
+
+
+@rolls
+def test_a_piece_of_the_roll_has_the_density_of_its_strains(problem: wo.WoundRollProblem):
+    """By the law of the stack alone, which knows nothing of kappa and stages."""
+    result, stack = wo.solve(problem, rtol=1e-5), problem.stack
+    through = -stack.radial.strain_at(result.pressure) - (
+        stack.poissons_ratio / stack.tangential * result.hoop_stress
+    )
+    through += problem.radial_expansion * problem.temperature_change
+    by_strains = problem.density / ((1 + through) * (1 + result.lap_strain))
+    # equal but for squares of the strains, of up to 9 %
+    miss = np.abs(result.density / by_strains - 1)
+    assert miss.max() < np.max(np.abs(through)) ** 2 + 1e-5
+    assert miss.max() < 0.1 * np.max(np.abs(result.density / problem.density - 1))
+
+
+def test_laps_without_tension_are_as_dense_as_the_web():
+    thin = wo.solve(NEWSPRINT.replace(wound_on_tension=1e-3))
+    assert thin.mean_density == pytest.approx(680.0, rel=1e-4)
+    assert thin.wound_mass == pytest.approx(thin.mass, rel=1e-4)
+
+
+def test_a_tighter_roll_is_denser_and_without_a_density_none_is_told():
+    tight = wo.solve(NEWSPRINT.replace(wound_on_tension=500.0))
+    assert tight.mean_density > wo.solve(NEWSPRINT).mean_density > 680.0
+    untold = wo.solve(NEWSPRINT.replace(density=None))
+    assert np.isnan([untold.mean_density, untold.wound_mass, *untold.density]).all()
+    assert "density" not in str(untold)
+    assert "density" not in _panels(untold)
+
+
+def test_what_is_left_of_the_tension():
+    result = wo.solve(NEWSPRINT)
+    np.testing.assert_allclose(result.residual_tension, 66e-6 * result.hoop_stress)
+    assert result.residual_tension[-1] == pytest.approx(350.0, rel=1e-3)
+
+
+def test_its_panels_are_drawn():
+    result = wo.solve(NEWSPRINT)
+    assert "density" in _panels(result)
+    figure = result.plot(panels=["density", "residual_tension"])
+    density, tension = figure.axes
+    lines = [line.get_ydata() for line in density.lines]
+    np.testing.assert_allclose(lines[0], result.density)
+    np.testing.assert_allclose(lines[1], result.density_as_wound)
+    assert "N/m" in tension.get_ylabel()
+    plt.close(figure)
+
+
+def _panels(result: wo.WoundRollResult) -> list[str]:
+    from woundon.show.wound_roll_plots import wound_roll_panels
+
+    return [name for name, panel in wound_roll_panels(result).items() if panel.shown]
+
+
+def test_kappa_is_kept_and_copies_well():
+    """Stages ask for it each time: made once a result, anew where its stages are others."""
+    result = wo.solve(NEWSPRINT)
+    assert result.kappa is result.kappa
+    x = np.log(np.linspace(0.045, 0.149, 50))
+    for other in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
+        np.testing.assert_array_equal(other.kappa(x), result.kappa(x))
+        assert other == result
+    changed = result.replace(growth=2 * result.growth)
+    np.testing.assert_allclose(changed.kappa(x), 2 * result.kappa(x))
+    assert result.at(0.1).core_pressure == pytest.approx(
+        wo.solve(result.at(0.1).problem).core_pressure, rel=1e-3
+    )

@@ -1,0 +1,182 @@
+"""One system for pressure and tractions, followed from half width to half width."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon.contact.follow import CONTRACTION, follow
+from woundon.contact.loop import COARSE, FINE, Start
+from woundon.contact.schemes import SCHEMES, Graded
+from woundon.contact.stick_slip import Ending, solve_stick_slip
+from woundon.contact.told import Scatter
+from woundon.nip.equations import NipEquations, NipMatrices
+from woundon.nip.laws import NipLaws
+from woundon.nip.solve import NipContact
+
+PAPER = wo.Orthotropic(radial=20e6, tangential=3e9, cross=5e6, shear=10e6)
+HARD = wo.NipProblem(
+    web=wo.Web(thickness=66e-6, material=PAPER), roll=wo.HalfPlane(radius=0.3, material=PAPER),
+    drum=wo.Rigid(radius=0.5), roll_friction=0.2, drum_friction=0.4,
+    nip_load=1900.0, winding_force=100.0, web_tension=500.0,
+)  # fmt: skip
+COVER = wo.Cylinder(
+    radius=0.5, core_radius=0.48, material=wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
+)
+THIN = wo.Cylinder(
+    radius=0.5, core_radius=0.498, material=wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.49)
+)
+NIPS = {
+    "hard drum": HARD,
+    "cover": HARD.replace(
+        roll=wo.Cylinder(radius=0.3, core_radius=0.05, material=PAPER), drum=COVER
+    ),
+    "thin cover": HARD.replace(drum=THIN, winding_force=-200.0),
+    "elastic roll on a rigid one": HARD.replace(roll=wo.Rigid(radius=0.3), drum=COVER),
+}
+A = 4e-3
+
+
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_laws_are_the_matrices_times_tractions(nip: wo.NipProblem, scheme: str) -> None:
+    mesh = SCHEMES[scheme].mesh(41)
+    p, q_roll, q_drum = np.random.default_rng(1).uniform(0, 1e5, (3, mesh.unknowns))
+    q = np.concatenate([q_roll, q_drum])
+    matrices = NipMatrices.at(nip, mesh, A).laws(p, q, 1e-3, 2e-4)
+    for found, known in zip(NipLaws.at(nip, mesh, A).laws(p, q, 1e-3, 2e-4), matrices, strict=True):
+        # rounding of sums of a hundred terms
+        np.testing.assert_allclose(found, known, rtol=0, atol=1e-13 * np.abs(known).max())
+
+
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_the_joint_system_has_the_solution_of_the_two_in_turn(nip: wo.NipProblem) -> None:
+    """Pressure put into the tractions' problem (thesis eq. 126), or both at once."""
+    equations = NipEquations.at(nip, Graded().mesh(33), A)
+    joint, condensed = (solve_stick_slip(p) for p in (equations.joint, equations.stick_slip()))
+    assert joint.ending is condensed.ending is Ending.SOLVED
+    np.testing.assert_array_equal(joint.state, condensed.state)
+    one, two = equations.state(joint), equations.state(condensed)
+    size = two.pressure.max()
+    # systems of a condition of 1e3 to 1e4
+    np.testing.assert_allclose(one.pressure, two.pressure, rtol=0, atol=1e-11 * size)
+    np.testing.assert_allclose(one.traction, two.traction, rtol=0, atol=1e-11 * size)
+    assert one.shift == pytest.approx(two.shift, rel=1e-9)
+    assert joint.creep == pytest.approx(condensed.creep, rel=1e-9)
+    np.testing.assert_allclose(
+        equations.last_slips(one), equations.last_slips(two), rtol=1e-8, atol=1e-13
+    )
+
+
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_a_followed_half_width_is_that_of_a_new_factorisation(nip: wo.NipProblem) -> None:
+    mesh = Graded().mesh(33)
+    equations = NipEquations.at(nip, mesh, A)
+    solution = solve_stick_slip(equations.joint)
+    load = 1.02 * equations.carried(equations.state(solution))
+    found = follow(equations, solution, load, FINE, 2.0)
+    assert found is not None
+    assert found.state.half_width > A
+    assert found.equations.carried(found.state) == pytest.approx(load, rel=FINE.load)
+    assert found.kept
+    anew = NipEquations.at(nip, mesh, found.state.half_width)
+    known = anew.state(solve_stick_slip(anew.joint, solution.state))
+    size = known.pressure.max()
+    # what the chord method may leave, 1e-10 of the pressure at most
+    np.testing.assert_allclose(found.state.pressure, known.pressure, rtol=0, atol=1e-10 * size)
+    np.testing.assert_allclose(found.state.traction, known.traction, rtol=0, atol=1e-10 * size)
+    # d ln P/d ln a by a difference; 1 % further on it has changed by less
+    wider = NipEquations.at(nip, mesh, found.state.half_width * np.exp(1e-4))
+    further = wider.carried(wider.state(solve_stick_slip(wider.joint, solution.state)))
+    assert found.power == pytest.approx(np.log(further / load) / 1e-4, rel=1e-2)
+
+
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_the_chord_method_contracts_as_foreseen(nip: wo.NipProblem) -> None:
+    equations = NipEquations.at(nip, Graded().mesh(33), A)
+    solution = solve_stick_slip(equations.joint)
+    factors, x, _ = solution.joint
+    step, joint = 1e-2, equations.joint
+    moved, sizes = equations.moved(A * np.exp(step)), []
+    for _ in range(3):
+        change = joint.step(factors, moved.left(x))
+        x = x + change
+        sizes.append(np.abs(change[: joint.unknowns]).max())
+    assert max(sizes[1] / sizes[0], sizes[2] / sizes[1]) < CONTRACTION * step
+
+
+def test_a_mesh_is_factorised_for_one_half_width_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    assembled: list[int] = []
+    at = NipEquations.at.__func__  # type: ignore[attr-defined]
+
+    def counted(cls: type, problem: object, mesh: object, a: float, about: object = None) -> object:
+        assembled.append(mesh.unknowns + 2)  # type: ignore[attr-defined]
+        return at(cls, problem, mesh, a, about)
+
+    monkeypatch.setattr(NipEquations, "at", classmethod(counted))
+    wo.solve_nip(HARD, nodes=65)
+    assert assembled == [17, 33, 65]
+
+
+def test_a_far_load_is_not_followed() -> None:
+    equations = NipEquations.at(HARD, Graded().mesh(33), A)
+    solution = solve_stick_slip(equations.joint)
+    assert follow(equations, solution, 3 * HARD.nip_load, COARSE, 2.0) is None
+
+
+def test_zones_are_foreseen_better_than_by_the_nearest_nodes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """From 65 nodes to 129, over all nips: found within a cell, not at the nearest node."""
+    foreseen, nearest, own = [], [], NipContact.zones
+
+    def noted(self: NipContact, start: Start, equations: NipEquations) -> np.ndarray:
+        foreseen.append(own(self, start, equations))
+        nearest.append(start.zones_on(equations.faces))
+        return foreseen[-1]
+
+    monkeypatch.setattr(NipContact, "zones", noted)
+    misses = np.zeros(2)
+    for nip in NIPS.values():
+        result = wo.solve_nip(nip, nodes=129)
+        known = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])
+        misses += [np.count_nonzero(told[-1] != known) for told in (foreseen, nearest)]
+    assert misses[0] < 0.7 * misses[1]
+
+
+def test_the_scatter_of_second_order_is_told_as_students_t_has_it() -> None:
+    """Random errors s z 4^-k: 1.5 told errors are exceeded in 1.5 % of cases, whatever s is."""
+    random, cases = np.random.default_rng(3), 20_000
+    for changes in (2, 3, 4):
+        errors = random.normal(size=(cases, changes + 1)) * 4.0 ** -np.arange(changes + 1)
+        told = np.array([Scatter.of(values.tolist(), 64, 7.0).error(64, 7.0) for values in errors])
+        outside = np.mean(np.abs(errors[:, -1]) > 1.5 * told)
+        # 1.5 % but for what two changes share a mesh, and 0.1 % of chance
+        assert 0.0075 < outside < 0.0225
+
+
+def test_a_smooth_error_of_second_order_is_within_what_is_told() -> None:
+    for meshes in (3, 4, 5):
+        values = [4.0**-k for k in range(meshes)]
+        assert values[-1] < 1.5 * Scatter.of(values, 64, 1.0).error(64, 1.0) < 12 * values[-1]
+
+
+def test_what_neighbours_told_counts_as_one_s_own_changes_up_to_three() -> None:
+    own, before = Scatter(2.0, 1), Scatter(4.0, 2)
+    assert own.after(None) == own
+    both = own.after(before)
+    assert both == Scatter(pytest.approx(np.sqrt((4 + 2 * 16) / 3)), 3)
+    assert own.after(Scatter(4.0, 9)).changes == 4
+    # of twice the cells and the scale: a quarter, twice
+    assert both.error(128, 6.0) == pytest.approx(both.error(64, 3.0) / 2)
+    assert np.isnan(Scatter.of([1.0], 64, 1.0).error(64, 1.0))
+
+
+def test_a_start_is_as_sure_of_its_errors_as_a_cold_solve() -> None:
+    """Cold on three meshes, from a neighbour on two: told within a factor of three."""
+    for nip in (NIPS["hard drum"], NIPS["cover"]):
+        cold = wo.solve_nip(nip, nodes=65)
+        near = wo.solve_nip(nip.replace(nip_load=1.02 * nip.nip_load), nodes=65, start=cold)
+        for name in ("nip_induced_tension", "half_width", "peak_pressure"):
+            assert 1 / 3 < near.errors[name] / cold.errors[name] < 3
