@@ -83,3 +83,7 @@ def test_two_widths_are_enough_near_a_neighbour(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(loop._Step, "at", noted)
     wo.solve(problem.replace(nip_load=1.02 * problem.nip_load), nodes=65, start=before)
     assert tried == [33, 65, 65]
+
+
+def test_slipping_everywhere_nothing_holds_the_creep(apart: StickSlip) -> None:
+    assert not apart.solve(np.ones(7, dtype=np.int8)).finite

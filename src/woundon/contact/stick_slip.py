@@ -205,7 +205,7 @@ class StickSlip:
         if right.size:
             _, _, unknown, info = lapack.dgesv(matrix.T.copy().T, right, overwrite_b=1)
             if info != 0 or not np.isfinite(unknown).all():
-                return StickSlipSolution.failed(self, state)
+                return StickSlipSolution.failed(state)
             q[stuck] = unknown[:k]
             creep = self.scale * float(unknown[k]) if bordered else 0.0
         return self.evaluate(state, q, creep)
