@@ -15,14 +15,18 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
+import csv
 import resource
 import subprocess
 import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from importlib import resources
+from math import pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from published import solve_as_published
@@ -81,7 +85,7 @@ def _timed(work: Callable[[], object]) -> float:
     return time.process_time() - start
 
 
-def _others(problem: wo.NipProblem) -> Iterator[wo.NipProblem]:
+def _others(problem: Any) -> Iterator[Any]:
     """Yield the same nip with other loads, about one percent to either side."""
     random = np.random.default_rng(1)
     while True:
@@ -200,6 +204,57 @@ def carter_table(baseline: Baseline) -> str:
     return text
 
 
+def wrapped_table(baseline: Baseline) -> str:
+    """Return the times of wrapped nips beside the plain one of the same bodies, next load."""
+    text = ("| wrapped nip; another load, from its neighbour | plain | wrapped | ratio | asked "
+            "| without a neighbour |\n|---|---|---|---|---|---|\n")  # fmt: skip
+    for name, plain in (("hard drum", paper_nip(web_tension=350.0)),
+                        ("20 mm cover", COVERED.replace(web_tension=350.0))):  # fmt: skip
+        alone = _next_load(baseline, plain)
+        for both, asked in ((False, 2.5), (True, 4.0)):
+            wrapped = plain.wrapped(roll_wrap=pi, drum_wrap=1.5 * both)
+            label = f"{name}, {'both wraps' if both else 'wrapped on the roll'}"
+            loads, near = _others(wrapped), _next_load(baseline, wrapped)
+            first = baseline.ratio(lambda: wo.solve(next(loads)), 9)  # noqa: B023
+            text += (f"| {label} | {alone:.1f} | {near:.1f} | {near / alone:.1f} | {asked} "
+                     f"| {first:.1f} |\n")  # fmt: skip
+    return text
+
+
+def _next_load(baseline: Baseline, problem: Any) -> float:
+    """Return the time of a solution from its neighbour's, default accuracy."""
+    loads, start = _others(problem), wo.solve(problem)
+    return baseline.ratio(lambda: wo.solve(next(loads), start=start))
+
+
+def rollers_table(baseline: Baseline) -> str:
+    """Return the times of two equal rollers by nodes, and of Carter's traction to 3.5e-4."""
+    text = "| nodes | dense solves | asked |\n|---|---|---|\n"
+    for nodes, asked in ((150, "5 (traction L2 3.5e-4)"), (200, "6"), (401, ""), (800, "80")):
+        ratio = baseline.ratio(lambda: wo.solve_rollers(CARTER, nodes=nodes), 9)  # noqa: B023
+        text += f"| {nodes} | {ratio:.1f} | {asked} |\n"
+    return text
+
+
+def fit_table(baseline: Baseline) -> str:
+    """Return what fits of two parameters to the 15 measured tensions cost, profiles and all."""
+    path = resources.files("woundon") / "data" / "wound_on_tension_newsprint.csv"
+    lines = [line for line in path.read_text("utf-8").splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    measured = {name.removesuffix(" [N/m]"): [float(row[name]) for row in rows] for name in rows[0]}
+    given = {name: measured[name] for name in ("nip_load", "web_tension")}
+    vary = {"roll_friction": (0.05, 0.6), "roll.material.shear": (2e6, 1e8)}
+    nip = wo.NipProblem.example()
+    text = "| output | solves | dense solves | seconds here | asked |\n|---|---|---|---|---|\n"
+    for output, problem in (("rig_tension", nip), ("wound_on_tension", nip.wrapped())):
+        start = time.process_time()
+        found = wo.fit(problem, given | {output: measured["measured"]}, vary)
+        taken = time.process_time() - start
+        dense = taken / float(np.median([baseline.once() for _ in range(15)]))
+        text += f"| {output} | {found.solves} | {dense:.0f} | {taken:.1f} | 5 |\n"
+    return text
+
+
 def wound_roll_table(baseline: Baseline) -> str:
     """Return times and errors of wound rolls; errors by a solution to 1e-6."""
     stress, rolls = 350 / 66e-6, {}
@@ -276,7 +331,10 @@ def main() -> int:
     tables: dict[str, Callable[[], str]] = {
         "nip": lambda: nip_table(baseline),
         "published": lambda: published_table(baseline),
+        "wrapped": lambda: wrapped_table(baseline),
         "carter": lambda: carter_table(baseline),
+        "rollers": lambda: rollers_table(baseline),
+        "fit": lambda: fit_table(baseline),
         "wound_roll": lambda: wound_roll_table(baseline),
         "imports": import_table,
     }

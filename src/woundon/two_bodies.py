@@ -361,7 +361,7 @@ class PairContact:
             return None
         return tuple(on_columns(before.places, mesh.columns, load) for load in before.about)
 
-    def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
+    def equations(self, mesh: Mesh, a: float, about: Any, last: Any = None) -> Any:
         """Return the equations for the half width a [m]."""
         return self.equations_of.at(self.problem, mesh, a, about)
 

@@ -118,8 +118,8 @@ class Contact(Protocol):
         """Return what to linearise about on a mesh, after another or to begin with."""
         ...
 
-    def equations(self, mesh: Mesh, a: float, about: Any) -> Any:
-        """Return the equations for the half width a [m]."""
+    def equations(self, mesh: Mesh, a: float, about: Any, last: Any = None) -> Any:
+        """Return the equations for the half width a [m]; what still holds of the last may stay."""
         ...
 
     def zones(self, start: Start, equations: Any) -> Array:

@@ -40,6 +40,7 @@ Array = np.ndarray
 
 HIGHEST_RANK = 600
 BLOCK = 4000  # entries: small arrays stay in the cache, and are not handed back to the system
+SINGULAR = ("inverse", "value", "log", "sign")  # what integrates each singular part of a kernel
 
 
 class Past(Protocol):
@@ -322,10 +323,12 @@ class Grid:
             return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
         rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
-        singular, shape = self.singular, (len(kernels), self.points.size, self.unknowns)
         if smooth is None:
-            out: Array = (factors @ singular).reshape(shape)
+            out: Array = np.zeros((len(kernels), self.points.size, self.unknowns))
+            for k, part in zip(*np.nonzero(factors), strict=True):  # few of them
+                out[k] += factors[k, part] * getattr(self, SINGULAR[part])
         else:
+            singular = self.singular
             at_points, moments = self.interpolation(rank)
             distance, where = distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
@@ -342,7 +345,7 @@ class Grid:
     @cached_property
     def singular(self) -> Array:
         """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K n)."""
-        return np.array([self.inverse, self.value, self.log, self.sign]).reshape(4, -1)
+        return np.array([getattr(self, name) for name in SINGULAR]).reshape(4, -1)
 
 
 def _chebyshev_points(r: int) -> Array:

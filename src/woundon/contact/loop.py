@@ -64,6 +64,7 @@ COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they
 STAND_INS = 3  # linear contacts before one that is not
 MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
+BLUR = 0.1  # of the load missed: the imbalance from which on it is found again at the same width
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
 
 
@@ -336,7 +337,7 @@ class _Step:
     ) -> None:
         self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
         self.tolerance = tolerance
-        self.latest: tuple[Any, Any]
+        self.latest: tuple[Any, Any] | None = None
         self.missed = nan  # ln of the load carried at first over that asked
         self.power, self.followed = 2.0 if start is None else start.power, False
         # from a neighbouring state, linearisation and width settle together
@@ -345,6 +346,7 @@ class _Step:
     @property
     def settled(self) -> bool:
         """Whether the last state is what its equations were linearised about."""
+        assert self.latest is not None
         equations, state = self.latest
         return bool(equations.imbalance(state) <= self.tolerance.balance)
 
@@ -366,13 +368,26 @@ class _Step:
                 break
             equations, state = self._linear(state.half_width)
         # where bodies are not linear, a load means something only once they have settled
-        for _ in range(MOST_PASSES if self.apart else 0):
-            if self.settled:
+        for _ in range(MOST_PASSES):
+            if not self._unsure(equations, state):
                 break
             equations, state = self._linear(a)
         carried = float(equations.carried(state))
         self._note(carried)
         return (equations, state), carried
+
+    def _unsure(self, equations: Any, state: Any) -> bool:
+        """Tell whether a load means little yet, for what was linearised has not settled.
+
+        Bodies that are not linear must settle first; what else is linearised, where it blurs by how
+        much the load is missed: then the next width misses it again.
+        """
+        contact = self.ladder.contact
+        if contact.settles_apart:
+            return self.apart and not self.settled
+        missed = abs(float(equations.carried(state)) / contact.load - 1)
+        blurred = missed > self.tolerance.load and equations.imbalance(state) > BLUR * missed
+        return bool(blurred)
 
     def _note(self, carried: float) -> None:
         if isnan(self.missed):
@@ -395,7 +410,8 @@ class _Step:
         return equations, state
 
     def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:
-        equations = self.ladder.contact.equations(self.mesh, a, self.known.about)
+        last = self.latest[0] if self.latest else None
+        equations = self.ladder.contact.equations(self.mesh, a, self.known.about, last)
         zones = self.known.zones
         if self.start is not None:
             zones, self.start = self.ladder.contact.zones(self.start, equations), None

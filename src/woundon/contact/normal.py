@@ -28,6 +28,10 @@ def solve_normal(slope_p: Array, gap: Array, slope_q: Array) -> Array:
     (N, 1 + m) array
         Rows p and shift; the first column for the gap, the others for unit tractions.
     """
+    if slope_q.size and not slope_q.any():  # of equal bodies tractions leave the pressure alone
+        out = np.zeros((gap.size, 1 + slope_q.shape[1]))
+        out[:, :1] = solve_normal(slope_p, gap, slope_q[:, :0])
+        return out
     N = gap.size
     matrix = np.empty((N, N), order="F")
     # p is of the order gap/slope_p; a column of that size keeps the matrix balanced

@@ -110,7 +110,14 @@ class StickSlip:
     @cached_property
     def stick_matrix(self) -> Array:
         """D + S K."""
+        if self.apart:
+            return self.direct
         return self.direct + self.through_pressure @ self.pressure_response
+
+    @cached_property
+    def apart(self) -> bool:
+        """Whether tractions leave the pressure alone, K = 0: then slipping ones are known."""
+        return not self.pressure_response.any()
 
     @cached_property
     def stick_offset(self) -> Array:
@@ -168,6 +175,8 @@ class StickSlip:
 
     def solve(self, state: Array) -> StickSlipSolution:
         """Solve the linear system of one state."""
+        if self.apart:
+            return self._solve_apart(state)
         m = state.size
         matrix, right = self.system(state)
         # rows are written contiguously, so LAPACK is handed the transpose
@@ -179,6 +188,27 @@ class StickSlip:
             return StickSlipSolution.failed(state)
         creep = self.scale * float(unknown[m]) if self.creep is not None else 0.0
         return self.evaluate(state, unknown[:m], creep)
+
+    def _solve_apart(self, state: Array) -> StickSlipSolution:
+        """Solve for the sticking tractions and the creep alone, where slipping ones are known."""
+        q, creep = state * self.bound_offset, 0.0
+        stuck = np.flatnonzero(state == 0)
+        k, bordered = stuck.size, int(self.creep is not None)
+        matrix, right = np.zeros((k + bordered,) * 2), np.empty(k + bordered)
+        matrix[:k, :k] = self.direct[np.ix_(stuck, stuck)]
+        right[:k] = -self.stick_offset[stuck] - self.direct[stuck] @ q
+        if self.creep is not None and self.resultant is not None:
+            unit = self.scale / float(np.max(np.abs(self.resultant)))
+            matrix[:k, k] = self.scale * self.creep[stuck]
+            matrix[k, :k] = unit * self.resultant[stuck]
+            right[k] = unit * (self.force - self.resultant @ q)
+        if right.size:
+            _, _, unknown, info = lapack.dgesv(matrix.T.copy().T, right, overwrite_b=1)
+            if info != 0 or not np.isfinite(unknown).all():
+                return StickSlipSolution.failed(state)
+            q[stuck] = unknown[:k]
+            creep = self.scale * float(unknown[k]) if bordered else 0.0
+        return self.evaluate(state, q, creep)
 
     def evaluate(self, state: Array, traction: Array, creep: float) -> StickSlipSolution:
         """Evaluate slip and bound of given tractions."""

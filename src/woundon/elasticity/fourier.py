@@ -226,12 +226,11 @@ class HarmonicSums:
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[-1] - 1, out=i)
         x -= i
-        c = coefficients.take(i, axis=-1)
-        y = c[5] * x
-        for k in (4, 3, 2, 1):
-            y += c[k]
+        y = coefficients[5].take(i, axis=-1, mode="clip")
+        one = np.empty_like(y)
+        for c in coefficients[4::-1]:  # one after the other stays in the processor's cache
             y *= x
-        y += c[0]
+            y += c.take(i, axis=-1, out=one, mode="clip")
         y += self._weak(theta)
         y *= np.where(self._odd, np.sign(flat), 1.0)
         return y.reshape(-1, *t.shape)

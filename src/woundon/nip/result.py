@@ -23,6 +23,8 @@ __all__ = ["NipResult", "SlipRatios", "WindingNipResult"]
 
 Array = np.ndarray
 
+RIG_ANGLE = pi / 2  # behind the nip, where the laboratory winder leads the web to its load cell
+
 
 @dataclass(frozen=True)
 class SlipRatios:
@@ -240,7 +242,7 @@ class NipResult(WindingNipResult):
         ),
     ]:
         """The estimate (183) where the web leaves the roll a quarter turn behind the nip [N/m]."""
-        return self.wound_on_tension_estimate(pi / 2)
+        return self.wound_on_tension_estimate(RIG_ANGLE)
 
     @property
     def wound_on_tension(self) -> NoReturn:

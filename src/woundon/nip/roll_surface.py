@@ -15,9 +15,10 @@ from ..errors import InvalidProblem
 from ..two_bodies import mesh_of
 
 if TYPE_CHECKING:
+    from ..problems.nip import NipProblem
     from .result import NipResult
 
-__all__ = ["roll_strain", "wound_on_tension_estimate"]
+__all__ = ["roll_strain", "strain_outside", "wound_on_tension_estimate"]
 
 Array = np.ndarray
 
@@ -43,12 +44,31 @@ def roll_strain(result: NipResult, s: Array) -> Array:
     if np.any(np.abs(s) < a * (1 - 1e-12)) or np.any(np.abs(s) > reach * (1 + 1e-12)):
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
         raise InvalidProblem.at("s", text)
-    outside = _Outside(mesh_of(result).grid.outside(s / a))
     loads = Tractions(result.pressure[1:-1], result.roll_traction[1:-1])
-    response = result.problem.respond(roll, outside, a, loads)
+    response = strain_outside(result.problem, mesh_of(result).grid, a, s, loads)
     _, _, strain_p, strain_q = response.gradients
     strain = response.strain + strain_p @ loads.pressure + strain_q @ loads.traction
     return np.asarray(strain)
+
+
+def strain_outside(
+    problem: NipProblem, grid: Grid, a: float, s: Array, about: Tractions
+) -> Response:
+    """Return what the roll answers outside a nip; see :func:`roll_strain`.
+
+    Parameters
+    ----------
+    problem : NipProblem
+    grid : Grid
+        Of the nip.
+    a : float
+        Half width [m].
+    s : (k,) array
+        Distances from the contact's centre [m].
+    about : Tractions
+        On the inner nodes, about which a roll that is not linear is linearised.
+    """
+    return problem.respond(problem.roll, _Outside(grid.outside(s / a)), a, about)
 
 
 class _Outside:

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +40,8 @@ from ..two_bodies import Matrices, mesh_of
 from .differential import Differential
 from .equations import NipMatrices
 from .laws import NipLaws
-from .result import NipResult
+from .result import RIG_ANGLE, NipResult
+from .roll_surface import strain_outside
 from .solve import solve_nip
 
 if TYPE_CHECKING:
@@ -61,7 +63,8 @@ class Sensitivity(ReadOnly):
     ----------
     outputs : tuple of str
         ``nip_induced_tension``, ``tension_behind_nip``, ``half_width``, ``nip_width``,
-        ``drum_creep``; of a wrapped nip ``wound_on_tension`` before them.
+        ``drum_creep``, ``rig_tension``; of a wrapped nip ``wound_on_tension`` before them, and no
+        ``rig_tension``.
     parameters : tuple of str
         Dotted names of the fields.
     derivatives : (outputs, parameters) array
@@ -220,7 +223,10 @@ class _Unknowns:
 class _NipDifferential(Differential):
     """R and J of a nip alone."""
 
-    outputs = ("nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep")
+    outputs = (
+        "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep",
+        "rig_tension",
+    )  # fmt: skip
 
     def __init__(self, result: NipResult) -> None:
         super().__init__(result)
@@ -289,7 +295,38 @@ class _NipDifferential(Differential):
         stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
-        return np.array([NIT, NIT, width, 2 * width, creep])
+        # T_rig = T_out + 2h/c11 [eps1(rig) - eps1(a)]
+        rig = NIT.copy()
+        _, _, strain_p, strain_q = self._led_off(self.problem, self.half_width).gradients
+        rig[:n] += (strain_p[0] - strain_p[1]) / stretch
+        rig[n + 1 : 2 * n + 1] += (strain_q[0] - strain_q[1]) / stretch
+        here, step = self._gained(self.problem, self.half_width), self.step
+        wider = self._gained(self.problem, self.half_width * float(np.exp(step)))
+        rig[-1] += (wider - here) / step
+        return np.array([NIT, NIT, width, 2 * width, creep, rig])
+
+    def _led_off(self, problem: NipProblem, a: float) -> Response:
+        """Return the roll's answer where the web is led to the load cell, and where it sticks."""
+        s = np.array([RIG_ANGLE * problem.roll.radius, a])
+        return strain_outside(problem, self.mesh.grid, a, s, self.about[0])
+
+    def _gained(self, problem: NipProblem, a: float) -> float:
+        """Return what the roll's strain adds to T_out on the way to the load cell [N/m]."""
+        same = a == self.half_width and problem.roll == self.problem.roll
+        here = same and not problem.viscoelastic
+        strain = self._strain_here if here else self._rise(problem, a)
+        return strain * problem.web.thickness / problem.web.compliance.c11
+
+    @cached_property
+    def _strain_here(self) -> float:
+        return self._rise(self.problem, self.half_width)
+
+    def _rise(self, problem: NipProblem, a: float) -> float:
+        """Return the roll's strain where the web is led off less that at the trailing edge."""
+        response, (p, q) = self._led_off(problem, a), self.about[0]
+        _, _, strain_p, strain_q = response.gradients
+        far, edge = response.strain + strain_p @ p + strain_q @ q
+        return float(far - edge)
 
     def output_values(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return the outputs of another problem or half width at the fixed unknowns."""
@@ -297,7 +334,7 @@ class _NipDifferential(Differential):
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
         T_out = problem.web_tension + NIT
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
-        return np.array([NIT, T_out, a, 2 * a, creep])
+        return np.array([NIT, T_out, a, 2 * a, creep, T_out + self._gained(problem, a)])
 
     def assembled(self, problem: NipProblem, a: float, part: str) -> Matrices | NipLaws:
         """Assemble for a half width and a problem of which only one part is another ('' none).

@@ -45,6 +45,12 @@ __all__ = ["Known", "WrapEquations", "WrapState"]
 
 Array = np.ndarray
 
+# matrices of linear bodies and of the web that do not depend on what is known
+UNMOVED = frozenset({
+    "curvature", "drum", "friction", "force_weights", "indentation", "load_weights", "node_slips",
+    "own_pressure", "roll", "slip_offset", "slips", "tension_q", "web", "weighs",
+})  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Known:
@@ -470,7 +476,17 @@ class WrapEquations:
 
     def anew(self, state: WrapState) -> WrapEquations:
         """Return the equations for the same half width about a state."""
-        return replace(self, about=state.known)
+        return self.linearised(state.known)
+
+    def linearised(self, about: Known) -> WrapEquations:
+        """Return the equations for the same half width about another state.
+
+        Of linear bodies all matrices stay but those of the web's weight.
+        """
+        made = replace(self, about=about)
+        if self.problem.linear:
+            vars(made).update({name: vars(self)[name] for name in UNMOVED & vars(self).keys()})
+        return made
 
 
 def _solve(matrix: Array, right: Array) -> Array:

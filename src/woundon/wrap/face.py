@@ -196,27 +196,26 @@ class FaceGrid:
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
         """Return the response of a linear body by its influence functions."""
         period = 2 * pi * radius if curvature else inf
+        put = Influence(
+            OpenGrid(self.columns, self.points), self.nip, self.rows, self.inside,
+            a, kernels.length, period,
+        )  # fmt: skip
 
-        def influence(points: Array, nip: Any, rows: Array, columns: slice) -> Influence:
-            grid = OpenGrid(self.columns, points)
-            return Influence(grid, nip, rows, columns, a, kernels.length, period)
+        def gradients() -> Any:
+            return tuple(put.together(kernels.gradients, kernels.smooth, kernels.lag))
 
-        put = influence(self.points, self.nip, self.rows, self.inside)
-
-        def last(kernel: Any) -> Array:
+        def last(points: Array | None) -> Any:
             """Integrate at the last node; without an arc as the plain nip does."""
+            normal = kernels.normal_p, kernels.normal_q
             if self.has_arc:
-                return influence(self.points[-1:], None, np.arange(0), slice(0))(kernel)
+                return tuple(put.at_end(normal))
             rank = interpolation_rank(kernels.length, a)
-            return np.pad(self.nip.integrate(kernel, a, slice(-1, None), rank), ((0, 0), (1, 1)))
+            made = (self.nip.integrate(one, a, slice(-1, None), rank) for one in normal)
+            return tuple(np.pad(one, ((0, 0), (1, 1))) for one in made)
 
         return Response(
-            lambda: (put(kernels.slope_p), put(kernels.slope_q),
-                     put(kernels.strain_p), put(kernels.strain_q)),
-            lambda points: (last(kernels.normal_p), last(kernels.normal_q)),
-            terms=kernels.terms,
-            truncation_error=kernels.truncation_error,
-        )  # fmt: skip
+            gradients, last, terms=kernels.terms, truncation_error=kernels.truncation_error
+        )
 
     def deflection(self, slope: Array, last: Array, a: float) -> Array:
         """Return v at the nodes: at the last one as given, from there by the slopes."""

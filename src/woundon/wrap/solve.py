@@ -219,8 +219,12 @@ class WrapContact(PairContact):
         bend = np.where(upstream, -1 / problem.drum.radius, 1 / problem.roll.radius)
         return Known(tension, bend)
 
-    def equations(self, mesh: Mesh, a: float, about: Known) -> WrapEquations:
-        """Return the equations for the half width a [m]."""
+    def equations(
+        self, mesh: Mesh, a: float, about: Known, last: WrapEquations | None = None
+    ) -> WrapEquations:
+        """Return the equations for the half width a [m]; for the same, with the last matrices."""
+        if last is not None and last.half_width == a:
+            return last.linearised(about)
         return WrapEquations(self.problem, self.grid(mesh, a), a, about)
 
     def refuse(self, equations: WrapEquations, state: WrapState) -> None:

@@ -1,0 +1,89 @@
+"""What need not be made or solved again is not: equal rollers, kept matrices, widths."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from thesis_cases import paper_nip
+
+import woundon as wo
+from woundon.contact import loop
+from woundon.contact.normal import solve_normal
+from woundon.contact.schemes import Graded
+from woundon.contact.stick_slip import StickSlip
+from woundon.wrap.solve import WrapContact
+
+
+@pytest.fixture
+def apart() -> StickSlip:
+    """Seven nodes whose tractions leave the pressure alone, with a resultant."""
+    random = np.random.default_rng(3)
+    n = 7
+    return StickSlip(
+        random.normal(size=(n, n)) + 5 * np.eye(n), np.zeros((n, n)), random.normal(size=n),
+        random.uniform(1, 2, size=n), np.zeros((n, n)), np.full(n, 0.3), faces=1,
+        creep=np.ones(n), resultant=random.uniform(1, 2, size=n), force=0.2,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("state", [[0] * 7, [1, 1, 0, 0, -1, 0, 1], [1, -1, 1, 0, 1, 1, -1]])
+def test_known_slipping_tractions_leave_the_same_system(apart: StickSlip, state: Any) -> None:
+    state = np.array(state, dtype=np.int8)
+    assert apart.apart
+    matrix, right = apart.system(state)
+    whole = np.linalg.solve(matrix, right)
+    found = apart.solve(state)
+    np.testing.assert_allclose(found.traction, whole[:7], rtol=1e-12)
+    assert found.creep == pytest.approx(apart.scale * whole[7], rel=1e-12)
+
+
+def test_equal_bodies_tractions_leave_the_pressure_alone() -> None:
+    random = np.random.default_rng(4)
+    slope_p, gap = random.normal(size=(5, 4)), random.normal(size=5)
+    solved = solve_normal(slope_p, gap, np.zeros((5, 3)))
+    assert solved.shape == (5, 4)
+    assert not solved[:, 1:].any()
+    np.testing.assert_allclose(slope_p @ solved[:-1, 0] + solved[-1, 0], gap, rtol=1e-12)
+
+
+def test_kernels_are_integrated_by_their_own_parts_alone() -> None:
+    steel = wo.HalfPlane(radius=0.25, material=wo.material("steel"))
+    grid = Graded().mesh(43).grid
+    kernels = steel.kernels()
+    grid.integrate_together(kernels.gradients, kernels.smooth, 1e-3)
+    assert {"inverse", "value"} <= vars(grid).keys()
+    assert not {"log", "sign"} & vars(grid).keys()
+
+
+def test_linear_bodies_are_assembled_once_for_a_half_width() -> None:
+    problem = paper_nip(web_tension=300.0).wrapped()
+    contact, mesh = WrapContact(problem, 12, 17), Graded().mesh(17)
+    about = contact.about(mesh, 2e-3, None)
+    one = contact.equations(mesh, 2e-3, about)
+    solution = loop.solve_stick_slip(one.stick_slip())
+    two = contact.equations(mesh, 2e-3, one.state(solution).known, one)
+    assert two.roll is one.roll
+    fresh = contact.equations(mesh, 2e-3, two.about)
+    for kept, made in zip(two.normal, fresh.normal, strict=True):
+        np.testing.assert_array_equal(kept, made)
+    assert contact.equations(mesh, 2.1e-3, two.about, two).roll is not one.roll
+
+
+def test_two_widths_are_enough_near_a_neighbour(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first width's load tells the second where its tension has settled."""
+    problem = paper_nip(web_tension=300.0).wrapped()
+    before, tried, at = wo.solve(problem, nodes=65), [], loop._Step.at
+
+    def noted(step: loop._Step, a: float) -> object:
+        tried.append(step.mesh.nodes.size)
+        return at(step, a)
+
+    monkeypatch.setattr(loop._Step, "at", noted)
+    wo.solve(problem.replace(nip_load=1.02 * problem.nip_load), nodes=65, start=before)
+    assert tried == [33, 65, 65]
+
+
+def test_slipping_everywhere_nothing_holds_the_creep(apart: StickSlip) -> None:
+    assert not apart.solve(np.ones(7, dtype=np.int8)).finite
