@@ -258,8 +258,11 @@ def within(problem: ContactProblem, responses: Iterable[Response | None]) -> dic
 
 def mesh_of(result: Any) -> Mesh:
     """Return the mesh of a result: that of its solution, or one restored from a file's arrays."""
-    if result.mesh is not None:
-        return result.mesh
+    return restored_mesh(result) if result.mesh is None else result.mesh
+
+
+def restored_mesh(result: Any) -> Mesh:
+    """Return the mesh that a result's arrays tell, before and after a file the same."""
     own, a = result.in_nip, result.half_width
     points = np.append(result.slip_x[own][1:] / a, 1.0)
     return scheme_of(result.scheme).restored(result.x[own] / a, points)

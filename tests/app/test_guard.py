@@ -245,9 +245,10 @@ def test_ctrl_c_while_the_server_is_made_is_not_lost(monkeypatch: pytest.MonkeyP
         return made(*args)
 
     monkeypatch.setattr(serving, "application", application)
+    before = signal.getsignal(signal.SIGINT)
     with serving.interrupts_counted() as pressed, serving.listening("127.0.0.1", 0) as at:
         serving.serve(at, pressed=pressed)  # ends
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_who_serves_others_is_told_the_token_and_the_proxy():

@@ -73,13 +73,15 @@ def test_options_of_the_solver_come_with_the_address(client, cases):
 
 
 def test_a_warm_state_agrees_with_a_cold_one(client, cases):
-    """To the solver's tolerance of the load, 1e-8 (contact.loop), and a little beyond."""
+    """Within what both tell, for a neighbour may spare the last mesh."""
     client.post("/api/solve", json=cases["nip"])
     near = cases["nip"] | {"nip_load": 3600.0}
     warm = client.post("/api/solve?warm=true", json=near).json()["outputs"]
     cold = client.post("/api/solve", json=near).json()["outputs"]
     for name in ("nip_induced_tension", "half_width"):
-        assert warm[name]["value"] == pytest.approx(cold[name]["value"], rel=1e-7)
+        told = warm[name]["error"] + cold[name]["error"]
+        assert warm[name]["value"] == pytest.approx(cold[name]["value"], rel=0, abs=told)
+        assert told < 4e-3 * cold[name]["value"]  # 0.1 % of NIT each are asked for
 
 
 @pytest.mark.parametrize("name", ["nip", "wrapped_nip", "rollers"])

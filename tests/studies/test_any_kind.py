@@ -20,6 +20,7 @@ from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
 
 SAME = 1e-12  # the same solves in another order: rounding alone
+STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load
 
 
 @pytest.fixture
@@ -50,8 +51,10 @@ def test_wraps_are_swept_as_any_field():
         for angle in over["roll_wrap"]:
             single = wo.solve(wrapped.replace(wrap_friction=mu, roll_wrap=angle), nodes=17)
             case = data.sel(wrap_friction=mu, roll_wrap=angle)
-            assert float(case.wound_on_tension) == pytest.approx(single.wound_on_tension, rel=SAME)
-            assert float(case.slip_angle) == pytest.approx(single.slip_angle, rel=SAME)
+            assert float(case.wound_on_tension) == pytest.approx(
+                single.wound_on_tension, rel=STARTED
+            )
+            assert float(case.slip_angle) == pytest.approx(single.slip_angle, rel=STARTED)
     assert data.roll_wrap.attrs["units"] == "rad"
     assert data.wound_on_tension.attrs["long_name"] == "wound-on tension, far behind the nip"
     assert data.attrs["kind"] == "wrapped_nip"
@@ -122,7 +125,7 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
         return np.array([wo.solve(nip, nodes=17).wound_on_tension for nip in nips])
 
     best = fit.estimate("roll_friction")
-    assert fit.fitted == pytest.approx(tensions(best), rel=SAME)
+    assert fit.fitted == pytest.approx(tensions(best), rel=STARTED)
     for near in (0.98 * best, 1.02 * best):
         miss = tensions(near) - data["wound_on_tension"]
         assert np.sqrt(np.mean(miss**2)) > fit.rms

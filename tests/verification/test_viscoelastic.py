@@ -90,7 +90,9 @@ def test_the_mean_of_a_fast_cylinder_stays_relaxed(where: str) -> None:
     sunk = (relaxed - glassy) * one.problem.nip_load / (2 * pi)
     assert sunk > 1e-4 * two.approach  # there is something to see
     assert one.approach - two.approach == pytest.approx(sunk, rel=1e-6)
-    assert one.drum_creep - two.drum_creep == pytest.approx(-sunk / body.radius, rel=1e-6)
+    # both creeps are known to the balance that the loop asks for, 1e-9 of them
+    known = 1e-8 * abs(two.drum_creep)
+    assert one.drum_creep - two.drum_creep == pytest.approx(-sunk / body.radius, abs=known)
 
 
 def solved(prony: Any, where: str) -> wo.NipResult:

@@ -12,7 +12,7 @@ from ..contact.grid import Grid
 from ..contact.response import Response, Tractions
 from ..contact.schemes import interpolation_rank
 from ..errors import InvalidProblem
-from ..two_bodies import mesh_of
+from ..two_bodies import restored_mesh
 
 if TYPE_CHECKING:
     from ..problems.nip import NipProblem
@@ -45,7 +45,7 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
         raise InvalidProblem.at("s", text)
     loads = Tractions(result.pressure[1:-1], result.roll_traction[1:-1])
-    response = strain_outside(result.problem, mesh_of(result).grid, a, s, loads)
+    response = strain_outside(result.problem, restored_mesh(result).grid, a, s, loads)
     _, _, strain_p, strain_q = response.gradients
     strain = response.strain + strain_p @ loads.pressure + strain_q @ loads.traction
     return np.asarray(strain)
