@@ -91,7 +91,8 @@ class TensionCurve:
         """Return y at radii, from values at the places.
 
         On fewer laps than ten along the tangent, or ``bent`` as y is just behind; below a lap that
-        of one lap.
+        of one lap.  There the roll's layer vanishes, and with it what the nip adds to the winding
+        force: y does not go on beyond that.
         """
         x = np.log(np.maximum(r - self.problem.core.radius, self.problem.web.thickness))
         out = np.empty(x.shape)
@@ -105,7 +106,15 @@ class TensionCurve:
         if bent:
             bend = (self._slope(values, JUST_BEHIND) - self._slope(values, 0.0)) / JUST_BEHIND
             out[below] += bend * before**2 / 2
+        tenth = float(self._by_force(np.array(self.radius(first.start))))
+        kept = np.maximum if values[first.start] > tenth else np.minimum
+        out[below] = kept(out[below], self._by_force(r[below]))
         return out
+
+    def _by_force(self, r: Array) -> Array:
+        """Return y of a nip that adds the winding force alone."""
+        at = self.problem.at
+        return np.asarray(at("winding_force", r) / (self.problem.roll_friction * at("nip_load", r)))
 
     def _slope(self, values: Mapping[float, float], behind: float) -> float:
         """Return dy/dx somewhat behind the first place."""
