@@ -9,12 +9,11 @@ import numpy as np
 from ..errors import NotConverged
 from .build_up import Laps
 from .certificate import changes, equations_of, shifted
-from .growth import Growth
 
 if TYPE_CHECKING:
     from .result import WoundRollResult
 
-__all__ = ["changed_by_laps", "finite_laps", "lap_growth", "laps_of"]
+__all__ = ["changed_by_laps", "finite_laps", "laps_of"]
 
 Array = np.ndarray
 
@@ -25,18 +24,13 @@ def laps_of(result: WoundRollResult) -> Laps:
     return Laps(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
 
 
-def lap_growth(result: WoundRollResult) -> Growth:
-    """Return kappa over ln r with these laps."""
-    return Growth.of(np.log(result.stage_radius), result.lap_growth, result.stage_order)
-
-
 def finite_laps(result: WoundRollResult) -> tuple[Array, Array]:
     """Return what they add to pressure and hoop stress [Pa]; nan in a roll that is not solved."""
     x = np.log(result.radius)
     if np.isnan(result.lap_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
     laps, (more, at_core) = laps_of(result), changes(result.problem)
-    source, T_c = shifted(laps.source(lap_growth(result), x), more), laps.at_core(x[0]) + at_core
+    source, T_c = shifted(laps.source(result.kappa_of_laps, x), more), laps.at_core(x[0]) + at_core
     P, Q = result.pressure, result.pressure_gradient
     solved = laps.equations.solve(x, source, T_c, P, Q)
     if solved is None:

@@ -144,6 +144,13 @@ class WoundRollResult(Result):
 
         return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
 
+    @cached_property
+    def kappa_of_laps(self) -> Growth:
+        """The same with laps of the web's thickness."""
+        from .growth import Growth
+
+        return Growth.of(np.log(self.stage_radius), self.lap_growth, self.stage_order)
+
     @property
     def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
         """Area of the roll's side over the web's thickness [m]."""

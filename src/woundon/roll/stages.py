@@ -13,7 +13,6 @@ from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
 from .certificate import certificate, equations_of
 from .equations import pressure_between
-from .laps import lap_growth
 from .result import WoundRollResult
 from .solve import finished, layer_of
 
@@ -73,7 +72,7 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
     if solved is None:
         raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
-    laps = lap_growth(result).until(x).kappa
+    laps = result.kappa_of_laps.until(x).kappa
     found = finished(stage, nodes, growth, solved).replace(errors=result.errors, lap_growth=laps)
     return found.replace(residuals=certificate(found)).checked()
 
