@@ -203,14 +203,26 @@ class NipContact(PairContact):
         return "; ".join(filter(None, (*web, super().outside)))
 
     def zones(self, start: Start, equations: NipEquations) -> Array:
-        """Return the zones to begin with, their borders found within the cells before."""
-        runs, before = start.runs, start.level
-        if runs is None and before is not None and before.mesh.border_share is None:
+        """Return the zones to begin with, their borders found within the cells before.
+
+        From mesh to mesh a rigid body's are those of the nearest nodes: its tractions may jump, so
+        that the laws hardly tell where in a cell, and a short zone that is lost is not found again.
+        """
+        mesh, before, told = equations.mesh, start.level, start.runs
+        if told is not None:
+            runs = told
+        elif before is not None and before.mesh.border_share is None:
             runs = _runs(self.problem, along_nip(before), before.state.half_width)
-        if runs is None:
+        else:
             return super().zones(start, equations)
-        mesh = equations.mesh
-        return np.concatenate([run.on(mesh.columns, mesh.middle[:-1]) for run in runs])
+        found = [run.on(mesh.columns, mesh.middle[:-1]) for run in runs]
+        if told is None and any(body.rigid for body in self.problem.bodies):
+            nearest = np.split(super().zones(start, equations), 2)
+            found = [
+                near if body.rigid else own
+                for own, near, body in zip(found, nearest, self.problem.bodies, strict=True)
+            ]
+        return np.concatenate(found)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
