@@ -162,7 +162,7 @@ def figure(plains: dict[str, list[Point]], fits: dict[str, list[Point]], path: P
     axes[0].set_xticks([], minor=True)
     axes[0].set(xlabel="nodes", ylabel="error of NIT, relative")
     axes[1].set(xlabel="time / dense solve of 398 x 398")
-    axes[0].legend(fontsize=6.5, frameon=False, loc="lower left")
+    drawn.legend(fontsize=7, frameon=False, loc="outside upper center", ncols=4)
     drawn.savefig(path, dpi=150, metadata={"Software": None})
     plt.close(drawn)
 

@@ -13,7 +13,6 @@ from functools import lru_cache
 import numpy as np
 
 import woundon as wo
-from woundon.contact.normal import solve_normal
 from woundon.contact.panagiotopoulos import panagiotopoulos
 from woundon.contact.response import Response
 from woundon.contact.schemes import SCHEMES, Mesh
@@ -55,7 +54,7 @@ def solve_as_published(
 def _equations(problem: wo.NipProblem, mesh: Mesh, a: float, terms: int) -> NipEquations:
     responses = (_response(body, mesh, a, terms) for body in problem.bodies)
     made = NipMatrices.of(problem, mesh, a, *responses)
-    return NipEquations(problem, mesh, made, solve_normal(made.slope_p, made.gap, made.slope_q))
+    return NipEquations(problem, mesh, made)
 
 
 @lru_cache

@@ -69,3 +69,9 @@ def test_exact_ones_are_the_results_own() -> None:
 )
 def test_what_is_refused(rollers: wo.RollerResult, names: tuple[str, ...], said: str) -> None:
     refused_in_one_line(lambda: wo.derivatives(rollers, *names), said)
+
+
+@pytest.mark.parametrize("given", [3, None, "result.nc"])
+def test_what_is_no_result_is_refused(given: object) -> None:
+    with pytest.raises(wo.InvalidProblem, match=r"^result: .* is out of place; must be a Result"):
+        wo.derivatives(given, "nip_load")

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
+from ..arguments import check_type
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..quantities import walk
+from ..results import Result
 
 if TYPE_CHECKING:
     from ..nip.sensitivity import Sensitivity
@@ -43,10 +45,12 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     Raises
     ------
     InvalidProblem
-        If no field is named, for a name that is not a number, or a field that is 0.
+        For what is no result, if no field is named, for a name that is not a number, or a field
+        that is 0.
     NoSteadyState, NotConverged
         If neither side can be solved.
     """
+    check_type("result", result, Result)
     exact = getattr(result, "sensitivity", None)
     if exact is not None and not options:
         found: Sensitivity = exact(*parameters)
