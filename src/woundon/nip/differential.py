@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -26,6 +27,8 @@ class Differential:
     ----------
     result, problem
         The state.
+    told : tuple of str
+        ``outputs``, and ``more`` where wanted.
     rest : array
         R itself, what the solution left.
     here : object
@@ -35,11 +38,13 @@ class Differential:
     """
 
     outputs: ClassVar[tuple[str, ...]]
+    more: ClassVar[tuple[str, ...]] = ()  # told only where one of them is asked for: they cost more
 
     rest: Array
     here: Any
 
-    def __init__(self, result: Any) -> None:
+    def __init__(self, result: Any, told: tuple[str, ...]) -> None:
+        self.told = told
         self.result, self.problem, self.half_width = result, result.problem, result.half_width
         # bodies that are not linear have their tangents about the result, which is kept fixed
         self.step = STEP if self.problem.linear else STEP_OF_TANGENTS
@@ -89,8 +94,12 @@ class Differential:
         return self._slopes(problem, made, step)
 
     def _slopes(self, problem: Any, made: Any, step: float) -> tuple[Array, Array]:
-        outputs = self.output_values(problem, made) - self.output_values(self.problem, self.here)
+        outputs = self.output_values(problem, made) - self._outputs_here
         return (self.residual(problem, made) - self.rest) / step, outputs / step
+
+    @cached_property
+    def _outputs_here(self) -> Array:
+        return self.output_values(self.problem, self.here)
 
     def _size(self, name: str, value: float) -> float:
         """Return the scale on which a field matters."""

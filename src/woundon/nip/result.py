@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import pi
 from types import MappingProxyType
@@ -147,15 +147,18 @@ class WindingNipResult(Losses, Result):
         """The way the web slips on the roll at the nip's trailing edge."""
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
 
-    def sensitivity(self, *parameters: str) -> Sensitivity:
-        """Return exact derivatives of the main outputs with respect to fields of the problem.
+    def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
+        """Return exact derivatives of outputs with respect to fields of the problem.
 
         Parameters
         ----------
         parameters : str
             Dotted names (``"roll.material.shear"``); every continuous field if none is given.
+        outputs : sequence of str
+            Names; the main ones if none is given.  Of a nip alone ``"rig_tension"`` too.
         """
-        found: Sensitivity = kinds.fetch(self.DIFFERENTIATED)(self, parameters)
+        outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        found: Sensitivity = kinds.fetch(self.DIFFERENTIATED)(self, parameters, outputs)
         return found
 
 

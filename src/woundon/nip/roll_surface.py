@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..contact.action import Action
 from ..contact.grid import Grid
-from ..contact.response import Response, Tractions
+from ..contact.response import Gradients, Response, Tractions
 from ..contact.schemes import interpolation_rank
 from ..errors import InvalidProblem
 from ..two_bodies import restored_mesh
 
 if TYPE_CHECKING:
-    from ..problems.nip import NipProblem
     from .result import NipResult
 
-__all__ = ["roll_strain", "strain_outside", "wound_on_tension_estimate"]
+__all__ = ["Outside", "roll_strain", "wound_on_tension_estimate"]
 
 Array = np.ndarray
 
@@ -45,62 +44,56 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
         raise InvalidProblem.at("s", text)
     loads = Tractions(result.pressure[1:-1], result.roll_traction[1:-1])
-    response = strain_outside(result.problem, restored_mesh(result).grid, a, s, loads)
-    _, _, strain_p, strain_q = response.gradients
-    strain = response.strain + strain_p @ loads.pressure + strain_q @ loads.traction
-    return np.asarray(strain)
+    outside = Outside(restored_mesh(result).grid, s / a)
+    response = result.problem.respond(roll, outside, a, loads)
+    return np.asarray(response.strain + response.act(*loads)[1])
 
 
-def strain_outside(
-    problem: NipProblem, grid: Grid, a: float, s: Array, about: Tractions
-) -> Response:
-    """Return what the roll answers outside a nip; see :func:`roll_strain`.
+class Outside:
+    """A nip's nodes with points outside it, where smooth parts are integrated node by node.
 
     Parameters
     ----------
-    problem : NipProblem
-    grid : Grid
-        Of the nip.
-    a : float
-        Half width [m].
-    s : (k,) array
-        Distances from the contact's centre [m].
-    about : Tractions
-        On the inner nodes, about which a roll that is not linear is linearised.
+    nip : Grid
+    points : (k,) array
+        In half widths.
     """
-    return problem.respond(problem.roll, _Outside(grid.outside(s / a)), a, about)
 
-
-class _Outside:
-    """A nip's nodes with points outside it, where smooth parts are integrated node by node."""
-
-    def __init__(self, grid: Grid) -> None:
-        self.grid, self.nodes, self.points = grid, grid.nodes, grid.points
+    def __init__(self, nip: Grid, points: Array) -> None:
+        self.grid = grid = nip.outside(points)
+        self.nodes, self.points = grid.nodes, grid.points
         self.columns = grid.nodes[1:-1]
         self.value = self.slope = np.zeros((grid.points.size, grid.unknowns))
 
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
-        """Return the gradients at the points by influence functions."""
-        straight = a * (self.points[:, None] - self.columns)
+        """Return the response at the points by influence functions."""
+        grid, rank = self.grid, interpolation_rank(kernels.length, a)
+        by_parts = rank <= grid.highest_rank or any(k.twice is None for k in kernels.gradients)
+        apart, around = a * (self.points[:, None] - self.columns), 2 * pi * radius
         # beyond half the circumference the way round is shorter: the whole kernel is periodic
-        far = np.abs(straight) > pi * radius if curvature else np.zeros(straight.shape, dtype=bool)
-        short = straight - np.where(far, np.sign(straight) * 2 * pi * radius, 0.0)
+        far = np.abs(apart) > around / 2 if curvature else np.zeros(apart.shape, dtype=bool)
+        short = np.where(far, apart - np.sign(apart) * around, apart)
 
-        too_short = interpolation_rank(kernels.length, a) > self.grid.highest_rank
+        def smooth() -> Array:
+            if kernels.smooth is None:
+                return np.zeros((4, *apart.shape))
+            values = kernels.smooth(short)
+            if far.any():
+                for kernel, value in zip(kernels.gradients, values, strict=True):
+                    value[far] += kernel.singular(short[far]) - kernel.singular(apart[far])
+            return np.asarray(values * (a * grid.weights))
 
-        def whole(kernel: Any) -> Array:
-            if too_short and kernel.twice is not None:
-                out = self.grid.by_second_integral(kernel.twice, a)
-                return out if kernel.lag is None else out + self.grid.lagging(kernel.lag, a)[0]
-            out = self.grid.integrate(replace(kernel, smooth=None), a)
-            if kernel.smooth is not None:
-                values = kernel.smooth(short)
-                values[far] += kernel.singular(short[far]) - kernel.singular(straight[far])
-                out += values * (a * self.grid.weights)
-            return out
+        def gradients() -> Gradients:
+            made = grid.integrate_together(kernels.gradients, None, a, rank, kernels.lag)
+            slope_p, slope_q, strain_p, strain_q = made + smooth() if by_parts else made
+            return slope_p, slope_q, strain_p, strain_q
 
-        slope_p, slope_q, strain_p, strain_q = map(whole, kernels.gradients)
-        return Response((slope_p, slope_q, strain_p, strain_q))
+        def act(p: Array, q: Array) -> tuple[Array, Array]:
+            slope, strain = Action(grid, kernels.gradients, None, a, 0)(p, q)
+            slope_p, slope_q, strain_p, strain_q = smooth()
+            return slope + slope_p @ p + slope_q @ q, strain + strain_p @ p + strain_q @ q
+
+        return Response(gradients, act=act if by_parts and kernels.lag is None else None)
 
 
 def wound_on_tension_estimate(result: NipResult, angle: float) -> float:

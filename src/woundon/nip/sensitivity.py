@@ -41,7 +41,7 @@ from .differential import Differential
 from .equations import NipMatrices
 from .laws import NipLaws
 from .result import RIG_ANGLE, NipResult
-from .roll_surface import strain_outside
+from .roll_surface import Outside
 from .solve import solve_nip
 
 if TYPE_CHECKING:
@@ -62,9 +62,8 @@ class Sensitivity(ReadOnly):
     Attributes
     ----------
     outputs : tuple of str
-        ``nip_induced_tension``, ``tension_behind_nip``, ``half_width``, ``nip_width``,
-        ``drum_creep``, ``rig_tension``; of a wrapped nip ``wound_on_tension`` before them, and no
-        ``rig_tension``.
+        Those asked for; else ``nip_induced_tension``, ``tension_behind_nip``, ``half_width``,
+        ``nip_width``, ``drum_creep``, and before them ``wound_on_tension`` of a wrapped nip.
     parameters : tuple of str
         Dotted names of the fields.
     derivatives : (outputs, parameters) array
@@ -162,8 +161,10 @@ def _items(problem: Any) -> dict[str, float]:
 
 
 @one_thread
-def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivity:
-    """Return derivatives of a nip's main outputs; see :class:`Sensitivity`.
+def nip_sensitivity(
+    result: NipResult, parameters: tuple[str, ...], outputs: tuple[str, ...] = ()
+) -> Sensitivity:
+    """Return derivatives of a nip's outputs; see :class:`Sensitivity`.
 
     Parameters
     ----------
@@ -172,40 +173,54 @@ def nip_sensitivity(result: NipResult, parameters: tuple[str, ...]) -> Sensitivi
         would have to move too, the same nip's on graded nodes.
     parameters : tuple of str
         Dotted names; all continuous fields if empty, without the items of lists.
+    outputs : tuple of str
+        The main ones if empty; ``rig_tension`` beside them.
 
     Raises
     ------
     InvalidProblem
-        For a name that is not a continuous field.
+        For a name that is not a continuous field, or not one of these outputs.
     """
     if result.scheme == ELEMENTS.name:
         result = solve_nip(result.problem, nodes=GRADED_NODES, start=result)
     known = continuous_fields(result.problem)
-    return differentiated(_NipDifferential, result, parameters, known)
+    return differentiated(_NipDifferential, result, parameters, outputs, known)
 
 
 def differentiated(
-    made: type[Differential], result: Any, parameters: tuple[str, ...], known: dict[str, float]
+    made: type[Differential],
+    result: Any,
+    parameters: tuple[str, ...],
+    outputs: tuple[str, ...],
+    known: dict[str, float],
 ) -> Sensitivity:
     """Return a result's derivatives by named fields, all ``known`` ones if none is named."""
+    told = made.outputs if set(outputs) <= set(made.outputs) else made.outputs + made.more
+    for name in outputs:
+        if name not in told:
+            text = f"no exact derivative of {name!r} is known{did_you_mean(name, told)}"
+            raise InvalidProblem.at("outputs", text)
     names = parameters or tuple(known)
-    known = known | _items(result.problem)
+    if not known.keys() >= set(names):
+        known = known | _items(result.problem)
     for name in names:
         if name not in known:
             raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
-    equations = made(result)
+    equations = made(result, told)
     # (unknowns, outputs); rows of one size, for they are of different units
     jacobian = equations.jacobian()
     size = np.max(np.abs(jacobian), axis=1, keepdims=True)
     adjoint = np.linalg.solve((jacobian / size).T, equations.output_gradients().T) / size
-    derivatives = np.empty((len(made.outputs), len(names)))
+    derivatives = np.empty((len(told), len(names)))
     for k, name in enumerate(names):
         change, explicit = equations.changes(name, known[name])
         derivatives[:, k] = explicit - adjoint.T @ change
-    values = np.array([getattr(result, output) for output in made.outputs])
+    outputs = outputs or told
+    values = np.array([getattr(result, output) for output in outputs])
     fields = np.array([known[name] for name in names])
+    asked = [told.index(name) for name in outputs]
     return Sensitivity(
-        made.outputs, names, derivatives, values, fields, equations.near_zone_change()
+        outputs, names, derivatives[asked], values, fields, equations.near_zone_change()
     )
 
 
@@ -225,11 +240,11 @@ class _NipDifferential(Differential):
 
     outputs = (
         "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep",
-        "rig_tension",
     )  # fmt: skip
+    more = ("rig_tension",)
 
-    def __init__(self, result: NipResult) -> None:
-        super().__init__(result)
+    def __init__(self, result: NipResult, told: tuple[str, ...]) -> None:
+        super().__init__(result, told)
         problem, a, inside = result.problem, result.half_width, slice(1, -1)
         self.mesh = mesh_of(result)
         self.n = self.mesh.unknowns
@@ -295,38 +310,51 @@ class _NipDifferential(Differential):
         stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
-        # T_rig = T_out + 2h/c11 [eps1(rig) - eps1(a)]
-        rig = NIT.copy()
-        _, _, strain_p, strain_q = self._led_off(self.problem, self.half_width).gradients
-        rig[:n] += (strain_p[0] - strain_p[1]) / stretch
-        rig[n + 1 : 2 * n + 1] += (strain_q[0] - strain_q[1]) / stretch
-        here, step = self._gained(self.problem, self.half_width), self.step
-        wider = self._gained(self.problem, self.half_width * float(np.exp(step)))
-        rig[-1] += (wider - here) / step
-        return np.array([NIT, NIT, width, 2 * width, creep, rig])
+        rig = [NIT + self._gained_by(stretch)] if "rig_tension" in self.told else []
+        return np.array([NIT, NIT, width, 2 * width, creep, *rig])
 
-    def _led_off(self, problem: NipProblem, a: float) -> Response:
+    def _gained_by(self, stretch: float) -> Array:
+        """Return what the gain on the way to the load cell changes by with the unknowns."""
+        n, rig = self.n, np.zeros(3 * self.n + 3)
+        roll = self._roll_outside(self.problem, self.half_width)
+        _, _, strain_p, strain_q = roll.gradients
+        rig[:n] = (strain_p[0] - strain_p[1]) / stretch
+        rig[n + 1 : 2 * n + 1] = (strain_q[0] - strain_q[1]) / stretch
+        wider = self._rise(self.problem, self.half_width * float(np.exp(self.step)))
+        rig[-1] = (wider - self._rise_here) / self.step / stretch
+        return rig
+
+    def _roll_outside(self, problem: NipProblem, a: float) -> Response:
         """Return the roll's answer where the web is led to the load cell, and where it sticks."""
-        s = np.array([RIG_ANGLE * problem.roll.radius, a])
-        return strain_outside(problem, self.mesh.grid, a, s, self.about[0])
-
-    def _gained(self, problem: NipProblem, a: float) -> float:
-        """Return what the roll's strain adds to T_out on the way to the load cell [N/m]."""
-        same = a == self.half_width and problem.roll == self.problem.roll
-        here = same and not problem.viscoelastic
-        strain = self._strain_here if here else self._rise(problem, a)
-        return strain * problem.web.thickness / problem.web.compliance.c11
+        radius, here = problem.roll.radius, self._load_cell
+        if a != self.half_width or radius != self.problem.roll.radius:
+            here = self._way_out(radius, a)
+        return problem.respond(problem.roll, here, a, self.about[0])
 
     @cached_property
-    def _strain_here(self) -> float:
+    def _load_cell(self) -> Outside:
+        return self._way_out(self.problem.roll.radius, self.half_width)
+
+    def _way_out(self, radius: float, a: float) -> Outside:
+        return Outside(self.mesh.grid, np.array([RIG_ANGLE * radius / a, 1.0]))
+
+    @cached_property
+    def _rise_here(self) -> float:
         return self._rise(self.problem, self.half_width)
 
     def _rise(self, problem: NipProblem, a: float) -> float:
         """Return the roll's strain where the web is led off less that at the trailing edge."""
-        response, (p, q) = self._led_off(problem, a), self.about[0]
-        _, _, strain_p, strain_q = response.gradients
-        far, edge = response.strain + strain_p @ p + strain_q @ q
+        response = self._roll_outside(problem, a)
+        far, edge = response.strain + response.act(*self.about[0])[1]
         return float(far - edge)
+
+    def _gained(self, problem: NipProblem, a: float) -> float:
+        """Return what the roll's strain adds to T_out on the way to the load cell [N/m]."""
+        own = self.problem
+        same = a == self.half_width and problem.roll == own.roll
+        here = same and problem.rolling_speed == own.rolling_speed
+        rise = self._rise_here if here else self._rise(problem, a)
+        return rise * problem.web.thickness / problem.web.compliance.c11
 
     def output_values(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return the outputs of another problem or half width at the fixed unknowns."""
@@ -334,7 +362,8 @@ class _NipDifferential(Differential):
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
         T_out = problem.web_tension + NIT
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
-        return np.array([NIT, T_out, a, 2 * a, creep, T_out + self._gained(problem, a)])
+        rig = [T_out + self._gained(problem, a)] if "rig_tension" in self.told else []
+        return np.array([NIT, T_out, a, 2 * a, creep, *rig])
 
     def assembled(self, problem: NipProblem, a: float, part: str) -> Matrices | NipLaws:
         """Assemble for a half width and a problem of which only one part is another ('' none).

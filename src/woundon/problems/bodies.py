@@ -192,7 +192,7 @@ class Rigid(Body):
 class KernelBody(Body, abstract=True):
     """A linear body told by the influence functions of its surface."""
 
-    @property
+    @cached_property
     def viscoelastic(self) -> bool:
         """Whether one of its materials is."""
         return any(material.relaxes for material in self.materials)

@@ -403,9 +403,8 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     """Print elasticities, what matters most for the first output first."""
     ordered = sensitivity.sorted()
     known = quantities.scalar_outputs(WrappedNipResult)  # it has those of a nip alone too
-    # the width's elasticities are the half width's; the load cell's are for fits to it
-    aside = ("half_width", "rig_tension")
-    told = [k for k, name in enumerate(ordered.outputs) if name not in aside]
+    # the width's elasticities are the half width's
+    told = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in told)]
     table = [
         [name, f"{field:.5g}", *(f"{_rounded(value):+.4f}" for value in values)]

@@ -159,13 +159,10 @@ class KindModel:
         paths = [(name, *self._followers(name)) for name in names]
         flat = dict.fromkeys(path for group in paths for path in group)
         try:
-            found = state.sensitivity(*flat)
-        except InvalidProblem:  # not of this problem, or not of this field
+            found = state.sensitivity(*flat, outputs=self.outputs)
+        except InvalidProblem:  # not of this problem, this field or this output
             return None
-        if not set(self.outputs) <= set(found.outputs):
-            return None
-        rows = [found.outputs.index(output) for output in self.outputs]
-        columns = dict(zip(found.parameters, found.derivatives[rows].T, strict=True))
+        columns = dict(zip(found.parameters, found.derivatives.T, strict=True))
         return np.column_stack([sum(columns[path] for path in group) for group in paths])
 
     def _followers(self, name: str) -> list[str]:

@@ -97,9 +97,8 @@ class Departure:
 def _slopes(felt: Felt) -> Array:
     """Return the derivatives of a nip's wound-on tension by its loads, what the roll feels too."""
     result, P_e = felt.result, felt.pressure
-    found = result.sensitivity(*LOADS)
-    rows = [found.outputs.index(name) for name in ("wound_on_tension", "half_width")]
-    tension, width = found.derivatives[rows]
+    found = result.sensitivity(*LOADS, outputs=("wound_on_tension", "half_width"))
+    tension, width = found.derivatives
     if not felt.slope:
         return np.asarray(tension)
     pressed = SHARE * result.peak_pressure

@@ -46,7 +46,9 @@ GEOMETRY, LONG_STEP = (*WRAPS, "roll.radius", "drum.radius"), 1e-4
 
 
 @one_thread
-def wrapped_sensitivity(result: WrappedNipResult, parameters: tuple[str, ...]) -> Sensitivity:
+def wrapped_sensitivity(
+    result: WrappedNipResult, parameters: tuple[str, ...], outputs: tuple[str, ...] = ()
+) -> Sensitivity:
     """Return derivatives of a wrapped nip's main outputs; see :class:`Sensitivity`.
 
     Parameters
@@ -55,11 +57,14 @@ def wrapped_sensitivity(result: WrappedNipResult, parameters: tuple[str, ...]) -
         On its own mesh, in its own state.
     parameters : tuple of str
         Dotted names; all continuous fields if empty, without the items of lists.
+    outputs : tuple of str
+        All if empty.
 
     Raises
     ------
     InvalidProblem
-        For a name that is not a continuous field, and for a wrap of angle 0, which has one side.
+        For a name that is not a continuous field or not one of these outputs, and for a wrap of
+        angle 0, which has one side.
     """
     known = continuous_fields(result.problem)
     for name in WRAPS:
@@ -67,7 +72,7 @@ def wrapped_sensitivity(result: WrappedNipResult, parameters: tuple[str, ...]) -
             raise InvalidProblem.at(name, "0 has no derivative: with a wrap the web's path changes")
         if known[name] == 0:
             del known[name]
-    return differentiated(_WrapDifferential, result, parameters, known)
+    return differentiated(_WrapDifferential, result, parameters, outputs, known)
 
 
 class _WrapDifferential(Differential):
@@ -78,8 +83,8 @@ class _WrapDifferential(Differential):
         "drum_creep",
     )  # fmt: skip
 
-    def __init__(self, result: WrappedNipResult) -> None:
-        super().__init__(result)
+    def __init__(self, result: WrappedNipResult, told: tuple[str, ...]) -> None:
+        super().__init__(result, told)
         here = self.here = equations_of(result)
         self.z, self.q, self.creep = unknowns_of(result, here)
         self.zones = np.concatenate([result.roll_zone[here.roll_q], result.drum_zone[here.drum_q]])
