@@ -143,7 +143,9 @@ def prices(rounds: int = 7) -> Iterator[tuple[str, float, float]]:
 
 
 def _forget() -> None:
-    for cached in (cylinder._kernels, rolling._kernels, rolling.half_plane_kernels):
+    for cached in (
+        cylinder._kernels, cylinder._elastic_spectrum, rolling._kernels, rolling.half_plane_kernels,
+    ):  # fmt: skip
         cached.cache_clear()
 
 

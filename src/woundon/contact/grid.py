@@ -177,9 +177,8 @@ class Grid:
     def log(self) -> Array:
         """Integrals of psi_m(s) ln|y - s| ds, (K, n)."""
         d0, d1 = self.distance, self.distance - self.cells
-        with np.errstate(divide="ignore", invalid="ignore"):
-            l0 = np.where(d0 == 0, 0.0, np.log(np.abs(d0)))
-            l1 = np.where(np.abs(d1) < 1e-300, 0.0, np.log(np.abs(d1)))
+        logarithm = self.apart[1]  # finite where a point lies on a node
+        l0, l1 = logarithm[:, :-1], logarithm[:, 1:]
         zeroth = d0 * l0 - d1 * l1 - self.cells
         moment = d0 * (zeroth) - (d0**2 * (l0 / 2 - 0.25) - d1**2 * (l1 / 2 - 0.25))
         return self._hats(zeroth, moment / self.cells)
@@ -219,13 +218,10 @@ class Grid:
         at_points = chebyshev(self.points, r - 1) @ transform
         # moments of T_j over the hats: eight points, more where a cell is longer than their waves
         phase = r * float(np.max(np.diff(np.arccos(-self.nodes)))) / 2
-        g, w = np.polynomial.legendre.leggauss(8 + max(0, ceil(phase - 5)))
-        part = (g + 1) / 2
+        part, weights = _gauss(8 + max(0, ceil(phase - 5)))
         s = self.nodes[:-1, None] + self.cells[:, None] * part
-        polynomials = chebyshev(s.ravel(), r - 1).T.reshape(r, self.cells.size, g.size)
-        measure = self.cells[:, None] * w / 2
-        zeroth = (polynomials * measure).sum(-1)
-        first = (polynomials * (measure * part)).sum(-1)
+        polynomials = chebyshev(s.ravel(), r - 1).T.reshape(r, self.cells.size, part.size)
+        zeroth, first = np.moveaxis(polynomials @ weights, -1, 0) * self.cells
         return at_points, transform.T @ self._hats(zeroth, first)
 
     def integrate(
@@ -346,6 +342,14 @@ class Grid:
     def singular(self) -> Array:
         """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K n)."""
         return np.array([getattr(self, name) for name in SINGULAR]).reshape(4, -1)
+
+
+@lru_cache(maxsize=32)
+def _gauss(points: int) -> tuple[Array, Array]:
+    """Return Gauss's points on [0, 1], and weights that integrate f and f times the place."""
+    g, w = np.polynomial.legendre.leggauss(points)
+    part = (g + 1) / 2
+    return part, np.array([w / 2, w / 2 * part]).T
 
 
 def _chebyshev_points(r: int) -> Array:

@@ -145,7 +145,8 @@ class Ladder:
                 if last:
                     raise
                 continue
-            start = self.level.start
+            if not last:
+                start = self.level.start
         self._tell()
 
     def double(self, rtol: float, most: int) -> None:

@@ -174,7 +174,7 @@ def layered_kernels(radius: float, layers: Layers, free: bool = False) -> Surfac
 
 @lru_cache(maxsize=16)
 def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
-    Y, tail, J, decay, error = _spectrum(layers, free)
+    Y, tail, J, decay, error = _elastic_spectrum(layers, free)
     n = np.arange(1.0, Y.shape[-1])
     mean, Y = Y[..., 0] / 2, Y[..., 1:]
     # sums of Y, of n Y, and of the strain's (1, n) Y: first their powers of 1/n, then the terms
@@ -230,6 +230,12 @@ class Spectrum(NamedTuple):
     J: int
     decay: float
     error: float
+
+
+@lru_cache(maxsize=2)
+def _elastic_spectrum(layers: Layers, free: bool) -> Spectrum:
+    """Return that of elastic layers; a single one that relaxes has it too, for it scales alike."""
+    return _spectrum(layers, free)
 
 
 def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spectrum:

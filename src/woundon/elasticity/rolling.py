@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cylinder import _powers, _spectrum
+from .cylinder import _elastic_spectrum, _powers, _spectrum
 from .fourier import POWERS, HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import Kernel, SurfaceKernels
@@ -99,7 +99,8 @@ def _kernels(
         return np.array([factor(relaxation, n / R) for relaxation in relaxations])
 
     alone = len(layers) == 1  # its own factor is all
-    Y, tail, J, decay, error = _spectrum(layers, free, None if alone else factors)
+    made = _elastic_spectrum(layers, free) if alone else _spectrum(layers, free, factors)
+    Y, tail, J, decay, error = made
     n = np.arange(1.0, Y.shape[-1])
     mean, Y = Y[..., 0].real / 2, Y[..., 1:]
     still, moved = tail[: J + 1], tail[1 : J + 2]

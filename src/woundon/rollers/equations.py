@@ -81,3 +81,7 @@ class RollerEquations(PairEquations):
             resultant=None if given else made.weights,
             force=problem.tangential_load or 0.0,
         )  # fmt: skip
+
+    def frictionless(self) -> float | None:
+        """Return the load without tractions [N/m], which the normal problem tells."""
+        return float(self.matrices.weights @ self.pressure) if self.problem.linear else None
