@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["Losses", "Surface", "balance_law", "lost", "pressed", "surface", "surfaces"]
 
 Array = np.ndarray
+FREE = 1e-12  # resultant of tractions, of their size, that is rounding: no constant of v matters
 
 
 class Surface(NamedTuple):
@@ -42,7 +43,7 @@ class Surface(NamedTuple):
 
     slope: Array
     strain: Array
-    normal: Array  # v [m]; of a surface that is flat, or without traction, not told
+    normal: Array  # v [m]; not told of a flat one, a constant left out where it does no work
     pressure: Array
     traction: Array
     length: Array  # of the cells [m]
@@ -70,13 +71,14 @@ def surface(body: Any, response: Response, mesh: Mesh, a: float, load: Tractions
         rows = (cells.size + 1,)
         slope = slope + np.broadcast_to(response.slope, rows)[:-1]
         strain = strain + np.broadcast_to(response.strain, rows)[:-1]
-    v = np.zeros(cells.size)
+    traction, v = value @ q, np.zeros(cells.size)
     if body.curvature and q.any():  # else nobody asks
-        by_p, by_q = response.normal()
-        edge = float((by_p @ p)[0] + (by_q @ q)[0] + response.rest()[0][0])
         steps = slope * cells
-        v = edge - np.cumsum(steps[::-1])[::-1] + steps / 2
-    return Surface(slope, strain, v, value @ p, value @ q, cells, body.curvature)
+        v = steps / 2 - np.cumsum(steps[::-1])[::-1]
+        if abs(cells @ traction) > FREE * (cells @ np.abs(traction)):
+            by_p, by_q = response.normal()
+            v += float((by_p @ p)[0] + (by_q @ q)[0] + response.rest()[0][0])
+    return Surface(slope, strain, v, value @ p, traction, cells, body.curvature)
 
 
 def surfaces(

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .cylinder import _elastic_spectrum, _powers, _spectrum
+from .cylinder import HIGHEST_POWER, _elastic_spectrum, _spectrum
 from .fourier import POWERS, HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import Kernel, SurfaceKernels
@@ -108,7 +108,7 @@ def _kernels(
     surface = Surface(R, creep(relaxations[0]), n.size)
     wave, slope = -1 / pi, 1 / (pi * R)
     parts = [
-        surface.sum(odd, scale, a, c - _powers(a, n), mean)
+        surface.sum(odd, scale, a, c - surface.powers(a)[: n.size], mean)
         for odd, scale, a, c, mean in (
             (True, slope, moved[:, 0, 0], n * Y[0, 0], 0.0),
             (False, -slope, moved[:, 0, 1], n * Y[0, 1], 0.0),
@@ -155,9 +155,14 @@ class Surface:
         self.fast, self.slow = eps <= SLOW, eps > SLOW
         self.eps, self.regular = eps, around(eps[self.fast])
         self.n = np.arange(1.0, 1 + (max(terms, LEAST_TERMS) if self.slow.any() else terms))
+        self._powers = (1 / self.n) ** np.arange(HIGHEST_POWER + 1)[:, None]
         creeps = 1 / (1 + 1j * self.n[:, None] * eps)
         self.retarded = creeps[:, self.slow] @ compliance.share[self.slow]
         self.whole = compliance.at_once + creeps @ compliance.share
+
+    def powers(self, a: Array) -> Array:
+        """Return a_0 + a_1/n + ... of all harmonics, (N,)."""
+        return np.asarray(a @ self._powers[: a.size])
 
     def sum(self, odd: bool, scale: float, a: Array, rest: Array, mean: float) -> Part:
         """Return scale * [mean + sum_n J_n (a_0 + a_1/n + ... + rest_n) trig(n t/R)].
@@ -185,7 +190,7 @@ class Surface:
                 series[0] = 0.0
                 slowly += j[m] * np.convolve(a, series)[: a.size]
             powers += slowly
-            rest += _powers(a, self.n) * self.retarded - _powers(slowly, self.n)
+            rest += self.powers(a) * self.retarded - self.powers(slowly)
         turn: complex = -1j if odd else 1.0
         c, left = turn * powers, turn * rest
         amplitude = scale * turn * amplitude * j
