@@ -27,7 +27,7 @@ import numpy as np
 from random_nips import _Draw, random_nip
 
 import woundon as wo
-from woundon.elasticity import cylinder, rolling
+from woundon.elasticity import cylinder, lag, rolling
 
 __all__ = ["ending", "prices", "random_viscoelastic"]
 
@@ -145,6 +145,7 @@ def prices(rounds: int = 7) -> Iterator[tuple[str, float, float]]:
 def _forget() -> None:
     for cached in (
         cylinder._kernels, cylinder._elastic_spectrum, rolling._kernels, rolling.half_plane_kernels,
+        lag._tabulated,
     ):  # fmt: skip
         cached.cache_clear()
 

@@ -32,7 +32,7 @@ ways from k = 2 pi/eps, as each is stable there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import ceil, log, pi
 
 import numpy as np
@@ -77,19 +77,7 @@ class Lag:
 
     def exactly(self, t: Array, order: int = 0) -> Array:
         """Return the second integrals at t (k,), or a derivative of them, (kernels, k)."""
-        return self._of(self.amplitude, t)[order]
-
-    def _of(self, amplitude: Array, t: Array) -> list[Array]:
-        """Return the second integrals at t (k,), and both derivatives, (kernels, k) each."""
-        u, length = t / self.length[:, None], self.length[:, None]
-        after = np.maximum(u, 0.0)
-        gone = np.expm1(-after)
-        past = (gone + after, -gone, np.where(u > 0, 1 + gone, 0.0))
-        scales = (length, 1.0, 1 / length)
-        return [
-            amplitude.real @ (scale * pole) + pi * amplitude.imag @ (scale * step)
-            for scale, pole, step in zip(scales, _pole(u), past, strict=True)
-        ]
+        return _summed(self.amplitude, _each(self.length, t)[order])
 
     @cached_property
     def _basis(self) -> tuple[Array, Array]:
@@ -117,10 +105,10 @@ class Lag:
             table, shares = lag._table
             return np.einsum("r,krs->ks", shares[kernel], table)[:, None], np.ones((1, 1))
         basis, shares = self._basis
-        t = self.reach * np.exp(np.arange(-self._steps, 1) / PER_E)
-        made = []
-        for sign in (-1.0, 1.0):
-            f, d, s = self._of(basis, sign * t)
+        t = _distances(self.reach, self._steps)
+        made, known = [], _tabulated(tuple(self.length.tolist()), self.reach, self._steps)
+        for sign, each in zip((-1.0, 1.0), known, strict=True):
+            f, d, s = (_summed(basis, parts) for parts in each)
             d, s = sign * d * t / PER_E, s * (t / PER_E) ** 2 + sign * d * t / PER_E**2
             made.append([quintics(np.array(values)) for values in zip(f, d, s, strict=True)])
         return np.ascontiguousarray(np.concatenate(made, axis=1).transpose(2, 0, 1)), shares
@@ -154,6 +142,36 @@ class Lag:
         if short is not None:  # like t^2, but for its logarithm
             y *= short
         return y.reshape(-1, *logarithm.shape)
+
+
+Parts = tuple[Array, Array]  # of each length: by the real part of g, by the imaginary one
+
+
+def _summed(amplitude: Array, parts: Parts) -> Array:
+    """Return sums over the lengths, (kernels, k)."""
+    return np.asarray(amplitude.real @ parts[0] + amplitude.imag @ parts[1])
+
+
+def _each(length: Array, t: Array) -> list[Parts]:
+    """Return Psi at t (k,), and both derivatives, of each length."""
+    own, u = length[:, None], t / length[:, None]
+    after = np.maximum(u, 0.0)
+    gone = np.expm1(-after)
+    past = (gone + after, -gone, np.where(u > 0, 1 + gone, 0.0))
+    scales = (own, 1.0, 1 / own)
+    return [(s * pole, pi * s * step) for s, pole, step in zip(scales, _pole(u), past, strict=True)]
+
+
+def _distances(reach: float, steps: int) -> Array:
+    """Return the distances of the table, on either side of t = 0."""
+    return reach * np.exp(np.arange(-steps, 1) / PER_E)
+
+
+@lru_cache(maxsize=2)  # of a body's gradients as of its displacements
+def _tabulated(length: tuple[float, ...], reach: float, steps: int) -> tuple[list[Parts], ...]:
+    """Return :func:`_each` at the table's distances, before and behind."""
+    t = _distances(reach, steps)
+    return tuple(_each(np.array(length), sign * t) for sign in (-1.0, 1.0))
 
 
 def _pole(u: Array) -> tuple[Array, Array, Array]:
