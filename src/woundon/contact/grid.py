@@ -39,7 +39,7 @@ __all__ = [
 Array = np.ndarray
 
 HIGHEST_RANK = 600
-BLOCK = 4000  # entries: small arrays stay in the cache, and are not handed back to the system
+BLOCK = 12000  # entries: small arrays stay in the cache, and cost little more than their call
 SINGULAR = ("inverse", "value", "log", "sign")  # what integrates each singular part of a kernel
 
 

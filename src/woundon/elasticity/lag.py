@@ -159,7 +159,10 @@ def _each(length: Array, t: Array) -> list[Parts]:
     gone = np.expm1(-after)
     past = (gone + after, -gone, np.where(u > 0, 1 + gone, 0.0))
     scales = (own, 1.0, 1 / own)
-    return [(s * pole, pi * s * step) for s, pole, step in zip(scales, _pole(u), past, strict=True)]
+    return [
+        (scale * pole, pi * scale * step)
+        for scale, pole, step in zip(scales, _pole(u), past, strict=True)
+    ]
 
 
 def _distances(reach: float, steps: int) -> Array:
