@@ -208,6 +208,7 @@ def test_every_law_can_be_broken(with_air):
     broken = replace(with_air, air_film=with_air.air_film * 1.001)
     assert broken.certified().film_over_nip > 1e-4
     assert replace(with_air, nip_residual=1e-3).certified().nip == 1e-3
+    assert {law for law, _ in with_air.residuals.items()} == {"film", "film_over_nip", "nip"}
 
 
 def test_trends_that_every_winder_knows(film_nip, with_air):
