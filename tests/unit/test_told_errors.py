@@ -7,6 +7,7 @@ of NIT on hundreds of nips: true errors within 1.5 told ones in 95 % of cases.
 from __future__ import annotations
 
 from math import pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from random_nips import random_nip
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
+from woundon.contact.levels import Level
+from woundon.contact.schemes import Graded
 from woundon.quantities import scalar_outputs
 from woundon.results import Result
 
@@ -157,6 +160,14 @@ def test_what_is_one_number_twice_has_one_error(nips, wrapped, rollers) -> None:
         assert result.nip_induced_tension_error == errors["nip_induced_tension"]
     for result, _ in wrapped:
         assert result.wound_on_tension_error == result.errors["wound_on_tension"]
+
+
+def test_a_peak_pressure_is_told_at_the_load_asked() -> None:
+    """A coarse mesh misses the load by a little; Hertz's peak goes like the root of the load."""
+    carried = SimpleNamespace(carried=lambda _: 980.0)
+    level = Level(Graded().mesh(17), carried, SimpleNamespace(half_width=1e-3), 1000.0, 2.0)
+    assert level.at_load(3e6) == pytest.approx(3e6 * (1000 / 980) ** 0.5)
+    assert level.half_width == pytest.approx(1e-3 * (1000 / 980) ** 0.5)
 
 
 def test_slip_ratios_are_never_known_for_certain(nips, wrapped) -> None:  # type: ignore[no-untyped-def]

@@ -11,6 +11,7 @@ import pytest
 import woundon as wo
 from jorkama2001.cases import paper_nip
 from woundon.contact.elements import ElementGrid, borders_of, cauchy
+from woundon.contact.grid import chebyshev_transform
 from woundon.io.result_files import load_result
 
 COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
@@ -30,7 +31,7 @@ def solved() -> dict[str, wo.NipResult]:
     return {name: wo.solve_nip(nip, rtol=1e-6) for name, nip in NIPS.items()}
 
 
-@pytest.mark.parametrize("place", [0.3, -0.9999, 1.01, 1.4, 20.0, 0.2 + 0.1j, 1 + 1e-3j, 3j])
+@pytest.mark.parametrize("place", [0.3, -0.9999, 1.01, 1.4, -1.4, 20.0, 0.2 + 0.1j, 1 + 1e-3j, 3j])
 def test_cauchy_integrals_are_those_of_a_fine_quadrature(place: complex) -> None:
     t, weights = np.polynomial.legendre.leggauss(600)
     r, weights = np.sin(np.pi / 2 * t), weights * np.pi / 2 * np.cos(np.pi / 2 * t)  # fine at ends
@@ -45,6 +46,21 @@ def test_cauchy_integrals_are_those_of_a_fine_quadrature(place: complex) -> None
     found = cauchy(z if np.iscomplexobj(z) else z.astype(float), 20)[0]
     # the recurrence amplifies rounding ten thousand times at the most
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("order", [8, 48])
+def test_smooth_parts_meet_the_functions_of_an_element_by_a_rule_that_is_fine_enough(
+    order: int,
+) -> None:
+    """Against four times as many points; 1e-12: sums of some hundred terms of size one."""
+    grid, rank = ElementGrid.between(BORDERS, order), 48
+    _, moments = grid.interpolation(rank)
+    phi, functions = grid.element.ruled(8 * (order + 24))
+    x = grid.borders[:-1, None] + grid.lengths[:, None] * phi
+    waves = np.polynomial.chebyshev.chebvander(x.ravel(), rank - 1).T.reshape(rank, *x.shape)
+    whole = grid.gathered(waves * grid.lengths[:, None] @ functions)
+    expected = chebyshev_transform(rank).T @ whole
+    np.testing.assert_allclose(moments, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def _misses(order: int) -> dict[str, float]:
