@@ -31,6 +31,7 @@ from woundon.studies.design import Design, make_design
 from woundon.studies.evaluate import Block, Chunk
 from woundon.studies.kind_model import KindModel, model_of
 from woundon.studies.runners import Here, Pool
+from woundon.studies.store import opened
 
 OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error")
 OVER = {
@@ -84,8 +85,6 @@ def overhead(model: KindModel, chunks: list[Chunk]) -> tuple[float, float]:
     The solver is called with ready-made problems, each from the result before; the study makes the
     problems, takes the outputs, and writes a part for every chunk.
     """
-    from woundon.studies.store import Store
-
     cases = sum(len(c.cases) for c in chunks)
     rows = [[model.variant(row) for row in chunk.rows()] for chunk in chunks]
 
@@ -97,12 +96,11 @@ def overhead(model: KindModel, chunks: list[Chunk]) -> tuple[float, float]:
 
     def stored() -> None:
         with tempfile.TemporaryDirectory() as folder:
-            store = Store(
-                Path(folder) / "study", make_design(OVER), model.outputs, model.record(),
-                chunk=None, resume=False,
-            )  # fmt: skip
-            for block in Here().solved(model, chunks):
-                store.write(block)
+            design = make_design(OVER)
+            study = design, design.chunks(), model.outputs, model.record()
+            with opened(Path(folder) / "study", *study, resume=False) as store:
+                for block in Here().solved(model, chunks):
+                    store.write(block)
 
     # by turns, the better of three: others use the machine too
     spent = [(timed(stored)[2], timed(alone)[2]) for _ in range(3)]

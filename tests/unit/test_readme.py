@@ -13,6 +13,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import woundon
+
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMAND = "./run solve examples/newsprint_table2.toml"
@@ -68,6 +70,11 @@ def test_pictures_and_files_that_the_readme_names_exist():
     paths = ["".join(found) for found in re.findall(pattern, README)]
     assert PICTURE in paths
     assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
+def test_the_citation_names_the_version_of_the_program():
+    said = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"^version: (\S+)$", said, re.MULTILINE) == [woundon.__version__]
 
 
 def renew() -> None:
