@@ -158,7 +158,7 @@ def _each(length: Array, t: Array) -> list[Parts]:
     after = np.maximum(u, 0.0)
     gone = np.expm1(-after)
     past = (gone + after, -gone, np.where(u > 0, 1 + gone, 0.0))
-    scales = (own, 1.0, 1 / own)
+    scales = (own, np.ones(1), 1 / own)
     return [
         (scale * pole, pi * scale * step)
         for scale, pole, step in zip(scales, _pole(u), past, strict=True)

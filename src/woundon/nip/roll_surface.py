@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import pi
+from functools import cached_property
+from math import exp, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,9 +16,10 @@ from ..errors import InvalidProblem
 from ..two_bodies import restored_mesh
 
 if TYPE_CHECKING:
+    from ..problems.nip import NipProblem
     from .result import NipResult
 
-__all__ = ["Outside", "roll_strain", "wound_on_tension_estimate"]
+__all__ = ["Outside", "Rise", "roll_strain", "wound_on_tension_estimate"]
 
 Array = np.ndarray
 
@@ -94,6 +96,67 @@ class Outside:
             return slope + slope_p @ p + slope_q @ q, strain + strain_p @ p + strain_q @ q
 
         return Response(gradients, act=act if by_parts and kernels.lag is None else None)
+
+
+class Rise:
+    """The roll's strain where the web is led off less that at the trailing edge, and its changes.
+
+    Under given loads, of a nip and of neighbouring ones.
+
+    Parameters
+    ----------
+    problem : NipProblem
+    grid : Grid
+        Of the nip.
+    a : float
+        Half width [m].
+    angle : float
+        Where the web is led off, behind the nip [rad].
+    loads : Tractions
+        Of the roll.
+    """
+
+    def __init__(
+        self, problem: NipProblem, grid: Grid, a: float, angle: float, loads: Tractions
+    ) -> None:
+        self.problem, self.grid, self.half_width = problem, grid, a
+        self.angle, self.loads = angle, loads
+
+    def of(self, problem: NipProblem, a: float) -> float:
+        """Return the rise of a problem and half width under the loads."""
+        own = self.problem
+        same = problem.roll == own.roll and problem.rolling_speed == own.rolling_speed
+        return self._here if same and a == self.half_width else self._of(problem, a)
+
+    def gradients(self, step: float) -> tuple[Array, Array, float]:
+        """Return the rise's changes by pressures and tractions, (n,) each, and by ln a."""
+        _, _, strain_p, strain_q = self._response(self.problem, self.half_width).gradients
+        wider = self.of(self.problem, self.half_width * exp(step))
+        return (
+            strain_p[0] - strain_p[1], strain_q[0] - strain_q[1], (wider - self._here) / step,
+        )  # fmt: skip
+
+    @cached_property
+    def _here(self) -> float:
+        return self._of(self.problem, self.half_width)
+
+    def _of(self, problem: NipProblem, a: float) -> float:
+        response = self._response(problem, a)
+        far, edge = response.strain + response.act(*self.loads)[1]
+        return float(far - edge)
+
+    def _response(self, problem: NipProblem, a: float) -> Response:
+        radius, outside = problem.roll.radius, self._outside
+        if a != self.half_width or radius != self.problem.roll.radius:
+            outside = self._led_off(radius, a)
+        return problem.respond(problem.roll, outside, a, self.loads)
+
+    @cached_property
+    def _outside(self) -> Outside:
+        return self._led_off(self.problem.roll.radius, self.half_width)
+
+    def _led_off(self, radius: float, a: float) -> Outside:
+        return Outside(self.grid, np.array([self.angle * radius / a, 1.0]))
 
 
 def wound_on_tension_estimate(result: NipResult, angle: float) -> float:

@@ -41,7 +41,7 @@ from .differential import Differential
 from .equations import NipMatrices
 from .laws import NipLaws
 from .result import RIG_ANGLE, NipResult
-from .roll_surface import Outside
+from .roll_surface import Rise
 from .solve import solve_nip
 
 if TYPE_CHECKING:
@@ -310,51 +310,19 @@ class _NipDifferential(Differential):
         stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
-        rig = [NIT + self._gained_by(stretch)] if "rig_tension" in self.told else []
-        return np.array([NIT, NIT, width, 2 * width, creep, *rig])
-
-    def _gained_by(self, stretch: float) -> Array:
-        """Return what the gain on the way to the load cell changes by with the unknowns."""
-        n, rig = self.n, np.zeros(3 * self.n + 3)
-        roll = self._roll_outside(self.problem, self.half_width)
-        _, _, strain_p, strain_q = roll.gradients
-        rig[:n] = (strain_p[0] - strain_p[1]) / stretch
-        rig[n + 1 : 2 * n + 1] = (strain_q[0] - strain_q[1]) / stretch
-        wider = self._rise(self.problem, self.half_width * float(np.exp(self.step)))
-        rig[-1] = (wider - self._rise_here) / self.step / stretch
-        return rig
-
-    def _roll_outside(self, problem: NipProblem, a: float) -> Response:
-        """Return the roll's answer where the web is led to the load cell, and where it sticks."""
-        radius, here = problem.roll.radius, self._load_cell
-        if a != self.half_width or radius != self.problem.roll.radius:
-            here = self._way_out(radius, a)
-        return problem.respond(problem.roll, here, a, self.about[0])
+        told = [NIT, NIT, width, 2 * width, creep]
+        if "rig_tension" in self.told:  # T_rig = T_out + 2h/c11 [eps1(rig) - eps1(a)]
+            rise_p, rise_q, wider = self._rise.gradients(self.step)
+            rig = NIT.copy()
+            rig[:n] += rise_p / stretch
+            rig[n + 1 : 2 * n + 1] += rise_q / stretch
+            rig[-1] += wider / stretch
+            told.append(rig)
+        return np.array(told)
 
     @cached_property
-    def _load_cell(self) -> Outside:
-        return self._way_out(self.problem.roll.radius, self.half_width)
-
-    def _way_out(self, radius: float, a: float) -> Outside:
-        return Outside(self.mesh.grid, np.array([RIG_ANGLE * radius / a, 1.0]))
-
-    @cached_property
-    def _rise_here(self) -> float:
-        return self._rise(self.problem, self.half_width)
-
-    def _rise(self, problem: NipProblem, a: float) -> float:
-        """Return the roll's strain where the web is led off less that at the trailing edge."""
-        response = self._roll_outside(problem, a)
-        far, edge = response.strain + response.act(*self.about[0])[1]
-        return float(far - edge)
-
-    def _gained(self, problem: NipProblem, a: float) -> float:
-        """Return what the roll's strain adds to T_out on the way to the load cell [N/m]."""
-        own = self.problem
-        same = a == self.half_width and problem.roll == own.roll
-        here = same and problem.rolling_speed == own.rolling_speed
-        rise = self._rise_here if here else self._rise(problem, a)
-        return rise * problem.web.thickness / problem.web.compliance.c11
+    def _rise(self) -> Rise:
+        return Rise(self.problem, self.mesh.grid, self.half_width, RIG_ANGLE, self.about[0])
 
     def output_values(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return the outputs of another problem or half width at the fixed unknowns."""
@@ -362,8 +330,11 @@ class _NipDifferential(Differential):
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
         T_out = problem.web_tension + NIT
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
-        rig = [T_out + self._gained(problem, a)] if "rig_tension" in self.told else []
-        return np.array([NIT, T_out, a, 2 * a, creep, *rig])
+        told = [NIT, T_out, a, 2 * a, creep]
+        if "rig_tension" in self.told:
+            stretch = problem.web.compliance.c11 / problem.web.thickness
+            told.append(T_out + self._rise.of(problem, a) / stretch)
+        return np.array(told)
 
     def assembled(self, problem: NipProblem, a: float, part: str) -> Matrices | NipLaws:
         """Assemble for a half width and a problem of which only one part is another ('' none).
