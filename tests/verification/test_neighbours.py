@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,7 +35,7 @@ def meshes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return seen
 
 
-def along(problem: wo.NipProblem, step: float, **options: int) -> Iterator[wo.NipResult]:
+def along(problem: wo.NipProblem, step: float, **options: Any) -> Iterator[wo.NipResult]:
     """Yield the neighbours of a problem, each from the one before, its load a step larger."""
     last = wo.solve_nip(problem, **options)
     for _ in range(STEPS):

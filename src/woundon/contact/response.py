@@ -167,6 +167,11 @@ class Response:
             self._gradients = made
         return made
 
+    @property
+    def acts(self) -> bool:
+        """Whether it tells what given tractions do without its gradients."""
+        return self._make_act is not None
+
     def pressure_slope(self) -> Array:
         """Return slope_p in the cells alone, (K-1, n)."""
         if self._pressure_slope is not None:
