@@ -415,4 +415,4 @@ class PairContact:
         """
         if name not in ("leading_roll", "trailing_roll", "dual") or mesh.border_share == 0:
             return 0.0  # nodes lie on the borders of an element mesh
-        return GRAIN * mesh.grid.widest_cell / 2
+        return GRAIN * float(np.max(mesh.grid.cells)) / 2

@@ -133,11 +133,6 @@ class Grid:
         return np.diff(self.nodes)
 
     @cached_property
-    def widest_cell(self) -> float:
-        """The largest cell length."""
-        return float(self.cells.max())
-
-    @cached_property
     def weights(self) -> Array:
         """Integrals of the hats, (n,)."""
         return (self.cells[1:] + self.cells[:-1]) / 2

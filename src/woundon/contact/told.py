@@ -50,8 +50,6 @@ class Scatter(NamedTuple):
     @classmethod
     def of(cls, values: Sequence[float], cells: int, scale: float) -> Scatter:
         """Return that of the values of one mesh after another, the last of so many cells."""
-        if len(values) < 2:
-            return cls(0.0, 0)
         changes, falls = [b - a for a, b in pairwise(values)][::-1][:COUNTED], 2**ORDER
         squares = sum((change / falls**k) ** 2 for k, change in enumerate(changes))
         count = len(changes)
@@ -64,8 +62,6 @@ class Scatter(NamedTuple):
         if before is None:
             return self
         known = min(before.changes, REMEMBERED)
-        if self.changes == 0:
-            return Scatter(before.size, known)
         count = self.changes + known
         squares = self.changes * self.size**2 + known * before.size**2
         return Scatter(sqrt(squares / count), count) if count else self
