@@ -132,20 +132,19 @@ class Ladder:
             del self.history[:-2]
         self._tell()
 
-    def beside(self, counts: Sequence[int], start: Start, rtol: float = inf) -> None:
+    def beside(self, counts: Sequence[int], start: Start, rtol: float = inf, most: int = 0) -> None:
         """Solve near a neighbouring case, on the last mesh; tell errors by how that one scatters.
 
         On the mesh before it too where the neighbours alone do not tell enough: every few cases,
-        where much has changed, or where the target is not known to rtol.
+        where much has changed, or where the target is not known to rtol on less than ``most``.
         """
         self._take_over(start)
         self._step(self.scheme.mesh(counts[-1]), start)
         self._tell()
         self._unchecked = 1 + (start.widths.unchecked if start.widths else MOST_UNCHECKED)
         known = self._alike and self._scatters[self.target].changes > 1
-        if len(counts) > 1 and not (
-            known and self._unchecked <= MOST_UNCHECKED and self.reached(rtol)
-        ):
+        known = known and (counts[-1] >= most or self.reached(rtol))
+        if len(counts) > 1 and not (known and self._unchecked <= MOST_UNCHECKED):
             self._check(counts[-2])
 
     def _take_over(self, start: Start | None) -> None:

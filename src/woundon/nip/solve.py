@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, nan
+from math import nan
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -108,7 +108,7 @@ def solve_nip(
     chooses = chosen.refines and nodes is None and rtol is None
     if begun is not None and chosen.refines and rtol is None:
         M = ladder.enough(M, begun, *asked) if chooses else M
-        ladder.beside(halved(M, chosen.coarsest)[-2:], begun, asked[0] if chooses else inf)
+        ladder.beside(halved(M, chosen.coarsest)[-2:], begun, *asked if chooses else ())
     else:
         counts = [M] if cold else halved(M, chosen.coarsest)[-2 if start else 0 :]
         # elements ask for borders alone, which the mesh before the last tells well enough mostly
