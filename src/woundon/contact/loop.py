@@ -405,29 +405,33 @@ class _Step:
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
         """Return equations, state and carried load for the half width a [m], or a better one."""
-        contact = self.ladder.contact
         equations, state = self._linear(a)
-        self._note(float(equations.carried(state)))
-        for _ in range(MOST_FOLLOWED):
-            if state.solution.joint is None or contact.settles_apart:
-                break
-            found = follow(equations, state.solution, contact.load, self.tolerance, self.power)
-            if found is None:
-                break
-            equations, state, self.power = found[:3]
-            self.followed = True
-            self.latest = equations, state
-            if found.kept:
-                break
-            equations, state = self._linear(state.half_width)
-        # where bodies are not linear, a load means something only once they have settled
+        if isnan(self.missed):
+            carried = float(equations.carried(state))
+            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
+        if not self.ladder.contact.settles_apart:
+            equations, state = self._followed(equations, state)
         for _ in range(MOST_PASSES):
             if not self._unsure(equations, state):
                 break
-            equations, state = self._linear(a)
-        carried = float(equations.carried(state))
-        self._note(carried)
-        return (equations, state), carried
+            equations, state = self._linear(state.half_width)
+        return (equations, state), float(equations.carried(state))
+
+    def _followed(self, equations: Any, state: Any) -> tuple[Any, Any]:
+        """Return what carries the load, by the factors of a solved state; that where they fail."""
+        for _ in range(MOST_FOLLOWED):
+            if state.solution.joint is None:
+                break
+            load = self.ladder.contact.load
+            found = follow(equations, state.solution, load, self.tolerance, self.power)
+            if found is None:
+                break
+            equations, state, self.power = found[:3]
+            self.followed, self.latest = True, (equations, state)
+            if found.kept:
+                break
+            equations, state = self._linear(state.half_width)
+        return equations, state
 
     def _unsure(self, equations: Any, state: Any) -> bool:
         """Tell whether a load means little yet, for what was linearised has not settled.
@@ -441,10 +445,6 @@ class _Step:
         missed = abs(float(equations.carried(state)) / contact.load - 1)
         blurred = missed > self.tolerance.load and equations.imbalance(state) > BLUR * missed
         return bool(blurred)
-
-    def _note(self, carried: float) -> None:
-        if isnan(self.missed):
-            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
 
     def _linear(self, a: float) -> tuple[Any, Any]:
         """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
