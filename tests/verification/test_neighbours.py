@@ -1,6 +1,6 @@
 """Cases from their neighbours: on one mesh, their errors told by how the neighbours scatter.
 
-``benchmarks/neighbours.py`` asks the same of hundreds of lines of random nips.
+``benchmarks/error_estimate.py --of neighbours`` asks the same of hundreds of random nips.
 """
 
 from __future__ import annotations
