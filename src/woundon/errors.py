@@ -85,6 +85,8 @@ class ResolutionWarning(UserWarning):
 
 def warn(texts: Iterable[str]) -> None:
     """Issue a result's warnings, at the line outside this package that asked for it."""
+    if not (texts := tuple(texts)):
+        return
     own, frame, level = __name__.partition(".")[0], sys._getframe(), 1
     while frame.f_back and str(frame.f_globals.get("__name__")).partition(".")[0] == own:
         frame, level = frame.f_back, level + 1

@@ -106,8 +106,7 @@ class ReadOnly:
     """A dataclass whose arrays cannot be written to, nor can those of a copy or of a pickle."""
 
     def __post_init__(self) -> None:
-        for part in fields(self):  # type: ignore[arg-type]
-            value = getattr(self, part.name)
+        for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
 

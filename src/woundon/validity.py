@@ -45,11 +45,15 @@ FEW_NODES = 4
 NARROW_ZONE = 0.02  # of the nip width: a narrower one, mostly at the very edge, moves no output
 
 
-def past(name: str, share: float, told: str) -> Iterator[str]:
-    """Yield a warning if a share is past the named limit either way; ``{}`` in the text is it."""
+def past(name: str, share: float, told: str, *values: object) -> Iterator[str]:
+    """Yield a warning if a share is past the named limit either way.
+
+    ``{}`` in the text is the share, numbers in braces are the values.
+    """
     limit = LIMITS[name]
     if abs(share) > limit.most:
-        yield f"{told.format(_percent(share))} (limit {_percent(limit.most)}): {limit.reason}"
+        text = told.replace("{}", _percent(share)).format(*values)
+        yield f"{text} (limit {_percent(limit.most)}): {limit.reason}"
 
 
 def _percent(share: float) -> str:
@@ -69,7 +73,7 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
     problem, a, approach = result.problem, result.half_width, result.approach  # type: ignore[attr-defined]
     radius = min(body.radius for body in problem.bodies)
     yield from past(
-        "half width", a / radius, f"the half width {a * 1e3:.3g} mm is {{}} of the smaller radius"
+        "half width", a / radius, "the half width {0:.3g} mm is {} of the smaller radius", a * 1e3
     )
     for name in problem.pair:
         body = getattr(problem, name)
@@ -79,8 +83,8 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
             depth = _indentation(result, body, tractions[name])
             yield from past(
                 "indentation", depth / body.thickness,
-                f"the {name}'s indentation {depth * 1e3:.3g} mm is {{}} of its elastic layer, "
-                f"{body.thickness * 1e3:.3g} mm",
+                "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
+                name, depth * 1e3, body.thickness * 1e3,
             )  # fmt: skip
         yield from _surface(name, body, float(np.max(result.pressure)), tractions[name])  # type: ignore[attr-defined]
 
@@ -102,12 +106,12 @@ def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[st
     modulus, shear = min(stiffness.rr, stiffness.tt), float(np.max(np.abs(traction)))
     yield from past(
         "peak pressure", peak / modulus,
-        f"the peak pressure {peak / 1e6:.3g} MPa is {{}} of the {name}'s stiffness "
-        f"{modulus / 1e6:.3g} MPa",
+        "the peak pressure {0:.3g} MPa is {} of the {1}'s stiffness {2:.3g} MPa",
+        peak / 1e6, name, modulus / 1e6,
     )  # fmt: skip
     yield from past(
         "shear strain", shear / stiffness.shear,
-        f"the {name}'s surface shear strain is {{}} at a traction of {shear / 1e6:.3g} MPa",
+        "the {0}'s surface shear strain is {} at a traction of {1:.3g} MPa", name, shear / 1e6,
     )  # fmt: skip
 
 
@@ -127,7 +131,7 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
     dual = len(faces) > 1 and len(trailing) == 1 and trailing != {Zone.STICK}
     for face, zones in faces.items():
         inner = zones[1:-1]
-        borders = (np.nonzero(inner[1:] != inner[:-1])[0] + 1).tolist()
+        borders = ((inner[1:] != inner[:-1]).nonzero()[0] + 1).tolist()
         for first, end in pairwise([0, *borders, inner.size]):
             width = float(x[end + 1] - x[first])
             if end - first >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):

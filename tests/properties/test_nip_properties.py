@@ -294,8 +294,7 @@ def test_a_neighbour_hands_on_the_widths_of_its_meshes_and_the_power_of_the_load
     before = wo.solve_nip(problem, nodes=65)
     first_misses.clear()
     wo.solve_nip(problem.replace(nip_load=1.01 * problem.nip_load), nodes=65, start=before)
-    on_33, on_65 = first_misses
+    (on_65,) = first_misses
     # a load 1 % away: the power, known to 1e-3 at least, misses it by 1e-5 (the root of the load by
-    # 1e-3), and the ratio of the two meshes' widths hardly changes
-    assert on_33 < 2e-5
+    # 1e-3)
     assert on_65 < 2e-5

@@ -29,13 +29,13 @@ def beyond_rounding(miss: Array, size: Array) -> float:
 
     A tension of 500 N/m is known to 6e-14 N/m, which is much beside a nip load of 1e-9 N/m.
     """
-    return largest(np.abs(miss) - ROUNDING * np.max(np.abs(size)))
+    return largest(np.abs(miss) - ROUNDING * np.abs(size).max())
 
 
 def positive_pressure(*pressures: Array) -> float:
     """Return how far a pressure falls below zero, relative to the largest."""
     values = np.concatenate(pressures)
-    return largest(np.maximum(-values, 0.0)) / float(np.max(np.abs(values)))
+    return largest(np.maximum(-values, 0.0)) / float(np.abs(values).max())
 
 
 def friction_laws(

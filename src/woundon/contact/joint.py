@@ -78,10 +78,10 @@ class Joint:
 
     def factorised(self, state: Array) -> Factors | None:
         """Return the factors of one state of stick and slip; None where it is singular."""
-        n, stuck = self.unknowns, np.flatnonzero(state == 0)
+        n, stuck = self.unknowns, (state == 0).nonzero()[0]
         first, last = self._ends
-        rows = np.concatenate([first, n + 2 + stuck])
-        columns = np.concatenate([first[:-1], n + 1 + stuck, last])
+        rows = np.concatenate([first, stuck + (n + 2)])
+        columns = np.concatenate([first[:-1], stuck + (n + 1), last])
         law = self.matrix.take(rows, axis=0)
         A = law.take(columns, axis=1)
         sliding = law[:, n + 1 : -1]

@@ -38,18 +38,21 @@ class Widths(NamedTuple):
     """The half width that carries the load on each mesh, by its number of nodes [m].
 
     ``power`` is d ln P/d ln a: with it a neighbouring case knows where to begin.  ``scatters`` are
-    those of the outputs.
+    those of the outputs, told by other cases alone in the last ``unchecked`` of them; ``runs`` the
+    zones of each face, borders to a fraction of a cell, in units of a.
     """
 
     power: float
     by_nodes: Mapping[int, float]
     scatters: Mapping[str, Scatter] = MappingProxyType({})
+    unchecked: int = 0
+    runs: Sequence[Runs] | None = None
 
     def at(self, share: float) -> Widths:
         """Return what they would be at another load, ``share`` times as large."""
         factor = share ** (1 / self.power)
         by_nodes = {nodes: a * factor for nodes, a in self.by_nodes.items()}
-        return Widths(self.power, by_nodes, self.scatters)
+        return self._replace(by_nodes=by_nodes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import exp, isnan, log, nan
+from math import exp, inf, isnan, log, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from .levels import Before, Known, Level, Scalars, Start, Widths
 from .panagiotopoulos import panagiotopoulos
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
-from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, Scatter, by_changes
+from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, REMEMBERED, Scatter, by_changes
 from .width import WidthNotFound, width_for_load
 
 __all__ = [
@@ -65,6 +65,8 @@ STAND_INS = 3  # linear contacts before one that is not
 MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
 BLUR = 0.1  # of the load missed: the imbalance from which on it is found again at the same width
+MOST_UNCHECKED = 3  # neighbours in a row whose errors are told by other cases alone
+NEAR = 0.03  # of the nodes change their zone from one case to the next: it scatters alike
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
 
 
@@ -111,6 +113,8 @@ class Ladder:
         self.solves = 0
         self._by_nodes: dict[int, float] = {}
         self._expected: Mapping[int, float] = {}  # half widths, from a neighbouring case
+        self._unchecked = 0  # neighbours in a row, this one included
+        self._alike = False  # whether the zones are those taken over
         self._missed = 0.0  # by how much a width carried to the last mesh missed, ln of loads
 
     # ---- ladders -------------------------------------------------------------------------------
@@ -118,8 +122,7 @@ class Ladder:
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
         """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
         self.history.clear()
-        if start is not None and start.widths is not None:
-            self._expected, self._scattered = start.widths.by_nodes, start.widths.scatters
+        self._take_over(start)
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
             self._step(self.scheme.mesh(count), start, tolerance)
@@ -127,6 +130,34 @@ class Ladder:
                 start = self.level.start
         if self.contact.settles_apart:  # there the coarsest mesh is but a start
             del self.history[:-2]
+        self._tell()
+
+    def beside(self, counts: Sequence[int], start: Start, rtol: float = inf, most: int = 0) -> None:
+        """Solve near a neighbouring case, on the last mesh; tell errors by how that one scatters.
+
+        On the mesh before it too where the neighbours alone do not tell enough: every few cases,
+        where much has changed, or where the target is not known to rtol on less than ``most``.
+        """
+        self._take_over(start)
+        self._step(self.scheme.mesh(counts[-1]), start)
+        self._tell()
+        self._unchecked = 1 + (start.widths.unchecked if start.widths else MOST_UNCHECKED)
+        known = self._alike and self._scatters[self.target].changes > 1
+        known = known and (counts[-1] >= most or self.reached(rtol))
+        if len(counts) > 1 and not (known and self._unchecked <= MOST_UNCHECKED):
+            self._check(counts[-2])
+
+    def _take_over(self, start: Start | None) -> None:
+        if start is not None and start.widths is not None:
+            self._expected, self._scattered = start.widths.by_nodes, start.widths.scatters
+
+    def _check(self, nodes: int) -> None:
+        """Solve on a coarser mesh than the last one, for its change alone."""
+        fine, found = self.level, self.history.pop()
+        self._step(self.scheme.mesh(nodes), fine.start, COARSE)
+        self.level, self.before = fine, self.level
+        self.history.append(found)
+        self._unchecked, self._missed = 0, 0.0
         self._tell()
 
     def climb_fitted(self, counts: Sequence[int], coarse: Tolerance) -> None:
@@ -173,7 +204,19 @@ class Ladder:
     @property
     def widths(self) -> Widths:
         """What a neighbouring case may begin with."""
-        return Widths(self.level.power, self._by_nodes, self._scatters)
+        expected, found = self._expected, self._by_nodes
+        factor = next((a / expected[nodes] for nodes, a in found.items() if nodes in expected), 1.0)
+        by_nodes = {nodes: a * factor for nodes, a in expected.items()} | found
+        return Widths(self.level.power, by_nodes, self._scatters, self._unchecked)
+
+    def enough(self, nodes: int, start: Start, rtol: float, most: int) -> int:
+        """Return the nodes, doubled up to ``most``, on which a neighbouring case reaches rtol."""
+        told = start.widths.scatters.get(self.target) if start.widths else None
+        if told is not None:
+            told = told._replace(changes=REMEMBERED + 1)  # as it would be known after a check
+            while nodes < most and told.error(nodes - 1, 1.0) > rtol:
+                nodes = 2 * nodes - 1
+        return nodes
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
@@ -212,7 +255,7 @@ class Ladder:
             self.errors[name] = self._told(name, [scalars[name] for scalars in self.history])
 
     def _told(self, name: str, values: Sequence[float]) -> float:
-        cells, scale = self.level.mesh.nodes.size - 1, self.contact.scale(name, values[-1])
+        cells = self.level.mesh.nodes.size - 1
         if self.scatters:
             largest = max(self.contact.scale(name, value) for value in values)
             known = Scatter.of(values, cells, largest).after(self._scattered.get(name))
@@ -220,7 +263,7 @@ class Ladder:
             if known.changes > 1:
                 return known.error(cells, largest)
         if len(values) == 2:
-            chance = CHANCE * (64 / cells) ** 1.6
+            chance, scale = CHANCE * (64 / cells) ** 1.6, self.contact.scale(name, values[-1])
             return CHANGE_WEIGHT * abs(values[1] - values[0]) + chance * scale
         return by_changes(values)
 
@@ -264,6 +307,7 @@ class Ladder:
                 power = step.power
             if step.settled:
                 contact.refuse(equations, state)
+                self._alike = step.alike
                 carried_over = start is not None and start.level is not None
                 # what the frictionless contact left, the share of it included that was foreseen
                 self._missed = step.missed + self._missed / 4 if carried_over else 0.0
@@ -340,9 +384,18 @@ class _Step:
         self.tolerance = tolerance
         self.latest: tuple[Any, Any] | None = None
         self.missed = nan  # ln of the load carried at first over that asked
+        self.begun: Array | None = None  # the zones taken over
         self.power, self.followed = 2.0 if start is None else start.power, False
         # from a neighbouring state, linearisation and width settle together
         self.apart = ladder.contact.settles_apart and (start is None or start.rough)
+
+    @property
+    def alike(self) -> bool:
+        """Whether the zones are those taken over, in their order, but for a few nodes."""
+        was, now = self.begun, self.known.zones
+        if was is None or now is None or np.count_nonzero(was != now) > NEAR * now.size:
+            return False
+        return np.array_equal(*(z[(z[1:] != z[:-1]).nonzero()[0]] for z in (was, now)))
 
     @property
     def settled(self) -> bool:
@@ -353,29 +406,33 @@ class _Step:
 
     def at(self, a: float) -> tuple[tuple[Any, Any], float]:
         """Return equations, state and carried load for the half width a [m], or a better one."""
-        contact = self.ladder.contact
         equations, state = self._linear(a)
-        self._note(float(equations.carried(state)))
-        for _ in range(MOST_FOLLOWED):
-            if state.solution.joint is None or contact.settles_apart:
-                break
-            found = follow(equations, state.solution, contact.load, self.tolerance, self.power)
-            if found is None:
-                break
-            equations, state, self.power = found[:3]
-            self.followed = True
-            self.latest = equations, state
-            if found.kept:
-                break
-            equations, state = self._linear(state.half_width)
-        # where bodies are not linear, a load means something only once they have settled
+        if isnan(self.missed):
+            carried = float(equations.carried(state))
+            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
+        if not self.ladder.contact.settles_apart:
+            equations, state = self._followed(equations, state)
         for _ in range(MOST_PASSES):
             if not self._unsure(equations, state):
                 break
-            equations, state = self._linear(a)
-        carried = float(equations.carried(state))
-        self._note(carried)
-        return (equations, state), carried
+            equations, state = self._linear(state.half_width)
+        return (equations, state), float(equations.carried(state))
+
+    def _followed(self, equations: Any, state: Any) -> tuple[Any, Any]:
+        """Return what carries the load, by the factors of a solved state; that where they fail."""
+        for _ in range(MOST_FOLLOWED):
+            if state.solution.joint is None:
+                break
+            load = self.ladder.contact.load
+            found = follow(equations, state.solution, load, self.tolerance, self.power)
+            if found is None:
+                break
+            equations, state, self.power = found[:3]
+            self.followed, self.latest = True, (equations, state)
+            if found.kept:
+                break
+            equations, state = self._linear(state.half_width)
+        return equations, state
 
     def _unsure(self, equations: Any, state: Any) -> bool:
         """Tell whether a load means little yet, for what was linearised has not settled.
@@ -389,10 +446,6 @@ class _Step:
         missed = abs(float(equations.carried(state)) / contact.load - 1)
         blurred = missed > self.tolerance.load and equations.imbalance(state) > BLUR * missed
         return bool(blurred)
-
-    def _note(self, carried: float) -> None:
-        if isnan(self.missed):
-            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
 
     def _linear(self, a: float) -> tuple[Any, Any]:
         """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
@@ -415,7 +468,8 @@ class _Step:
         equations = self.ladder.contact.equations(self.mesh, a, self.known.about, last)
         zones = self.known.zones
         if self.start is not None:
-            zones, self.start = self.ladder.contact.zones(self.start, equations), None
+            self.begun = zones = self.ladder.contact.zones(self.start, equations)
+            self.start = None
         joint = getattr(equations, "joint", None)
         by_pivots = self.ladder.find_zones is solve_stick_slip and joint is not None
         problem: Any = joint if by_pivots else equations.stick_slip()

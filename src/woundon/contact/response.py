@@ -121,7 +121,7 @@ class Response:
     pressure_slope : callable, optional
         Makes slope_p in the cells alone, (K-1, n), where that is cheaper.
     act : callable, optional
-        (p, q) -> slope and strain, (K,) each, where that is cheaper than by the gradients.
+        Makes (p, q) -> slope and strain, (K,) each, where that is cheaper than by the gradients.
     terms : int
         Fourier terms summed, ``truncation_error`` their estimated relative error.
 
@@ -132,6 +132,7 @@ class Response:
     """
 
     kept = False
+    _act: Act | None = None
     _at_end: tuple[Array, Array] | None = None
 
     def __init__(
@@ -146,11 +147,11 @@ class Response:
         imbalance: float | None = None,
         outside: str = "",
         pressure_slope: Callable[[], Array] | None = None,
-        act: Act | None = None,
+        act: Callable[[], Act] | None = None,
         terms: int = 0,
         truncation_error: float = 0.0,
     ) -> None:
-        self._gradients, self._pressure_slope, self._act = gradients, pressure_slope, act
+        self._gradients, self._pressure_slope, self._make_act = gradients, pressure_slope, act
         self._normal, self._tangent = normal, tangent
         self.slope, self.strain, self._rest = slope, strain, rest
         self.imbalance, self.outside = imbalance, outside
@@ -166,6 +167,11 @@ class Response:
             self._gradients = made
         return made
 
+    @property
+    def acts(self) -> bool:
+        """Whether it tells what given tractions do without its gradients."""
+        return self._make_act is not None
+
     def pressure_slope(self) -> Array:
         """Return slope_p in the cells alone, (K-1, n)."""
         if self._pressure_slope is not None:
@@ -174,6 +180,8 @@ class Response:
 
     def act(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return slope and strain at the points under tractions, (K,) each; of a linear body."""
+        if self._act is None and self._make_act is not None:
+            self._act = self._make_act()
         if self._act is not None:
             return self._act(p, q)
         slope_p, slope_q, strain_p, strain_q = self.gradients

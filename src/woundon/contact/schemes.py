@@ -11,6 +11,7 @@ thesis   even nodes; slope and strain as backward differences of the nodal displ
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from math import asinh
@@ -176,11 +177,11 @@ class GradedMesh(Mesh):
             truncation_error=kernels.truncation_error,
         )
 
-    def _act(self, kernels: Any, a: float, rank: int) -> Act | None:
-        """Return what integrates tractions without matrices, where kernels are interpolated."""
+    def _act(self, kernels: Any, a: float, rank: int) -> Callable[[], Act] | None:
+        """Return what makes integrals without matrices, where kernels are interpolated."""
         if kernels.lag is not None or rank > self.grid.highest_rank:
             return None
-        return Action(self.grid, kernels.gradients, kernels.smooth, a, rank)
+        return lambda: Action(self.grid, kernels.gradients, kernels.smooth, a, rank)
 
 
 @dataclass(frozen=True, eq=False)

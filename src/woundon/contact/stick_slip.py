@@ -192,7 +192,7 @@ class StickSlip:
     def _solve_apart(self, state: Array) -> StickSlipSolution:
         """Solve for the sticking tractions and the creep alone, where slipping ones are known."""
         q, creep = state * self.bound_offset, 0.0
-        stuck = np.flatnonzero(state == 0)
+        stuck = (state == 0).nonzero()[0]
         k, bordered = stuck.size, int(self.creep is not None)
         matrix, right = np.zeros((k + bordered,) * 2), np.empty(k + bordered)
         matrix[:k, :k] = self.direct[np.ix_(stuck, stuck)]
@@ -250,16 +250,15 @@ class StickSlipSolution:
 
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
-        stuck = self.state == 0
-        # how far traction or slip goes beyond its law, and what that is measured by
-        beyond = np.where(stuck, np.abs(self.traction) - self.bound, -self.state * self.slip)
+        # a node in stick has no slip, one that slips no slack: nodes break one law or the other
         b_tol = TOLERANCE * float(np.abs(self.bound).max())
         v_tol = TOLERANCE * float(np.abs(self.slip).max())
-        return np.asarray(beyond > np.where(stuck, b_tol, v_tol))
+        over = np.abs(self.traction) > self.bound + b_tol
+        return np.asarray(np.where(self.state == 0, over, self.state * self.slip < -v_tol))
 
     def flipped(self, which: Array) -> Array:
         """Return the state with the given nodes brought to the law they ask for."""
-        out, turned = self.state.copy(), np.flatnonzero(which)
+        out, turned = self.state.copy(), which.nonzero()[0]
         out[turned] = np.where(out[turned] == 0, np.sign(self.traction[turned]), 0)
         return out
 
@@ -284,7 +283,7 @@ def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> 
         direct = _pivot(problem, state, limit=60)
         solves += direct.solves
         if direct.ending is Ending.SOLVED:
-            return replace(direct, solves=solves)
+            return direct if direct.solves == solves else replace(direct, solves=solves)
     if not isinstance(problem, StickSlip):  # nearer to rounding, and then the safe way
         apart = solve_stick_slip(problem.condensed(), start)
         return replace(apart, solves=apart.solves + solves)
@@ -303,7 +302,7 @@ def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSol
         violated = solution.violated()
         count = int(np.count_nonzero(violated))
         if count == 0:
-            return replace(solution, solves=solves)
+            return solution if solves == 1 else replace(solution, solves=solves)
         if count < fewest:
             fewest, patience = count, 8
         elif patience > 0:
@@ -320,8 +319,8 @@ def keep_one_stuck(problem: StickSlip | Joint, solution: StickSlipSolution, stat
     """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
     if problem.creep is None:
         return state
-    held = np.nonzero(problem.creep)[0]
-    if np.any(state[held] == 0):
+    held = problem.creep.nonzero()[0]
+    if not state[held].all():
         return state
     # the node that turns between the two directions: of those that pull against what the nodes just
     # unable to stick ask for, the one that slips least

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -116,24 +116,8 @@ def slip_lengths(
     (float, float)
         With the sign of the slip: > 0 where the web is the faster one; 0 where it sticks.
     """
-    runs = np.nonzero(zones[1:] != zones[:-1])[0] + 1  # the nodes where another zone begins
-    first, last = int(zones[0]), int(zones[-1])
-    if not runs.size:
-        whole = first * float(x[-1] - x[0])
-        return whole, whole
-    face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))  # single numbers
-
-    def border(node: int) -> float:
-        if share is not None:
-            return share * face.x[node] + (1 - share) * face.x[node - 1]
-        return _border(face, node, int(zones[node - 1]), int(zones[node]), rigid)[0]
-
-    leading = trailing = 0.0
-    if first:
-        leading = first * (border(int(runs[0])) - float(x[0]))
-    if last:
-        trailing = last * (float(x[-1]) - border(int(runs[-1])))
-    return leading, trailing
+    runs = Runs.of(x, slip_x, zones, slip, slack, rigid=rigid, share=share)
+    return runs.slip_lengths(float(x[0]), float(x[-1]))
 
 
 def _border(face: _Face, node: int, before: int, behind: int, rigid: bool) -> tuple[float, float]:
@@ -157,16 +141,25 @@ class Runs(NamedTuple):
 
     @classmethod
     def of(
-        cls, x: Array, slip_x: Array, zones: Array, slip: Array, slack: Array, *, rigid: bool
-    ) -> Runs:
+        cls, x: Array, slip_x: Array, zones: Array, slip: Array, slack: Array, *, rigid: bool,
+        share: float | None = None,
+    ) -> Runs:  # fmt: skip
         """Return those of a solved face; see :func:`slip_lengths`."""
-        nodes = (np.nonzero(zones[1:] != zones[:-1])[0] + 1).tolist()
-        states = zones.tolist()
-        face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))
-        return cls(
-            [states[0], *(states[node] for node in nodes)],
-            [_border(face, node, states[node - 1], states[node], rigid) for node in nodes],
-        )
+        nodes = ((zones[1:] != zones[:-1]).nonzero()[0] + 1).tolist()
+        states = [int(zones[0]), *zones[nodes].tolist()]
+        if share is not None:
+            places = share * x[nodes] + (1 - share) * x[[node - 1 for node in nodes]]
+            return cls(states, [(place, 0.0) for place in places.tolist()])
+        face = _Face(*(part.tolist() for part in (x, slip_x, slip, slack)))  # single numbers
+        pairs = zip(nodes, pairwise(states), strict=True)
+        return cls(states, [_border(face, node, *pair, rigid) for node, pair in pairs])
+
+    def slip_lengths(self, first: float, last: float) -> tuple[float, float]:
+        """Return the slip lengths of a face from ``first`` to ``last``; see the function."""
+        leading, trailing = self.zones[0], self.zones[-1]
+        if not self.borders:
+            return leading * (last - first), leading * (last - first)
+        return leading * (self.borders[0][0] - first), trailing * (last - self.borders[-1][0])
 
     def on(self, x: Array, slip_x: Array) -> Array:
         """Return the zones of other nodes, whose slips are taken at ``slip_x``."""

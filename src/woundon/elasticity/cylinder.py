@@ -101,10 +101,13 @@ def surface_compliance(
     return stacked_compliance(n, ((depth, A_rr, A_tt, A_rt, G, D),))
 
 
+@lru_cache(maxsize=64)
 def asymptotic_compliance(
     orders: int, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
 ) -> Array:
-    """Return Y_j [1/Pa], shape (orders+1, 2, 2): Y_n = sum_j Y_j/n^j far from any core; Y_0 = 0.
+    """Return Y_j [1/Pa], (orders+1, 2, 2), read-only: Y_n = sum_j Y_j/n^j far from any core.
+
+    Y_0 = 0.
 
     Notes
     -----
@@ -123,12 +126,13 @@ def asymptotic_compliance(
         # all that is known at this order; the unknown enters through F_1 and z_(j-1)
         z[j - 1] = Y[j - 1, :, 0]
         known = shift[:, None] * Y[j - 1] + Y[j - 1] * shift
-        known -= D * sum(np.outer(z[i], z[j - 1 - i]) for i in range(j))
+        known -= D * (z[:j].T @ z[j - 1 :: -1])
         y12 = known[0, 0] / (2 * r)
         y22 = (y12 + known[1, 1] / 2) / DB
         y11 = -known[0, 1] + r * y22 + DB * y12
         Y[j] = [[y11, y12], [y12, y22]]
         z[j - 1] += Y[j, :, 1]
+    Y.setflags(write=False)
     return Y[: orders + 1]
 
 
@@ -342,10 +346,15 @@ def _closed_powers(tail: Array) -> int:
 
 def _decay(depth: float, stiffness: Stiffness) -> float:
     """Return kappa: the echo from below a layer dies as exp(-2 kappa n)."""
-    total, product = (v.item() for v in Systems.of((depth, *stiffness)).roots(np.array([1e8])))
+    return _slowest(stiffness) * depth
+
+
+@lru_cache(maxsize=64)
+def _slowest(stiffness: Stiffness) -> float:
+    """Return the smaller growing root of a layer over n, for large n."""
+    total, product = (v.item() for v in Systems.of((1.0, *stiffness)).roots(np.array([1e8])))
     spread = total * total / 4 - product
-    slowest = product / (total / 2 + sqrt(spread)) if spread > 0 else total / 2
-    return slowest / 1e8 * depth
+    return (product / (total / 2 + sqrt(spread)) if spread > 0 else total / 2) / 1e8
 
 
 def _terms(depth: float, tail: Array, J: int, stiffness: Stiffness) -> int:

@@ -172,39 +172,21 @@ class HarmonicSum:
     def _part(self, z: Array) -> Array:
         return z.imag if self.odd else z.real
 
-    @cached_property
-    def table(self) -> tuple[Array, float]:
-        """Return quintics on equal steps of [0, pi], (steps, 6), and the steps per radian."""
-        # 4 points per shortest wave: there the coefficients have died out already
-        size = max(256, 1 << (4 * self.rest.size - 1).bit_length())
-        step = 2 * pi / size
-        values = self._rest_on_circle(size) + self._powers(size)
-        return quintics(values * np.array([[1.0], [step], [step * step]])), 1 / step
+    @property
+    def spectrum(self) -> Array:
+        """Coefficients of exp(i n theta) of the rest, n = 1 ... N."""
+        return (-0.5j if self.odd else 0.5) * self.scale * self.rest
 
-    def _rest_on_circle(self, size: int) -> Array:
-        """Sum the rest and its two derivatives at theta = 2 pi k/size, k = 0 ... size/2."""
-        n = np.arange(1, self.rest.size + 1)
-        spectrum = np.zeros((3, size // 2 + 1), dtype=complex)
-        c = (-0.5j if self.odd else 0.5) * size * self.scale * self.rest
-        for derivative in range(3):
-            spectrum[derivative, 1 : n.size + 1] = c * (1j * n) ** derivative
-        return np.fft.irfft(spectrum, size)[:, : size // 2 + 1]
-
-    def _powers(self, size: int) -> Array:
-        """Sum the regular parts of the powers n^-j and their two derivatives where they are kept.
-
-        At theta = 2 pi k/size, k = 0 ... size/2, (3, size/2 + 1).
-        """
+    @property
+    def series(self) -> Array:
+        """Coefficients of the regular parts of the powers n^-j, by powers of theta."""
         c = self.tail @ _power_series(self.odd, self.tail.size)
         if self.odd:
             c[0] = 0.0  # the step of a_1, which the kernel carries as its sign
         else:
             c[0] += self.mean + self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
         c *= self.scale
-        if self.power is not None:
-            c += self.power
-        parts = [c @ _powers_of_angles(size, first) for first in range(0, size // 2 + 1, KEPT)]
-        return np.concatenate(parts, axis=1)
+        return np.asarray(c if self.power is None else c + self.power)
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,10 +236,33 @@ class HarmonicSums:
 
     @cached_property
     def _table(self) -> tuple[Array, float]:
-        """Coefficients of the quintics, (6, sums, steps), and the steps per radian."""
-        tables = [sum_.table for sum_ in self.sums]
-        coefficients = np.array([c for c, _ in tables]).transpose(2, 0, 1)
-        return np.ascontiguousarray(coefficients), tables[0][1]
+        """Quintics on equal steps of [0, pi], (6, sums, steps), and the steps per radian."""
+        # 4 points per shortest wave: there the coefficients have died out already
+        size = max(256, 1 << (4 * self.sums[0].rest.size - 1).bit_length())
+        step = 2 * pi / size
+        values = self._rest_on_circle(size) + self._powers(size)
+        values *= np.array([1.0, step, step * step])[:, None, None]
+        return np.ascontiguousarray(np.moveaxis(quintics(values), -1, 0)), 1 / step
+
+    def _rest_on_circle(self, size: int) -> Array:
+        """Sum the rests and their two derivatives at theta = 2 pi k/size, k = 0 ... size/2."""
+        once = np.array([sum_.spectrum for sum_ in self.sums]) * size
+        n = 1j * np.arange(1, once.shape[-1] + 1)
+        spectrum = np.zeros((3, len(once), size // 2 + 1), dtype=complex)
+        inner = spectrum[..., 1 : n.size + 1]
+        inner[0] = once
+        np.multiply(inner[0], n, out=inner[1])
+        np.multiply(inner[1], n, out=inner[2])
+        return np.fft.irfft(spectrum, size)[..., : size // 2 + 1]
+
+    def _powers(self, size: int) -> Array:
+        """Sum the regular parts of the powers n^-j and their two derivatives where they are kept.
+
+        At theta = 2 pi k/size, k = 0 ... size/2, (3, sums, size/2 + 1).
+        """
+        c = np.array([sum_.series for sum_ in self.sums])
+        parts = [c @ _powers_of_angles(size, first) for first in range(0, size // 2 + 1, KEPT)]
+        return np.concatenate(parts, axis=-1)
 
     @cached_property
     def _logs(self) -> Array:
@@ -270,9 +275,12 @@ class HarmonicSums:
 
 
 def quintics(values: Array) -> Array:
-    """Return coefficients (K, 6) of the quintics with given f, f', f'' (3, K+1) at unit steps."""
-    f, d, s = values[:, :-1]
-    F, D, S = values[:, 1:]
+    """Return coefficients (..., K, 6) of the quintics with given f, f', f'' at unit steps.
+
+    Values are (3, ..., K+1).
+    """
+    f, d, s = values[..., :-1]
+    F, D, S = values[..., 1:]
     half, Half = s / 2, S / 2
     rise = F - f - d - half
     turn = D - d - s

@@ -103,7 +103,9 @@ class SurfaceKernels:
     @property
     def smooth(self) -> Callable[[Array], Array] | None:
         """The smooth parts of ``gradients``, t -> (4, *t.shape); None where there are none."""
-        parts = [kernel.smooth for kernel in self.gradients]
-        if self.together is not None or not any(parts):
+        if self.together is not None:
             return self.together
+        parts = [kernel.smooth for kernel in self.gradients]
+        if parts == [None] * 4:
+            return None
         return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])

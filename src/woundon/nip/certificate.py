@@ -69,8 +69,8 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         indentation=largest(np.abs(miss)) / made.top,
         positive_pressure=positive_pressure(result.pressure),
         **friction_laws(
-            zones, q, v[: q.size], friction * np.tile(p, 2),
-            unit=friction * np.max(np.abs(p)), slip_scale=made.top,
+            zones, q, v[: q.size], friction * np.concatenate([p, p]),
+            unit=friction * np.abs(p).max(), slip_scale=made.top,
             strain=result.drum_creep,
         ),
         slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / made.top,

@@ -22,7 +22,7 @@ other two it leaves the stick-slip problem in q and xi, which has a safe way.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -193,7 +193,7 @@ class NipEquations(PairEquations):
 
     def moved(self, a: float) -> Self:
         """Return the equations for another half width [m], as laws without matrices."""
-        other = replace(self, matrices=NipLaws.at(self.problem, self.mesh, a))
+        other = type(self)(self.problem, self.mesh, NipLaws.at(self.problem, self.mesh, a))
         other.__dict__["_size"] = self._size
         return other
 

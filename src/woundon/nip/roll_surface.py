@@ -95,7 +95,8 @@ class Outside:
             slope_p, slope_q, strain_p, strain_q = smooth()
             return slope + slope_p @ p + slope_q @ q, strain + strain_p @ p + strain_q @ q
 
-        return Response(gradients, act=act if by_parts and kernels.lag is None else None)
+        alone = by_parts and kernels.lag is None
+        return Response(gradients, act=(lambda: act) if alone else None)
 
 
 class Rise:

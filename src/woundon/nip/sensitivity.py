@@ -377,4 +377,4 @@ def _once(response: Response, load: Tractions, linear: bool, rigid: bool) -> Res
     if rigid:
         return response
     known = response.act(*load)
-    return Response(lambda: response.gradients, act=lambda *_: known)
+    return Response(lambda: response.gradients, act=lambda: lambda *_: known)

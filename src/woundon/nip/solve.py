@@ -13,7 +13,7 @@ two are extrapolated.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import nan
 from types import SimpleNamespace
@@ -25,7 +25,7 @@ from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import ELEMENTS, Scheme, scheme_of
-from ..contact.zones import Runs, slip_lengths
+from ..contact.zones import Runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
@@ -100,23 +100,25 @@ def solve_nip(
         check_type("start", start, NipResult)
     chosen = scheme_of(scheme)
     cold = chosen.starts_cold and algorithm == "panagiotopoulos"
-    counts = [M] if cold else halved(M, chosen.coarsest)
     ladder = Ladder(
         NipContact(problem), chosen, "nip_induced_tension", ALGORITHMS[algorithm], scatters=True
     )
-    counts, begun = (
-        counts[-2 if start else 0 :],
-        None if start is None else _started(start, problem),
-    )
-    fine = _asks_for_elements(problem, rtol)
-    # elements ask for borders alone, which the mesh before the last tells well enough mostly
-    for last in (counts[:-1], counts) if fine else (counts,):
-        ladder.climb(last, begun)
-        found = _on_elements(ladder, problem, rtol, algorithm)
-        if found is not None:
-            return found.warned()
-    if chosen.refines and nodes is None and rtol is None:
-        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
+    begun = None if start is None else _started(start, problem)
+    asked = DEFAULT if problem.linear else DEFAULT_HARDENING
+    chooses = chosen.refines and nodes is None and rtol is None
+    if begun is not None and chosen.refines and rtol is None:
+        M = ladder.enough(M, begun, *asked) if chooses else M
+        ladder.beside(halved(M, chosen.coarsest)[-2:], begun, *asked if chooses else ())
+    else:
+        counts = [M] if cold else halved(M, chosen.coarsest)[-2 if start else 0 :]
+        # elements ask for borders alone, which the mesh before the last tells well enough mostly
+        for last in (counts[:-1], counts) if _asks_for_elements(problem, rtol) else (counts,):
+            ladder.climb(last, begun)
+            found = _on_elements(ladder, problem, rtol, algorithm)
+            if found is not None:
+                return found.warned()
+    if chooses:
+        ladder.double(*asked)
     if rtol is not None:
         ladder.fit(rtol, MOST_NODES)
     result = _result(ladder, problem, algorithm).checked()
@@ -182,8 +184,9 @@ def _started(start: NipResult, problem: NipProblem) -> Start:
     guess = start.half_width * share ** (1 / known.power)
     tractions = (start.roll_traction[1:-1], start.drum_traction[1:-1])
     loads = NipMatrices.loads(start.pressure[1:-1], np.concatenate(tractions))
-    fine = scheme_of(start.scheme).refines
-    runs = _runs(start.problem, vars(start), start.half_width) if fine else None
+    runs = known.runs
+    if runs is None and scheme_of(start.scheme).refines:
+        runs = _runs(start.problem, vars(start), start.half_width)
     return Start(
         guess, (nodes, nodes), zones, known.power, widths=known.at(share),
         before=Before(nodes, loads), runs=runs,
@@ -212,7 +215,7 @@ class NipContact(PairContact):
         if told is not None:
             runs = told
         elif before is not None and before.mesh.border_share is None:
-            runs = _runs(self.problem, along_nip(before), before.state.half_width)
+            runs = _runs_of(self.problem, before)
         else:
             return super().zones(start, equations)
         found = [run.on(mesh.columns, mesh.middle[:-1]) for run in runs]
@@ -232,7 +235,7 @@ class NipContact(PairContact):
             "nip_induced_tension": whole,
             "tension_behind_nip": self.problem.web_tension + whole,
             "drum_creep": _drum_creep(self.problem, level.state, whole),
-            **slip_ratios(self.problem, along_nip(level), level.mesh.border_share),
+            **_ratios(_runs_of(self.problem, level)),
         }
 
 
@@ -269,7 +272,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         series_terms=max(r.terms for r in made.responses),
         series_error=max(r.truncation_error for r in made.responses),
         mesh=level.mesh,
-        widths=ladder.widths,
+        widths=ladder.widths._replace(runs=_runs_of(problem, level)),
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )  # fmt: skip
     return result.replace(
@@ -323,13 +326,15 @@ def slip_ratios(
     share : float, optional
         Where borders are from the node before them to the next; else slip and slack tell it.
     """
-    (leading, trailing), (_, drum) = (
-        slip_lengths(**face, share=share) for face in _faces(problem, arrays)
-    )
     x = arrays["x"]
-    width = float(x[-1] - x[0])
+    return _ratios(_runs(problem, arrays, float(x[-1] - x[0]) / 2, share))
+
+
+def _ratios(runs: Sequence[Runs]) -> dict[str, Any]:
+    """Return the signed slip lengths over the nip width by name, of zones in units of a."""
+    (leading, trailing), (_, drum) = (face.slip_lengths(-1.0, 1.0) for face in runs)
     dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
-    return dict(zip(SLIP_RATIOS, (leading / width, trailing / width, dual / width), strict=True))
+    return dict(zip(SLIP_RATIOS, (leading / 2, trailing / 2, dual / 2), strict=True))
 
 
 def _faces(problem: Any, arrays: Mapping[str, Array]) -> Iterator[dict[str, Any]]:
@@ -343,10 +348,20 @@ def _faces(problem: Any, arrays: Mapping[str, Array]) -> Iterator[dict[str, Any]
         }  # fmt: skip
 
 
-def _runs(problem: NipProblem, arrays: Mapping[str, Array], a: float) -> list[Runs]:
+def _runs(
+    problem: Any, arrays: Mapping[str, Array], a: float, share: float | None = None
+) -> list[Runs]:
     """Return the zones of both faces, in units of a."""
     arrays = {**arrays, "x": arrays["x"] / a, "slip_x": arrays["slip_x"] / a}
-    return [Runs.of(**face) for face in _faces(problem, arrays)]
+    return [Runs.of(**face, share=share) for face in _faces(problem, arrays)]
+
+
+def _runs_of(problem: Any, level: Level) -> list[Runs]:
+    """Return the zones of both faces of a solved mesh, in units of a."""
+    if "runs" not in level.kept:  # asked for by outputs, the next mesh and the next case
+        arrays, share = along_nip(level), level.mesh.border_share
+        level.kept["runs"] = _runs(problem, arrays, level.state.half_width, share)
+    return list(level.kept["runs"])
 
 
 def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:

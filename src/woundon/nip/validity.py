@@ -46,13 +46,24 @@ def _cautions(r: WindingNipResult) -> Iterator[str]:
 
 def _surface_strains(r: WindingNipResult) -> Iterator[str]:
     x = r.x[r.in_nip]
-    for name, strain in (("roll", _roll_strain(r)), ("drum", _drum_strain(r))):
-        if not getattr(r.problem, name).rigid:
-            k = int(np.argmax(np.abs(strain)))
+    for (name, strain), body in zip(_bodies_strains(r).items(), r.problem.bodies, strict=True):
+        if not body.rigid:
+            k = int(np.abs(strain).argmax())
             yield from past(
                 "surface strain", float(strain[k]),
-                f"the {name}'s surface strain is {{}} at x = {x[k] * 1e3:.3g} mm",
+                "the {0}'s surface strain is {} at x = {1:.3g} mm", name, x[k] * 1e3,
             )  # fmt: skip
+
+
+def _bodies_strains(r: WindingNipResult) -> dict[str, Array]:
+    """Return the bodies' surface strains in the nip where slips are taken, by the slips (eq. 133).
+
+    The roll's is that less the one at the trailing edge.
+    """
+    own = r.in_nip
+    web = np.interp(r.slip_x[own], r.x[own], _web_strain(r)[own])
+    roll = web - r.roll_slip[own]
+    return {"roll": roll - roll[-1], "drum": web + r.drum_creep - r.drum_slip[own]}
 
 
 def _web_strain(r: WindingNipResult) -> Array:
@@ -63,39 +74,23 @@ def _web_strain(r: WindingNipResult) -> Array:
     return c.c11 / web.thickness * r.web_tension - c.c12 * p
 
 
-def _where_slips_are_taken(r: WindingNipResult) -> Array:
-    own = r.in_nip
-    return np.interp(r.slip_x[own], r.x[own], _web_strain(r)[own])
-
-
-def _drum_strain(r: WindingNipResult) -> Array:
-    """Return the drum's tangential surface strain in the nip, by its slip (thesis eq. 133)."""
-    return _where_slips_are_taken(r) + r.drum_creep - r.drum_slip[r.in_nip]
-
-
-def _roll_strain(r: WindingNipResult) -> Array:
-    """Return the roll's tangential surface strain in the nip less that at the trailing edge."""
-    strain = _where_slips_are_taken(r) - r.roll_slip[r.in_nip]
-    return strain - strain[-1]
-
-
 def _web(r: WindingNipResult) -> Iterator[str]:
-    web, peak, strain = r.problem.web, float(np.max(r.pressure)), _web_strain(r)
+    web, peak, strain = r.problem.web, float(r.pressure.max()), _web_strain(r)
     modulus = web.radial_modulus(peak)
     yield from past(
         "pressure on the web", peak / modulus,
-        f"the peak pressure {peak / 1e6:.3g} MPa is {{}} of the web's radial stiffness "
-        f"{modulus / 1e6:.3g} MPa",
+        "the peak pressure {0:.3g} MPa is {} of the web's radial stiffness {1:.3g} MPa",
+        peak / 1e6, modulus / 1e6,
     )  # fmt: skip
-    k = int(np.argmax(np.abs(strain)))
+    k = int(np.abs(strain).argmax())
     yield from past(
         "web strain", float(strain[k]),
-        f"the web's strain is {{}} at a tension of {r.web_tension[k]:.4g} N/m",
+        "the web's strain is {} at a tension of {0:.4g} N/m", r.web_tension[k],
     )  # fmt: skip
     yield from past(
         "web thickness", web.thickness / r.nip_width,
-        f"the web's thickness {web.thickness * 1e6:.3g} um is {{}} of the nip width "
-        f"{r.nip_width * 1e3:.3g} mm",
+        "the web's thickness {0:.3g} um is {} of the nip width {1:.3g} mm",
+        web.thickness * 1e6, r.nip_width * 1e3,
     )  # fmt: skip
     slackest = float(np.min(r.web_tension))
     if slackest < 0:

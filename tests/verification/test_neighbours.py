@@ -1,0 +1,98 @@
+"""Cases from their neighbours: on one mesh, their errors told by how the neighbours scatter.
+
+``benchmarks/error_estimate.py --of neighbours`` asks the same of hundreds of random nips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from random_nips import random_nip
+from thesis_cases import newsprint_nip, paper_nip
+
+import woundon as wo
+from woundon.contact import loop
+
+SEEDS = range(50150, 50160)
+STEPS = 5
+
+
+@pytest.fixture
+def meshes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Nodes of every mesh that is solved."""
+    seen: list[int] = []
+    step = loop.Ladder._step
+
+    def noted(ladder: loop.Ladder, mesh: loop.Mesh, *rest: object) -> None:
+        seen.append(mesh.nodes.size)
+        step(ladder, mesh, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(loop.Ladder, "_step", noted)
+    return seen
+
+
+def along(problem: wo.NipProblem, step: float, **options: Any) -> Iterator[wo.NipResult]:
+    """Yield the neighbours of a problem, each from the one before, its load a step larger."""
+    last = wo.solve_nip(problem, **options)
+    for _ in range(STEPS):
+        last = wo.solve_nip(
+            last.problem.replace(nip_load=(1 + step) * last.problem.nip_load), start=last, **options
+        )
+        yield last
+
+
+def test_three_of_four_neighbours_take_one_mesh_and_the_fourth_a_coarser_one(
+    meshes: list[int],
+) -> None:
+    for _ in along(newsprint_nip(), 0.01, nodes=65):
+        pass
+    assert meshes == [17, 33, 65] + [65] * 3 + [65, 33] + [65]
+
+
+def test_on_one_mesh_a_neighbour_is_what_it_is_from_the_coarsest_on() -> None:
+    for result in along(paper_nip(), 0.02, nodes=65):
+        afresh = wo.solve_nip(result.problem, nodes=65)
+        # loads are met to 3e-9
+        assert result.nip_induced_tension == pytest.approx(afresh.nip_induced_tension, rel=2e-8)
+        np.testing.assert_array_equal(result.roll_zone, afresh.roll_zone)
+        np.testing.assert_array_equal(result.drum_zone, afresh.drum_zone)
+
+
+def test_a_zone_that_appears_is_checked_by_a_coarser_mesh() -> None:
+    """Where the whole roll face slips NIT is exact; its neighbour with a stick zone is not."""
+    results = list(along(random_nip(50144), 0.05))
+    kinds = [set(r.roll_zone.tolist()) for r in results]
+    first = next(k for k, (one, two) in enumerate(pairwise(kinds), 1) if one != two)
+    result = results[first]
+    fine = wo.solve_nip(result.problem, nodes=513).nip_induced_tension
+    assert abs(result.nip_induced_tension - fine) < 1.5 * result.nip_induced_tension_error
+    assert result.nip_induced_tension_error > 5 * results[first - 1].nip_induced_tension_error
+
+
+def test_neighbours_tell_errors_that_hold() -> None:
+    true, told = [], []
+    for seed in SEEDS:
+        for result in along(random_nip(seed), 0.05):
+            fine = wo.solve_nip(result.problem, nodes=257).nip_induced_tension
+            true.append(abs(result.nip_induced_tension - fine))
+            told.append(result.nip_induced_tension_error)
+    ratios = np.array(true) / told
+    # of hundreds 96 % are within; of 50, five in a row alike, a tenth may not be
+    assert np.mean(ratios <= 1.5) >= 0.9
+    assert ratios.max() < 5
+    # errors many times too large would hold as well; some nips slip all over and are exact
+    assert np.median(ratios) > 1 / 30
+
+
+def test_a_neighbour_begins_on_the_mesh_that_the_last_one_needed(meshes: list[int]) -> None:
+    result = wo.solve_nip(random_nip(50030))
+    assert result.nodes == 129  # 65 tell more than 0.1 %
+    meshes.clear()
+    near = wo.solve_nip(
+        result.problem.replace(nip_load=1.01 * result.problem.nip_load), start=result
+    )
+    assert meshes == [near.nodes] == [129]
