@@ -189,6 +189,7 @@ def test_random_hardening_nips_are_certified_or_refused() -> None:
 # ---- the newsprint experiment -------------------------------------------------------------------
 
 
+@pytest.mark.slow  # test_newsprint_hardening.py has all points with the first
 @pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), (303.8, 10e3)])
 def test_one_fitted_number_meets_the_measured_tensions(K2: float, total: float) -> None:
     """A sample of benchmarks/hardening_newsprint.py, whose RMS over all points is 10.5 and 14.2.

@@ -74,6 +74,7 @@ def test_of_wrapped_nips(wrapped: list[tuple[Result, Result]], name: str) -> Non
     assert np.count_nonzero(misses(wrapped, name) > 1.5) <= 2
 
 
+@pytest.mark.slow
 def test_of_the_creep_of_a_web_wrapped_on_an_elastic_drum() -> None:
     """Its changes between meshes are a few times smaller than what all of them leave at the entry.
 
