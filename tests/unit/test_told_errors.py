@@ -68,6 +68,7 @@ def wrapped() -> list[tuple[Result, Result]]:
     return [(wo.solve(p, nodes=65), wo.solve(p, nodes=257)) for p in problems]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(NIP | {"wound_on_tension"}))
 def test_of_wrapped_nips(wrapped: list[tuple[Result, Result]], name: str) -> None:
     # of 8 cases with a chance of 5 % each more than 2 lie outside in one of 170 draws
