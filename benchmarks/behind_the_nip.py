@@ -21,6 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import degrees, exp, inf, pi
 
 import numpy as np
@@ -105,6 +106,7 @@ class Compared:
         return (tension - self.far) / (self.web_tension + self.far)
 
 
+@cache
 def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
     """Solve a nip alone and wrapped."""
     with warnings.catch_warnings():

@@ -11,16 +11,15 @@ from woundon import kinds
 
 __all__ = ["coarse", "coarse_anew", "coarse_options"]
 
-# as cheap as a kind's solver lets it be; a winding is 60 nips
-CHEAP = {"rtol": 0.05, "agreed": 1e-3}
-LEAST_NODES = 25  # of a winding's nips
+# as cheap as the solver lets it be, whatever the nodes: a winding is some 60 nips
+WINDING = {"rtol": 0.05, "agreed": 1e-3, "nodes": 25}
 
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
     """Return the options of a kind's solver that make it quick."""
     options = signature(kind.solver).parameters
     if "agreed" in options:
-        return CHEAP | {"nodes": max(nodes, LEAST_NODES)}
+        return dict(WINDING)
     return {"nodes": nodes} if "nodes" in options else {}
 
 
@@ -29,4 +28,11 @@ def coarse_anew(problem: wo.Problem, nodes: int = 25) -> Any:
     return wo.solve(problem, **coarse_options(kinds.of(problem), nodes))
 
 
-coarse = cache(coarse_anew)  # results are read-only: one serves all tests of a process
+def coarse(problem: wo.Problem, nodes: int = 25) -> Any:
+    """Return the same, solved once: results are read-only, one serves all tests of a process."""
+    return _solved(problem, *coarse_options(kinds.of(problem), nodes).items())
+
+
+@cache
+def _solved(problem: wo.Problem, *options: tuple[str, Any]) -> Any:
+    return wo.solve(problem, **dict(options))

@@ -176,19 +176,20 @@ def test_bad_input(fields: dict[str, Any], text: str) -> None:
 def test_random_hardening_nips_are_certified_or_refused() -> None:
     """A sample of benchmarks/hardening.py."""
     rng, solved = np.random.default_rng(5), 0
-    for _ in range(6):
+    for _ in range(4):
         try:
             result: Any = wo.solve(random_nip(rng), nodes=17)
         except (wo.InvalidProblem, wo.NoSteadyState):
             continue
         assert result.residuals.largest <= 1e-8
         solved += 1
-    assert solved >= 3
+    assert solved >= 2
 
 
 # ---- the newsprint experiment -------------------------------------------------------------------
 
 
+@pytest.mark.slow  # test_newsprint_hardening.py has all points with the first
 @pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), (303.8, 10e3)])
 def test_one_fitted_number_meets_the_measured_tensions(K2: float, total: float) -> None:
     """A sample of benchmarks/hardening_newsprint.py, whose RMS over all points is 10.5 and 14.2.

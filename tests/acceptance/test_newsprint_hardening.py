@@ -58,6 +58,7 @@ def test_a_linear_roll_is_told_from_the_data_and_a_hardening_one_is_not() -> Non
     assert lack_of_fit(floor()[0], fitted=1) == 1.0
 
 
+@pytest.mark.slow
 def test_half_a_turn_on_the_drum_changes_nothing_that_is_measured() -> None:
     for case in ((350.0, 175.0), FITTED, (5837.0, 350.0)):
         without, with_it = (

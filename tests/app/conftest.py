@@ -1,17 +1,9 @@
-"""A server of the page on a free port, as people start it; its workers are ready."""
+"""Clients of a server of the page."""
 
 import os
 
 import httpx
 import pytest
-from page_server import serving
-
-
-@pytest.fixture(scope="session")
-def process():
-    """A server: its address and its processes."""
-    with serving() as started:
-        yield started
 
 
 @pytest.fixture(scope="session")

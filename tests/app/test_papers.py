@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import woundon as wo
-from woundon import kinds
+from woundon import cli, kinds
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
 
@@ -183,14 +183,15 @@ def test_the_command_writes_a_report_of_cases(tmp_path):
     [(["no.toml"], "no.toml"), (["case.toml", "--out", "a.pdf"], "a.pdf: the ending '.pdf'"),
      (["case.toml", "--set", "nip_load=-1"], "nip_load: -1 is out of range")],
 )  # fmt: skip
-def test_the_command_refuses_in_one_line(tmp_path, args, told):
+def test_the_command_refuses_in_one_line(tmp_path, monkeypatch, capsys, args, told):
     from woundon.io.case_files import template
 
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(template("nip"))
-    done = woundon("report", *args, folder=tmp_path)
-    assert done.returncode == 2
-    assert told in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    assert cli.main(["report", *args]) == 2
+    said = capsys.readouterr().err
+    assert told in said
+    assert len(said.splitlines()) == 1
 
 
 # ---- figures of plug-ins ----------------------------------------------------------------------

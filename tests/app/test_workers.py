@@ -9,6 +9,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from woundon.app import workers
 from woundon.app.refusals import Refusal
 from woundon.app.workers import Pool
 
@@ -140,7 +141,9 @@ def test_what_takes_too_long_is_ended():
     run(test())
 
 
-def test_a_worker_deaf_to_interruption_is_replaced():
+def test_a_worker_deaf_to_interruption_is_replaced(monkeypatch):
+    monkeypatch.setattr(workers, "HEED", 1.0)
+
     async def test():
         async with pool(seconds=0.5) as own:
             pid = await own.run(os.getpid, seconds=30)

@@ -10,7 +10,6 @@ import pytest
 pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon[pages]')")
 
 from browsing import browsing, chromium
-from page_server import serving
 
 HERE = Path(__file__).parent
 # said by the browser of every refusal, which the page tells at its field
@@ -27,10 +26,9 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.fixture(scope="session")
-def address():
+def address(process):
     """The address of a server."""
-    with serving() as server:
-        yield server.address
+    return process.address
 
 
 @pytest.fixture(scope="session")

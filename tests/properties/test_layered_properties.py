@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
-from layered import ending, random_layered
+from layered import ending as _ending
+from layered import random_layered
 
 import woundon as wo
+
+ending = cache(_ending)
 
 # some of the 300 of benchmarks/layered.py: coatings of micrometres, open bores, graded rolls, and
 # cases that are refused: 3, 34 and 219 are tubes that the load flattens

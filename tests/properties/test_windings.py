@@ -97,7 +97,7 @@ def test_slippery_layers_take_no_tension_from_the_nip():
     assert added[1] < wound().mean_nip_induced_tension
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_random_winding_is_certified_or_refused(seed: int):
     from windings import cases, ending
 

@@ -217,7 +217,10 @@ def test_values_may_be_texts_with_units():
         ),
     ],
 )  # fmt: skip
-def test_a_sweep_without_any_solution_raises_with_its_reasons(over, options, kind, says):
+def test_a_sweep_without_any_solution_raises_with_its_reasons(
+    over, options, kind, says, monkeypatch
+):
+    monkeypatch.setattr("woundon.nip.solve.MOST_NODES", 150)  # soon out of reach
     with pytest.raises(kind, match=says) as fault:
         wo.sweep(paper_nip(), over, **options, workers=1)
     assert "\n" not in str(fault.value)

@@ -42,6 +42,7 @@ def swept(out: Path, *, resume: bool) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, "-W", "ignore", "-c", script])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="nothing is killed like that there")
 def test_a_sweep_killed_and_resumed_gives_bit_for_bit_the_same(tmp_path: Path):
     """Windings start from each other, within a chunk only: what was lost with it is wound anew."""
@@ -74,6 +75,7 @@ def test_a_stack_is_fitted_to_core_pressures():
     assert found.estimates[0] == pytest.approx(K2, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_friction_and_stack_are_told_apart_by_two_pressures():
     case = CASE.replace(tension_law="friction")
     found = wo.fit(

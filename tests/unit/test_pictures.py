@@ -114,7 +114,7 @@ def test_a_script_shows_what_it_drew_and_did_not_save(tmp_path: Path) -> None:
 import matplotlib.pyplot as plt
 nip.plot()
 wo.plot([nip, other])
-for k in range(30):  # more than pyplot keeps open without a warning
+for k in range(21):  # more than pyplot keeps open without a warning
     nip.plot("saved.png", panels="zones")
 plt.show()
 """

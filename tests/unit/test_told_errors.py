@@ -71,12 +71,14 @@ def wrapped() -> list[tuple[Result, Result]]:
     return [(wo.solve(p, nodes=65), wo.solve(p, nodes=257)) for p in problems]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(NIP | {"wound_on_tension"}))
 def test_of_wrapped_nips(wrapped: list[tuple[Result, Result]], name: str) -> None:
     # of 8 cases with a chance of 5 % each more than 2 lie outside in one of 170 draws
     assert np.count_nonzero(misses(wrapped, name) > 1.5) <= 2
 
 
+@pytest.mark.slow
 def test_of_the_creep_of_a_web_wrapped_on_an_elastic_drum() -> None:
     """Its changes between meshes are a few times smaller than what all of them leave at the entry.
 

@@ -141,6 +141,7 @@ def test_few_nodes_in_a_zone() -> None:
     assert not any("nodes in a" in text for text in solved(newsprint_nip(), nodes=65).warnings)
 
 
+@pytest.mark.slow  # a quarter of a million terms
 def test_a_series_cut_short() -> None:
     stiff_outward = wo.Orthotropic(radial=1e10, tangential=1e4, cross=0.0, shear=1e4)
     light = {"nip_load": 10.0, "winding_force": 0.0}  # the contact is resolved, the series is not

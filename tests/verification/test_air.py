@@ -276,6 +276,10 @@ def test_bad_input_is_refused(film_nip, changes, said):
 # ---- the winding ---------------------------------------------------------------------------------
 
 
+# trends and laws are looked at here, not digits
+COARSE = {"nodes": 33, "rtol": 0.05}
+
+
 @pytest.fixture(scope="module")
 def winding(film_nip):
     stack = wo.Stack(
@@ -283,15 +287,14 @@ def winding(film_nip):
     )
     return wo.WindingProblem(
         web=film_nip.web, stack=stack, core=wo.Core(radius=0.05, stiffness=2e9), radius=0.2,
-        drum=film_nip.drum, roll_friction=0.25, drum_friction=0.4, web_tension=100.0,
-        nip_load=300.0,
+        roll_body="linear", drum=film_nip.drum, roll_friction=0.25, drum_friction=0.4,
+        web_tension=100.0, nip_load=300.0,
     )  # fmt: skip
 
 
 def wind(problem, speed):
     air = wo.Air(roughness=0.3e-6)
-    # coarse: trends and laws are looked at here, not digits
-    return wo.solve(problem.replace(web_speed=speed, air=air), nodes=33, rtol=0.05)
+    return wo.solve(problem.replace(web_speed=speed, air=air), **COARSE)
 
 
 @pytest.fixture(scope="module")
@@ -300,10 +303,12 @@ def windings(winding):
 
 
 def test_a_winding_at_rest_has_no_air(winding, windings):
-    dry, still = wo.solve(winding, nodes=33, rtol=0.05), windings[0.0]
-    assert np.array_equal(still.wound_on_tension, dry.wound_on_tension)
-    assert np.array_equal(still.roll.pressure, dry.roll.pressure)
-    assert still.margins["slip"].value == dry.margins["slip"].value
+    dry, still = wo.solve(winding, **COARSE), windings[0.0]
+    within = dry.agreed  # of nips and roll, which a last turn for the film's sake may better
+    np.testing.assert_allclose(still.wound_on_tension, dry.wound_on_tension, rtol=within)
+    largest = dry.roll.pressure.max()
+    np.testing.assert_allclose(still.roll.pressure, dry.roll.pressure, atol=within * largest)
+    assert still.margins["slip"].value == pytest.approx(dry.margins["slip"].value, rel=within)
 
 
 def test_speed_softens_the_roll_and_takes_its_slip_margin(windings):

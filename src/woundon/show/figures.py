@@ -20,6 +20,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch
 
 from .. import quantities
@@ -78,6 +79,18 @@ def style() -> Iterator[None]:
         mpl.rcParams.update(before)
 
 
+class _Settled(ConstrainedLayoutEngine):
+    """Panels stand where they stand: the last digits that the layout's solver leaves are chance."""
+
+    def execute(self, fig: Figure) -> None:
+        """Lay out the panels."""
+        super().execute(fig)
+        for axes in fig.axes:
+            if axes.get_in_layout():
+                axes.set_position(np.round(axes.get_position(original=True).bounds, 6))
+                axes.set_in_layout(True)
+
+
 class Picture(Figure):
     """A figure that a notebook shows once, wherever it stands in a cell."""
 
@@ -89,10 +102,10 @@ class Picture(Figure):
         ``plt.show()`` does.
         """
         if not registered:
-            return cls(figsize=size, layout="constrained")
+            return cls(figsize=size, layout=_Settled())
         from matplotlib import pyplot as plt
 
-        return plt.figure(figsize=size, layout="constrained", FigureClass=cls)  # type: ignore[return-value]
+        return plt.figure(figsize=size, layout=_Settled(), FigureClass=cls)  # type: ignore[return-value]
 
     def _ipython_display_(self) -> NoReturn:
         """Leave it to IPython, but in a notebook take care that the cell's end shows it no more."""
