@@ -64,7 +64,7 @@ def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
     near = problem.replace(**{"roll.stack.radial.K2": 130.0})
     cold, warm = wo.solve(near, nodes=33), wo.solve(near, nodes=33, start=first)
     assert warm.tension_behind_nip == pytest.approx(cold.tension_behind_nip, rel=1e-7)
-    assert warm.iterations < 0.8 * cold.iterations
+    assert warm.iterations <= 0.8 * cold.iterations
 
 
 def test_sweeps_go_from_neighbour_to_neighbour() -> None:
