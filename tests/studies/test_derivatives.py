@@ -75,3 +75,18 @@ def test_what_is_refused(rollers: wo.RollerResult, names: tuple[str, ...], said:
 def test_what_is_no_result_is_refused(given: object) -> None:
     with pytest.raises(wo.InvalidProblem, match=r"^result: .* is out of place; must be a Result"):
         wo.derivatives(given, "nip_load")
+
+
+def test_derivatives_of_any_kind_are_told_by_the_symbols_of_their_outputs(
+    rollers: wo.RollerResult,
+) -> None:
+    slopes = wo.derivatives(rollers, "speed")
+    head, row = (line.split() for line in str(slopes).splitlines()[1:3])
+    assert head[:2] == ["value", "[SI]"]
+    assert {"Q", "xi", "F_R"} <= set(head)
+    assert row[0] == "speed"
+    shown = [k for k, name in enumerate(slopes.outputs) if name != "half_width"]
+    # four decimals
+    assert [float(x) for x in row[2:]] == pytest.approx(slopes.elasticities[shown, 0], abs=6e-5)
+    air = wo.derivatives(wo.solve(wo.AirNipProblem.example(), nodes=17), "nip_load")
+    assert str(air).splitlines()[1].split()[:4] == ["value", "[SI]", "WOT", "h"]

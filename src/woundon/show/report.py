@@ -402,7 +402,9 @@ def sensitivity_text(sensitivity: Sensitivity) -> str:
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     """Print elasticities, what matters most for the first output first."""
     ordered = sensitivity.sorted()
-    known = quantities.scalar_outputs(WrappedNipResult)  # it has those of a nip alone too
+    known: dict[str, quantities.Quantity] = {}
+    for kind in kinds.every():  # the same name means the same in all of them
+        known = {**quantities.scalar_outputs(kind.result), **known}
     # the width's elasticities are the half width's
     told = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in told)]
