@@ -65,8 +65,10 @@ def surface(body: Any, response: Response, mesh: Mesh, a: float, load: Tractions
     """Return a body's surface under its load on a mesh, in its cells."""
     p, q = load
     value, cells = mesh.value[:-1], a * mesh.grid.cells
-    slope_p, slope_q, strain_p, strain_q = response.gradients
-    slope, strain = slope_p[:-1] @ p + slope_q[:-1] @ q, strain_p[:-1] @ p + strain_q[:-1] @ q
+    slope, strain = np.zeros((2, cells.size))
+    if not body.rigid:
+        slope_p, slope_q, strain_p, strain_q = (part[:-1] for part in response.gradients)
+        slope, strain = slope_p @ p + slope_q @ q, strain_p @ p + strain_q @ q
     if not body.linear:
         rows = (cells.size + 1,)
         slope = slope + np.broadcast_to(response.slope, rows)[:-1]

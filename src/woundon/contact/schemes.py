@@ -53,6 +53,8 @@ class Mesh:
 
     # where borders of zones are, from the node before them to the next; None: slips tell it
     border_share: ClassVar[float | None] = None
+    # whether tractions are linear between the nodes
+    hats: ClassVar[bool] = True
 
     @property
     def unknowns(self) -> int:
@@ -127,6 +129,8 @@ class Mesh:
     ) -> tuple[Array, Array]:
         """Return a displacement at any points, or at the trailing edge, by influence functions."""
         rows, grid = slice(None), self.grid
+        if points is None and self.hats and by_p.smooth is None and by_q.smooth is None:
+            points = grid.points[-1:]  # one row, where the others would be made for nothing
         if points is None:
             rows = slice(-1, None)
         else:
@@ -191,6 +195,7 @@ class ElementMesh(GradedMesh):
     grid: ElementGrid
 
     border_share: ClassVar[float | None] = 0.0
+    hats: ClassVar[bool] = False
 
     @property
     def slope(self) -> Array:
