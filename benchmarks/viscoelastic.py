@@ -27,7 +27,7 @@ import numpy as np
 from random_nips import _Draw, random_nip
 
 import woundon as wo
-from woundon.elasticity import cylinder, lag, rolling
+from woundon.elasticity import cylinder, half_plane, lag, relaxation, rolling
 
 __all__ = ["ending", "prices", "random_viscoelastic"]
 
@@ -144,8 +144,9 @@ def prices(rounds: int = 7) -> Iterator[tuple[str, float, float]]:
 
 def _forget() -> None:
     for cached in (
-        cylinder._kernels, cylinder._elastic_spectrum, rolling._kernels, rolling.half_plane_kernels,
-        lag._tabulated,
+        cylinder._kernels, cylinder._elastic_spectrum, cylinder.asymptotic_compliance,
+        cylinder._slowest, half_plane.surface_kernels, rolling._kernels, rolling.half_plane_kernels,
+        lag._tabulated, relaxation.creep,
     ):  # fmt: skip
         cached.cache_clear()
 

@@ -177,6 +177,17 @@ def test_case_files(material: wo.Material, comments: bool) -> None:
     assert '"5 m/s"' in text
 
 
+def test_a_measured_table_beside_the_case(tmp_path: Any) -> None:
+    rows = [f"{f},{s},{loss}" for f, s, loss in zip(HZ, STORAGE, LOSS, strict=True)]
+    head = "frequency [Hz],storage_modulus [Pa],loss_modulus [Pa]"
+    (tmp_path / "rubber.csv").write_text("\n".join([head, *rows]), encoding="utf-8")
+    before, *_ = to_toml(nip(), comments=False).partition("[drum.material]")
+    material = 'kind = "dynamic_test"\npoissons_ratio = 0.48\ncsv = "rubber.csv"\n'
+    (tmp_path / "case.toml").write_text(f"{before}[drum.material]\n{material}", encoding="utf-8")
+    found = wo.load_case(tmp_path / "case.toml").drum.material
+    assert found == dynamic_test()
+
+
 def test_variants_with_units() -> None:
     problem = nip().replace(**{"web_speed": "1200 m/min", "drum.material.prony.1.time": "2 ms"})
     assert problem.web_speed == 20.0
