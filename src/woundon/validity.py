@@ -86,7 +86,7 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
                 "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
                 name, depth * 1e3, body.thickness * 1e3,
             )  # fmt: skip
-        yield from _surface(name, body, float(np.max(result.pressure)), tractions[name])  # type: ignore[attr-defined]
+        yield from _surface(name, body, float(result.pressure.max()), tractions[name])  # type: ignore[attr-defined]
 
 
 def _indentation(result: Any, body: Body, traction: Array) -> float:
@@ -103,7 +103,7 @@ def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[st
     if body.surface_material is None:
         return
     stiffness = body.surface_material.stiffness
-    modulus, shear = min(stiffness.rr, stiffness.tt), float(np.max(np.abs(traction)))
+    modulus, shear = min(stiffness.rr, stiffness.tt), float(np.abs(traction).max())
     yield from past(
         "peak pressure", peak / modulus,
         "the peak pressure {0:.3g} MPa is {} of the {1}'s stiffness {2:.3g} MPa",

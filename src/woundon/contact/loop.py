@@ -139,12 +139,17 @@ class Ladder:
         where much has changed, or where the target is not known to rtol on less than ``most``.
         """
         self._take_over(start)
+        told = self._scattered.get(self.target)
+        unchecked = 1 + (start.widths.unchecked if start.widths else MOST_UNCHECKED)
+        tells = told is not None and told.changes > 1 and unchecked <= MOST_UNCHECKED
+        if not tells and self.contact.settles_apart:  # on the coarser mesh that costs less
+            self.climb(counts, start)
+            return
         self._step(self.scheme.mesh(counts[-1]), start)
         self._tell()
-        self._unchecked = 1 + (start.widths.unchecked if start.widths else MOST_UNCHECKED)
-        known = self._alike and self._scatters[self.target].changes > 1
-        known = known and (counts[-1] >= most or self.reached(rtol))
-        if len(counts) > 1 and not (known and self._unchecked <= MOST_UNCHECKED):
+        self._unchecked = unchecked
+        tells = tells and self._alike and (counts[-1] >= most or self.reached(rtol))
+        if not tells and len(counts) > 1:
             self._check(counts[-2])
 
     def _take_over(self, start: Start | None) -> None:

@@ -55,7 +55,7 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
     creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gain[-1])
     shift = result.offset / problem.contact_radius
     miss, v = made.laws(p, q, shift, creep)
-    n = p.size
+    n, top = p.size, made.top
     cells = (v[:n], v[-2:-1]), (v[n : 2 * n], v[-1:])
     # a node has the slip of the cell before it; that at the leading edge repeats the first
     slips = np.array([np.concatenate([own[:1], own, last]) for own, last in cells])
@@ -66,14 +66,14 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         [result.nip_induced_tension - result.extrapolation - gain[-1]],
     ])  # fmt: skip
     return Residuals(
-        indentation=largest(np.abs(miss)) / made.top,
+        indentation=largest(np.abs(miss)) / top,
         positive_pressure=positive_pressure(result.pressure),
         **friction_laws(
             zones, q, v[: q.size], friction * np.concatenate([p, p]),
-            unit=friction * np.abs(p).max(), slip_scale=made.top,
+            unit=friction * np.abs(p).max(), slip_scale=top,
             strain=result.drum_creep,
         ),
-        slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / made.top,
+        slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / top,
         load_equilibrium=abs(mesh.integral(result.pressure, x) / P - 1),
         force_equilibrium=abs(
             mesh.facing(problem.drum.rigid).integral(q_drum, x) - problem.winding_force
