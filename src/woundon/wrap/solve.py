@@ -32,7 +32,7 @@ from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, equations_of, roll_strain, surfaces_of
+from .certificate import certificate, equations_of, roll_strain, surfaces_of, unknowns_of
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
 from .result import WrappedNipResult
@@ -292,7 +292,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
     if not problem.linear:
         equations = equations.anew(state)
     arrays, grid = along_web(level), equations.grid
-    responses = [face.response for face in (equations.roll, equations.drum) if face.response]
+    responses = [face.response for face in equations.laws.both if face.response]
     result = WrappedNipResult(
         problem=problem,
         half_width=state.half_width,
@@ -310,7 +310,8 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         widths=ladder.widths,
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
-    result = result.replace(roll_strain=roll_strain(equations, result))
+    along = equations.laws.at(*unknowns_of(result, equations)[:2])
+    result = result.replace(roll_strain=roll_strain(equations, along))
     return result.replace(
         errors=ladder.errors_of(result),
         residuals=certificate(result, equations),
@@ -367,12 +368,8 @@ def _approach(equations: WrapEquations, state: WrapState) -> float:
     problem, a, web, grid = equations.problem, state.half_width, equations.web, equations.grid
     v = web.c12 * state.tension[grid.last]
     v -= float(problem.web.thinned(state.roll_pressure[grid.last :][:1])[0][0])
-    roll, drum = slice(grid.first, None), slice(0, grid.last + 1)
-    for face, own, p, q in (
-        (equations.roll, roll, state.roll_pressure, state.roll_traction),
-        (equations.drum, drum, state.drum_pressure, state.drum_traction),
-    ):
-        v += face.normal_p @ p[own] + face.normal_q @ q[own] + face.sunk
+    v += equations.laws.roll.under(state.roll_pressure, state.roll_traction).normal
+    v += equations.laws.drum.under(state.drum_pressure, state.drum_traction).normal
     return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
 
 
