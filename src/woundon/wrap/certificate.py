@@ -24,7 +24,6 @@ from .grid import WrapGrid, grid_for
 from .laws import Along
 
 if TYPE_CHECKING:
-    from .equations import WrapState
     from .result import WrappedNipResult
 
 __all__ = ["certificate", "equations_of", "surfaces_of", "unknowns_of"]
@@ -117,14 +116,11 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     )  # fmt: skip
 
 
-def surfaces_of(
-    result: WrappedNipResult | WrapState, equations: WrapEquations
-) -> tuple[Surface, Surface]:
-    """Return the surfaces of roll and drum in nip and arcs, of a result or a state."""
-    roll, drum = equations.laws.both
-    return (
-        roll.surface(result.roll_pressure, result.roll_traction),
-        drum.surface(result.pressure, result.drum_traction),
+def surfaces_of(result: WrappedNipResult, equations: WrapEquations) -> tuple[Surface, Surface]:
+    """Return the surfaces of roll and drum in nip and arcs."""
+    return equations.laws.surfaces(
+        Tractions(result.roll_pressure, result.roll_traction),
+        Tractions(result.pressure, result.drum_traction),
     )
 
 

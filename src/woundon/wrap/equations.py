@@ -30,6 +30,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import log
 
 import numpy as np
 
@@ -49,9 +50,12 @@ Array = np.ndarray
 # below, tractions drown in the rounding of the pressures if both are solved for together
 LEAST_FRICTION = 0.01
 
+# of ln a by ln a: what is linear between two half widths is off by about as much
+STRAIGHT = 2e-11
+
 # matrices of linear bodies and of the web that do not depend on what is known
 UNMOVED = frozenset({
-    "curvature", "friction", "force_weights", "indentation", "laws", "load_weights", "node_slips",
+    "curvature", "friction", "force_weights", "indentation", "load_weights", "node_slips",
     "own_pressure", "slip_offset", "slips", "tension_q", "web", "weighs", "_closing",
 })  # fmt: skip
 
@@ -80,29 +84,21 @@ class WrapState:
 
     half_width: float
     solution: StickSlipSolution
-    roll_pressure: Array
-    drum_pressure: Array
-    roll_traction: Array
-    drum_traction: Array
-    tension: Array
-    bend: Array  # kappa [1/m]
+    along: Along
+    shift: float  # Delta/R*
     roll_slip: Array  # nan where a face has no contact
     drum_slip: Array
-    shift: float  # Delta/R*
 
     @property
     def pressure(self) -> Array:
         """p- on the drum, that of the nip and its largest."""
-        return self.drum_pressure
+        return self.along.drum_loads.pressure
 
     @property
     def known(self) -> Known:
         """What to linearise about next."""
-        return Known(
-            self.tension, self.bend,
-            Tractions(self.roll_pressure, self.roll_traction),
-            Tractions(self.drum_pressure, self.drum_traction),
-        )  # fmt: skip
+        along = self.along
+        return Known(along.tension, along.bend, along.roll_loads, along.drum_loads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,19 +330,7 @@ class WrapEquations(WrapColumns):
             z = solution.joint[1][: self.load_weights.size]
         along = self.laws.at(z, q)
         slips = self.at_nodes(along, solution.creep)
-        return WrapState(
-            half_width=self.half_width,
-            solution=solution,
-            roll_pressure=along.roll_loads.pressure,
-            drum_pressure=along.drum_loads.pressure,
-            roll_traction=along.roll_loads.traction,
-            drum_traction=along.drum_loads.traction,
-            tension=along.tension,
-            bend=along.bend,
-            roll_slip=slips[0],
-            drum_slip=slips[1],
-            shift=float(z[-1]),
-        )
+        return WrapState(self.half_width, solution, along, float(z[-1]), slips[0], slips[1])
 
     def at_nodes(self, along: Along, creep: float) -> Array:
         """Return v+ and v- along all nodes, each that of the cell before it, (2, N+1)."""
@@ -360,12 +344,19 @@ class WrapEquations(WrapColumns):
     # ---- from one half width to another --------------------------------------------------------
 
     def moved(self, a: float) -> WrapEquations:
-        """Return the equations for another half width [m], no matrices made."""
-        grid, joint = self.grid, self.joint
-        behind = grid.size - 1 - grid.last
-        other = grid_for(self.problem, grid.nip, a, grid.first, behind)
+        """Return the equations for another half width [m], no matrices made.
+
+        Near one to which they were moved before, bodies answer between that one and this.
+        """
+        grid = self.grid
+        other = grid_for(self.problem, grid.nip, a, grid.first, grid.size - 1 - grid.last)
         made = WrapEquations(self.problem, other, a, self.about)
-        vars(made)["joint"] = joint  # its sizes of rows
+        before, step = vars(self).get("_moved_to"), log(a / self.half_width)
+        if before is not None and abs(step * log(a / before.half_width)) < STRAIGHT:
+            vars(made)["laws"] = made.laws.between(self.laws, before)
+        else:
+            vars(self)["_moved_to"] = made.laws
+        vars(made)["joint"] = self.joint  # for the sizes of its rows
         return made
 
     def left(self, found: Array) -> Array:
@@ -400,15 +391,16 @@ class WrapEquations(WrapColumns):
     def unknowns(self, state: WrapState) -> Array:
         """Return z of a state, (k,)."""
         return np.concatenate(
-            [state.roll_pressure[self.roll_nodes], state.drum_pressure[self.drum_nodes],
+            [state.along.roll_loads.pressure[self.roll_nodes], state.pressure[self.drum_nodes],
              [state.shift]]
         )  # fmt: skip
 
     def imbalance(self, state: WrapState) -> float:
         """Return what the state leaves of all that was linearised, relative."""
-        weight = np.where(self.weighs, state.tension * state.bend, 0.0)
-        miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
-        top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
+        weight = np.where(self.weighs, state.along.tension * state.along.bend, 0.0)
+        miss = np.max(np.abs(self.laws.balance(state.along)))
+        pressure = state.along.roll_loads.pressure
+        top = np.max(np.abs(weight)) if self.weighs.any() else np.max(pressure)
         if self.problem.linear:
             return float(miss / top)
         return max(float(miss / top), self._bodies_miss(state))
@@ -433,6 +425,7 @@ class WrapEquations(WrapColumns):
         made = replace(self, about=about)
         if self.problem.linear:
             vars(made).update({name: vars(self)[name] for name in UNMOVED & vars(self).keys()})
+            vars(made)["laws"] = self.laws.exact
         return made
 
 

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, pi
-from typing import Any, NamedTuple
+from math import inf, log, pi
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from ..problems.nip import WindingNip
 from .action import FaceAction
 from .grid import Influence, OpenGrid, WrapGrid
 
-__all__ = ["Face", "FaceLaws", "Loaded"]
+__all__ = ["Face", "FaceBetween", "FaceLaws", "Loaded"]
 
 Array = np.ndarray
 
@@ -220,6 +220,51 @@ class FaceLaws:
             bend, points.bending(slope_p, v_p, a, flatter),
             points.bending(slope_q, v_q, a, flatter), slope[:-2], strain[rows],
         )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class FaceBetween:
+    """What a body answers between two half widths at which that is known, linear in ln a.
+
+    Attributes
+    ----------
+    exact : FaceLaws
+        At the half width itself; makes the matrices if they are asked for.
+    known : pair of FaceLaws
+        On grids of as many cells.
+    """
+
+    exact: FaceLaws
+    known: tuple[FaceLaws, FaceLaws]
+
+    acts: ClassVar[bool] = True
+
+    @property
+    def response(self) -> Response | None:
+        """That of the body at the first half width."""
+        return self.known[0].response
+
+    @property
+    def matrices(self) -> Face:
+        """The matrices."""
+        return self.exact.matrices
+
+    @cached_property
+    def share(self) -> float:
+        """How far it is from the first to the second."""
+        at, one, two = (log(face.half_width) for face in (self.exact, *self.known))
+        return (at - one) / (two - one)
+
+    def under(self, pressure: Array, traction: Array) -> Loaded:
+        """Return the surface under pressures and tractions on all nodes of the grid."""
+        if self.exact.body.rigid:
+            return self.exact.under(pressure, traction)
+        w, (one, two) = self.share, (face.under(pressure, traction) for face in self.known)
+        return Loaded(*((1 - w) * here + w * there for here, there in zip(one, two, strict=True)))
+
+    def surface(self, pressure: Array, traction: Array) -> Surface:
+        """Return the same as the losses take it."""
+        return self.exact.surface(pressure, traction)
 
 
 class FaceGrid:

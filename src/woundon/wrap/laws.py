@@ -7,15 +7,16 @@ laws, and their matrices.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from ..contact.response import Tractions
+from ..losses import Surface
 from .columns import WrapColumns
-from .face import FaceLaws, Loaded
+from .face import FaceBetween, FaceLaws, Loaded
 
 __all__ = ["Along", "WrapLaws"]
 
@@ -74,7 +75,20 @@ class WrapLaws(WrapColumns):
         )
 
     @property
-    def both(self) -> tuple[FaceLaws, FaceLaws]:
+    def exact(self) -> WrapLaws:
+        """The laws as they are at this half width itself."""
+        return replace(self) if isinstance(self.roll, FaceBetween) else self
+
+    def between(self, one: WrapLaws, two: WrapLaws) -> WrapLaws:
+        """Return the laws whose bodies answer as between two other half widths."""
+        made = replace(self)
+        for name in ("roll", "drum"):
+            own, *known = (getattr(laws, name) for laws in (self, one, two))
+            vars(made)[name] = FaceBetween(own, tuple(known))
+        return made
+
+    @property
+    def both(self) -> tuple[FaceLaws | FaceBetween, FaceLaws | FaceBetween]:
         """What roll and drum answer."""
         return self.roll, self.drum
 
@@ -102,6 +116,10 @@ class WrapLaws(WrapColumns):
             strain[: grid.last] - drum.strain[:-1],
             roll, drum, on_roll, on_drum,
         )  # fmt: skip
+
+    def surfaces(self, on_roll: Tractions, on_drum: Tractions) -> tuple[Surface, Surface]:
+        """Return the surfaces under loads, as the losses take them."""
+        return self.roll.surface(*on_roll), self.drum.surface(*on_drum)
 
     def spread(self, z: Array, q: Array) -> tuple[Tractions, Tractions]:
         """Return the loads of roll and drum on all nodes, zero where a face has none."""
