@@ -35,7 +35,11 @@ if TYPE_CHECKING:
 __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
+End = tuple[float, Array]  # S and u
 SAME_MINIMUM = 1e-3  # relative difference of S
+NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
+# of u, a hundredth of it of S; the coarse one is looked on from
+FINE, COARSE = 1e-7, 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,8 +185,8 @@ def fit_parameters(
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    ends = [_from(predictor, u) for u in _starting_points(parameters, starts, seed)]
-    found = sorted((end for end in ends if end is not None), key=lambda end: end[0])
+    found = sorted(_minima(predictor, _starting_points(parameters, starts, seed)),
+                   key=lambda end: end[0])  # fmt: skip
     if not found:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
     made: tuple[ProfileLikelihood, ...] = ()
@@ -191,16 +195,17 @@ def fit_parameters(
         limit = threshold(S, m - len(parameters), predictor.weighted)
         if not profiles or not np.isfinite(limit):
             break
+        J = predictor.jacobian(u)
         made = tuple(
-            profile_of(predictor, j, u, S, limit, spread)
-            for j, spread in enumerate(_spreads(predictor, u, S))
+            profile_of(predictor, j, u, J, limit, spread)
+            for j, spread in enumerate(_spreads(predictor, J, S))
             if parameters[j].name in profiles
         )
         lower = min(made, key=lambda p: p.best[0]).best
         if lower[0] >= S * (1 - SAME_MINIMUM):
             break
         # a profile walked into a deeper valley that no start had found
-        found = sorted([*found, _from(predictor, lower[1]) or lower], key=lambda end: end[0])
+        found = sorted([*found, _from(predictor, lower[1], FINE) or lower], key=lambda end: end[0])
     return _result(predictor, found, starts, made, quantities)
 
 
@@ -213,29 +218,70 @@ def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) ->
     return [base, *(low + drawn * (high - low))]
 
 
-def _from(predictor: Predictor, start: Array) -> tuple[float, Array] | None:
-    """Descend from a start; None if it cannot be solved there."""
+def _minima(predictor: Predictor, starts: Sequence[Array]) -> list[End]:
+    """Return where each start ends that can be solved; on few nodes as long as they are apart."""
+    coarse = predictor.coarse
+    if coarse is None:
+        return _descents(predictor, starts, FINE)
+    seen, found = _descents(coarse, starts, COARSE), list[End]()
+    predictor.solves += coarse.solves
+    ends: dict[float, End | None] = {}
+    for S, u in seen:
+        if S not in ends:
+            ends[S] = _from(predictor, u, FINE, [end for end in ends.values() if end is not None])
+        end = ends[S]
+        found += [] if end is None else [end]
+    return found or _descents(predictor, starts, FINE)
+
+
+def _descents(predictor: Predictor, starts: Sequence[Array], tolerance: float) -> list[End]:
+    """Return where each start ends that can be solved."""
+    found: list[End] = []
+    for start in starts:
+        end = _from(predictor, start, tolerance, found)
+        found += [] if end is None else [end]
+    return found
+
+
+class _Arrived(Exception):  # noqa: N818
+    """A descent has come to where another one ended."""
+
+
+def _from(
+    predictor: Predictor, start: Array, tolerance: float, known: Sequence[End] = ()
+) -> End | None:
+    """Descend from a start, to a minimum that is known maybe; None if it cannot be solved there."""
     from scipy.optimize import least_squares
 
     low, high = np.transpose([p.ends for p in predictor.parameters])
     inside = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
     if not np.isfinite(predictor.residuals(inside)).all():
         return None
+    near: list[End] = []
+
+    def residuals(u: Array) -> Array:
+        near[:] = [end for end in known if np.all(np.abs(u - end[1]) < NEAR * (high - low))]
+        if near:
+            raise _Arrived
+        return predictor.residuals(u)
+
     try:
         # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
         end = least_squares(
-            predictor.residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
-            xtol=1e-8, ftol=1e-10, gtol=None, max_nfev=60,
+            residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
+            xtol=tolerance, ftol=1e-2 * tolerance, gtol=None, max_nfev=60,
         )  # fmt: skip
+    except _Arrived:
+        return near[0]
     except ValueError:  # a derivative could not be had
         return None
     return 2 * float(end.cost), np.asarray(end.x)
 
 
-def _spreads(predictor: Predictor, u: Array, S: float) -> Array:
+def _spreads(predictor: Predictor, J: Array, S: float) -> Array:
     """Return the standard errors of u, kept within what a profile can walk."""
     low, high = np.transpose([p.ends for p in predictor.parameters])
-    error = np.sqrt(np.diag(_covariance(predictor, predictor.jacobian(u), S)))
+    error = np.sqrt(np.diag(_covariance(predictor, J, S)))
     width = high - low
     return np.clip(np.nan_to_num(error, nan=np.inf), 1e-4 * width, 0.1 * width)
 

@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import log
+from math import log, prod
 
 import numpy as np
 
@@ -50,7 +50,7 @@ Array = np.ndarray
 # below, tractions drown in the rounding of the pressures if both are solved for together
 LEAST_FRICTION = 0.01
 
-# of ln a by ln a: what is linear between two half widths is off by about as much
+# the product of ln a's by which a polynomial between known half widths is off, about
 STRAIGHT = 2e-11
 
 # matrices of linear bodies and of the web that do not depend on what is known
@@ -346,18 +346,26 @@ class WrapEquations(WrapColumns):
     def moved(self, a: float) -> WrapEquations:
         """Return the equations for another half width [m], no matrices made.
 
-        Near one to which they were moved before, bodies answer between that one and this.
+        Near those to which they were moved before, bodies answer between these.
         """
         grid = self.grid
         other = grid_for(self.problem, grid.nip, a, grid.first, grid.size - 1 - grid.last)
         made = WrapEquations(self.problem, other, a, self.about)
-        before, step = vars(self).get("_moved_to"), log(a / self.half_width)
-        if before is not None and abs(step * log(a / before.half_width)) < STRAIGHT:
-            vars(made)["laws"] = made.laws.between(self.laws, before)
+        if len(self._known) > 1 and self._off(a) < STRAIGHT:
+            vars(made)["laws"] = made.laws.between(self._known)
         else:
-            vars(self)["_moved_to"] = made.laws
+            self._known.append(made.laws)
         vars(made)["joint"] = self.joint  # for the sizes of its rows
         return made
+
+    @cached_property
+    def _known(self) -> list[WrapLaws]:
+        """The laws here, and at half widths to which these equations were moved."""
+        return [self.laws]
+
+    def _off(self, a: float) -> float:
+        """Return by about how much a polynomial through the known ones is off at a half width."""
+        return abs(prod(log(a / laws.half_width) for laws in self._known))
 
     def left(self, found: Array) -> Array:
         """Return what unknowns leave of the joint system's right sides; less all slips."""

@@ -13,9 +13,10 @@ for every stretch of web, however coarse the cells.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, log, pi
+from math import inf, log, pi, prod
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -224,18 +225,18 @@ class FaceLaws:
 
 @dataclass(frozen=True, eq=False)
 class FaceBetween:
-    """What a body answers between two half widths at which that is known, linear in ln a.
+    """What a body answers near half widths at which that is known: a polynomial in ln a.
 
     Attributes
     ----------
     exact : FaceLaws
         At the half width itself; makes the matrices if they are asked for.
-    known : pair of FaceLaws
+    known : sequence of FaceLaws
         On grids of as many cells.
     """
 
     exact: FaceLaws
-    known: tuple[FaceLaws, FaceLaws]
+    known: Sequence[FaceLaws]
 
     acts: ClassVar[bool] = True
 
@@ -250,17 +251,22 @@ class FaceBetween:
         return self.exact.matrices
 
     @cached_property
-    def share(self) -> float:
-        """How far it is from the first to the second."""
-        at, one, two = (log(face.half_width) for face in (self.exact, *self.known))
-        return (at - one) / (two - one)
+    def shares(self) -> list[float]:
+        """What each of the known ones counts: Lagrange's polynomials in ln a."""
+        at, *known = (log(face.half_width) for face in (self.exact, *self.known))
+        return [
+            prod((at - other) / (one - other) for other in known if other != one) for one in known
+        ]
 
     def under(self, pressure: Array, traction: Array) -> Loaded:
         """Return the surface under pressures and tractions on all nodes of the grid."""
         if self.exact.body.rigid:
             return self.exact.under(pressure, traction)
-        w, (one, two) = self.share, (face.under(pressure, traction) for face in self.known)
-        return Loaded(*((1 - w) * here + w * there for here, there in zip(one, two, strict=True)))
+        known = (face.under(pressure, traction) for face in self.known)
+        return Loaded(*(
+            sum(share * part for share, part in zip(self.shares, parts, strict=True))
+            for parts in zip(*known, strict=True)
+        ))  # fmt: skip
 
     def surface(self, pressure: Array, traction: Array) -> Surface:
         """Return the same as the losses take it."""

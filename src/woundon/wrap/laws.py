@@ -7,6 +7,7 @@ laws, and their matrices.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -79,12 +80,12 @@ class WrapLaws(WrapColumns):
         """The laws as they are at this half width itself."""
         return replace(self) if isinstance(self.roll, FaceBetween) else self
 
-    def between(self, one: WrapLaws, two: WrapLaws) -> WrapLaws:
-        """Return the laws whose bodies answer as between two other half widths."""
+    def between(self, known: Sequence[WrapLaws]) -> WrapLaws:
+        """Return the laws whose bodies answer as between other half widths."""
         made = replace(self)
         for name in ("roll", "drum"):
-            own, *known = (getattr(laws, name) for laws in (self, one, two))
-            vars(made)[name] = FaceBetween(own, tuple(known))
+            own, *others = (getattr(laws, name) for laws in (self, *known))
+            vars(made)[name] = FaceBetween(own, others)
         return made
 
     @property
