@@ -1,9 +1,9 @@
 r"""Profile likelihood: how far one parameter can go while the others make the best of it.
 
-About a point u with residuals r and derivatives J, S is about |r + J du|^2: that tells where S, least
-over the others, comes to the limit, and what the others are there.  One evaluation shows how far it
-was right, and mends J by Broyden's formula.  Once another step of the others would gain little, S
-less that little is the profile.
+About a point u with residuals r and derivatives J, S is about |r + J du|^2: that tells where S,
+least over the others, comes to the limit, and what the others are there.  One evaluation shows how
+far it was right, and mends J by Broyden's formula.  Once another step of the others would gain
+little, S less that little is the profile.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .predict import Predictor
+from .slopes import mended
 
 __all__ = ["ProfileLikelihood", "profile_of", "threshold"]
 
@@ -25,7 +26,6 @@ GROWTH = 1.6  # of the steps while nothing tells where the end is
 LEAST = 0.05  # of a step that is halved before what cannot be solved
 CLOSE = 5e-3  # of the way to the end, from where it is told by the chord; bent by a tenth at most
 SETTLED = 2e-2  # of the rise of S: what the others may gain still, known to a tenth of it
-ASTRAY = 0.3  # of the change of residuals, from where derivatives are made anew
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ def threshold(S: float, freedom: int, weighted: bool) -> float:
 
 
 def profile_of(
-    predictor: Predictor, j: int, u: Array, J: Array, limit: float, spread: float
+    predictor: Predictor, j: int, minimum: tuple[Array, Array, Array], limit: float, spread: float
 ) -> ProfileLikelihood:
     """Walk parameter ``j`` both ways until S passes ``limit`` or a bound is met.
 
@@ -75,15 +75,15 @@ def profile_of(
     ----------
     predictor : Predictor
     j : int
-    u, J : arrays
-        The minimum, and the residuals' derivatives there.
+    minimum : (u, r, J)
+        With the residuals and their derivatives there.
     limit : float
         Of S.
     spread : float
         Standard error of u_j: the unit of the steps.
     """
     parameter = predictor.parameters[j]
-    walk = _Walk(predictor, j, _Point(u, predictor.residuals(u), J), limit)
+    walk = _Walk(predictor, j, _Point(*minimum), limit)
     low, high = (walk.end(sign * spread) for sign in (-1.0, 1.0))
     points = sorted(walk.points, key=lambda point: float(point.u[j]))
     m = predictor.measured.size
@@ -114,11 +114,8 @@ class _Point:
 
     def reached(self, predictor: Predictor, u: Array, r: Array) -> _Point:
         """Return another point near it, J mended by what the step told, or made anew."""
-        step, rise = u - self.u, r - self.r
-        miss = rise - self.J @ step
-        if np.linalg.norm(miss) > ASTRAY * np.linalg.norm(rise):
-            return _Point(u, r, predictor.jacobian(u))
-        return _Point(u, r, self.J + np.outer(miss, step) / (step @ step))
+        J = mended(self.J, u - self.u, r - self.r)
+        return _Point(u, r, predictor.jacobian(u) if J is None else J)
 
 
 class _Walk:
@@ -198,7 +195,7 @@ class _Walk:
         return self._keep(point, gain)
 
     def _best(self, point: _Point, start: Array) -> tuple[Array, float]:
-        """Return what the others go to from a start by a point's derivatives, and what they gain."""
+        """Return what the others go to by a point's derivatives, and what they gain."""
         from scipy.optimize import lsq_linear
 
         r, J = point.r + point.J @ (start - point.u), np.delete(point.J, self.j, axis=1)
@@ -220,10 +217,15 @@ class _Walk:
 
         predictor, j, at = self.predictor, self.j, point.u[self.j]
         low, high = (np.delete(ends, j) for ends in (self.low, self.high))
+
+        def residuals(part: Array) -> Array:
+            return predictor.residuals(np.insert(part, j, at))
+
+        def jacobian(part: Array) -> Array:
+            return np.delete(predictor.jacobian(np.insert(part, j, at)), j, axis=1)
+
         found = least_squares(
-            lambda part: predictor.residuals(np.insert(part, j, at)),
-            np.clip(np.delete(point.u, j), low + 1e-9, high - 1e-9),
-            lambda part: np.delete(predictor.jacobian(np.insert(part, j, at)), j, axis=1),
+            residuals, np.clip(np.delete(point.u, j), low + 1e-9, high - 1e-9), jacobian,
             (low, high), x_scale="jac", ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
         )  # fmt: skip
         u = np.insert(found.x, j, at)

@@ -1,9 +1,12 @@
 r"""A wrapped nip's equations for one half width as one system: :mod:`..contact.joint` with arcs.
 
-    gap        [ by_z         by_q    0 ] [ z  ]   z = (p+, p-, Delta/R*)
-    balance    [ 1 - T kappa          0 ] [ q  ]   q = (q+, q-)
-    resultant  [ -F w         w-      0 ] [ xi ]
-    slips      [ slip_z       slip_q  e ]          nodes, then each face's last cell
+With z = (p+, p-, Delta/R*) and q = (q+, q-),
+
+                 z            q       xi
+    gap        [ by_z         by_q    0 ]
+    balance    [ 1 - T kappa          0 ]
+    resultant  [ -F w         w-      0 ]
+    slips      [ slip_z       slip_q  e ]     nodes, then each face's last cell
 """
 
 from __future__ import annotations

@@ -203,7 +203,7 @@ class WrapContact(PairContact):
     near: Start | None = None
 
     def zones(self, start: Start, equations: WrapEquations) -> Array:
-        """Return the zones to begin with: a neighbour's own where it was solved on as many nodes."""
+        """Return the zones to begin with: a neighbour's own where it had as many nodes."""
         if self.near is not None and self._as_fine(equations.grid):
             start = self.near
         return super().zones(start, equations)
@@ -274,7 +274,7 @@ class WrapContact(PairContact):
     def surfaces(self, level: Level) -> tuple[Surface, Surface]:
         """Return the surfaces of roll and drum on a solved mesh, in nip and arcs."""
         along = level.state.along
-        return level.equations.laws.surfaces(along.roll_loads, along.drum_loads)  # type: ignore[no-any-return]
+        return level.equations.laws.surfaces(along.roll_loads, along.drum_loads)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
