@@ -94,6 +94,7 @@ INTENDED = {
     "rollers 13: warnings": "rollers tell where they leave the model, as nips do",
     "rollers 14: warnings": "rollers tell where they leave the model, as nips do",
     "wrap 20: *": "both wraps on covers: long cells are integrated by enough points, WOT by 2e-8",
+    "fit 3: profile of *": "ends by chords, 3e-4 of themselves off; were to a hundredth of a step",
     "fit 5: *": "no absolute bound on the gradient any more: it stopped before the minimum",
 }
 # and where neither nodes nor rtol are given a wrapped nip is refined until its told error is below

@@ -39,7 +39,7 @@ Array = np.ndarray
 SAME_MINIMUM = 1e-3  # relative difference of S
 NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
 # of u, a hundredth of it of S; the coarse one is looked on from
-FINE, COARSE = 1e-7, 1e-3
+FINE, COARSE = 1e-8, 1e-3
 
 
 class End(NamedTuple):
