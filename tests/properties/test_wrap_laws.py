@@ -110,7 +110,7 @@ def test_between_half_widths_bodies_answer_as_at_them(result):
 
 
 def test_a_neighbour_costs_an_assembly_a_mesh(monkeypatch):
-    """From a percent away: matrices once a mesh, then a width or two without them."""
+    """From a percent away: matrices once on one mesh, then a width or two without them."""
     start, made = wo.solve(HARD, nodes=65), []
     matrices, acts = face.FaceLaws.matrices.func, action.FaceAction._smooth.func
     monkeypatch.setattr(face.FaceLaws.matrices, "func",
@@ -118,8 +118,8 @@ def test_a_neighbour_costs_an_assembly_a_mesh(monkeypatch):
     monkeypatch.setattr(action.FaceAction._smooth, "func",
                         lambda of: made.append("act") or acts(of))  # fmt: skip
     near = wo.solve(HARD.replace(nip_load=1.01 * HARD.nip_load), nodes=65, start=start)
-    assert made.count(HARD.roll) == 2  # was 3
+    assert made.count(HARD.roll) == 1  # was 3, on two meshes
     assert made.count("act") <= 2
-    assert near.iterations <= 5
+    assert near.iterations <= 2  # was 7
     assert near.residuals.largest < 1e-9
     assert near.certified().largest < 1e-9  # measured anew: no neighbour, nothing interpolated

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -108,11 +108,13 @@ def solve_wrapped_nip(
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
     if start is not None:
         check_type("start", start, WrappedNipResult)
-    ladder = _climbed(WrapContact(problem, cells, count), start)
+    asked = DEFAULT if problem.linear else DEFAULT_HARDENING
+    chooses = nodes is None and rtol is None
+    ladder = _climbed(WrapContact(problem, cells, count), start, *asked if chooses else ())
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
-    elif nodes is None:
-        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
+    elif chooses:
+        ladder.double(*asked)
     result = _result(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
@@ -130,22 +132,27 @@ def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> 
     return problem
 
 
-def _climbed(contact: WrapContact, start: WrappedNipResult | None) -> Ladder:
-    """Return the ladder up to the nodes asked, from a neighbour's two finest meshes or afresh."""
-    counts = halved(contact.nodes, Graded.coarsest)
+def _climbed(
+    contact: WrapContact, start: WrappedNipResult | None, rtol: float = inf, most: int = 0
+) -> Ladder:
+    """Return the ladder up to the nodes asked, beside a neighbour or afresh.
+
+    Beside one up to ``most``, where that tells that it takes so many for ``rtol``.
+    """
 
     def ladder(contact: WrapContact) -> Ladder:
-        return Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
+        return Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE, scatters=True)
 
     if start is not None:
         near = _started(start, contact.problem)
         climbing = ladder(replace(contact, near=near))
+        nodes = climbing.enough(contact.nodes, near, rtol, most)
         # from far away the linearised web may be slack where the true one is not
         with suppress(NotConverged, NoSteadyState, ArithmeticError):
-            climbing.climb(counts[-2:], near)
+            climbing.beside(halved(nodes, Graded.coarsest)[-2:], near, rtol, most)
             return climbing
     afresh = ladder(contact)
-    afresh.climb(counts)
+    afresh.climb(halved(contact.nodes, Graded.coarsest))
     return afresh
 
 
@@ -204,15 +211,16 @@ class WrapContact(PairContact):
 
     def zones(self, start: Start, equations: WrapEquations) -> Array:
         """Return the zones to begin with: a neighbour's own where it had as many nodes."""
-        if self.near is not None and self._as_fine(equations.grid):
+        if self._near_is_finer(start.before, equations.grid):
+            assert self.near is not None
             start = self.near
         return super().zones(start, equations)
 
-    def _as_fine(self, grid: WrapGrid) -> bool:
-        """Tell whether a neighbouring case was solved on as many nodes or more."""
-        assert self.near is not None
-        assert self.near.before is not None
-        return bool(self.near.before.places.size >= grid.size)
+    def _near_is_finer(self, before: Before | None, grid: WrapGrid) -> bool:
+        """Tell whether a neighbouring case has as many nodes, but the mesh before has not."""
+        near = None if self.near is None else self.near.before
+        few = before is None or before.places.size < grid.size
+        return few and near is not None and near.places.size >= grid.size
 
     def grid(self, mesh: Mesh, a: float) -> WrapGrid:
         """Return the grid for a half width: the arcs' ends stay where they are in space."""
@@ -222,7 +230,8 @@ class WrapContact(PairContact):
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
         problem, grid = self.problem, self.grid(mesh, a)
-        if self.near is not None and self._as_fine(grid):
+        if self._near_is_finer(before, grid):
+            assert self.near is not None
             before = self.near.before
         if before is not None:
             known = before.about
