@@ -128,6 +128,19 @@ class Product(Line):
 
 
 @dataclass(frozen=True)
+class Saturation(Line):
+    """y = a (1 - exp(-b x)): a curved valley, exact derivatives."""
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        return float(inputs["a"] * (1 - np.exp(-inputs["b"] * inputs["x"])))
+
+    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
+        a, b, x = (state[name] for name in ("a", "b", "x"))
+        by = {"a": 1 - np.exp(-b * x), "b": a * x * np.exp(-b * x)}
+        return np.array([[by[name] for name in names]])
+
+
+@dataclass(frozen=True)
 class Waves(Toy):
     """y = x + sin(3 a) + a/4: least squares on it has several minima."""
 

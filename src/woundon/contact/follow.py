@@ -14,8 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .stick_slip import StickSlipSolution
-
 __all__ = ["Followed", "follow"]
 
 Array = np.ndarray
@@ -36,28 +34,31 @@ class Followed(NamedTuple):
 
 
 def follow(
-    equations: Any, solution: StickSlipSolution, load: float, tolerance: Any, power: float
+    equations: Any, state: Any, load: float, tolerance: Any, power: float
 ) -> Followed | None:
-    """Return the state that carries the load, near a solved one; None where it is not got to.
+    """Return the state that carries the load, near a solved one; None if there, or not got to.
 
     Parameters
     ----------
     equations : Equations
         Those of the solved half width.
-    solution : StickSlipSolution
-        Its joint solution.
+    state : State
+        Its solution, a joint one.
     load : float
         [N/m].
     tolerance : Tolerance
     power : float
         First guess of d ln P/d ln a.
     """
-    joint, (factors, x, _) = equations.joint, solution.joint
+    joint, (factors, x, _) = equations.joint, state.solution.joint
     n = joint.unknowns
     carried = equations.load_of(x[:n])
     if carried <= 0 or abs(log(carried / load)) > FARTHEST:
         return None
-    at = first = log(equations.matrices.half_width)
+    apart = float(equations.imbalance(state))
+    if abs(carried / load - 1) <= tolerance.load and apart <= tolerance.balance:
+        return None
+    at = first = log(state.half_width)
     miss, along = log(carried / load), np.zeros_like(x)
     for _ in range(MOST_STEPS):
         step = -miss / power
@@ -74,7 +75,7 @@ def follow(
             power, along = (miss - missed) / step, (now - x) / step
         at, x = at + step, now
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
-        error = size * min(1.0, CONTRACTION * abs(at - first))
+        error = size * min(1.0, CONTRACTION * abs(at - first) + apart**0.5)
         if abs(miss) <= tolerance.load and error <= max(LEFT * tolerance.balance, 1e-15):
             found = joint.solution(factors, x, joint.slips(change) - left[n + 2 :])
             kept = not found.violated().any()

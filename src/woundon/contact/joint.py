@@ -86,11 +86,20 @@ class Joint:
         A = law.take(columns, axis=1)
         sliding = law[:, n + 1 : -1]
         sliding *= self.friction * state
-        for start in range(0, state.size, n):
-            A[:, :n] += sliding[:, start : start + n]
+        self._bring(sliding, A)
         # rows are written contiguously, so LAPACK is handed the transpose
         lu, pivots, info = lapack.dgetrf(A.T, overwrite_a=1)
         return Factors(state, rows, columns, lu, pivots) if info == 0 else None
+
+    def _bring(self, sliding: Array, to: Array) -> None:
+        """Add the columns of slipping tractions to those of the pressures that bound them."""
+        n = self.unknowns
+        for start in range(0, self.friction.size, n):
+            to[:, :n] += sliding[:, start : start + n]
+
+    def bounds(self, p: Array) -> Array:
+        """Return mu p of each node, (m,)."""
+        return np.asarray((self.friction.reshape(-1, p.size) * p).ravel())
 
     def step(self, factors: Factors, right: Array) -> Array:
         """Return the unknowns that give right sides by a state's laws, (n + m + 2,).
@@ -100,8 +109,7 @@ class Joint:
         n, right = self.unknowns, right.take(factors.rows)
         found, _ = lapack.dgetrs(factors.lu, factors.pivots, right, trans=1, overwrite_b=1)
         out = np.empty(self.matrix.shape[1])
-        slides = (self.friction * factors.state).reshape(-1, n)
-        np.multiply(slides, found[:n], out=out[n + 1 : -1].reshape(-1, n))
+        np.multiply(factors.state, self.bounds(found[:n]), out=out[n + 1 : -1])
         out[factors.columns] = found
         return out
 
@@ -123,8 +131,7 @@ class Joint:
         """Return unknowns and slips as the solution of a state."""
         n, m = self.unknowns, self.friction.size
         slip[factors.rows[n + 2 :] - (n + 2)] = 0.0  # solved for: what is left is rounding
-        bound = (self.friction.reshape(-1, n) * found[:n]).ravel()
         return StickSlipSolution(
-            factors.state, found[n + 1 : -1], float(found[-1]), slip[:m], bound,
+            factors.state, found[n + 1 : -1], float(found[-1]), slip[:m], self.bounds(found[:n]),
             joint=(factors, found, slip[m:]),
         )  # fmt: skip

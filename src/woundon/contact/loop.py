@@ -429,7 +429,7 @@ class _Step:
             if state.solution.joint is None:
                 break
             load = self.ladder.contact.load
-            found = follow(equations, state.solution, load, self.tolerance, self.power)
+            found = follow(equations, state, load, self.tolerance, self.power)
             if found is None:
                 break
             equations, state, self.power = found[:3]

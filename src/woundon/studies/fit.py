@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from ..results import ReadOnly
 from . import fitreport
 from .predict import Parameter, Predictor
 from .profiles import ProfileLikelihood, profile_of, threshold
+from .slopes import Slopes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,6 +37,22 @@ __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
 SAME_MINIMUM = 1e-3  # relative difference of S
+NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
+# of u, a hundredth of it of S; the coarse one is looked on from
+FINE, COARSE = 1e-8, 1e-3
+
+
+class End(NamedTuple):
+    """Where a descent ended: u, residuals and their derivatives."""
+
+    u: Array
+    r: Array
+    J: Array
+
+    @property
+    def S(self) -> float:
+        """The sum of their squares."""
+        return float(self.r @ self.r)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,26 +198,27 @@ def fit_parameters(
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    ends = [_from(predictor, u) for u in _starting_points(parameters, starts, seed)]
-    found = sorted((end for end in ends if end is not None), key=lambda end: end[0])
+    found = sorted(_minima(predictor, _starting_points(parameters, starts, seed)),
+                   key=lambda end: end.S)  # fmt: skip
     if not found:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
     made: tuple[ProfileLikelihood, ...] = ()
     for _ in range(3):
-        S, u = found[0]
+        S, J = found[0].S, found[0].J
         limit = threshold(S, m - len(parameters), predictor.weighted)
         if not profiles or not np.isfinite(limit):
             break
         made = tuple(
-            profile_of(predictor, j, u, S, limit, spread)
-            for j, spread in enumerate(_spreads(predictor, u, S))
+            profile_of(predictor, j, found[0], limit, spread)
+            for j, spread in enumerate(_spreads(predictor, J, S))
             if parameters[j].name in profiles
         )
-        lower = min(made, key=lambda p: p.best[0]).best
-        if lower[0] >= S * (1 - SAME_MINIMUM):
+        lower, there = min((profile.best for profile in made), key=lambda best: best[0])
+        if lower >= S * (1 - SAME_MINIMUM):
             break
         # a profile walked into a deeper valley that no start had found
-        found = sorted([*found, _from(predictor, lower[1]) or lower], key=lambda end: end[0])
+        deeper = _from(predictor, there, FINE)
+        found = found if deeper is None else sorted([*found, deeper], key=lambda end: end.S)
     return _result(predictor, found, starts, made, quantities)
 
 
@@ -213,29 +231,72 @@ def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) ->
     return [base, *(low + drawn * (high - low))]
 
 
-def _from(predictor: Predictor, start: Array) -> tuple[float, Array] | None:
-    """Descend from a start; None if it cannot be solved there."""
+def _minima(predictor: Predictor, starts: Sequence[Array]) -> list[End]:
+    """Return where each start ends that can be solved; on few nodes as long as they are apart."""
+    coarse = predictor.coarse
+    if coarse is None:
+        return _descents(predictor, starts, FINE)
+    found: list[End] = []
+    ends: dict[int, End | None] = {}
+    for end in _descents(coarse, starts, COARSE):
+        if id(end) not in ends:
+            known = [fine for fine in ends.values() if fine is not None]
+            ends[id(end)] = _from(predictor, end.u, FINE, known)
+        fine = ends[id(end)]
+        found += [] if fine is None else [fine]
+    predictor.solves += coarse.solves
+    return found or _descents(predictor, starts, FINE)
+
+
+def _descents(predictor: Predictor, starts: Sequence[Array], tolerance: float) -> list[End]:
+    """Return where each start ends that can be solved."""
+    found: list[End] = []
+    for start in starts:
+        end = _from(predictor, start, tolerance, found)
+        found += [] if end is None else [end]
+    return found
+
+
+class _Arrived(Exception):
+    """A descent has come to where another one ended."""
+
+
+def _from(
+    predictor: Predictor, start: Array, tolerance: float, known: Sequence[End] = ()
+) -> End | None:
+    """Descend from a start, to a minimum that is known maybe; None if it cannot be solved there."""
     from scipy.optimize import least_squares
 
     low, high = np.transpose([p.ends for p in predictor.parameters])
     inside = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
     if not np.isfinite(predictor.residuals(inside)).all():
         return None
+    near: list[End] = []
+    slopes = Slopes(predictor) if tolerance > FINE else predictor.jacobian
+
+    def residuals(u: Array) -> Array:
+        near[:] = [end for end in known if np.all(np.abs(u - end.u) < NEAR * (high - low))]
+        if near:
+            raise _Arrived
+        return predictor.residuals(u)
+
     try:
         # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
         end = least_squares(
-            predictor.residuals, inside, predictor.jacobian, (low, high), x_scale="jac",
-            xtol=1e-8, ftol=1e-10, gtol=None, max_nfev=60,
+            residuals, inside, slopes, (low, high), x_scale="jac",
+            xtol=tolerance, ftol=1e-2 * tolerance, gtol=None, max_nfev=60,
         )  # fmt: skip
+    except _Arrived:
+        return near[0]
     except ValueError:  # a derivative could not be had
         return None
-    return 2 * float(end.cost), np.asarray(end.x)
+    return End(np.asarray(end.x), np.asarray(end.fun), np.asarray(end.jac))
 
 
-def _spreads(predictor: Predictor, u: Array, S: float) -> Array:
+def _spreads(predictor: Predictor, J: Array, S: float) -> Array:
     """Return the standard errors of u, kept within what a profile can walk."""
     low, high = np.transpose([p.ends for p in predictor.parameters])
-    error = np.sqrt(np.diag(_covariance(predictor, predictor.jacobian(u), S)))
+    error = np.sqrt(np.diag(_covariance(predictor, J, S)))
     width = high - low
     return np.clip(np.nan_to_num(error, nan=np.inf), 1e-4 * width, 0.1 * width)
 
@@ -250,11 +311,11 @@ def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
 
 
 def _result(
-    predictor: Predictor, found: list[tuple[float, Array]], starts: int,
+    predictor: Predictor, found: list[End], starts: int,
     profiles: tuple[ProfileLikelihood, ...], quantities: Mapping[str, Quantity],
 ) -> FitResult:  # fmt: skip
-    S, u = found[0]
-    J, parameters = predictor.jacobian(u), predictor.parameters
+    u, r, J = found[0]
+    S, parameters = found[0].S, predictor.parameters
     slope = np.array([p.slope(float(v)) for p, v in zip(parameters, u, strict=True)])
     covariance = slope[:, None] * _covariance(predictor, J, S) * slope
     error = np.sqrt(np.diag(covariance))
@@ -275,9 +336,10 @@ def _result(
         effects=tenth * np.linalg.norm(J * unit, axis=0) / np.sqrt(m),
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
-        minima=tuple((s, tuple(predictor.inputs(v).values())) for s, v in found),
-        reached=sum(s <= S * (1 + SAME_MINIMUM) + rounding for s, _ in found), starts=starts,
-        solves=predictor.solves, measured=predictor.measured, fitted=predictor.values(u),
+        minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in found),
+        reached=sum(S * (1 + SAME_MINIMUM) + rounding >= end.S for end in found), starts=starts,
+        solves=predictor.solves, measured=predictor.measured,
+        fitted=predictor.measured + predictor.deviation * r,
         row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
         weighted=predictor.weighted, profiles=profiles, quantities=quantities,
     )  # fmt: skip

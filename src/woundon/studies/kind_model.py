@@ -26,6 +26,7 @@ __all__ = [
     "model_of", "options_of", "replaced",
 ]  # fmt: skip
 
+FEW_NODES = 17
 _ERROR = "errors."  # of an output: "errors.half_width"
 
 
@@ -142,6 +143,19 @@ class KindModel:
         return Answer(values, "; ".join(result.warnings), result)
 
     # ---- what a solved case tells of others -----------------------------------------------------
+
+    @property
+    def coarse(self) -> KindModel | None:
+        """The same on few nodes; None where so few are asked for anyway, or are not admitted."""
+        nodes = self.options.get("nodes")
+        if not isinstance(nodes, int) or nodes < 2 * FEW_NODES:
+            return None
+        few = replace(self, options={**self.options, "nodes": FEW_NODES})
+        try:
+            few._check_options()
+        except InvalidProblem:
+            return None
+        return few
 
     @property
     def free_inputs(self) -> frozenset[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import exp, log
 from typing import Any
 
@@ -83,7 +84,7 @@ class Predictor:
     """
 
     def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
-        self.model, self.parameters = model, parameters
+        self.model, self.parameters, self._data = model, parameters, measured
         for parameter in parameters:
             if parameter.name in measured.inputs:
                 raise InvalidProblem.at(parameter.name, "is measured, so it cannot be fitted")
@@ -117,6 +118,12 @@ class Predictor:
         self.states: list[Any] = [None] * len(self.cases)
         self.solves, self.fault = 0, ""
         self._at = self._values = np.empty(0)
+
+    @cached_property
+    def coarse(self) -> Predictor | None:
+        """The same on few nodes, to look around with; None where the model has no such."""
+        model = getattr(self.model, "coarse", None)
+        return None if model is None else Predictor(model, self._data, self.parameters)
 
     def values(self, u: Array) -> Array:
         """Return the predictions, (m,); nan throughout where a case fails."""

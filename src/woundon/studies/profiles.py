@@ -1,18 +1,31 @@
-"""Profile likelihood: how far one parameter can go while the others make the best of it."""
+r"""Profile likelihood: how far one parameter can go while the others make the best of it.
+
+About a point u with residuals r and derivatives J, S is about |r + J du|^2: that tells where S,
+least over the others, comes to the limit, and what the others are there.  One evaluation shows how
+far it was right, and mends J by Broyden's formula.  Once another step of the others would gain
+little, S less that little is the profile.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .predict import Predictor
+from .slopes import mended
 
 __all__ = ["ProfileLikelihood", "profile_of", "threshold"]
 
 Array = np.ndarray
 LEVEL = 0.95
+
+MOST = 30  # points of a walk, and steps of the others at one
+FARTHEST = 3.0  # standard errors of the first step
+GROWTH = 1.6  # of the steps while nothing tells where the end is
+LEAST = 0.05  # of a step that is halved before what cannot be solved
+CLOSE = 5e-3  # of the way to the end, from where it is told by the chord; bent by a tenth at most
+SETTLED = 2e-2  # of the rise of S: what the others may gain still, known to a tenth of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +67,7 @@ def threshold(S: float, freedom: int, weighted: bool) -> float:
 
 
 def profile_of(
-    predictor: Predictor, j: int, u: Array, S: float, limit: float, spread: float
+    predictor: Predictor, j: int, minimum: tuple[Array, Array, Array], limit: float, spread: float
 ) -> ProfileLikelihood:
     """Walk parameter ``j`` both ways until S passes ``limit`` or a bound is met.
 
@@ -62,100 +75,162 @@ def profile_of(
     ----------
     predictor : Predictor
     j : int
-    u, S : array, float
-        The minimum.
+    minimum : (u, r, J)
+        With the residuals and their derivatives there.
     limit : float
         Of S.
     spread : float
         Standard error of u_j: the unit of the steps.
     """
     parameter = predictor.parameters[j]
-    walk = _Walk(predictor, j, u, S)
-    low, high = (walk.end(limit, sign * spread) for sign in (-1.0, 1.0))
-    points = sorted(walk.points, key=lambda point: point[0])
+    walk = _Walk(predictor, j, _Point(*minimum), limit)
+    low, high = (walk.end(sign * spread) for sign in (-1.0, 1.0))
+    points = sorted(walk.points, key=lambda point: float(point.u[j]))
     m = predictor.measured.size
+    best = min(points, key=lambda point: point.S)
     return ProfileLikelihood(
         parameter.name,
-        np.array([parameter.value(at) for at, _, _ in points]),
-        np.sqrt(np.array([s for _, s, _ in points]) / m),
+        np.array([parameter.value(float(point.u[j])) for point in points]),
+        np.sqrt(np.array([point.S - point.gain for point in points]) / m),
         -np.inf if low is None else parameter.value(low),
         np.inf if high is None else parameter.value(high),
         float(np.sqrt(limit / m)),
-        min(((s, v) for _, s, v in points), key=lambda pair: pair[0]),
+        (best.S, best.u),
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """Residuals and derivatives at u; ``gain`` is what the others would take off S still."""
+
+    u: Array
+    r: Array
+    J: Array
+    gain: float = 0.0
+
+    @property
+    def S(self) -> float:
+        return float(self.r @ self.r)
+
+    def reached(self, predictor: Predictor, u: Array, r: Array) -> _Point:
+        """Return another point near it, J mended by what the step told, or made anew."""
+        J = mended(self.J, u - self.u, r - self.r)
+        return _Point(u, r, predictor.jacobian(u) if J is None else J)
+
+
 class _Walk:
-    """Refits the other parameters along one; ``points`` holds (u_j, S, u)."""
+    """Refits the other parameters along one, from the minimum on."""
 
-    def __init__(self, predictor: Predictor, j: int, u: Array, S: float) -> None:
-        self.predictor, self.j, self.u = predictor, j, u
-        self.points: list[tuple[float, float, Array]] = [(float(u[j]), S, u)]
+    def __init__(self, predictor: Predictor, j: int, minimum: _Point, limit: float) -> None:
+        self.predictor, self.j, self.limit = predictor, j, limit
+        self.points = [minimum]
+        self.low, self.high = np.transpose([p.ends for p in predictor.parameters])
 
-    def end(self, limit: float, step: float) -> float | None:
-        """Return where S passes ``limit``, coming from the minimum; None if a bound comes first."""
-        from scipy.optimize import brentq
-
-        low, high = self.predictor.parameters[self.j].ends
-        inner = float(self.u[self.j])
-        while True:
-            outer = min(max(inner + step, low), high)
-            S = self._refitted(outer)
-            if not np.isfinite(S) or limit < S:
-                break
-            if outer in (low, high):
+    def end(self, step: float) -> float | None:
+        """Return where S passes the limit, coming from the minimum; None if a bound comes first."""
+        low, high, minimum = self.low[self.j], self.high[self.j], self.points[0]
+        reach = float(np.sqrt(self.limit - minimum.S))
+        inner: tuple[float, float] = float(minimum.u[self.j]), -reach
+        outer: tuple[float, float] | None = None
+        at = inner[0] + self._foreseen(minimum, step)
+        for _ in range(MOST):
+            at = min(max(at, low), high)
+            S = self._refitted(at)
+            if not np.isfinite(S):
+                if abs(at - inner[0]) < LEAST * abs(step):
+                    return at  # beyond lies what cannot be solved
+                at = (at + inner[0]) / 2
+                continue
+            # S grows about as the square of the distance: its root is nearly straight
+            excess = float(np.sqrt(max(S - minimum.S, 0.0))) - reach
+            slope = (excess - inner[1]) / (at - inner[0])
+            if abs(excess) <= CLOSE * reach and slope * step > 0:
+                return min(max(at - excess / slope, low), high)
+            if excess > 0:
+                outer = (at, excess)
+            elif at in (low, high):
                 return None
-            inner, step = outer, 1.6 * step
-        if not np.isfinite(S):
-            return outer  # beyond lies what cannot be solved
-        # S grows about as the square of the distance: its root is nearly straight
-        floor = self.points[0][1]
+            else:
+                ahead = -excess / slope if slope * step > 0 else np.inf
+                inner = (at, excess)
+            if outer is None:
+                step *= GROWTH
+                at += float(np.copysign(min(abs(ahead), abs(step)), step))
+            else:
+                share = inner[1] / (inner[1] - outer[1])
+                at = inner[0] + min(max(share, 0.05), 0.95) * (outer[0] - inner[0])
+        return at
 
-        def excess(at: float) -> float:
-            return float(np.sqrt(max(self._refitted(at) - floor, 0.0)) - np.sqrt(limit - floor))
-
-        if excess(inner) >= 0:
-            return inner
-        return float(brentq(excess, inner, outer, xtol=1e-2 * abs(step), rtol=1e-6))
+    def _foreseen(self, point: _Point, step: float) -> float:
+        """Return the step after which S is about the limit, a few times that given at most."""
+        J, j = point.J, self.j
+        others = np.delete(J, j, axis=1)
+        along = J[:, j] - others @ np.linalg.lstsq(others, J[:, j], rcond=None)[0]
+        size = float(np.linalg.norm(along))
+        most = FARTHEST * abs(step)
+        ahead = np.sqrt(self.limit - point.S) / size if size > 0 else np.inf
+        return float(np.copysign(min(ahead, most), step))
 
     def _refitted(self, at: float) -> float:
-        """Return the least S over the other parameters, this one held."""
-        from scipy.optimize import least_squares
-
-        for known, S, _ in self.points:
-            if known == at:
-                return S
-        predictor, j = self.predictor, self.j
-
-        def whole(part: Array) -> Array:
-            return np.insert(part, j, at)
-
-        def residuals(part: Array) -> Array:
-            return predictor.residuals(whole(part))
-
-        def jacobian(part: Array) -> Array:
-            return np.delete(predictor.jacobian(whole(part)), j, axis=1)
-
-        low, high = np.delete(np.transpose([p.ends for p in predictor.parameters]), j, axis=1)
-        for others in self._expected(at):
-            best = whole(np.clip(others, low + 1e-9, high - 1e-9))
-            r = predictor.residuals(best)
+        """Return the least S over the other parameters, this one held; inf if not solved."""
+        known = [point for point in self.points if point.u[self.j] == at]
+        if known:
+            return known[0].S - known[0].gain
+        point = min(self.points, key=lambda point: abs(float(point.u[self.j]) - at))
+        held = np.where(np.arange(point.u.size) == self.j, at, point.u)
+        for u in (self._best(point, held)[0], held):
+            r = self.predictor.residuals(u)
             if np.isfinite(r).all():
                 break
-        if others.size and np.isfinite(r).all():
-            found = least_squares(
-                residuals, np.delete(best, j), jacobian, (low, high), x_scale="jac",
-                ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
-            )  # fmt: skip
-            best, r = whole(found.x), found.fun
-        S = float(r @ r)
-        if np.isfinite(S):
-            self.points.append((at, S, best))
-        return S
+        else:
+            return float("inf")
+        for _ in range(MOST):
+            point = point.reached(self.predictor, u, r)
+            u, gain = self._best(point, point.u)
+            if gain <= SETTLED * (abs(point.S - self.points[0].S) + SETTLED * self.points[0].S):
+                break
+            r = self.predictor.residuals(u)
+            if not np.isfinite(r).all() or r @ r > point.S:
+                return self._carefully(point)
+        return self._keep(point, gain)
 
-    def _expected(self, at: float) -> Iterator[Array]:
-        """Yield where the other parameters are to be looked for: as they went, as they were."""
-        (one, _, u), *more = sorted(self.points, key=lambda point: abs(point[0] - at))
-        for other, _, v in more[:1]:
-            yield np.delete(u + (v - u) * (at - one) / (other - one), self.j)
-        yield np.delete(u, self.j)
+    def _best(self, point: _Point, start: Array) -> tuple[Array, float]:
+        """Return what the others go to by a point's derivatives, and what they gain."""
+        from scipy.optimize import lsq_linear
+
+        r, J = point.r + point.J @ (start - point.u), np.delete(point.J, self.j, axis=1)
+        others = np.delete(start, self.j)
+        if not others.size:
+            return start, 0.0
+        low, high = (np.delete(ends, self.j) for ends in (self.low, self.high))
+        step = np.linalg.lstsq(J, -r, rcond=None)[0]
+        if np.any(others + step < low) or np.any(others + step > high):
+            inside = np.clip(others, low, high)
+            step = lsq_linear(J, -r, (low - inside - 1e-12, high - inside + 1e-12)).x
+        moved = np.clip(others + step, low, high)
+        left = r + J @ (moved - others)
+        return np.insert(moved, self.j, start[self.j]), float(r @ r - left @ left)
+
+    def _carefully(self, point: _Point) -> float:
+        """Refit the others from a point where whole steps lead nowhere."""
+        from scipy.optimize import least_squares
+
+        predictor, j, at = self.predictor, self.j, point.u[self.j]
+        low, high = (np.delete(ends, j) for ends in (self.low, self.high))
+
+        def residuals(part: Array) -> Array:
+            return predictor.residuals(np.insert(part, j, at))
+
+        def jacobian(part: Array) -> Array:
+            return np.delete(predictor.jacobian(np.insert(part, j, at)), j, axis=1)
+
+        found = least_squares(
+            residuals, np.clip(np.delete(point.u, j), low + 1e-9, high - 1e-9), jacobian,
+            (low, high), x_scale="jac", ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
+        )  # fmt: skip
+        u = np.insert(found.x, j, at)
+        return self._keep(_Point(u, found.fun, predictor.jacobian(u)), 0.0)
+
+    def _keep(self, point: _Point, gain: float) -> float:
+        self.points.append(replace(point, gain=gain))
+        return point.S - gain

@@ -21,14 +21,16 @@ from ..results import Residuals
 from ..two_bodies import mesh_of, within
 from .equations import Known, WrapEquations
 from .grid import WrapGrid, grid_for
+from .laws import Along
 
 if TYPE_CHECKING:
-    from .equations import WrapState
     from .result import WrappedNipResult
 
 __all__ = ["certificate", "equations_of", "surfaces_of", "unknowns_of"]
 
 Array = np.ndarray
+
+SURE = 1e-9  # of a law: below, nobody asks how much of it is rounding
 
 
 def equations_of(result: WrappedNipResult) -> WrapEquations:
@@ -84,33 +86,29 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     problem, grid, x, a = result.problem, equations.grid, result.x, result.half_width
     P, T = problem.nip_load, result.web_tension
     problem.web.refuse(max(float(np.max(p)) for p in (result.pressure, result.roll_pressure)))
-    gap, by_z, by_q = equations.indentation
     top = float(np.max(np.abs(grid.points[grid.first : grid.last])))
     top *= a / problem.contact_radius
     z, q, creep = unknowns_of(result, equations)
-    slips = equations.slips_at_nodes(z, q, creep)
+    along = equations.laws.at(z, q)
+    slips = equations.at_nodes(along, creep)
     gained = from_edge(result.roll_traction + result.drum_traction, x)
     nip = result.in_nip
     carried = integral(result.pressure[nip], x[nip])
     force = integral(result.drum_traction, x) - problem.winding_force
     return Residuals(
-        # the pressure of a taut web on its arcs may be many times that of a light nip; rounding of
-        # a sum of k terms is about k^1/2 times theirs
-        indentation=beyond_rounding(
-            by_z @ z + by_q @ q - gap, z.size**0.5 * (np.abs(by_z) @ np.abs(z))
-        ) / top,
+        indentation=_indentation(equations, z, along.gap / top, top),
         positive_pressure=positive_pressure(result.roll_pressure, result.pressure),
         **_friction(result, equations, q, slips, top),
         slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips,
                                result.drum_creep),
-                       _differ(result.roll_strain, roll_strain(equations, result))) / top,
+                       _differ(result.roll_strain, roll_strain(equations, along))) / top,
         load_equilibrium=abs(carried / P - 1),
         force_equilibrium=beyond_rounding(np.asarray(force), T) / P,
         web_equilibrium=beyond_rounding(T - problem.web_tension - gained, T) / P,
         hoop_pressure=_hoop(result, equations),
-        curvature=_curvature(result, equations, z, q),
+        curvature=largest(np.abs(result.curvature - along.bend)) / largest(np.abs(along.bend)),
         half_width=largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
-        **within(problem, (equations.roll.response, equations.drum.response)),
+        **within(problem, (face.response for face in equations.laws.both)),
         **balance_law(
             result, lambda: surfaces_of(result, equations),
             lambda roll, drum: _put_in(result, equations, roll, drum),
@@ -118,16 +116,12 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
     )  # fmt: skip
 
 
-def surfaces_of(
-    result: WrappedNipResult | WrapState, equations: WrapEquations
-) -> tuple[Surface, Surface]:
-    """Return the surfaces of roll and drum in nip and arcs, of a result or a state."""
-    grid, a, problem = equations.grid, result.half_width, equations.problem
-    roll = equations.roll.surface(
-        problem.roll, grid, grid.first, a, result.roll_pressure, result.roll_traction
+def surfaces_of(result: WrappedNipResult, equations: WrapEquations) -> tuple[Surface, Surface]:
+    """Return the surfaces of roll and drum in nip and arcs."""
+    return equations.laws.surfaces(
+        Tractions(result.roll_pressure, result.roll_traction),
+        Tractions(result.pressure, result.drum_traction),
     )
-    drum = equations.drum.surface(problem.drum, grid, 0, a, result.pressure, result.drum_traction)
-    return roll, drum
 
 
 def _put_in(
@@ -143,9 +137,7 @@ def _put_in(
     q = result.roll_traction + result.drum_traction
     tension = problem.web_tension + a * grid.to_points @ q
     stretched = web.c11 / problem.web.thickness * tension
-    face, own = equations.roll, slice(first, None)
-    edge = float(face.strain[-1] + face.strain_p[-1] @ result.roll_pressure[own])
-    edge += float(face.strain_q[-1] @ result.roll_traction[own])
+    edge = float(equations.laws.roll.under(result.roll_pressure, result.roll_traction).strain[-1])
     edge += web.c12 * float(result.roll_pressure[-1])
     edge -= web.c11 / problem.web.thickness * float(result.web_tension[-1])
     # a node has the slip of the cell before it
@@ -197,18 +189,22 @@ def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
     return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
 
 
-def _curvature(result: WrappedNipResult, equations: WrapEquations, z: Array, q: Array) -> float:
-    """Return how far the curvature is from that of the bodies, relative to the largest."""
-    constant, by_z, by_q = equations.curvature
-    kappa = constant + by_z @ z + by_q @ q
-    return largest(np.abs(result.curvature - kappa)) / float(np.max(np.abs(kappa)))
+def _indentation(equations: WrapEquations, z: Array, miss: Array, top: float) -> float:
+    """Return the miss of the gap's slope, relative to its largest; less rounding where it matters.
+
+    The pressure of a taut web on its arcs may be many times that of a light nip; rounding of a sum
+    of k terms is about k^1/2 times theirs.
+    """
+    worst = largest(np.abs(miss))
+    if worst < SURE:
+        return worst
+    _, by_z, _ = equations.indentation
+    return beyond_rounding(miss, z.size**0.5 * (np.abs(by_z) @ np.abs(z)) / top)
 
 
-def roll_strain(equations: WrapEquations, result: WrappedNipResult) -> Array:
+def roll_strain(equations: WrapEquations, along: Along) -> Array:
     """Return the roll's surface strain in the cell before each node, (N,); nan before the nip."""
-    first, face = equations.grid.first, equations.roll
-    strain = face.strain + face.strain_p @ result.roll_pressure[first:]
-    strain += face.strain_q @ result.roll_traction[first:]
+    first, strain = equations.grid.first, along.roll.strain
     out = np.full(equations.grid.size, np.nan)
     out[first], out[first + 1 :] = strain[0], strain[:-1]
     return out

@@ -30,25 +30,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import log, prod
 
 import numpy as np
 
 from ..contact import lapack
 from ..contact.response import Tractions
 from ..contact.stick_slip import StickSlip, StickSlipSolution
-from ..elasticity.strip import Compliance
-from ..problems.nip import WrappedNipProblem
-from .face import Face, face
-from .grid import WrapGrid
+from .columns import WrapColumns
+from .face import Face
+from .grid import grid_for
+from .joint import WrapJoint
+from .laws import Along, WrapLaws
 
 __all__ = ["Known", "WrapEquations", "WrapState"]
 
 Array = np.ndarray
 
+# below, tractions drown in the rounding of the pressures if both are solved for together
+LEAST_FRICTION = 0.01
+
+# the product of ln a's by which a polynomial between known half widths is off, about
+STRAIGHT = 2e-11
+
 # matrices of linear bodies and of the web that do not depend on what is known
 UNMOVED = frozenset({
-    "curvature", "drum", "friction", "force_weights", "indentation", "load_weights", "node_slips",
-    "own_pressure", "roll", "slip_offset", "slips", "tension_q", "web", "weighs",
+    "curvature", "friction", "force_weights", "indentation", "load_weights", "node_slips",
+    "own_pressure", "slip_offset", "slips", "tension_q", "web", "weighs", "_closing",
 })  # fmt: skip
 
 
@@ -76,110 +84,47 @@ class WrapState:
 
     half_width: float
     solution: StickSlipSolution
-    roll_pressure: Array
-    drum_pressure: Array
-    roll_traction: Array
-    drum_traction: Array
-    tension: Array
-    bend: Array  # kappa [1/m]
+    along: Along
+    shift: float  # Delta/R*
     roll_slip: Array  # nan where a face has no contact
     drum_slip: Array
-    shift: float  # Delta/R*
 
     @property
     def pressure(self) -> Array:
         """p- on the drum, that of the nip and its largest."""
-        return self.drum_pressure
+        return self.along.drum_loads.pressure
 
     @property
     def known(self) -> Known:
         """What to linearise about next."""
-        return Known(
-            self.tension, self.bend,
-            Tractions(self.roll_pressure, self.roll_traction),
-            Tractions(self.drum_pressure, self.drum_traction),
-        )  # fmt: skip
+        along = self.along
+        return Known(along.tension, along.bend, along.roll_loads, along.drum_loads)
 
 
 @dataclass(frozen=True, eq=False)
-class WrapEquations:
+class WrapEquations(WrapColumns):
     """The equations for one half width, linearised about a tension and a curvature.
 
-    Columns of z are p+ on the nodes from the leading edge to the far side, p- on those from the
-    drum's arc (or inside the leading edge) to inside the trailing edge, and the shift; columns of q
-    are q+ and q- on the same nodes less the outermost ones.
+    Matrices are made when they are asked for; what given unknowns leave, :attr:`laws` tell without.
     """
 
-    problem: WrappedNipProblem
-    grid: WrapGrid
-    half_width: float
     about: Known
 
-    @property
-    def roll_arc(self) -> bool:
-        """Whether there is an arc behind the nip."""
-        return self.problem.roll_wrap > 0
-
-    @property
-    def drum_arc(self) -> bool:
-        """Whether there is an arc before the nip."""
-        return self.problem.drum_wrap > 0
-
     @cached_property
-    def web(self) -> Compliance:
-        """The web's compliances."""
-        return self.problem.web.compliance
+    def laws(self) -> WrapLaws:
+        """The same at given unknowns."""
+        about, problem = self.about, self.problem
+        return WrapLaws(problem, self.grid, self.half_width, about.roll, about.drum)
 
-    @cached_property
+    @property
     def roll(self) -> Face:
         """The roll's matrices."""
-        grid, a = self.grid, self.half_width
-        problem, loads = self.problem, self.about.roll
-        return face(problem, problem.roll, grid, grid.first, grid.size - 1, grid.last, a, loads)
+        return self.laws.roll.matrices
 
-    @cached_property
+    @property
     def drum(self) -> Face:
         """The drum's matrices."""
-        problem, grid, a = self.problem, self.grid, self.half_width
-        loads = self.about.drum
-        return face(problem, problem.drum, grid, 0, grid.last, grid.first, a, loads)
-
-    @property
-    def faces(self) -> tuple[Array, Array]:
-        """Where the tractions on roll and drum are, in units of a."""
-        return self.grid.nodes[self.roll_q], self.grid.nodes[self.drum_q]
-
-    @property
-    def places(self) -> Array:
-        """Where tension, curvature and loads are given, in units of a."""
-        return self.grid.nodes
-
-    # ---- which node each column belongs to -----------------------------------------------------
-
-    @cached_property
-    def roll_nodes(self) -> Array:
-        """Nodes of p+."""
-        return np.arange(self.grid.first, self.grid.size)
-
-    @cached_property
-    def drum_nodes(self) -> Array:
-        """Nodes of p-."""
-        return np.arange(0 if self.drum_arc else 1, self.grid.last)
-
-    @cached_property
-    def roll_q(self) -> Array:
-        """Nodes of q+."""
-        return np.arange(self.grid.first + 1, self.grid.size - 1)
-
-    @cached_property
-    def drum_q(self) -> Array:
-        """Nodes of q-."""
-        return np.arange(1, self.grid.last)
-
-    @cached_property
-    def columns(self) -> Array:
-        """Nodes of q."""
-        return np.concatenate([self.roll_q, self.drum_q])
+        return self.laws.drum.matrices
 
     # ---- linear maps from z and q --------------------------------------------------------------
 
@@ -187,11 +132,6 @@ class WrapEquations:
     def tension_q(self) -> Array:
         """T at the nodes less T_in, (N+1, m)."""
         return self.half_width * self.grid.to_nodes[:, self.columns]
-
-    @cached_property
-    def drum_p(self) -> slice:
-        """Columns of the drum's matrices that belong to p-."""
-        return slice(self.drum_nodes[0], self.grid.last)
 
     @cached_property
     def curvature(self) -> tuple[Array, Array, Array]:
@@ -267,16 +207,6 @@ class WrapEquations:
             -by_q * weighs[:, None],
         )
 
-    @cached_property
-    def weighs(self) -> Array:
-        """Nodes at which the web's weight T kappa acts, (N+1,) bool."""
-        grid = self.grid
-        weighs = np.full(grid.size, self.roll_arc)  # without: one pressure on both faces
-        # p+ begins with zero at the leading edge, but may set in suddenly on a rigid roll
-        weighs[: grid.first + 1] = self.drum_arc
-        weighs[grid.first] |= self.roll_arc and self.problem.roll.rigid
-        return weighs
-
     # ---- the two problems ----------------------------------------------------------------------
 
     @cached_property
@@ -349,36 +279,29 @@ class WrapEquations:
         return by_z, by_q, offset
 
     @cached_property
-    def on_drum(self) -> Array:
-        """Which tractions act on the drum, (m,) bool."""
-        return np.arange(self.columns.size) >= self.roll_q.size
+    def share(self) -> float:
+        """The nip's part of F by the load that a half width carries: a steady state at any width.
 
-    @cached_property
-    def friction(self) -> Array:
-        """Coefficient of friction at each traction, (m,)."""
-        problem, behind = self.problem, self.columns >= self.grid.last
-        on_roll = np.where(behind, problem.friction_behind, problem.roll_friction)
-        return np.where(self.on_drum, problem.drum_friction, on_roll)
+        The wrap takes what the nip cannot.
+        """
+        problem = self.problem
+        most = problem.drum_friction * problem.nip_load
+        return min(max(problem.winding_force, -most), most) / problem.nip_load
 
-    @cached_property
-    def force_weights(self) -> Array:
-        """What integrates q- over the drum, by q, (m,)."""
-        return self.on_drum * (self.half_width * self.grid.weights[self.columns])
+    @property
+    def force(self) -> float:
+        """The wrap's part of F [N/m]."""
+        return self.problem.winding_force - self.share * self.problem.nip_load
 
     def stick_slip(self) -> StickSlip:
         """Return the stick-slip problem of both faces; every node has a pressure of its own."""
-        problem = self.problem
         z, by_q = self.normal
         slip_z, slip_q, offset = self.node_slips
         own = self.own_pressure
         rest = np.setdiff1d(np.arange(z.size), own)  # pressures that bound no traction
-        creep, resultant = self.on_drum.astype(float), self.force_weights
-        # the nip's part of F in proportion to the load that this half width carries: a steady
-        # state at any width; the wrap takes what the nip cannot
-        F, most = problem.winding_force, problem.drum_friction * problem.nip_load
-        share = min(max(F, -most), most) / problem.nip_load
-        resultant = resultant - share * (self.load_weights @ by_q)
-        force = F + share * (float(self.load_weights @ z) - problem.nip_load)
+        creep, share = self.on_drum.astype(float), self.share
+        resultant = self.force_weights - share * (self.load_weights @ by_q)
+        force = self.force + share * float(self.load_weights @ z)
         return StickSlip(
             slip_q + slip_z[:, rest] @ by_q[rest], slip_z[:, own],
             offset + slip_z[:, rest] @ z[rest],
@@ -387,57 +310,83 @@ class WrapEquations:
         )  # fmt: skip
 
     @cached_property
-    def own_pressure(self) -> Array:
-        """Entries of z that bound each traction, (m,)."""
-        n_p = self.roll_nodes.size
-        return np.concatenate(
-            [self.roll_q - self.roll_nodes[0], n_p + self.drum_q - self.drum_nodes[0]]
-        )
+    def joint(self) -> WrapJoint | None:
+        """The system of pressures and tractions together.
+
+        None where rounding blurs tractions, of bodies that are not linear, and of those that answer
+        by matrices only: then it goes from one half width to the next no quicker.
+        """
+        if not (self.problem.linear and all(face.acts for face in self.laws.both)):
+            return None
+        return None if self.friction.min() < LEAST_FRICTION else WrapJoint.of(self)
 
     def state(self, solution: StickSlipSolution) -> WrapState:
         """Return the state that belongs to solved tractions."""
-        z0, by_q = self.normal
-        q, size = solution.traction, self.grid.size
-        n_p, n_q = self.roll_nodes.size, self.roll_q.size
-        z = z0 + by_q @ q
-        fields = np.zeros((4, size))
-        fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
-        fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
-        constant, bend_z, bend_q = self.curvature
-        slips = self.slips_at_nodes(z, q, solution.creep)
-        return WrapState(
-            half_width=self.half_width,
-            solution=solution,
-            roll_pressure=fields[0],
-            drum_pressure=fields[1],
-            roll_traction=fields[2],
-            drum_traction=fields[3],
-            tension=self.problem.web_tension + self.tension_q @ q,
-            bend=constant + bend_z @ z + bend_q @ q,
-            roll_slip=slips[0],
-            drum_slip=slips[1],
-            shift=float(z[-1]),
-        )
+        q = solution.traction
+        if solution.joint is None:
+            z0, by_q = self.normal
+            z = z0 + by_q @ q
+        else:
+            z = solution.joint[1][: self.load_weights.size]
+        along = self.laws.at(z, q)
+        slips = self.at_nodes(along, solution.creep)
+        return WrapState(self.half_width, solution, along, float(z[-1]), slips[0], slips[1])
 
-    def slips_at_nodes(self, z: Array, q: Array, creep: float) -> Array:
+    def at_nodes(self, along: Along, creep: float) -> Array:
         """Return v+ and v- along all nodes, each that of the cell before it, (2, N+1)."""
-        grid, N = self.grid, self.roll_nodes.size - 1
-        by_z, by_q = self.slips
-        v = self.slip_offset + by_z @ z + by_q @ q
+        grid = self.grid
         out = np.full((2, grid.size), np.nan)
-        out[0, grid.first + 1 :], out[1, 1 : grid.last + 1] = v[:N], v[N:] + creep
+        out[0, grid.first + 1 :] = along.roll_slip
+        out[1, 1 : grid.last + 1] = along.drum_slip + creep
         out[0, grid.first], out[1, 0] = out[0, grid.first + 1], out[1, 1]
         return out
 
-    @cached_property
-    def load_weights(self) -> Array:
-        """What integrates p- over the nip, by z, (k,)."""
+    # ---- from one half width to another --------------------------------------------------------
+
+    def moved(self, a: float) -> WrapEquations:
+        """Return the equations for another half width [m], no matrices made.
+
+        Near those to which they were moved before, bodies answer between these.
+        """
         grid = self.grid
-        cells = np.where(np.arange(grid.cells.size) >= grid.first, grid.cells, 0.0)
-        hats = (np.append(cells, 0.0) + np.append(0.0, cells)) / 2
-        out = np.zeros(self.roll_nodes.size + self.drum_nodes.size + 1)
-        out[self.roll_nodes.size : -1] = self.half_width * hats[self.drum_nodes]
-        return out
+        other = grid_for(self.problem, grid.nip, a, grid.first, grid.size - 1 - grid.last)
+        made = WrapEquations(self.problem, other, a, self.about)
+        if len(self._known) > 1 and self._off(a) < STRAIGHT:
+            vars(made)["laws"] = made.laws.between(self._known)
+        else:
+            self._known.append(made.laws)
+        vars(made)["joint"] = self.joint  # for the sizes of its rows
+        return made
+
+    @cached_property
+    def _known(self) -> list[WrapLaws]:
+        """The laws here, and at half widths to which these equations were moved."""
+        return [self.laws]
+
+    def _off(self, a: float) -> float:
+        """Return by about how much a polynomial through the known ones is off at a half width."""
+        return abs(prod(log(a / laws.half_width) for laws in self._known))
+
+    def left(self, found: Array) -> Array:
+        """Return what unknowns leave of the joint system's right sides; less all slips."""
+        joint, k = self.joint, self.load_weights.size
+        assert joint is not None
+        z, q = found[:k], found[k:-1]
+        along = self.laws.at(z, q)
+        out = np.zeros(joint.matrix.shape[0])
+        M, N = along.gap.size, along.gap.size + self.grid.size
+        out[:M], out[M:N] = along.gap, joint.size * self.laws.balance(along)
+        if self.drum_arc:
+            out[N] = joint.size * z[0]
+        force = float(self.force_weights @ q - self.share * (self.load_weights @ z))
+        out[k] = joint.force_size * (force - self.force)
+        slips = np.concatenate([along.roll_slip, along.drum_slip + found[-1]])
+        out[k + 1 :] = slips[joint.order]
+        return np.negative(out, out=out)
+
+    def load_of(self, p: Array) -> float:
+        """Return the load that pressures carry [N/m]."""
+        return float(self.load_weights[:-1] @ p)
 
     def carried(self, state: WrapState) -> float:
         """Return the integral of p- over the nip [N/m]."""
@@ -450,29 +399,27 @@ class WrapEquations:
     def unknowns(self, state: WrapState) -> Array:
         """Return z of a state, (k,)."""
         return np.concatenate(
-            [state.roll_pressure[self.roll_nodes], state.drum_pressure[self.drum_nodes],
+            [state.along.roll_loads.pressure[self.roll_nodes], state.pressure[self.drum_nodes],
              [state.shift]]
         )  # fmt: skip
 
     def imbalance(self, state: WrapState) -> float:
         """Return what the state leaves of all that was linearised, relative."""
-        weight = np.where(self.weighs, state.tension * state.bend, 0.0)
-        miss = np.max(np.abs(state.roll_pressure - state.drum_pressure - weight))
-        top = np.max(np.abs(weight)) if self.weighs.any() else np.max(state.roll_pressure)
+        weight = np.where(self.weighs, state.along.tension * state.along.bend, 0.0)
+        miss = np.max(np.abs(self.laws.balance(state.along)))
+        pressure = state.along.roll_loads.pressure
+        top = np.max(np.abs(weight)) if self.weighs.any() else np.max(pressure)
         if self.problem.linear:
             return float(miss / top)
         return max(float(miss / top), self._bodies_miss(state))
 
     def _bodies_miss(self, state: WrapState) -> float:
         """Return the largest difference that another linearisation makes to slopes and slips."""
-        z, q, (gap, *_) = self.unknowns(state), state.solution.traction, self.indentation
-        slopes, slips = zip(
-            *((by_z @ z + by_q @ q - gap, one.slips_at_nodes(z, q, 0.0))
-              for one in (self, self.anew(state)) for gap, by_z, by_q in [one.indentation]),
-            strict=True,
-        )  # fmt: skip
-        miss = max(float(np.nanmax(np.abs(one - two))) for one, two in (slopes, slips))
-        return miss / float(np.max(np.abs(gap)))
+        z, q = self.unknowns(state), state.solution.traction
+        here, there = (one.laws.at(z, q) for one in (self, self.anew(state)))
+        miss = max(float(np.max(np.abs(getattr(here, of) - getattr(there, of))))
+                   for of in ("gap", "roll_slip", "drum_slip"))  # fmt: skip
+        return miss / float(np.max(np.abs(self.indentation[0])))
 
     def anew(self, state: WrapState) -> WrapEquations:
         """Return the equations for the same half width about a state."""
@@ -486,6 +433,7 @@ class WrapEquations:
         made = replace(self, about=about)
         if self.problem.linear:
             vars(made).update({name: vars(self)[name] for name in UNMOVED & vars(self).keys()})
+            vars(made)["laws"] = self.laws.exact
         return made
 
 

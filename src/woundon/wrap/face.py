@@ -13,10 +13,11 @@ for every stretch of web, however coarse the cells.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, pi
-from typing import Any
+from math import inf, log, pi, prod
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -25,13 +26,35 @@ from ..contact.schemes import interpolation_rank
 from ..losses import Surface
 from ..problems.bodies import Body
 from ..problems.nip import WindingNip
+from .action import FaceAction
 from .grid import Influence, OpenGrid, WrapGrid
 
-__all__ = ["Face", "face"]
+__all__ = ["Face", "FaceBetween", "FaceLaws", "Loaded"]
 
 Array = np.ndarray
 
 ASIDE = 1e-9  # of a cell: where kernels are asked for beside a node
+
+
+class Loaded(NamedTuple):
+    """A body's surface under given tractions; of a rigid body as it was.
+
+    Attributes
+    ----------
+    slope : (n-1,) array
+        dv/dx in the cells.
+    strain : (n,) array
+        In the cells, then at the last node.
+    bend : (n,) array
+        Curvature at the nodes [1/m].
+    normal : float
+        v at the nip's trailing edge [m].
+    """
+
+    slope: Array
+    strain: Array
+    bend: Array
+    normal: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +73,8 @@ class Face:
         Curvature of the surface without tractions at the nodes [1/m].
     bend_p, bend_q : (n, n) arrays
         Its change by tractions.
-    normal_p, normal_q : (n,) arrays
-        v at the nip's trailing edge.
     slope, strain : (n-1,), (n,) arrays
         What a linearised body has at zero tractions.
-    sunk : float
-        v at the nip's trailing edge then [m].
     """
 
     response: Response | None
@@ -66,34 +85,21 @@ class Face:
     bend: Array
     bend_p: Array
     bend_q: Array
-    normal_p: Array
-    normal_q: Array
     slope: Array
     strain: Array
-    sunk: float
 
-    def surface(
-        self, body: Body, grid: WrapGrid, start: int, a: float, pressure: Array, traction: Array
-    ) -> Surface:
-        """Return the surface under pressures and tractions on all nodes of the grid."""
-        own = slice(start, start + self.bend.size)
-        p, q = pressure[own], traction[own]
-        cells = slice(start, start + self.bend.size - 1)
-        part = (grid.points[cells] - grid.nodes[cells]) / grid.cells[cells]
-        slope = self.slope + self.slope_p @ p + self.slope_q @ q
-        strain = (self.strain + self.strain_p @ p + self.strain_q @ q)[:-1]
-        lengths, k = a * grid.cells[cells], grid.last - start
-        v = np.append(0.0, np.cumsum(slope * lengths))
-        v += float(self.normal_p @ p + self.normal_q @ q) + self.sunk - v[k]
-        v, p, q = (values[:-1] * (1 - part) + values[1:] * part for values in (v, p, q))
-        return Surface(slope, strain, v, p, q, lengths, body.curvature)
+    def under(self, p: Array, q: Array) -> tuple[Array, Array, Array]:
+        """Return slope, strain and curvature under pressures and tractions on the nodes."""
+        return (
+            self.slope + self.slope_p @ p + self.slope_q @ q,
+            self.strain + self.strain_p @ p + self.strain_q @ q,
+            self.bend + self.bend_p @ p + self.bend_q @ q,
+        )
 
 
-def face(
-    problem: WindingNip, body: Body, grid: WrapGrid, start: int, stop: int, edge: int, a: float,
-    about: Tractions | None = None,
-) -> Face:  # fmt: skip
-    """Return a body's matrices on the nodes start ... stop (inclusive).
+@dataclass(frozen=True, eq=False)
+class FaceLaws:
+    """What a body answers on the nodes start ... stop (inclusive) of a grid.
 
     Parameters
     ----------
@@ -105,39 +111,166 @@ def face(
         First and last node of the face.
     edge : int
         Node where the nip meets the face's arc.
-    a : float
-        Half width [m].
+    half_width : float
+        a [m].
     about : Tractions, optional
         Loads on all nodes of the grid about which a body that is not linear is linearised.
     """
-    n = stop - start + 1
-    bend = np.full(n, 1 / body.radius)
-    if body.rigid:
-        none, zero = np.zeros((n, n)), np.zeros(n)
+
+    problem: WindingNip
+    body: Body
+    grid: WrapGrid
+    start: int
+    stop: int
+    edge: int
+    half_width: float
+    about: Tractions | None = None
+
+    @cached_property
+    def points(self) -> FaceGrid:
+        """The nodes and points of the face."""
+        return FaceGrid(self.grid, self.start, self.stop, self.edge)
+
+    @cached_property
+    def response(self) -> Response | None:
+        """That of the body; None of a rigid one."""
+        if self.body.rigid:
+            return None
+        own = slice(self.start, self.stop + 1)
+        loads = None if self.about is None else Tractions(*(part[own] for part in self.about))
+        return self.problem.respond(self.body, self.points, self.half_width, loads)
+
+    @property
+    def acts(self) -> bool:
+        """Whether it answers without matrices."""
+        return self.response is None or self.response.acts
+
+    @cached_property
+    def _end(self) -> tuple[Array, Array]:
+        """v at the last point, by pressures and by tractions, (1, n) each."""
+        assert self.response is not None
+        return self.response.normal()
+
+    @cached_property
+    def _round(self) -> Array:
+        """Curvature of the body as it was, (n,)."""
+        return np.full(self.stop - self.start + 1, 1 / self.body.radius)
+
+    def under(self, pressure: Array, traction: Array) -> Loaded:
+        """Return the surface under pressures and tractions on all nodes of the grid."""
+        if self.response is None:
+            none = np.zeros(self._round.size)
+            return Loaded(none[1:], none, self._round, 0.0)
+        own = slice(self.start, self.stop + 1)
+        p, q = pressure[own], traction[own]
+        by_p, by_q = self._end
+        last = by_p @ p + by_q @ q + self.response.rest()[0]
+        made = vars(self).get("matrices")
+        slope, strain, bend = self._acted(p, q, last) if made is None else made.under(p, q)
+        behind = slice(self.points.trailing, None)
+        sunk = self.half_width * self.points.cells[behind] @ slope[behind]
+        return Loaded(slope, strain, bend, float(last[0] - sunk))
+
+    def _acted(self, p: Array, q: Array, last: Array) -> tuple[Array, Array, Array]:
+        """Return slope, strain and curvature, no matrices made."""
+        points, response, a = self.points, self.response, self.half_width
+        assert response is not None
+        slope, strain = response.act(p, q)
+        slope, strain = slope + response.slope, strain + response.strain
+        v = points.deflection(slope[:, None], last[:, None], a)
+        bend = points.bending(slope[:, None], v, a, self.body.curvature**2)[:, 0]
+        return slope[:-2], np.append(strain[:-2], strain[-1]), self._round + bend
+
+    def surface(self, pressure: Array, traction: Array) -> Surface:
+        """Return the same as the losses take it."""
+        grid, start = self.grid, self.start
+        own, cells = slice(start, self.stop + 1), slice(start, self.stop)
+        part = (grid.points[cells] - grid.nodes[cells]) / grid.cells[cells]
+        loaded = self.under(pressure, traction)
+        lengths, k = self.half_width * grid.cells[cells], grid.last - start
+        v = np.append(0.0, np.cumsum(loaded.slope * lengths))
+        v += loaded.normal - v[k]
+        v, p, q = (
+            values[:-1] * (1 - part) + values[1:] * part
+            for values in (v, pressure[own], traction[own])
+        )
+        return Surface(loaded.slope, loaded.strain[:-1], v, p, q, lengths, self.body.curvature)
+
+    @cached_property
+    def matrices(self) -> Face:
+        """The matrices."""
+        n, bend = self._round.size, self._round
+        if self.response is None:
+            none, zero = np.zeros((n, n)), np.zeros(n)
+            return Face(
+                None, none[1:], none[1:], none, none, bend, none, none, zero[1:], zero
+            )  # fmt: skip
+        points, response, a = self.points, self.response, self.half_width
+        slope_p, slope_q, strain_p, strain_q = response.gradients
+        v_p, v_q = (points.deflection(slope, last, a)
+                    for slope, last in zip((slope_p, slope_q), self._end, strict=True))  # fmt: skip
+        slope, strain = (np.broadcast_to(part, points.points.shape)
+                         for part in (response.slope, response.strain))  # fmt: skip
+        flatter = self.body.curvature**2
+        if not self.body.linear:
+            v = points.deflection(slope[:, None], response.rest()[0][:, None], a)
+            bend = bend + points.bending(slope[:, None], v, a, flatter)[:, 0]
+        rows = np.append(np.arange(n - 1), n)
         return Face(
-            None, none[1:], none[1:], none, none, bend, none, none, zero, zero, zero[1:], zero, 0.0
+            response, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
+            bend, points.bending(slope_p, v_p, a, flatter),
+            points.bending(slope_q, v_q, a, flatter), slope[:-2], strain[rows],
         )  # fmt: skip
-    points = FaceGrid(grid, start, stop, edge)
-    own = slice(start, stop + 1)
-    loads = None if about is None else Tractions(*(part[own] for part in about))
-    response = problem.respond(body, points, a, loads)
-    slope_p, slope_q, strain_p, strain_q = response.gradients
-    last_p, last_q = response.normal()
-    v_p = points.deflection(slope_p, last_p, a)
-    v_q = points.deflection(slope_q, last_q, a)
-    slope, strain = (np.broadcast_to(part, points.points.shape)
-                     for part in (response.slope, response.strain))  # fmt: skip
-    flatter, sunk = body.curvature**2, 0.0
-    if not body.linear:
-        v = points.deflection(slope[:, None], response.rest()[0][:, None], a)
-        sunk = float(v[points.trailing, 0])
-        bend = bend + points.bending(slope[:, None], v, a, flatter)[:, 0]
-    rows = np.append(np.arange(n - 1), n)
-    return Face(
-        response, slope_p[:-2], slope_q[:-2], strain_p[rows], strain_q[rows],
-        bend, points.bending(slope_p, v_p, a, flatter), points.bending(slope_q, v_q, a, flatter),
-        v_p[points.trailing], v_q[points.trailing], slope[:-2], strain[rows], sunk,
-    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class FaceBetween:
+    """What a body answers near half widths at which that is known: a polynomial in ln a.
+
+    Attributes
+    ----------
+    exact : FaceLaws
+        At the half width itself; makes the matrices if they are asked for.
+    known : sequence of FaceLaws
+        On grids of as many cells.
+    """
+
+    exact: FaceLaws
+    known: Sequence[FaceLaws]
+
+    acts: ClassVar[bool] = True
+
+    @property
+    def response(self) -> Response | None:
+        """That of the body at the first half width."""
+        return self.known[0].response
+
+    @property
+    def matrices(self) -> Face:
+        """The matrices."""
+        return self.exact.matrices
+
+    @cached_property
+    def shares(self) -> list[float]:
+        """What each of the known ones counts: Lagrange's polynomials in ln a."""
+        at, *known = (log(face.half_width) for face in (self.exact, *self.known))
+        return [
+            prod((at - other) / (one - other) for other in known if other != one) for one in known
+        ]
+
+    def under(self, pressure: Array, traction: Array) -> Loaded:
+        """Return the surface under pressures and tractions on all nodes of the grid."""
+        if self.exact.body.rigid:
+            return self.exact.under(pressure, traction)
+        known = (face.under(pressure, traction) for face in self.known)
+        return Loaded(*(
+            sum(share * part for share, part in zip(self.shares, parts, strict=True))
+            for parts in zip(*known, strict=True)
+        ))  # fmt: skip
+
+    def surface(self, pressure: Array, traction: Array) -> Surface:
+        """Return the same as the losses take it."""
+        return self.exact.surface(pressure, traction)
 
 
 class FaceGrid:
@@ -213,9 +346,11 @@ class FaceGrid:
             made = (self.nip.integrate(one, a, slice(-1, None), rank) for one in normal)
             return tuple(np.pad(one, ((0, 0), (1, 1))) for one in made)
 
+        act = FaceAction.of(put, kernels)
         return Response(
-            gradients, last, terms=kernels.terms, truncation_error=kernels.truncation_error
-        )
+            gradients, last, act=None if act is None else lambda: act, terms=kernels.terms,
+            truncation_error=kernels.truncation_error,
+        )  # fmt: skip
 
     def deflection(self, slope: Array, last: Array, a: float) -> Array:
         """Return v at the nodes: at the last one as given, from there by the slopes."""

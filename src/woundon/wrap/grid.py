@@ -98,6 +98,11 @@ class WrapGrid:
         return np.diff(self.nodes)
 
     @cached_property
+    def share(self) -> Array:
+        """Where in its cell each point lies, from 0 to 1, (N,)."""
+        return (self.points - self.nodes[:-1]) / self.cells
+
+    @cached_property
     def weights(self) -> Array:
         """Integrals of the hats, half ones at the ends, (N+1,)."""
         return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
@@ -117,9 +122,8 @@ class WrapGrid:
     def value(self) -> Array:
         """Value of the piecewise linear function at the points, (N, N+1)."""
         k = np.arange(self.cells.size)  # one point in each cell
-        part = (self.points - self.nodes[:-1]) / self.cells
         out = np.zeros((k.size, self.size))
-        out[k, k], out[k, k + 1] = 1 - part, part
+        out[k, k], out[k, k + 1] = 1 - self.share, self.share
         return out
 
 
@@ -270,7 +274,7 @@ class Influence:
         """
         out = self._closed(kernels)
         if smooth is not None:
-            for rows, points in self._blocks:
+            for rows, points in self.blocks:
                 out[:, rows] += self._smooth(kernels, smooth, rows, points)
         rank = interpolation_rank(self.length, self.scale)
         most = HIGHEST_RANK if self.nip is None else self.nip.highest_rank
@@ -308,7 +312,7 @@ class Influence:
         return out
 
     @cached_property
-    def _blocks(self) -> list[tuple[Array, Array]]:
+    def blocks(self) -> list[tuple[Array, Array]]:
         """Return for which points smooth parts are integrated by which of Gauss's points."""
         points, every = np.arange(self.grid.points.size), np.arange(self.gauss.points.size)
         if self.nip is None:
@@ -321,7 +325,14 @@ class Influence:
         self, kernels: Sequence[Kernel], smooth: Callable[[Array], Array],
         rows: Array | slice, points: Array | slice,
     ) -> Array:  # fmt: skip
-        """Return the integrals of smooth parts by some of Gauss's points, (kernels, rows, N+1).
+        """Return the integrals of smooth parts by some of Gauss's points, (kernels, rows, N+1)."""
+        return self.between(kernels, smooth, rows, points) @ self.gauss.hats[points]
+
+    def between(
+        self, kernels: Sequence[Kernel], smooth: Callable[[Array], Array],
+        rows: Array | slice, points: Array | slice,
+    ) -> Array:  # fmt: skip
+        """Return smooth parts between points and some of Gauss's, (kernels, rows, points).
 
         Beyond half the circumference a smooth part is continued by periodicity of the whole kernel:
         the singular parts are exchanged there.
@@ -335,7 +346,7 @@ class Influence:
         if straight.size:
             for value, kernel in zip(values, kernels, strict=True):
                 value[far] += kernel.singular(round_) - kernel.singular(straight)
-        return values @ self.gauss.hats[points]
+        return values
 
 
 def _stacked(smooth: Callable[[Array], Array]) -> Callable[[Array], Array]:

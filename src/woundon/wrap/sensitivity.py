@@ -92,21 +92,15 @@ class _WrapDifferential(Differential):
 
     def residual(self, problem: WrappedNipProblem, made: WrapEquations) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
-        z, q, n_p = self.z, self.q, made.roll_nodes.size
-        gap, by_z, by_q = made.indentation
-        bend, bend_z, bend_q = made.curvature
-        weight = (problem.web_tension + made.tension_q @ q) * (bend + bend_z @ z + bend_q @ q)
-        balance = np.where(made.weighs, -weight, 0.0)
-        balance[made.roll_nodes] += z[:n_p]
-        balance[made.drum_nodes] -= z[n_p:-1]
-        slip_z, slip_q, offset = made.node_slips
-        slip = slip_z @ z + slip_q @ q + offset + made.on_drum * self.creep
+        z, q, laws = self.z, self.q, made.laws
+        along = laws.at(z, q)
+        slip = np.concatenate([along.roll_slip[:-1], along.drum_slip[:-1] + self.creep])
         bound = made.friction * z[made.own_pressure]
-        laws = np.where(self.zones == 0, slip, q - self.zones * bound)
+        held = np.where(self.zones == 0, slip, q - self.zones * bound)
         force = float(made.force_weights @ q) - problem.winding_force
         load = float(made.load_weights @ z) - problem.nip_load
         first = z[:1] if made.drum_arc else z[:0]  # p+ begins with zero
-        return np.concatenate([by_z @ z + by_q @ q - gap, balance, first, laws, [force, load]])
+        return np.concatenate([along.gap, laws.balance(along), first, held, [force, load]])
 
     def jacobian(self) -> Array:
         """Return R_u."""
@@ -168,11 +162,11 @@ class _WrapDifferential(Differential):
         grid = grid_for(problem, nip, a, first, own.size - first - nip.nodes.size)
         made = WrapEquations(problem, grid, a, here.about)
         if a == self.half_width and np.array_equal(grid.nodes, own.nodes):
-            # the matrices of a body are most of the work; those of the others have not changed
+            # what a body answers is most of the work; that of the others have not changed
             for name, body in zip(problem.pair, problem.bodies, strict=True):
                 lags = part == problem.speed_field and body.viscoelastic
                 if name != part and not lags:
-                    vars(made)[name] = getattr(here, name)
+                    vars(made.laws)[name] = getattr(here.laws, name)
         return made
 
     def bounds(self) -> Iterator[tuple[str, Array, Array]]:

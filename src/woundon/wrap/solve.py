@@ -12,9 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from math import nan
-from types import SimpleNamespace
+from dataclasses import dataclass, replace
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -32,9 +31,10 @@ from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, equations_of, roll_strain, surfaces_of
+from .certificate import certificate, equations_of, roll_strain, surfaces_of, unknowns_of
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
+from .laws import Along
 from .result import WrappedNipResult
 
 __all__ = ["check_options", "recomputed", "solve_wrapped_nip"]
@@ -108,11 +108,13 @@ def solve_wrapped_nip(
     count, cells = check_options(nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
     if start is not None:
         check_type("start", start, WrappedNipResult)
-    ladder = _climbed(WrapContact(problem, cells, count), start)
+    asked = DEFAULT if problem.linear else DEFAULT_HARDENING
+    chooses = nodes is None and rtol is None
+    ladder = _climbed(WrapContact(problem, cells, count), start, *asked if chooses else ())
     if rtol is not None:
         ladder.double(rtol, MOST_NODES)
-    elif nodes is None:
-        ladder.double(*(DEFAULT if problem.linear else DEFAULT_HARDENING))
+    elif chooses:
+        ladder.double(*asked)
     result = _result(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
@@ -130,21 +132,27 @@ def _wrapped(problem: WrappedNipProblem | NipProblem, **wraps: float | None) -> 
     return problem
 
 
-def _climbed(contact: WrapContact, start: WrappedNipResult | None) -> Ladder:
-    """Return the ladder up to the nodes asked, from a neighbour's two finest meshes or afresh."""
-    counts = halved(contact.nodes, Graded.coarsest)
+def _climbed(
+    contact: WrapContact, start: WrappedNipResult | None, rtol: float = inf, most: int = 0
+) -> Ladder:
+    """Return the ladder up to the nodes asked, beside a neighbour or afresh.
 
-    def ladder() -> Ladder:
-        return Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE)
+    Beside one up to ``most``, where that tells that it takes so many for ``rtol``.
+    """
+
+    def ladder(contact: WrapContact) -> Ladder:
+        return Ladder(contact, Graded(), "wound_on_tension", tolerance=FINE, scatters=True)
 
     if start is not None:
-        climbing = ladder()
+        near = _started(start, contact.problem)
+        climbing = ladder(replace(contact, near=near))
+        nodes = climbing.enough(contact.nodes, near, rtol, most)
         # from far away the linearised web may be slack where the true one is not
         with suppress(NotConverged, NoSteadyState, ArithmeticError):
-            climbing.climb(counts[-2:], _started(start, contact.problem))
+            climbing.beside(halved(nodes, Graded.coarsest)[-2:], near, rtol, most)
             return climbing
-    afresh = ladder()
-    afresh.climb(counts)
+    afresh = ladder(contact)
+    afresh.climb(halved(contact.nodes, Graded.coarsest))
     return afresh
 
 
@@ -152,6 +160,7 @@ def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
     """Start from another case's result, at the load asked."""
     places, was = start.x / start.half_width, start.problem
     on_roll, on_drum = places > -1, places < 1
+    on_roll[-1] = on_drum[0] = False  # each face's outermost nodes have no tractions of their own
     load = problem.nip_load / was.nip_load
     known: Widths = (start.widths or Widths(2.0, {})).at(load)
     zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
@@ -160,7 +169,7 @@ def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
     drum, roll = (1 / getattr(problem, name).radius - 1 / getattr(was, name).radius
                   for name in ("drum", "roll"))  # fmt: skip
     loads = Known(
-        tension, start.curvature + np.where(on_drum, -drum, roll),
+        tension, start.curvature + np.where(places < 1, -drum, roll),
         Tractions(start.roll_pressure, start.roll_traction),
         Tractions(start.pressure, start.drum_traction),
     )  # fmt: skip
@@ -191,10 +200,27 @@ def check_options(
 
 @dataclass(frozen=True, eq=False)
 class WrapContact(PairContact):
-    """A wrapped nip as the loop sees it; ``cells`` on each arc belong to ``nodes`` in the nip."""
+    """A wrapped nip as the loop sees it; ``cells`` on each arc belong to ``nodes`` in the nip.
+
+    ``near`` is what a neighbouring case hands over.
+    """
 
     cells: int
     nodes: int
+    near: Start | None = None
+
+    def zones(self, start: Start, equations: WrapEquations) -> Array:
+        """Return the zones to begin with: a neighbour's own where it had as many nodes."""
+        if self._near_is_finer(start.before, equations.grid):
+            assert self.near is not None
+            start = self.near
+        return super().zones(start, equations)
+
+    def _near_is_finer(self, before: Before | None, grid: WrapGrid) -> bool:
+        """Tell whether a neighbouring case has as many nodes, but the mesh before has not."""
+        near = None if self.near is None else self.near.before
+        few = before is None or before.places.size < grid.size
+        return few and near is not None and near.places.size >= grid.size
 
     def grid(self, mesh: Mesh, a: float) -> WrapGrid:
         """Return the grid for a half width: the arcs' ends stay where they are in space."""
@@ -204,6 +230,9 @@ class WrapContact(PairContact):
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
         problem, grid = self.problem, self.grid(mesh, a)
+        if self._near_is_finer(before, grid):
+            assert self.near is not None
+            before = self.near.before
         if before is not None:
             known = before.about
 
@@ -229,7 +258,7 @@ class WrapContact(PairContact):
 
     def refuse(self, equations: WrapEquations, state: WrapState) -> None:
         """Raise where the web is slack on a wrap: then nothing presses it on."""
-        grid, T = equations.grid, state.tension
+        grid, T = equations.grid, state.along.tension
         for name, arc, present in (
             ("behind the nip", T[grid.last :], equations.roll_arc),
             ("before the nip", T[: grid.first + 1], equations.drum_arc),
@@ -253,12 +282,13 @@ class WrapContact(PairContact):
 
     def surfaces(self, level: Level) -> tuple[Surface, Surface]:
         """Return the surfaces of roll and drum on a solved mesh, in nip and arcs."""
-        return surfaces_of(level.state, level.equations)
+        along = level.state.along
+        return level.equations.laws.surfaces(along.roll_loads, along.drum_loads)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
         state, grid = level.state, level.equations.grid
-        before, behind, far = (float(state.tension[k]) for k in (grid.first, grid.last, -1))
+        before, behind, far = (float(state.along.tension[k]) for k in (grid.first, grid.last, -1))
         return {
             **super().scalars(level),
             "wound_on_tension": far,
@@ -289,19 +319,21 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
     """Return the result of the last mesh, its certificate measured on what it reports."""
     level = ladder.level
     equations, state = level.equations, level.state
+    along = state.along
     if not problem.linear:
         equations = equations.anew(state)
+        along = equations.laws.at(equations.unknowns(state), state.solution.traction)
     arrays, grid = along_web(level), equations.grid
-    responses = [face.response for face in (equations.roll, equations.drum) if face.response]
+    responses = [face.response for face in equations.laws.both if face.response]
     result = WrappedNipResult(
         problem=problem,
         half_width=state.half_width,
-        approach=_approach(equations, state),
+        approach=_approach(equations, along, state.shift),
         offset=state.shift * problem.contact_radius,
         drum_creep=_creep(equations, state),
         **slip_ratios(problem, _in_nip(arrays, grid)),
         **arrays,
-        roll_strain=np.empty(0),
+        roll_strain=roll_strain(equations, along),
         residuals=Residuals(),
         iterations=ladder.solves,
         series_terms=max((r.terms for r in responses), default=0),
@@ -310,7 +342,6 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         widths=ladder.widths,
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
-    result = result.replace(roll_strain=roll_strain(equations, result))
     return result.replace(
         errors=ladder.errors_of(result),
         residuals=certificate(result, equations),
@@ -320,7 +351,7 @@ def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
 
 def along_web(level: Level) -> dict[str, Any]:
     """Return what a solved mesh has along the web, by the names of the result, (N,) each."""
-    equations, state = level.equations, level.state
+    equations, state, along = level.equations, level.state, level.state.along
     grid, a = equations.grid, state.half_width
     slip_x = a * np.append(grid.points[:1], grid.points)
     slip_x[grid.first] = slip_x[grid.first + 1]
@@ -328,17 +359,17 @@ def along_web(level: Level) -> dict[str, Any]:
     return {
         "x": a * grid.nodes,
         "slip_x": slip_x,
-        "pressure": state.drum_pressure,
-        "roll_pressure": state.roll_pressure,
-        "hoop_pressure": state.tension * state.bend * equations.weighs,
-        "curvature": state.bend,
-        "roll_traction": state.roll_traction,
-        "drum_traction": state.drum_traction,
+        "pressure": along.drum_loads.pressure,
+        "roll_pressure": along.roll_loads.pressure,
+        "hoop_pressure": along.tension * along.bend * equations.weighs,
+        "curvature": along.bend,
+        "roll_traction": along.roll_loads.traction,
+        "drum_traction": along.drum_loads.traction,
         "roll_slip": state.roll_slip,
         "drum_slip": state.drum_slip,
         "roll_zone": zones[0],
         "drum_zone": zones[1],
-        "web_tension": state.tension,
+        "web_tension": along.tension,
     }
 
 
@@ -359,35 +390,25 @@ def _zones(equations: WrapEquations, states: Array) -> Array:
 def _creep(equations: WrapEquations, state: WrapState) -> float:
     """Return xi-, unstrained web and drum as reference: the solved one is referred to T(end)."""
     web, thickness = equations.web, equations.problem.web.thickness
-    return float(state.solution.creep - web.c11 / thickness * float(state.tension[-1]))
+    return float(state.solution.creep - web.c11 / thickness * float(state.along.tension[-1]))
 
 
-def _approach(equations: WrapEquations, state: WrapState) -> float:
+def _approach(equations: WrapEquations, along: Along, shift: float) -> float:
     """Return the mutual approach, from the indentation at the trailing edge [m]."""
-    problem, a, web, grid = equations.problem, state.half_width, equations.web, equations.grid
-    v = web.c12 * state.tension[grid.last]
-    v -= float(problem.web.thinned(state.roll_pressure[grid.last :][:1])[0][0])
-    roll, drum = slice(grid.first, None), slice(0, grid.last + 1)
-    for face, own, p, q in (
-        (equations.roll, roll, state.roll_pressure, state.roll_traction),
-        (equations.drum, drum, state.drum_pressure, state.drum_traction),
-    ):
-        v += face.normal_p @ p[own] + face.normal_q @ q[own] + face.sunk
-    return -float(v + state.shift * a - a**2 / (2 * problem.contact_radius))
+    problem, a, edge = equations.problem, equations.half_width, equations.grid.last
+    v = equations.web.c12 * along.tension[edge] + along.roll.normal + along.drum.normal
+    v -= float(problem.web.thinned(along.roll_loads.pressure[edge:][:1])[0][0])
+    return -float(v + shift * a - a**2 / (2 * problem.contact_radius))
 
 
 def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
     equations, problem = equations_of(result), result.problem
-    state: Any = SimpleNamespace(  # as much of one as the approach asks for
-        half_width=result.half_width, shift=result.offset / problem.contact_radius,
-        tension=result.web_tension,
-        roll_pressure=result.roll_pressure, roll_traction=result.roll_traction,
-        drum_pressure=result.pressure, drum_traction=result.drum_traction,
-    )  # fmt: skip
+    z, q, _ = unknowns_of(result, equations)
+    approach = _approach(equations, equations.laws.at(z, q), float(z[-1]))
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     own = _in_nip(arrays, equations.grid)
-    told = told_by(_approach(equations, state), slip_ratios(problem, own), own["x"])
+    told = told_by(approach, slip_ratios(problem, own), own["x"])
     if problem.viscoelastic:
         resistance = lost(problem, surfaces_of(result, equations))
         told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)

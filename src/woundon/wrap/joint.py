@@ -1,0 +1,83 @@
+r"""A wrapped nip's equations for one half width as one system: :mod:`..contact.joint` with arcs.
+
+With z = (p+, p-, Delta/R*) and q = (q+, q-),
+
+                 z            q       xi
+    gap        [ by_z         by_q    0 ]
+    balance    [ 1 - T kappa          0 ]
+    resultant  [ -F w         w-      0 ]
+    slips      [ slip_z       slip_q  e ]     nodes, then each face's last cell
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from ..contact.joint import Joint
+
+if TYPE_CHECKING:
+    from .equations import WrapEquations
+
+__all__ = ["WrapJoint"]
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class WrapJoint(Joint):
+    """The joint system of a wrapped nip.
+
+    Attributes
+    ----------
+    own : (m,) int array
+        Which pressure bounds each traction.
+    order : (m + 2,) int array
+        Which slips, of all cells of roll and drum, each of its rows has.
+    size, force_size : float
+        What makes the rows of pressures, and that of the force, as large as those of slopes.
+    """
+
+    own: Array
+    order: Array
+    size: float
+    force_size: float
+
+    @classmethod
+    def of(cls, equations: WrapEquations) -> Self:
+        """Return the system of equations that are linearised about a tension and a curvature."""
+        gap, closing_z, closing_q = equations.indentation
+        constant, weight_z, weight_q = equations.balance()
+        slip_z, slip_q = equations.slips
+        n_q, m, k = equations.roll_q.size, equations.columns.size, closing_z.shape[1]
+        last = [n_q, m + 1]
+        order = np.concatenate([np.delete(np.arange(m + 2), last), last])
+        size = float(np.abs(closing_z[:, :-1]).max())
+        force_size = size / float(equations.load_weights.max())
+        matrix, right = np.zeros((k + m + 3, k + m + 1)), np.zeros(k + m + 3)
+        M, N = gap.size, gap.size + constant.size
+        matrix[:M, :k], matrix[:M, k:-1], right[:M] = closing_z, closing_q, gap
+        np.multiply(weight_z, size, out=matrix[M:N, :k])
+        np.multiply(weight_q, size, out=matrix[M:N, k:-1])
+        right[M:N] = -size * constant
+        if equations.drum_arc:
+            matrix[N, 0] = size  # p+ begins with zero where the web comes off the drum's arc
+        matrix[k, :k] = -force_size * equations.share * equations.load_weights
+        matrix[k, k:-1] = force_size * equations.force_weights
+        right[k] = force_size * equations.force
+        matrix[k + 1 :, :k], matrix[k + 1 :, k:-1] = slip_z[order], slip_q[order]
+        matrix[k + 1 :, -1] = order > n_q
+        right[k + 1 :] = -equations.slip_offset[order]
+        return cls(
+            matrix, right, equations.friction, equations.stick_slip,
+            equations.own_pressure, order, size, force_size,
+        )  # fmt: skip
+
+    def _bring(self, sliding: Array, to: Array) -> None:
+        to[:, self.own] += sliding
+
+    def bounds(self, p: Array) -> Array:
+        """Return mu p of each node, (m,)."""
+        return np.asarray(self.friction * p[self.own])

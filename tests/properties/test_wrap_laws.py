@@ -1,0 +1,125 @@
+"""Wrapped nips: laws without matrices are the matrices', the joint system is the condensed one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from thesis_cases import paper_nip
+
+import woundon as wo
+from woundon.contact.stick_slip import solve_stick_slip
+from woundon.wrap import action, face
+from woundon.wrap.certificate import equations_of, unknowns_of
+from woundon.wrap.equations import WrapEquations
+
+MESH = {"nodes": 33, "wrap_nodes": 24}
+COVER = wo.Cylinder(
+    radius=0.25, core_radius=0.235, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)
+)
+HARD = paper_nip(web_tension=300.0).wrapped()
+WRAPS = {
+    "roll": HARD,
+    "both": HARD.replace(drum_wrap=1.5),
+    "drum": HARD.replace(roll_wrap=0.0, drum_wrap=1.5),
+    "cover": HARD.replace(drum=COVER, drum_wrap=0.7),
+    "half-plane": HARD.replace(roll=wo.HalfPlane(radius=0.1, material=HARD.roll.material)),
+    "rigid roll": HARD.replace(
+        roll=wo.Rigid(radius=0.1),
+        roll_wrap=0.0,
+        drum_wrap=1.0,
+        winding_force=0.0,
+        drum=wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover")),
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=WRAPS)
+def result(request) -> wo.WrappedNipResult:
+    return wo.solve(WRAPS[request.param], **MESH)
+
+
+def random_unknowns(equations: WrapEquations) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(3)
+    z = random.uniform(-1.0, 1.0, equations.load_weights.size)
+    return z, random.uniform(-1.0, 1.0, equations.columns.size)
+
+
+def assert_alike(one: np.ndarray, two: np.ndarray) -> None:
+    """Assert that two sums of some hundred terms of one size are the same but for rounding."""
+    np.testing.assert_allclose(one, two, rtol=0, atol=1e-12 * np.abs(two).max())
+
+
+def test_laws_are_those_of_the_matrices(result):
+    made, bare = equations_of(result), equations_of(result)
+    z, q = random_unknowns(made)
+    gap, by_z, by_q = made.indentation
+    bend, bend_z, bend_q = made.curvature
+    slip_z, slip_q = made.slips
+    along = bare.laws.at(z, q)
+    assert all("matrices" not in vars(of) for of in bare.laws.both)
+    assert_alike(along.gap, by_z @ z + by_q @ q - gap)
+    assert_alike(along.bend, bend + bend_z @ z + bend_q @ q)
+    assert_alike(along.tension, result.problem.web_tension + made.tension_q @ q)
+    slips = slip_z @ z + slip_q @ q + made.slip_offset
+    assert_alike(np.concatenate([along.roll_slip, along.drum_slip]), slips)
+    # of the surface at the trailing edge there is no matrix; both ways know the same
+    for of in ("roll", "drum"):
+        acted, by_matrices = (getattr(e.laws.at(z, q), of).normal for e in (bare, made))
+        assert acted == pytest.approx(by_matrices, rel=1e-11, abs=1e-30)
+
+
+def test_the_joint_system_is_the_condensed_one(result):
+    equations = equations_of(result)
+    joint, apart = equations.joint, equations.stick_slip()
+    one, two = solve_stick_slip(joint), solve_stick_slip(apart)
+    np.testing.assert_array_equal(one.state, two.state)
+    # solved in another order: rounding of a system that is conditioned to 1e6 or so
+    np.testing.assert_allclose(one.traction, two.traction, rtol=0,
+                               atol=1e-9 * np.abs(two.bound).max())  # fmt: skip
+    assert one.creep == pytest.approx(two.creep, rel=1e-8, abs=1e-12 * np.abs(two.slip).max())
+
+
+def test_solved_unknowns_leave_nothing(result):
+    equations = equations_of(result)
+    z, q, creep = unknowns_of(result, equations)
+    found = np.concatenate([z, q, [creep]])
+    left, k = equations.left(found), z.size
+    size = np.abs(equations.joint.right[:k]).max()
+    assert np.abs(left[: k + 1]).max() < 1e-8 * size  # the certificate allows as much
+    stuck = np.flatnonzero(solve_stick_slip(equations.joint).state == 0)
+    assert np.abs(left[k + 1 :][stuck]).max() < 1e-8 * size
+
+
+def test_between_half_widths_bodies_answer_as_at_them(result):
+    """What is interpolated in ln a is off by no more than STRAIGHT says, some ten times of it."""
+    a, problem = result.half_width, result.problem
+    z, q, _ = unknowns_of(result, equations_of(result))
+    near = equations_of(result)
+    near.joint  # noqa: B018  made once, as on the way
+    near.moved(a * (1 + 1e-4))
+    between = near.moved(a * (1 + 1e-4 + 1e-9))
+    own = between.grid
+    exact = WrapEquations(problem, own, between.half_width, near.about)
+    assert isinstance(between.laws.roll, face.FaceBetween)
+    assert isinstance(exact.laws.roll, face.FaceLaws)
+    one, two = between.laws.at(z, q), exact.laws.at(z, q)
+    for of in ("gap", "bend", "roll_slip", "drum_slip"):
+        known = getattr(two, of)
+        np.testing.assert_allclose(getattr(one, of), known, rtol=0,
+                                   atol=2e-10 * np.abs(known).max(), err_msg=of)  # fmt: skip
+
+
+def test_a_neighbour_costs_an_assembly_a_mesh(monkeypatch):
+    """From a percent away: matrices once on one mesh, then a width or two without them."""
+    start, made = wo.solve(HARD, nodes=65), []
+    matrices, acts = face.FaceLaws.matrices.func, action.FaceAction._smooth.func
+    monkeypatch.setattr(face.FaceLaws.matrices, "func",
+                        lambda of: made.append(of.body) or matrices(of))  # fmt: skip
+    monkeypatch.setattr(action.FaceAction._smooth, "func",
+                        lambda of: made.append("act") or acts(of))  # fmt: skip
+    near = wo.solve(HARD.replace(nip_load=1.01 * HARD.nip_load), nodes=65, start=start)
+    assert made.count(HARD.roll) == 1  # was 3, on two meshes
+    assert made.count("act") <= 2
+    assert near.iterations <= 2  # was 7
+    assert near.residuals.largest < 1e-9
+    assert near.certified().largest < 1e-9  # measured anew: no neighbour, nothing interpolated
