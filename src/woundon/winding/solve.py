@@ -57,9 +57,10 @@ EXPECTED_TURNS = 4  # for the progress told
 SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
 # and from which on their answers tell whether more radii are needed, and which: not sooner, or that
 # would depend on where the winding was begun
-TOLD_BY = {"effective": 5e-3, "linear": 1.0, "direct": 3e-4}
+TOLD_BY = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
 COARSE_RTOL = 0.05  # until then
-SPARE = 0.5  # of what nips and roll are to agree to, at which the turns end
+LEAST_SECANT = 1e-6  # of a share, a step that tells how steep answers are: less is noise
+SPARE = 0.9  # of what nips and roll are to agree to, at which the turns end
 ROUNDING = 1e-13
 LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
 
@@ -168,6 +169,7 @@ class _Winder:
         """Wind until nips and roll agree."""
         given, change = self._begun()
         before: _Turn | None = None
+        steep: dict[float, float] = {}
         solve = True
         # a neighbour's nips have told the tension
         self.nips.coarse = change > SETTLED and not self.nips.before
@@ -184,7 +186,8 @@ class _Winder:
                 self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
             if settled and change <= SPARE * self.agreed:
                 return turn
-            given = _corrected(turn, before) if self.problem.roll_body == "direct" else turn.answers
+            direct = self.problem.roll_body == "direct"
+            given = _corrected(turn, before, steep) if direct else turn.answers
             before = turn
             # every second turn of effective rolls takes no nips
             solve = not (solve and self.problem.roll_body == "effective")
@@ -316,17 +319,23 @@ class _Winder:
         )  # fmt: skip
 
 
-def _corrected(turn: _Turn, before: _Turn | None) -> dict[float, float]:
-    """Return the next shares: each by a secant of its own, for nips feel little of each other."""
-    found = {}
+def _corrected(turn: _Turn, before: _Turn | None, steep: dict[float, float]) -> dict[float, float]:
+    """Return the next shares: each by a secant of its own, for nips feel little of each other.
+
+    How ``steep`` its answers are is kept by place: so much the same on another mesh, and, of a new
+    place, as the others are.
+    """
+    known = before or turn
     for place, share in turn.given.items():
-        steep, answer = 0.0, turn.answers[place]
-        if before is not None and place in before.given:
-            moved = share - before.given[place]
-            if abs(moved) > 1e-12:
-                steep = float(np.clip((answer - before.answers[place]) / moved, -0.5, 0.3))
-        found[place] = share + (answer - share) / (1 - steep)
-    return found
+        moved = share - known.given.get(place, share)
+        if abs(moved) > LEAST_SECANT:
+            by = (turn.answers[place] - known.answers[place]) / moved
+            steep[place] = float(np.clip(by, -0.5, 0.3))
+    usual = float(np.median([*steep.values()])) if steep else 0.0
+    return {
+        place: share + (turn.answers[place] - share) / (1 - steep.setdefault(place, usual))
+        for place, share in turn.given.items()
+    }
 
 
 def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> WindingResult:
