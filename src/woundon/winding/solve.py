@@ -51,8 +51,8 @@ Progress = Callable[[int, int], None]
 RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
-MOST_TURNS = 25
-PATIENT = 9  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
+MOST_TURNS = 40
+PATIENT = 15  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
 EXPECTED_TURNS = 4  # for the progress told
 SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
 # and from which on their answers tell whether more radii are needed, and which: not sooner, or that
@@ -170,7 +170,7 @@ class _Winder:
         given, change = self._begun()
         before: _Turn | None = None
         steep: dict[float, float] = {}
-        solve = True
+        solve, certain = True, False
         # a neighbour's nips have told the tension
         self.nips.coarse = change > SETTLED and not self.nips.before
         for number in range(MOST_TURNS):
@@ -178,10 +178,12 @@ class _Winder:
                 self.nips.coarse, before = False, None
             rough, patient = change > SETTLED, number < PATIENT
             turn = self._turned(given, rough, solve)
-            certain = turn.change <= TOLD_BY[self.problem.roll_body] or not patient
-            added = solve and certain and not self.nips.coarse and self._refined(turn)
+            if solve:
+                known = turn.change <= TOLD_BY[self.problem.roll_body] or not patient
+                certain = known and not self.nips.coarse
+            added = solve and certain and self._refined(turn)
             change = turn.change
-            settled = not (added or rough or self.nips.coarse)
+            settled = certain and not (added or rough)
             if settled and not patient and change <= self.rtol:
                 self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
             if settled and change <= SPARE * self.agreed:
