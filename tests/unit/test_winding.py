@@ -159,6 +159,12 @@ def test_what_the_first_laps_may_do_is_in_the_error_of_the_core_pressure():
     assert run.errors["core_pressure"] > run.roll.errors["core_pressure"] + own
 
 
+def test_what_nips_answer_on_a_roll_a_little_other_is_foreseen():
+    """Twice as many nips are solved where each turn takes all of them, 72 of ten radii."""
+    run = wound("effective")
+    assert run.nips_solved <= 4.5 * run.nip_radius.size
+
+
 def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     """From half the tension and a quarter of the nip load, and with as many radii as without."""
     far = CASE.replace(web_tension=800.0, nip_load=500.0, roll_body="linear")
