@@ -253,7 +253,7 @@ def test_strong_kinks_are_stages():
     ids=["newsprint", "0.6 m", "100 000 laps", "taper"],
 )  # fmt: skip
 def test_the_price_does_not_depend_on_laps_radius_or_taper(changes: dict):
-    """181 to 187 linear systems, 24 for finite laps; some 340 to 660 if kappa is iterated."""
+    """200 to 205 linear systems, 26 for finite laps; some 340 to 660 if kappa is iterated."""
     assert wo.solve(NEWSPRINT.replace(**changes)).steps < 215
 
 

@@ -59,6 +59,12 @@ class Profile(Description):
         return self
 
     @cached_property
+    def _table(self) -> tuple[Array, Array, Array]:
+        """Radii, values, and the slopes before, between and behind them."""
+        x, y = np.asarray(self.radius), np.asarray(self.value)
+        return x, y, np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
+
+    @cached_property
     def _smooth(self) -> tuple[Any, Any]:
         """The curve and its derivative."""
         from scipy.interpolate import CubicSpline
@@ -69,16 +75,15 @@ class Profile(Description):
     def at(self, r: Array) -> Any:
         """Return the values at radii [m]."""
         if self.between == "lines":
-            return np.interp(r, self.radius, self.value)
+            return np.interp(r, *self._table[:2])
         return self._smooth[0](np.clip(r, self.radius[0], self.radius[-1]))
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
-        x, y = np.asarray(self.radius), np.asarray(self.value)
+        x, _, steps = self._table
         if self.between == "smooth":
             inside = self._smooth[1](np.clip(r, x[0], x[-1]))
             return np.where((r < x[0]) | (r > x[-1]), 0.0, inside)
-        steps = np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
         # a node that stands on a kink may miss it by a rounding
         return np.asarray(steps[np.searchsorted(x, r * (1 + side * 1e-12))])
 

@@ -38,9 +38,13 @@ class Growth:
     def of(cls, x: Array, kappa: Array, through: Array) -> Growth:
         """Return that of given stages; see the attributes."""
         growth = cls(float(x[0]), float(kappa[0]))
+        growth.x, growth.kappa, growth.through = x, kappa, through
+        growth.first = x.size - int(through[-1])
+        growth._pieces = np.zeros((ORDER + 1, x.size - 1))
         for k in range(1, x.size):
-            growth.first = k + 1 - int(through[k])
-            growth = growth.then(float(x[k]), float(kappa[k]))
+            own = slice(k + 1 - int(through[k]), k + 1)
+            piece = _through(x[own] - x[k - 1], kappa[own])
+            growth._pieces[: len(piece), k - 1] = piece
         return growth
 
     def until(self, x: float) -> Growth:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, log
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,7 +36,14 @@ from .growth import Growth
 from .laps import changed_by_laps, laps_of
 from .result import WoundRollResult
 
-__all__ = ["check_options", "finished", "layer_of", "solve_wound_roll"]
+__all__ = [
+    "ThinLaps",
+    "check_options",
+    "finished",
+    "layer_of",
+    "solve_thin_laps",
+    "solve_wound_roll",
+]
 
 Array = np.ndarray
 Told = Callable[[float], None]
@@ -44,7 +51,7 @@ Told = Callable[[float], None]
 DEFAULT_RTOL = 1e-3
 # tolerance of the stages and cells of them, for the largest rtol and each one less by a factor of
 # four; then half the cells more, until nodes and stages both leave less than asked
-FIRST, CELLS = 0.012, 23
+FIRST, CELLS = 0.008, 28
 FINER, MORE = 0.25, 1.42
 LEFT = 0.6  # of the change by more nodes, told as error: a third where it is of order four
 # Of the estimate for the stages: it leaves out that the stages themselves stand on earlier ones
@@ -90,6 +97,40 @@ def solve_wound_roll(
     """
     check_type("problem", problem, WoundRollProblem)
     check_options(rtol=rtol)
+    return solve_thin_laps(problem, rtol, told).with_laps()
+
+
+class ThinLaps(NamedTuple):
+    """A roll wound of laps without thickness, and how it was built up.
+
+    Attributes
+    ----------
+    result : WoundRollResult
+        Without a certificate; its errors are those of the discretisation.
+    known : BuildUp
+    cells : int
+        Of its stages.
+    """
+
+    result: WoundRollResult
+    known: BuildUp
+    cells: int
+
+    def with_laps(self) -> WoundRollResult:
+        """Return the result with laps of the web's thickness, certified."""
+        result = _with_laps(self.result, self.known, self.cells)
+        return result.replace(residuals=certificate(result)).checked()
+
+    def wound_with(self, problem: WoundRollProblem) -> WoundRollResult:
+        """Return the roll of a neighbouring tension, in the same stages and on as many cells.
+
+        So the discretisation takes no part in what it differs by.
+        """
+        return _wound(problem, COARSE, self.cells, self.known, None)[1]
+
+
+def solve_thin_laps(problem: WoundRollProblem, rtol: float, told: Told | None = None) -> ThinLaps:
+    """Return a roll in the limit of thin laps; see :func:`solve_wound_roll`."""
     level = max(0, int(log(rtol / COARSE, FINER)))
     tolerance, cells = FIRST * FINER**level, round(CELLS * MORE**level)
     least = tolerance * FINER**3
@@ -112,9 +153,8 @@ def solve_wound_roll(
             }
             error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
             if error <= rtol:
-                result = _admissible(result.replace(steps=steps), known)
-                result = _with_laps(result, known, cells, errors)
-                return result.replace(residuals=certificate(result)).checked()
+                result = _admissible(result.replace(steps=steps, errors=errors), known)
+                return ThinLaps(result, known, cells)
         before, cells = result, round(cells * MORE)
     _pressed(result, ROUNDING)
     raise NotConverged(
@@ -211,9 +251,7 @@ def finished(
     )  # fmt: skip
 
 
-def _with_laps(
-    result: WoundRollResult, known: BuildUp, cells: int, errors: dict[str, float]
-) -> WoundRollResult:
+def _with_laps(result: WoundRollResult, known: BuildUp, cells: int) -> WoundRollResult:
     """Return a result with laps of the web's thickness, and what they change in its errors."""
     laps = laps_of(result)
     try:
@@ -222,7 +260,7 @@ def _with_laps(
         raise NotConverged(f"with laps as thick as the web {stop}", result) from None
     result = result.replace(lap_growth=growth, steps=result.steps + laps.equations.steps)
     by = changed_by_laps(result)
-    return result.replace(errors={name: error + by[name] for name, error in errors.items()})
+    return result.replace(errors={name: error + by[name] for name, error in result.errors.items()})
 
 
 def _left_by_nodes(before: WoundRollResult, now: WoundRollResult) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,11 +12,36 @@ from ..problems.roll import FEWEST_LAPS, WoundRollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
 from .certificate import certificate, equations_of
-from .equations import pressure_between
+from .equations import Solved, pressure_between
+from .growth import Growth
 from .result import WoundRollResult
 from .solve import finished, layer_of
 
-__all__ = ["at", "between"]
+__all__ = ["Stage", "at", "between", "wound_so_far"]
+
+Array = np.ndarray
+FEWEST_CELLS = 23
+
+
+class Stage(NamedTuple):
+    """A roll wound so far, as what is wound on it feels it.
+
+    Attributes
+    ----------
+    radius, pressure, gradient : (n + 1,) arrays
+        Nodes [m], P and r P' there [Pa].
+    tension : float
+        Wound-on tension of the last lap [N/m].
+    """
+
+    radius: Array
+    pressure: Array
+    gradient: Array
+    tension: float
+
+    def pressure_at(self, r: Array) -> Array:
+        """Return P at radii [Pa]."""
+        return pressure_between(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
 
 
 def _inside(result: WoundRollResult, radius: Any) -> np.ndarray:
@@ -50,12 +75,43 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     place = _inside(result, radius)
     if place.ndim:
         raise InvalidProblem.at("radius", f"{place.size} values; must be one radius [m]")
-    surface, problem, core = float(place), result.problem, result.problem.core.radius
-    least = core + FEWEST_LAPS * problem.web_thickness
+    surface, problem = float(place), result.problem
+    least = problem.core.radius + FEWEST_LAPS * problem.web_thickness
     if surface < least:
         text = f"{shown(surface)} is out of range; must be >= {least:.6g} [m], {FEWEST_LAPS} laps"
         raise InvalidProblem.at("radius", text)
-    x = float(np.log(surface))
+    stage, nodes, growth, solved = _laid(result, surface, result.radius.size - 1)
+    laps = result.kappa_of_laps.until(growth.x[-1]).kappa
+    found = finished(stage, nodes, growth, solved).replace(errors=result.errors, lap_growth=laps)
+    return found.replace(residuals=certificate(found)).checked()
+
+
+def wound_so_far(result: WoundRollResult, radius: float) -> Stage:
+    """Return a stage of the build-up by its pressure alone, without a certificate.
+
+    Parameters
+    ----------
+    result : WoundRollResult
+    radius : float
+        [m], of ten laps or more.
+    """
+    T = float(result.problem.tension_curve.at(np.array([radius]))[0])
+    tension = T * float(result.problem.web_thickness)
+    if radius == result.problem.radius:
+        return Stage(result.radius, result.pressure, result.pressure_gradient, tension)
+    # kinks are nodes of their own
+    cells = max(result.radius.size - 1 - result.problem.tension_curve.kinks.size, FEWEST_CELLS)
+    _, nodes, _, solved = _laid(result, radius, cells)
+    r = np.exp(nodes)
+    r[0], r[-1] = result.problem.core.radius, radius
+    return Stage(r, solved.P, solved.Q, tension)
+
+
+def _laid(
+    result: WoundRollResult, surface: float, cells: int
+) -> tuple[WoundRollProblem, Array, Growth, Solved]:
+    """Return the problem of a stage, its nodes, kappa up to it, and its pressure."""
+    problem, core, x = result.problem, result.problem.core.radius, float(np.log(surface))
     growth = result.kappa.until(x)
     # as it was wound: what changes the finished roll comes later
     stage = problem.replace(
@@ -63,7 +119,6 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
         temperature_change=0.0, core_shrinkage=0.0,
     )  # fmt: skip
     curve, equations = stage.tension_curve, equations_of(stage)
-    cells = result.radius.size - 1
     nodes = nodes_between(
         float(np.log(core)), x, cells, layer_of(problem), *kinks_of(curve, growth)
     )
@@ -72,9 +127,7 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
     if solved is None:
         raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
-    laps = result.kappa_of_laps.until(x).kappa
-    found = finished(stage, nodes, growth, solved).replace(errors=result.errors, lap_growth=laps)
-    return found.replace(residuals=certificate(found)).checked()
+    return stage, nodes, growth, solved
 
 
 def _until(problem: WoundRollProblem, surface: float) -> float | Profile | Taper:

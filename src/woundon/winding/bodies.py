@@ -8,13 +8,13 @@ r"""The roll that a nip feels while it is wound: three answers to one question.
 The wound pressure grows from nothing at the surface, in newsprint to half its plateau a half-width
 below it, where a line contact presses most: hence the mean.  0.25 p_max is what the direct solution
 of confined nips wants in soft stacks (docs: stacks); nothing is fitted here.  P_e and the nip that
-has it are found together, by a secant.
+has it are found together: WOT, a and p_max go with powers of P_e, which two nips tell.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import nan
+from math import isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -26,9 +26,17 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..problems.wound_roll import WoundRoll
 from ..roll.result import WoundRollResult
+from ..roll.stages import Stage
 from ..wrap.result import WrappedNipResult
 
-__all__ = ["Felt", "effective_cylinder", "felt_pressure", "hardening_roll", "solved_nip"]
+__all__ = [
+    "Felt",
+    "effective_cylinder",
+    "felt_pressure",
+    "foreseen",
+    "hardening_roll",
+    "solved_nip",
+]
 
 Array = np.ndarray
 Solve = Callable[[Body, WrappedNipResult | None], WrappedNipResult]
@@ -36,8 +44,10 @@ Solve = Callable[[Body, WrappedNipResult | None], WrappedNipResult]
 SHARE = 0.25  # of p_max
 DEPTHS = 33  # at which the wound pressure is averaged
 MOST = 25  # nips until P_e is found
-STEEP = 0.3  # first guess of dP_e(found)/dP_e(given)
-TOLD = 2e-3  # of P_e, a step from which slopes are taken: less would tell the grid's noise
+# powers of P_e with which WOT, a and p_max go, by first guess: Hertz's, with (E_r E_t)^1/2
+HERTZ = 0.0, -0.25, 0.25
+TOLD = 2e-3  # of P_e, a step from which powers are taken: less would tell the grid's noise
+STEP, SETTLED = 1e-3, 1e-9  # of P_e
 ALMOST = 0.9  # of the pressure at which a stack's law ends
 
 
@@ -53,15 +63,15 @@ class Felt(NamedTuple):
         P_e that wound pressure and nip ask for [Pa].
     steep : float
         How much of a change of P_e comes back.
-    slope : float
-        Change of the wound-on tension by that of P_e [m].
+    powers : (float, float, float)
+        Of P_e, with which the wound-on tension, the half-width and the peak pressure go.
     """
 
     result: WrappedNipResult
     pressure: float = nan
     wanted: float = nan
-    steep: float = STEEP
-    slope: float = 0.0
+    steep: float = 0.0
+    powers: tuple[float, float, float] = HERTZ
 
     @property
     def radius(self) -> float:
@@ -71,74 +81,119 @@ class Felt(NamedTuple):
     @property
     def tension(self) -> float:
         """The wound-on tension, as it would be at the pressure wanted [N/m]."""
-        found = self.result.wound_on_tension
-        return found + self.slope * (self.wanted - self.pressure) if self.slope else found
+        return self.result.wound_on_tension if isnan(self.wanted) else self.at(self.wanted)[0]
+
+    def at(self, pressure: float) -> tuple[float, float, float]:
+        """Return WOT [N/m], a [m] and p_max [Pa] as they would be at another P_e."""
+        by = pressure / self.pressure
+        found = (value * by**power for value, power in zip(_told(self.result), self.powers,
+                                                           strict=True))  # fmt: skip
+        return next(found), next(found), next(found)
 
 
 def solved_nip(
-    problem: WindingProblem, stage: WoundRollResult, before: Felt | None, solve: Solve,
-    agreed: float,
+    problem: WindingProblem, radius: float, stage: Stage | None, own: Felt | None,
+    near: Felt | None, solve: Solve, agreed: float,
 ) -> Felt:  # fmt: skip
     """Return the nip on a roll wound so far.
 
     Parameters
     ----------
     problem : WindingProblem
-    stage : WoundRollResult
-        The roll that the nip runs on.
-    before : Felt, optional
-        The same nip on nearly the same roll, or a neighbour.
+    radius : float
+        Of the roll that the nip runs on [m].
+    stage : Stage, optional
+        What has been wound, which a linear roll does not feel.
+    own, near : Felt, optional
+        The same nip on nearly the same roll, and a neighbour.
     solve : callable
         (roll, neighbouring result or None) -> result.
     agreed : float
         To what P_e is to be found, relative.
     """
-    radius, start = float(stage.radius[-1]), before.result if before else None
-    if problem.roll_body == "linear":
+    known = own or near
+    start = known.result if known else None
+    if stage is None:
         return Felt(solve(_linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
         return Felt(solve(hardening_roll(problem, stage), start))
-    return _effective(problem, stage, before, solve, agreed)
+    return _effective(problem, stage, own, near, solve, agreed)
 
 
 def _effective(
-    problem: WindingProblem, stage: WoundRollResult, before: Felt | None, solve: Solve,
+    problem: WindingProblem, stage: Stage, own: Felt | None, near: Felt | None, solve: Solve,
     agreed: float,
 ) -> Felt:  # fmt: skip
-    radius, most = float(stage.radius[-1]), ALMOST * problem.stack.limit
-    steep, slope = (before.steep, before.slope) if before else (STEEP, 0.0)
-    P = before.wanted if before else min(_first_guess(problem, stage), most)
-    last: tuple[float, float, float] | None = None
-    result = before.result if before else None
+    known, radius = own or near, float(stage.radius[-1])
+    if own:
+        P = foreseen(problem, stage, own).wanted
+    elif near and not isnan(near.wanted):  # it is, of a winding with another roll body
+        P = near.wanted
+    else:
+        P = min(_first_guess(problem, stage), _most(problem))
+    result = known.result if known else None
+    last: Felt | None = None
     for _ in range(MOST):
         result = solve(effective_cylinder(problem, radius, P), result)
-        found = min(felt_pressure(stage, result), most)
-        if last is not None and abs(P - last[0]) > TOLD * P:
-            steep = float(np.clip((found - last[1]) / (P - last[0]), -2.0, 0.8))
-            slope = (result.wound_on_tension - last[2]) / (P - last[0])
-        wanted = max(P + (found - P) / (1 - steep), 0.2 * P)
-        if abs(found - P) <= agreed * P:
-            return Felt(result, P, wanted, steep, slope)
-        last, P = (P, found, result.wound_on_tension), wanted
+        felt = Felt(result, P, powers=known.powers if known else HERTZ)
+        if last is not None and abs(P - last.pressure) > TOLD * P:
+            felt = felt._replace(powers=_powers(felt, last))
+        felt = foreseen(problem, stage, felt)
+        if abs(felt.wanted - P) <= agreed * P:
+            return felt
+        last = known = felt
+        P = felt.wanted
     raise NotConverged(f"the pressure that the roll feels is not found within {MOST} nips", result)
 
 
-def _first_guess(problem: WindingProblem, stage: WoundRollResult) -> float:
+def foreseen(problem: WindingProblem, stage: Stage, felt: Felt) -> Felt:
+    """Return a nip with the P_e that it and a roll wound so far ask for, as far as powers tell."""
+    P, steep, most = felt.pressure, 0.0, _most(problem)
+    for _ in range(MOST):
+        found, more = (min(felt_pressure(stage, *felt.at(Q)), most) for Q in (P, (1 + STEP) * P))
+        steep = float(np.clip((more - found) / (STEP * P), -2.0, 0.8))
+        last, P = P, max(P + (found - P) / (1 - steep), 0.2 * P)
+        if abs(P - last) <= SETTLED * P:
+            break
+    return felt._replace(wanted=P, steep=steep)
+
+
+def _told(result: WrappedNipResult) -> tuple[float, float, float]:
+    return result.wound_on_tension, result.half_width, result.peak_pressure
+
+
+def _powers(felt: Felt, last: Felt) -> tuple[float, float, float]:
+    """Return the powers of P_e that two nips tell; a tension without sign has none."""
+    ratios = np.divide(_told(felt.result), _told(last.result))
+    by = np.log(np.where(ratios > 0, ratios, 1.0)) / np.log(felt.pressure / last.pressure)
+    return float(by[0]), float(by[1]), float(by[2])
+
+
+def _most(problem: WindingProblem) -> float:
+    return float(ALMOST * problem.stack.limit)
+
+
+def _first_guess(problem: WindingProblem, stage: Stage) -> float:
     """Return P_e to begin with: of a contact as wide as it would be on a stack at 100 kPa."""
     P = float(problem.at("nip_load", stage.radius[-1]))
     return 1e5 + SHARE * P / 2e-3
 
 
-def felt_pressure(stage: WoundRollResult, result: WrappedNipResult) -> float:
-    """Return P_e that a roll and a nip on it ask for, whose tension the last laps take [Pa]."""
+def felt_pressure(stage: Stage, tension: float, half_width: float, peak: float) -> float:
+    """Return P_e that a roll and a nip on it ask for, whose tension the last laps take [Pa].
+
+    Parameters
+    ----------
+    stage : Stage
+    tension, half_width, peak : float
+        WOT [N/m], a [m] and p_max [Pa] of the nip.
+    """
     surface, core = float(stage.radius[-1]), float(stage.radius[0])
-    r = np.linspace(max(core, surface - result.half_width), surface, DEPTHS)
-    wound = np.trapezoid(stage.at_radius(r)["pressure"], r) / (r[-1] - r[0])
+    r = np.linspace(max(core, surface - half_width), surface, DEPTHS)
+    wound = np.trapezoid(stage.pressure_at(r), r) / (r[-1] - r[0])
     # what it would be if the last laps had been wound with what this nip gives: near the surface
     # the pressure goes with the tension
-    laid = float(stage.problem.tension_curve.at(stage.radius[-1:])[0])
-    gives = result.wound_on_tension / stage.problem.web_thickness
-    return float(max(wound, 0.0) * gives / laid + SHARE * result.peak_pressure)
+    return float(max(wound, 0.0) * tension / stage.tension + SHARE * peak)
 
 
 def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) -> Cylinder:
@@ -156,7 +211,7 @@ def _linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
     return Cylinder(radius=radius, core_radius=problem.core.radius, material=material)
 
 
-def hardening_roll(problem: WindingProblem, stage: WoundRollResult) -> WoundRoll:
+def hardening_roll(problem: WindingProblem, stage: Stage | WoundRollResult) -> WoundRoll:
     """Return the roll of a stage, which hardens under the nip."""
     pressure = Profile(radius=stage.radius, value=np.maximum(stage.pressure, 0.0))
     return WoundRoll(

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from math import ceil
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from ..problems.roll import FEWEST_LAPS
 from ..problems.winding import LOADS, WindingProblem
 from .interpolation import FEWEST, Piece
 
-__all__ = ["MOST_PIECES", "TensionCurve", "looked_at", "sharp_kinks", "told_radii"]
+__all__ = ["MOST_PIECES", "NOMINAL", "TensionCurve", "looked_at", "sharp_kinks", "told_radii"]
 
 Array = np.ndarray
 
@@ -39,6 +40,9 @@ SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in tw
 MOST_PIECES = 6  # beside that on the core
 LOOKED_AT = 200  # radii from which those of the curve told are taken
 STRAIGHT = 0.3  # of rtol, by which the curve may miss the line between two of them
+# lines between the core and the surface, times the root of rtol; more where they miss by more
+LINES, FINER = 2.0, 1.25
+NOMINAL = 0.6  # share, to begin with
 
 
 class TensionCurve:
@@ -56,10 +60,13 @@ class TensionCurve:
         From the tenth lap to the surface; their places are where nips are wanted.
     allowed : list of float
         By how much of the tension each piece may be off.
+    lines : int
+        How many there are, even in x, for the tension told.
     """
 
     def __init__(self, problem: WindingProblem, rtol: float) -> None:
         self.problem, self.rtol = problem, rtol
+        self.lines = ceil(LINES / rtol**0.5)
         core, R = problem.ends
         room = ROOM_FOR_AIR if problem.air is not None and problem.web_speed else 1 + 1e-9
         self.least = FEWEST_LAPS * problem.web.thickness * room
@@ -144,11 +151,44 @@ class TensionCurve:
         gained = tension - float(at("web_tension", r))
         return gained / (self.problem.roll_friction * float(at("nip_load", r)))
 
-    def knots(self, values: Mapping[float, float]) -> Array:
-        """Return the radii at which the tension is told: the places, and what it takes between."""
+    def knots(self) -> Array:
+        """Return the radii at which the tension is told: linear between, they are to draw it.
+
+        The places, what the schedules take, and more, even in x.  No tension takes part in their
+        choice, so that the roll does not depend on where the winding was begun.
+        """
+        core, R = self.problem.ends
         r = looked_at(self.problem)
-        own = [self.radius(place) for place in values]
-        return told_radii(self.problem, r, self.tension(values, r), self.rtol, own)
+        nominal = self.wound_on(np.full(r.size, NOMINAL), r)
+        first = core + self.problem.web.thickness  # where the share begins to change
+        places = [self.radius(place) for place in self.places]
+        own = told_radii(self.problem, r, nominal, self.rtol, [*places, first])
+        x = np.linspace(np.log(first - core), np.log(R - core), self.lines + 1)
+        near = np.abs(x[:, None] - np.log(own[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
+        return np.union1d(own, core + np.exp(x[~near]))
+
+    def drawn_finer(self, values: Mapping[float, float]) -> bool:
+        """Take more radii until straight lines between them do; tell whether any were needed."""
+        before = self.lines
+        while True:
+            r = self.knots()
+            off, on_core = self._straight(values, r, self.tension(values, r))
+            if max(off, on_core / LESS_EXACT) <= STRAIGHT * self.rtol:
+                return self.lines > before
+            self.lines = ceil(FINER * self.lines)
+
+    def _straight(
+        self, values: Mapping[float, float], r: Array, told: Array
+    ) -> tuple[float, float]:
+        """Return by how much of it straight lines miss the tension, and in the piece on the core.
+
+        Of fewer laps than ten nothing is known.
+        """
+        fine = looked_at(self.problem)
+        off = np.abs(np.interp(fine, r, told) / self.tension(values, fine) - 1)
+        first, rest = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
+        on_core = off[(fine >= first) & (fine < rest)]
+        return float(np.max(off[fine >= rest])), float(np.max(on_core, initial=0.0))
 
     # ---- how far it may be off ------------------------------------------------------------------
 
@@ -168,15 +208,13 @@ class TensionCurve:
     def off(self, values: Mapping[float, float], r: Array, told: Array) -> float:
         """Return by how much of it the tension told at some radii may be off between nips."""
         fine = looked_at(self.problem)
-        exact = self.tension(values, fine)
-        straight = np.max(np.abs(np.interp(fine, r, told) / exact - 1))
-        return (
-            max(self.errors(values)[self.on_core :]) + float(straight) + self._unseen(fine, exact)
-        )
+        straight, _ = self._straight(values, r, told)
+        unseen = self._unseen(fine, self.tension(values, fine))
+        return max(self.errors(values)[self.on_core :]) + straight + unseen
 
-    def off_on_core(self, values: Mapping[float, float]) -> float:
+    def off_on_core(self, values: Mapping[float, float], r: Array, told: Array) -> float:
         """Return by how much of it the tension in the piece on the core may be off."""
-        return self.errors(values)[0] if self.on_core else 0.0
+        return self.errors(values)[0] + self._straight(values, r, told)[1] if self.on_core else 0.0
 
     def _unseen(self, r: Array, tension: Array) -> float:
         """Return what schedules may do to the tension between nips, of it.

@@ -17,6 +17,7 @@ most, say by how much that is off: the second order, and what unevenly wound lap
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isnan
 
 import numpy as np
 
@@ -99,13 +100,14 @@ def _slopes(felt: Felt) -> Array:
     result, P_e = felt.result, felt.pressure
     found = result.sensitivity(*LOADS, outputs=("wound_on_tension", "half_width"))
     tension, width = found.derivatives
-    if not felt.slope:
+    if isnan(P_e):
         return np.asarray(tension)
     pressed = SHARE * result.peak_pressure
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
     felt_more = ((P_e - pressed) - pressed) * ln_a + pressed * ln_P
-    return np.asarray(tension + felt.slope * felt_more / (1 - felt.steep))
+    by_felt = felt.powers[0] * result.wound_on_tension / P_e
+    return np.asarray(tension + by_felt * felt_more / (1 - felt.steep))
 
 
 def largest_miss(

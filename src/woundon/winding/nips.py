@@ -14,9 +14,10 @@ from ..problems.bodies import Body
 from ..problems.nip import WrappedNipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
+from ..roll.stages import wound_so_far
 from ..wrap.result import WrappedNipResult
 from ..wrap.solve import solve_wrapped_nip
-from .bodies import Felt, solved_nip
+from .bodies import Felt, foreseen, solved_nip
 
 __all__ = ["Nips", "warnings_of"]
 
@@ -64,19 +65,34 @@ class Nips:
         self.frictions: dict[float, tuple[float, float]] = {}  # that they leave
         self.airy: dict[float, tuple[str, ...]] = {}  # warnings of the air
 
-    def tension(self, radius: float, roll: WoundRollResult) -> float:
-        """Solve the nip at a radius on a roll; return its wound-on tension [N/m]."""
+    @property
+    def alone(self) -> bool:
+        """Whether they answer the same on every roll."""
+        return self.problem.roll_body == "linear" and self.problem.air is None
+
+    def tension(self, radius: float, roll: WoundRollResult | None) -> float:
+        """Solve the nip at a radius on a roll; return its wound-on tension [N/m].
+
+        It takes no roll where nips are ``alone``.
+        """
         own = self.felt.get(radius)
-        if self.problem.roll_body == "linear" and own is not None and self.problem.air is None:
-            return own.tension  # whatever the roll
+        if self.alone and own is not None:
+            return own.tension
         with _at(radius):
-            stage = roll if radius == self.problem.radius else roll.at(radius)
+            linear = self.problem.roll_body == "linear"
+            stage = None if roll is None or linear else wound_so_far(roll, radius)
             felt = solved_nip(
-                self._on(roll), stage, own or self._near(radius), self._solve,
+                self._on(roll), radius, stage, own, self._near(radius), self._solve,
                 FELT_COARSELY if self.coarse else FELT,
             )  # fmt: skip
         self.felt[radius] = felt
         return felt.tension
+
+    def foreseen(self, radius: float, roll: WoundRollResult) -> float:
+        """Return what a nip, not solved again, would answer on another effective roll [N/m]."""
+        stage = wound_so_far(roll, radius)
+        self.felt[radius] = foreseen(self._on(roll), stage, self.felt[radius])
+        return self.felt[radius].tension
 
     def told(self) -> list[Felt]:
         """Return the last ones from the core to the surface."""
@@ -97,10 +113,11 @@ class Nips:
              for felt in self.told()]
         )  # fmt: skip
 
-    def _on(self, roll: WoundRollResult) -> WindingProblem:
+    def _on(self, roll: WoundRollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, air and all."""
-        stack = roll.problem.stack
-        return self.problem if stack is self.problem.stack else self.problem.replace(stack=stack)
+        own = self.problem.stack
+        stack = own if roll is None else roll.problem.stack
+        return self.problem if stack is own else self.problem.replace(stack=stack)
 
     def _near(self, radius: float) -> Felt | None:
         """Return the nip nearest to a radius by the roll's depth."""

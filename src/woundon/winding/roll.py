@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import NoSteadyState
+from ..problems.roll import WoundRollProblem
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
-from ..roll.solve import solve_wound_roll
+from ..roll.solve import ThinLaps, solve_thin_laps
 from .result import WindingResult
 
-__all__ = ["wind", "wound_again"]
+__all__ = ["changed", "wind", "wound_again"]
 
 Array = np.ndarray
 STRAIGHT = 1e-13  # of a tension, by which a point on a line may miss it
@@ -19,8 +20,8 @@ STRAIGHT = 1e-13  # of a tension, by which a point on a line may miss it
 
 def wind(
     problem: WindingProblem, r: Array, tension: Array, rtol: float, film: float = 0.0
-) -> WoundRollResult:
-    """Return the roll wound with a tension that is linear between radii.
+) -> ThinLaps:
+    """Return the roll wound with a tension that is linear between radii, in the limit of thin laps.
 
     Parameters
     ----------
@@ -37,6 +38,27 @@ def wind(
     NoSteadyState
         For a tension that is not positive everywhere.
     """
+    return solve_thin_laps(_roll_problem(problem, r, tension, film), rtol)
+
+
+def changed(
+    problem: WindingProblem, roll: ThinLaps, r: Array, tension: Array, film: float
+) -> WoundRollResult:
+    """Return a roll as it would be with another tension, to be compared; see :func:`wind`."""
+    return roll.wound_with(_roll_problem(problem, r, tension, film))
+
+
+def wound_again(result: WindingResult) -> WoundRollResult:
+    """Return the roll of a result that does not have it, for it comes from a file."""
+    thin = wind(
+        result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
+    )
+    return thin.with_laps()
+
+
+def _roll_problem(
+    problem: WindingProblem, r: Array, tension: Array, film: float
+) -> WoundRollProblem:
     least = int(np.argmin(tension))
     if not tension[least] > 0:
         raise NoSteadyState.at(
@@ -44,14 +66,7 @@ def wind(
             f"the wound-on tension falls to {tension[least]:.6g} [N/m] at the radius "
             f"{r[least]:.6g} [m]; must be > 0, or no lap is wound on",
         )
-    return solve_wound_roll(problem.wound_roll(_schedule(r, tension), film), rtol=rtol)
-
-
-def wound_again(result: WindingResult) -> WoundRollResult:
-    """Return the roll of a result that does not have it, for it comes from a file."""
-    return wind(
-        result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
-    )
+    return problem.wound_roll(_schedule(r, tension), film)
 
 
 def _schedule(r: Array, tension: Array) -> float | Profile:

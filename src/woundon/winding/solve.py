@@ -9,8 +9,14 @@ The one loop of the program that goes from a result back to a problem:
                        curve                     nips, bodies
 
 What a nip adds depends on the radius, and on the stack just below the surface, which the last laps
-have wound: hardly on what is below.  So the loop closes in a few turns, each radius for itself by a
-secant, and radii are added where the polynomial without them is off by more than rtol.
+have wound: hardly on what is below.  So the loop closes in a few turns, each radius for itself:
+
+    linear      no turn at all: the nips do not feel what they have wound
+    effective   what a nip would answer on a roll a little other than its own is foreseen, so that
+                two turns of nips do, and rolls alone between
+    direct      by a secant
+
+Radii are added where the polynomial without them is off by more than rtol.
 """
 
 from __future__ import annotations
@@ -26,9 +32,11 @@ from ..errors import NotConverged, unwarned
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
+from ..roll.solve import ThinLaps
 from ..threads import one_thread
 from .certificate import certificate
-from .curve import TensionCurve, looked_at, told_radii
+from .curve import NOMINAL, TensionCurve, looked_at, told_radii
+from .interpolation import Piece
 from .measured import Departure, largest_miss, smoothed
 from .nips import Nips
 from .result import WindingResult
@@ -43,14 +51,16 @@ Progress = Callable[[int, int], None]
 RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
-MOST_TURNS = 25
-PATIENT = 9  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
+MOST_TURNS = 40
+PATIENT = 15  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
 EXPECTED_TURNS = 4  # for the progress told
-STAY = 1e-3  # change of the tension from which on the radii told stay
-SETTLED = 0.03  # and from which on roll and nips are solved well
+SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
+# and from which on their answers tell whether more radii are needed, and which: not sooner, or that
+# would depend on where the winding was begun
+TOLD_BY = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
 COARSE_RTOL = 0.05  # until then
-SPARE = 0.1  # of what nips and roll are to agree to, at which the turns end
-FIRST_SHARE = 0.6  # of mu P, to begin with
+LEAST_SECANT = 1e-6  # of a share, a step that tells how steep answers are: less is noise
+SPARE = 0.9  # of what nips and roll are to agree to, at which the turns end
 ROUNDING = 1e-13
 LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
 
@@ -134,7 +144,7 @@ class _Turn:
     given: dict[float, float]  # by place
     answers: dict[float, float]
     r: Array
-    roll: WoundRollResult
+    roll: ThinLaps
     film: float  # of air, that the roll was wound with
     change: float  # of the tension, the largest
 
@@ -157,86 +167,117 @@ class _Winder:
 
     def _agreed(self) -> _Turn:
         """Wind until nips and roll agree."""
-        given = {place: self._first(place) for place in self.curve.places}
+        given, change = self._begun()
         before: _Turn | None = None
-        r, change, added, agreed_once = self.curve.knots(given), 1.0, True, False
-        # those of a linear roll do not feel the tension, and a neighbour's have told it
-        self.nips.coarse = self.problem.roll_body != "linear" and not self.nips.before
+        steep: dict[float, float] = {}
+        solve, certain = True, False
+        # a neighbour's nips have told the tension
+        self.nips.coarse = change > SETTLED and not self.nips.before
         for number in range(MOST_TURNS):
-            if added or change > STAY:  # the same from then on, for the turns to settle
-                r = self.curve.knots(given)
-            if self.nips.coarse and change <= SETTLED:
+            if solve and self.nips.coarse and change <= SETTLED:
                 self.nips.coarse, before = False, None
-            rough = change > SETTLED
-            turn = self._turned(given, r, rough=rough)
-            added = not self.nips.coarse and self._refined(turn)
+            rough, patient = change > SETTLED, number < PATIENT
+            turn = self._turned(given, rough, solve)
+            if solve:
+                known = turn.change <= TOLD_BY[self.problem.roll_body] or not patient
+                certain = known and not self.nips.coarse
+            added = solve and certain and self._refined(turn)
             change = turn.change
-            settled = not (added or rough)
-            if settled and number >= PATIENT and change <= self.rtol:
+            settled = certain and not (added or rough)
+            if settled and not patient and change <= self.rtol:
                 self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
-            if settled and change <= self.agreed:
-                # one more turn where this is not well below what the certificate allows
-                if change <= SPARE * self.agreed or agreed_once:
-                    return turn
-                agreed_once = True
-            own = before if self.problem.roll_body == "direct" else None
-            given, before = _corrected(turn, own), turn
+            if settled and change <= SPARE * self.agreed:
+                return turn
+            direct = self.problem.roll_body == "direct"
+            given = _corrected(turn, before, steep) if direct else turn.answers
+            before = turn
+            # every second turn of effective rolls takes no nips
+            solve = not (solve and self.problem.roll_body == "effective")
         raise NotConverged(
             f"nips and roll do not agree: after {MOST_TURNS} turns the wound-on tension still "
             f"changes by {change:.2g} of it",
             self._told(before) if before else None,
         )
 
-    def _turned(self, given: dict[float, float], r: Array, *, rough: bool) -> _Turn:
-        """Wind the roll with shares at places, solve the nips on it."""
-        film = self.nips.mean_film()
-        tension = self.curve.tension(given, r)
+    def _begun(self) -> tuple[dict[float, float], float]:
+        """Return the first shares, and by what of it their tension may be off."""
+        given = {place: self._first(place) for place in self.curve.places}
+        if self.problem.roll_body != "linear" or self.problem.air is not None:
+            return given, 1.0
+        # the nips do not feel what they have wound
+        given = {place: self._answer(place, None) for place in given}
+        while piece := self._wanting(given):
+            given[piece.next] = self._answer(piece.next, None)
+            piece.places.append(piece.next)
+        self.curve.drawn_finer(given)
+        return given, 0.0
+
+    def _turned(self, given: dict[float, float], rough: bool, solve: bool) -> _Turn:
+        """Wind the roll with shares at places, solve the nips on it or foresee what they answer."""
+        film, r = self.nips.mean_film(), self.curve.knots()
         rtol = max(self.rtol, COARSE_RTOL * rough)
-        roll = wind(self.problem, r, tension, rtol, film)
-        answers = {place: self._answer(place, roll) for place in given}
-        change = max(abs(self._off(place, share)) for place, share in given.items())
+        roll = wind(self.problem, r, self.curve.tension(given, r), rtol, film)
+        answer = self._answer if solve else self._foreseen
+        answers = {place: answer(place, roll.result) for place in given}
+        change = max(self._off(place, share) for place, share in given.items())
         # of a lap, what more of air it would hold
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
         return _Turn(given, answers, r, roll, film, change)
 
-    def _answer(self, place: float, roll: WoundRollResult) -> float:
+    def _foreseen(self, place: float, roll: WoundRollResult) -> float:
+        radius = self.curve.radius(place)
+        return self.curve.share(self.nips.foreseen(radius, roll), radius)
+
+    def _answer(self, place: float, roll: WoundRollResult | None) -> float:
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.tension(radius, roll), radius)
 
+    def _tension(self, place: float, share: float) -> float:
+        return float(self.curve.wound_on(np.array(share), np.array(self.curve.radius(place))))
+
     def _off(self, place: float, share: float) -> float:
-        """Return by what of it a nip's wound-on tension is off the one it was wound with."""
-        r = self.curve.radius(place)
-        given = float(self.curve.wound_on(np.array(share), np.array(r)))
-        return given / self.nips.felt[r].result.wound_on_tension - 1
+        """Return by what of it the tension wound with is off what a nip answers, at the most.
+
+        That is the tension of the nip solved, and that on the roll it asks for.
+        """
+        felt, given = self.nips.felt[self.curve.radius(place)], self._tension(place, share)
+        return max(abs(given / due - 1) for due in (felt.result.wound_on_tension, felt.tension))
 
     def _first(self, place: float) -> float:
         if self.start is None:
-            return FIRST_SHARE
+            return NOMINAL
         r = self.curve.radius(place)
         told = np.interp(r, self.start.radius, self.start.nip_induced_tension)
         return float(told / (self.problem.roll_friction * self.problem.at("nip_load", r)))
 
     def _refined(self, turn: _Turn) -> bool:
         """Add radii until the interpolation is good enough; tell whether any were needed."""
-        added, curve, answers = False, self.curve, turn.answers
-        while max(errors := np.divide(curve.errors(answers), curve.allowed)) > 1:
-            worst = int(np.argmax(errors))
-            piece = curve.pieces[worst]
-            if len(answers) >= MOST_NIPS:
-                r = curve.radius(piece.misses(answers)[-1][0])
-                raise NotConverged(
-                    f"rtol={self.rtol:g} is not reached with {MOST_NIPS} nips: at the radius "
-                    f"{r:.4g} m their wound-on tension is {curve.errors(answers)[worst]:.2g} off "
-                    "between them; "
-                    "smoother schedules, or a larger rtol"
-                )
+        added, answers = False, turn.answers
+        while piece := self._wanting(answers):
             place = piece.next
             turn.given[place] = float(piece.at(np.array(place), turn.given))
-            answers[place] = self._answer(place, turn.roll)
-            turn.change = max(turn.change, abs(self._off(place, turn.given[place])))
+            answers[place] = self._answer(place, turn.roll.result)
+            turn.change = max(turn.change, self._off(place, turn.given[place]))
             piece.places.append(place)
             added = True
-        return added
+        return self.curve.drawn_finer(answers) or added
+
+    def _wanting(self, answers: dict[float, float]) -> Piece | None:
+        """Return the piece that is the farthest off, None where all are good enough."""
+        curve = self.curve
+        errors = np.divide(curve.errors(answers), curve.allowed)
+        worst = int(np.argmax(errors))
+        piece = curve.pieces[worst]
+        if errors[worst] <= 1:
+            return None
+        if len(answers) >= MOST_NIPS:
+            r = curve.radius(piece.misses(answers)[-1][0])
+            raise NotConverged(
+                f"rtol={self.rtol:g} is not reached with {MOST_NIPS} nips: at the radius "
+                f"{r:.4g} m their wound-on tension is {curve.errors(answers)[worst]:.2g} off "
+                "between them; smoother schedules, or a larger rtol"
+            )
+        return piece
 
     def _tell(self, solved: int) -> None:
         if self.progress is not None:
@@ -247,7 +288,9 @@ class _Winder:
         tension = curve.tension(turn.given, r)
         return told(
             self.problem, r, tension, turn.roll, self.nips,
-            interpolation=(curve.off(turn.answers, r, tension), curve.off_on_core(turn.answers)),
+            interpolation=(
+                curve.off(turn.answers, r, tension), curve.off_on_core(turn.answers, r, tension)
+            ),
             rtol=self.rtol, agreed=self.agreed, film=turn.film,
             bent=curve.tension(turn.given, r, bent=True),
         )  # fmt: skip
@@ -266,31 +309,35 @@ class _Winder:
         roll = wind(problem, r, tension(r), self.rtol, turn.film)
         known = self.nips
         checks = Nips(problem, self.nodes, self.agreed, known.tell, known.told(), known.solved)
-        missed = largest_miss(departs, checks, roll, tension)
+        missed = largest_miss(departs, checks, roll.result, tension)
         known.solved = checks.solved
-        smooth = curve.off(turn.answers, turn.r, np.interp(turn.r, r, tension(r) - departs(r)))
+        drawn = np.interp(turn.r, r, tension(r) - departs(r))
+        smooth = curve.off(turn.answers, turn.r, drawn)
         return told(
             problem, r, tension(r), roll, known,
-            interpolation=(smooth + missed, curve.off_on_core(turn.answers)),
+            interpolation=(smooth + missed, curve.off_on_core(turn.answers, turn.r, drawn)),
             rtol=self.rtol, agreed=self.agreed, film=turn.film, bent=tension(r, bent=True),
             departure=departs(np.array(sorted(own))),
         )  # fmt: skip
 
 
-def _corrected(turn: _Turn, before: _Turn | None) -> dict[float, float]:
+def _corrected(turn: _Turn, before: _Turn | None, steep: dict[float, float]) -> dict[float, float]:
     """Return the next shares: each by a secant of its own, for nips feel little of each other.
 
-    An effective roll needs none: what it feels is found with the tension that it gives.
+    How ``steep`` its answers are is kept by place: so much the same on another mesh, and, of a new
+    place, as the others are.
     """
-    found = {}
+    known = before or turn
     for place, share in turn.given.items():
-        steep, answer = 0.0, turn.answers[place]
-        if before is not None and place in before.given:
-            moved = share - before.given[place]
-            if abs(moved) > 1e-12:
-                steep = float(np.clip((answer - before.answers[place]) / moved, -0.5, 0.3))
-        found[place] = share + (answer - share) / (1 - steep)
-    return found
+        moved = share - known.given.get(place, share)
+        if abs(moved) > LEAST_SECANT:
+            by = (turn.answers[place] - known.answers[place]) / moved
+            steep[place] = float(np.clip(by, -0.5, 0.3))
+    usual = float(np.median([*steep.values()])) if steep else 0.0
+    return {
+        place: share + (turn.answers[place] - share) / (1 - steep.setdefault(place, usual))
+        for place, share in turn.given.items()
+    }
 
 
 def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> WindingResult:

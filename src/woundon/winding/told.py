@@ -10,18 +10,20 @@ import numpy as np
 from ..errors import RESOLUTION
 from ..problems.winding import LOADS, WindingProblem
 from ..results import Residuals
-from ..roll.result import WoundRollResult
+from ..roll.solve import ThinLaps
 from .nips import Nips
 from .result import WindingResult
-from .roll import wind
+from .roll import changed
 
 __all__ = ["told"]
 
 Array = np.ndarray
 
+OF_THE_ROLL = "core_pressure", "mid_pressure", "least_hoop_stress"
+
 
 def told(
-    problem: WindingProblem, r: Array, tension: Array, roll: WoundRollResult, nips: Nips, *,
+    problem: WindingProblem, r: Array, tension: Array, roll: ThinLaps, nips: Nips, *,
     interpolation: tuple[float, float], rtol: float, agreed: float, film: float,
     bent: Array | None = None, departure: Array | None = None,
 ) -> WindingResult:  # fmt: skip
@@ -32,7 +34,7 @@ def told(
     problem : WindingProblem
     r, tension : (M,) arrays
         The radii told [m], the wound-on tension there [N/m].
-    roll : WoundRollResult
+    roll : ThinLaps
         Wound with it.
     nips : Nips
     interpolation : (float, float)
@@ -72,12 +74,14 @@ def told(
         nips_solved=nips.solved,
         residuals=Residuals(),
         warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(felt))),
-        wound=roll,
+        wound=roll.with_laps(),
         nips=tuple(felt),
     )
     if bent is None:
-        return result.replace(errors=_errors(result, None))
-    return result.replace(errors=_errors(result, wind(problem, r, bent, rtol, film)))
+        return result.replace(errors=_errors(result, {}))
+    other = changed(problem, roll, r, bent, film)
+    by = {name: abs(getattr(other, name) - getattr(roll.result, name)) for name in OF_THE_ROLL}
+    return result.replace(errors=_errors(result, by))
 
 
 def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
@@ -90,22 +94,20 @@ def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
     ]
 
 
-def _errors(result: WindingResult, bent: WoundRollResult | None) -> dict[str, float]:
+def _errors(result: WindingResult, first_laps: dict[str, float]) -> dict[str, float]:
     """Return the errors told: what nips, their interpolation and the roll leave.
 
-    What laps before the first nip may do is how a roll differs whose tension is ``bent`` there.
+    What laps before the first nip may do is by how much a roll differs whose tension is bent there.
     """
     found = {}
     share = result.interpolation_error + result.agreed
     if result.nip_radius.size:
         share += float(np.max(result.nip_error / result.nip_wound_on_tension))
         found["mean_wound_on_tension"] = share * result.mean_wound_on_tension
-    for name in ("core_pressure", "mid_pressure", "least_hoop_stress"):
+    for name in OF_THE_ROLL:
         own, value = result.roll.errors.get(name, nan), getattr(result, name)
         # a roll's pressure goes with about the square of its tension
-        found[name] = own + 2 * share * abs(value)
-        if bent is not None:
-            found[name] += abs(getattr(bent, name) - value)
+        found[name] = own + 2 * share * abs(value) + first_laps.get(name, 0.0)
     # the piece on the core matters there only
     found["core_pressure"] += result.core_interpolation_error * result.core_pressure
     return found
