@@ -179,21 +179,26 @@ def _stopped_in_the_middle(study: Path, out: Path, with_signal: int, *more: str)
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, bytes]:
-    """The study file, and its result when nothing interrupts it."""
-    folder = tmp_path_factory.mktemp("study")
-    study = folder / "study.toml"
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The study file."""
+    study = tmp_path_factory.mktemp("study") / "study.toml"
     study.write_text(STUDY.format(case=CASE), encoding="utf-8")
-    subprocess.run(_command(study, folder / "whole"), check=True, capture_output=True)
-    return study, (folder / "whole" / "study.csv").read_bytes()
+    return study
+
+
+@pytest.fixture(scope="module")
+def whole(study: Path) -> bytes:
+    """Its result when nothing interrupts it."""
+    out = study.parent / "whole"
+    subprocess.run(_command(study, out), check=True, capture_output=True)
+    return (out / "study.csv").read_bytes()
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_kill_9_loses_no_finished_part_and_changes_no_number(
-    whole: tuple[Path, bytes], tmp_path: Path
+    study: Path, whole: bytes, tmp_path: Path
 ):
-    study, expected = whole
     code, _ = _stopped_in_the_middle(study, tmp_path / "out", signal.SIGKILL, "--workers", "2")
     assert code == -signal.SIGKILL
     kept = {p.name: p.stat().st_mtime_ns for p in (tmp_path / "out" / "parts").glob("[0-9]*")}
@@ -202,7 +207,7 @@ def test_kill_9_loses_no_finished_part_and_changes_no_number(
         _command(study, tmp_path / "out", "--resume"), check=True, capture_output=True, text=True
     )
     assert resumed.stdout.startswith("240 cases in ")
-    assert (tmp_path / "out" / "study.csv").read_bytes() == expected
+    assert (tmp_path / "out" / "study.csv").read_bytes() == whole
     # what was finished was not solved again
     for name, when in kept.items():
         assert (tmp_path / "out" / "parts" / name).stat().st_mtime_ns == when
@@ -210,8 +215,7 @@ def test_kill_9_loses_no_finished_part_and_changes_no_number(
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_ctrl_c_ends_cleanly(whole: tuple[Path, bytes], tmp_path: Path, workers: str):
-    study, _ = whole
+def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     out = tmp_path / "out"
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
     assert code == 130

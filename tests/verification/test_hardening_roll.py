@@ -99,6 +99,7 @@ def test_stiff_from_the_start_it_is_linear() -> None:
 # ---- a closed form ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_thin_layer_yields_point_by_point() -> None:
     """Without Poisson's ratio p = P(strain), the strain (a^2 - x^2)/(2 R* h).
 

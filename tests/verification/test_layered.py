@@ -275,6 +275,7 @@ def test_a_nip_does_not_see_how_a_cover_is_split() -> None:
     np.testing.assert_allclose(outputs(split), whole, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_coating_far_thinner_than_the_nip_wears_off() -> None:
     """What a coating changes falls with its thickness, down to a thousandth of a millimetre."""
     shell = (0.02, wo.material("steel"))
