@@ -24,6 +24,7 @@ __all__ = ["Creep", "Relaxation", "creep", "factor"]
 
 Array = np.ndarray
 Relaxation = tuple[tuple[float, float], ...]  # (g_k, c_k), empty where elastic
+HALVINGS = 64  # of ln l: lengths a factor 1e30 apart to rounding
 
 
 class Creep(NamedTuple):
@@ -58,12 +59,12 @@ def creep(relaxation: Relaxation) -> Creep:
     # E(ik) at ik = -1/l: 1 - sum g/(l/c - 1) rises from one c to the next, and beyond the last,
     # where it is positive at l = c (1 + sum g)
     low, high = c.copy(), np.append(c[1:], c[-1] * (1 + g.sum()))
-    for _ in range(200):
-        middle = np.sqrt(low * high)
-        with np.errstate(divide="ignore"):
-            value = 1 - (g * c / (middle[:, None] - c)).sum(axis=1)
-        low, high = np.where(value < 0, middle, low), np.where(value < 0, high, middle)
-    length = np.sqrt(low * high)
+    amounts = g * c
     with np.errstate(divide="ignore"):
+        for _ in range(HALVINGS):
+            middle = np.sqrt(low * high)
+            beyond = 1 - (1 / (middle[:, None] - c)) @ amounts >= 0
+            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        length = np.sqrt(low * high)
         steep = (g * c * length[:, None] / (length[:, None] - c) ** 2).sum(axis=1)
     return Creep(at_once, 1 / steep, length)

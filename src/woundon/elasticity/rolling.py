@@ -206,7 +206,6 @@ class Surface:
 
     def kernels(self, parts: list[Part]) -> tuple[list[Kernel], _Together, Lag | None]:
         """Return the influence functions, their smooth parts at once, and their lags."""
-        sums = HarmonicSums(tuple(p.even for p in parts) + tuple(p.odd for p in parts))
         lag, made = None, []
         if self.fast.any():
             length, R = self.compliance.length[self.fast], self.radius
@@ -214,10 +213,10 @@ class Surface:
         for k, part in enumerate(parts):
             even, odd = part.even.kernel(), part.odd.kernel()
             made.append(replace(
-                even, inverse=odd.inverse, sign=odd.sign, smooth=_Both(part), twice=_Twice(part),
-                lag=None if lag is None else lag.one(k),
+                even, inverse=odd.inverse, sign=odd.sign, smooth=_Alone(_Together.of([part])),
+                twice=_Twice(part), lag=None if lag is None else lag.one(k),
             ))  # fmt: skip
-        return made, _Together(sums), lag
+        return made, _Together.of(parts), lag
 
 
 def _divided(a: Array, z: complex) -> tuple[Array, complex]:
@@ -235,6 +234,10 @@ class _Together:
 
     sums: HarmonicSums
 
+    @classmethod
+    def of(cls, parts: list[Part]) -> _Together:
+        return cls(HarmonicSums(tuple(p.even for p in parts) + tuple(p.odd for p in parts)))
+
     def __call__(self, t: Array) -> Array:
         values = self.sums(t)
         half = len(values) // 2
@@ -242,13 +245,13 @@ class _Together:
 
 
 @dataclass(frozen=True)
-class _Both:
+class _Alone:
     """The smooth part of one kernel."""
 
-    part: Part
+    both: _Together
 
     def __call__(self, t: Array) -> Array:
-        return self.part.even(t) + self.part.odd(t)
+        return np.asarray(self.both(t)[0])
 
 
 @dataclass(frozen=True)
