@@ -16,6 +16,8 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon.contact import loop
+from woundon.contact.schemes import Graded
+from woundon.nip.solve import NipContact
 
 SEEDS = range(50150, 50160)
 STEPS = 5
@@ -88,11 +90,26 @@ def test_neighbours_tell_errors_that_hold() -> None:
     assert np.median(ratios) > 1 / 30
 
 
-def test_a_neighbour_begins_on_the_mesh_that_the_last_one_needed(meshes: list[int]) -> None:
+def test_a_neighbour_begins_on_about_the_mesh_that_the_last_one_needed(meshes: list[int]) -> None:
     result = wo.solve_nip(random_nip(50030))
     assert result.nodes == 129  # 65 tell more than 0.1 %
     meshes.clear()
-    near = wo.solve_nip(
-        result.problem.replace(nip_load=1.01 * result.problem.nip_load), start=result
+    P = result.problem.nip_load
+    near = wo.solve_nip(result.problem.replace(nip_load=1.01 * P), start=result)
+    assert meshes[0] > 65
+    assert near.nip_induced_tension_error <= 1e-3 * abs(near.nip_induced_tension)
+
+
+def test_from_a_mesh_between_it_goes_on_to_the_finest() -> None:
+    """97 nodes are not doubled beyond 129; the error there is told by the scatter so far."""
+    ladder = loop.Ladder(
+        NipContact(newsprint_nip()), Graded(), "nip_induced_tension", scatters=True
     )
-    assert meshes == [near.nodes] == [129]
+    ladder.climb([25, 49, 97])
+    before = ladder.errors[ladder.target]
+    ladder.double(1e-12, 129)
+    assert ladder.level.mesh.nodes.size == 129
+    # by the same scatter, of second order or less
+    assert 0.95 * (96 / 128) ** 2 < ladder.errors[ladder.target] / before < 1
+    fine = wo.solve_nip(newsprint_nip(), nodes=513).nip_induced_tension
+    assert abs(ladder.values[ladder.target] - fine) < 1.5 * ladder.errors[ladder.target]

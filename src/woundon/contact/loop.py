@@ -188,7 +188,11 @@ class Ladder:
     def double(self, rtol: float, most: int) -> None:
         """Double the mesh until the target's told error is below rtol, up to so many nodes."""
         while self.level.mesh.nodes.size < most and not self.reached(rtol):
-            self._step(self.scheme.mesh(2 * self.level.mesh.nodes.size - 1), self.level.start)
+            nodes = 2 * self.level.mesh.nodes.size - 1
+            if nodes > most:  # of no doubled cells: what is known of the scatter tells its errors
+                nodes, self._scattered = most, dict(self._scatters)
+                self.history.clear()
+            self._step(self.scheme.mesh(nodes), self.level.start)
             self._tell()
 
     def fit(self, rtol: float, most: int) -> None:
@@ -214,14 +218,16 @@ class Ladder:
         by_nodes = {nodes: a * factor for nodes, a in expected.items()} | found
         return Widths(self.level.power, by_nodes, self._scatters, self._unchecked)
 
-    def enough(self, nodes: int, start: Start, rtol: float, most: int) -> int:
-        """Return the nodes, doubled up to ``most``, on which a neighbouring case reaches rtol."""
+    def enough(self, counts: Sequence[int], start: Start, rtol: float) -> int:
+        """Return the first of these nodes on which a neighbouring case reaches rtol, or the last.
+
+        The first where it tells nothing.
+        """
         told = start.widths.scatters.get(self.target) if start.widths else None
-        if told is not None:
-            told = told._replace(changes=REMEMBERED + 1)  # as it would be known after a check
-            while nodes < most and told.error(nodes - 1, 1.0) > rtol:
-                nodes = 2 * nodes - 1
-        return nodes
+        if told is None:
+            return counts[0]
+        told = told._replace(changes=REMEMBERED + 1)  # as it would be known after a check
+        return next((n for n in counts if told.error(n - 1, 1.0) <= rtol), counts[-1])
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
