@@ -71,7 +71,8 @@ def follow(
         if not carried > 0:
             return None
         missed, miss = miss, log(carried / load)
-        if abs(step) > 1e-9:  # a shorter one tells rounding, not the power
+        # a shorter one tells rounding, or what was linearised, not the power
+        if abs(step) > max(1e-9, 10 * apart):
             power, along = (miss - missed) / step, (now - x) / step
         at, x = at + step, now
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())

@@ -54,13 +54,13 @@ class FaceAction:
         parts = grid.singular.reshape(-1, grid.unknowns) @ np.hstack([loads, outer])
         parts = parts.reshape(4, -1, 2, 2)
         parts[:, rows, 0] = parts[:, rows, 1]
-        found = np.einsum("fcs,skc->fk", self._singular, parts[:, :, 0])
+        found = self._singular @ parts[:, :, 0].transpose(0, 2, 1).reshape(8, -1)
         logs = self._logs @ np.array([grid.weights @ loads, grid.weights @ outer]).T
         found += logs[:, :1]
         found[:, rows] += logs[:, 1:] - logs[:, :1]
         for (block, points, values), by in zip(self._smooth, (loads, outer), strict=False):
             at = put.gauss.hats[points] @ by
-            found[:, block] += np.einsum("fckg,gc->fk", values, at, optimize=True)
+            found[:, block] += (values @ at.T[:, :, None])[..., 0].sum(axis=1)
         own = self._nip(p[inside], q[inside])
         found[:, rows] += np.array(own)[:, : rows.size]
         slope, strain = found
@@ -74,10 +74,10 @@ class FaceAction:
 
     @cached_property
     def _singular(self) -> Array:
-        """Coefficients of the singular parts, (slope and strain, p and q, parts)."""
+        """Coefficients of the singular parts, (slope and strain, parts by p and q)."""
         a = self.put.scale
         each = [[k.inverse, k.delta, k.log * a, k.sign * a] for k in self.kernels.gradients]
-        return np.array(each).reshape(2, 2, 4)
+        return np.array(each).reshape(2, 2, 4).transpose(0, 2, 1).reshape(2, 8)
 
     @cached_property
     def _logs(self) -> Array:
