@@ -165,6 +165,15 @@ def test_what_nips_answer_on_a_roll_a_little_other_is_foreseen():
     assert run.nips_solved <= 4.5 * run.nip_radius.size
 
 
+def test_a_roll_whose_stages_are_chosen_otherwise_keeps_nothing_from_agreeing():
+    """Two choices of them, each asked for by the tension of the other, once went on for ever."""
+    problem = CASE.replace(
+        radius=0.6, nip_load=1300.0610347693473,
+        web_tension=wo.Taper(start=350.0, taper=0.4418487287723576),
+    )  # fmt: skip
+    assert wo.solve(problem, **COARSE).agreed == 1e-6
+
+
 def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     """From half the tension and a quarter of the nip load, and with as many radii as without."""
     far = CASE.replace(web_tension=800.0, nip_load=500.0, roll_body="linear")

@@ -121,12 +121,13 @@ class ThinLaps(NamedTuple):
         result = _with_laps(self.result, self.known, self.cells)
         return result.replace(residuals=certificate(result)).checked()
 
-    def wound_with(self, problem: WoundRollProblem) -> WoundRollResult:
+    def wound_with(self, problem: WoundRollProblem) -> ThinLaps:
         """Return the roll of a neighbouring tension, in the same stages and on as many cells.
 
-        So the discretisation takes no part in what it differs by.
+        So the discretisation takes no part in what it differs by; the errors are those of this one.
         """
-        return _wound(problem, COARSE, self.cells, self.known, None)[1]
+        known, result = _wound(problem, COARSE, self.cells, self.known, None)
+        return ThinLaps(result.replace(errors=self.result.errors), known, self.cells)
 
 
 def solve_thin_laps(problem: WoundRollProblem, rtol: float, told: Told | None = None) -> ThinLaps:

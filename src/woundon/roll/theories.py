@@ -118,7 +118,8 @@ def plateau_pressure(stack: object, tension: float) -> float:
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
 
-    3 to 13 % low for real rolls, whose curvature it leaves out.  The hoop stress there is -P.
+    Low by 1.0 to 1.2 (E_r/E_t)^1/2 of it, for it leaves out the curvature: 3 to 13 % for real
+    rolls.  Where E_t/E_r is below 100, there is hardly a plateau.  The hoop stress there is -P.
 
     Parameters
     ----------

@@ -43,8 +43,8 @@ def wind(
 
 def changed(
     problem: WindingProblem, roll: ThinLaps, r: Array, tension: Array, film: float
-) -> WoundRollResult:
-    """Return a roll as it would be with another tension, to be compared; see :func:`wind`."""
+) -> ThinLaps:
+    """Return a roll as it would be with another tension, in the same stages; see :func:`wind`."""
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 

@@ -22,7 +22,7 @@ Radii are added where the polynomial without them is off by more than rtol.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,7 +40,7 @@ from .interpolation import Piece
 from .measured import Departure, largest_miss, smoothed
 from .nips import Nips
 from .result import WindingResult
-from .roll import wind
+from .roll import changed, wind
 from .told import told
 
 __all__ = ["check_options", "solve_winding"]
@@ -51,8 +51,8 @@ Progress = Callable[[int, int], None]
 RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
-MOST_TURNS = 40
-PATIENT = 15  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
+MOST_TURNS = 30
+PATIENT = 10  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
 EXPECTED_TURNS = 4  # for the progress told
 SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
 # and from which on their answers tell whether more radii are needed, and which: not sooner, or that
@@ -177,7 +177,7 @@ class _Winder:
             if solve and self.nips.coarse and change <= SETTLED:
                 self.nips.coarse, before = False, None
             rough, patient = change > SETTLED, number < PATIENT
-            turn = self._turned(given, rough, solve)
+            turn = self._turned(given, rough, None if solve else before)
             if solve:
                 known = turn.change <= TOLD_BY[self.problem.roll_body] or not patient
                 certain = known and not self.nips.coarse
@@ -185,9 +185,9 @@ class _Winder:
             change = turn.change
             settled = certain and not (added or rough)
             if settled and not patient and change <= self.rtol:
-                self.agreed = max(self.agreed, 1.001 * change)  # as well as it will
+                self.agreed = max(self.agreed, 1.001 * change / SPARE)  # as well as it will
             if settled and change <= SPARE * self.agreed:
-                return turn
+                return turn if solve else self._wound_anew(turn)
             direct = self.problem.roll_body == "direct"
             given = _corrected(turn, before, steep) if direct else turn.answers
             before = turn
@@ -212,17 +212,29 @@ class _Winder:
         self.curve.drawn_finer(given)
         return given, 0.0
 
-    def _turned(self, given: dict[float, float], rough: bool, solve: bool) -> _Turn:
-        """Wind the roll with shares at places, solve the nips on it or foresee what they answer."""
+    def _turned(self, given: dict[float, float], rough: bool, before: _Turn | None) -> _Turn:
+        """Wind the roll with shares at places, solve the nips on it.
+
+        Or, after another turn, foresee what they answer on it.  It is wound in the same stages
+        then: to choose them anew might move it by more than nips and roll are to agree to.
+        """
         film, r = self.nips.mean_film(), self.curve.knots()
-        rtol = max(self.rtol, COARSE_RTOL * rough)
-        roll = wind(self.problem, r, self.curve.tension(given, r), rtol, film)
-        answer = self._answer if solve else self._foreseen
-        answers = {place: answer(place, roll.result) for place in given}
+        tension = self.curve.tension(given, r)
+        if before is None:
+            roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
+            answers = {place: self._answer(place, roll.result) for place in given}
+        else:
+            roll = changed(self.problem, before.roll, r, tension, film)
+            answers = {place: self._foreseen(place, roll.result) for place in given}
         change = max(self._off(place, share) for place, share in given.items())
         # of a lap, what more of air it would hold
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
         return _Turn(given, answers, r, roll, film, change)
+
+    def _wound_anew(self, turn: _Turn) -> _Turn:
+        """Return a turn with the roll that its tension makes whatever was wound before."""
+        tension = self.curve.tension(turn.given, turn.r)
+        return replace(turn, roll=wind(self.problem, turn.r, tension, self.rtol, turn.film))
 
     def _foreseen(self, place: float, roll: WoundRollResult) -> float:
         radius = self.curve.radius(place)

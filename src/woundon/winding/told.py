@@ -79,7 +79,7 @@ def told(
     )
     if bent is None:
         return result.replace(errors=_errors(result, {}))
-    other = changed(problem, roll, r, bent, film)
+    other = changed(problem, roll, r, bent, film).result
     by = {name: abs(getattr(other, name) - getattr(roll.result, name)) for name in OF_THE_ROLL}
     return result.replace(errors=_errors(result, by))
 
