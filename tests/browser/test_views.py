@@ -5,7 +5,11 @@ from __future__ import annotations
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
-VIEWS = [(1280, 800, "light"), (1280, 800, "dark"), (390, 844, "light"), (390, 844, "dark")]
+VIEWS = [
+    (1280, 800, "light"), (390, 844, "dark"),
+    pytest.param(1280, 800, "dark", marks=pytest.mark.slow),
+    pytest.param(390, 844, "light", marks=pytest.mark.slow),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("width", "height", "scheme"), VIEWS)

@@ -460,8 +460,17 @@ def in_shell(command: str) -> subprocess.CompletedProcess[bytes]:
     return subprocess.run(shell, capture_output=True, env=environment, check=False)
 
 
-@pytest.mark.parametrize("reader", ["head -c 10", "head -n 1", "true"])
-@pytest.mark.parametrize("more", ["--json", ""])
+SLOW = pytest.mark.slow  # each is a process
+
+
+@pytest.mark.parametrize(
+    ("reader", "more"),
+    [
+        ("head -c 10", "--json"), ("head -n 1", ""), ("true", "--json"),
+        pytest.param("head -c 10", "", marks=SLOW), pytest.param("true", "", marks=SLOW),
+        pytest.param("head -n 1", "--json", marks=SLOW),
+    ],
+)  # fmt: skip
 def test_a_reader_that_leaves_is_no_fault(reader, more):
     done = in_shell(f"{' '.join(WRAPPED)} {more} | {reader}")
     assert (done.returncode, done.stderr) == (0, b"")
@@ -474,7 +483,7 @@ def test_a_reader_that_leaves_is_no_fault(reader, more):
         ("nip none.toml", 2), ("", 2), ("nap", 2),
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("channel", ["", "2>&1"])
+@pytest.mark.parametrize("channel", ["", pytest.param("2>&1", marks=SLOW)])
 def test_nobody_reads_what_any_command_says(args, code, channel):
     """Neither a traceback nor "Exception ignored"; the exit code is that of what happened."""
     done = in_shell(f"{args} {channel} | true")
