@@ -9,7 +9,8 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from woundon.app import workers
+from woundon import kinds
+from woundon.app import answers, workers
 from woundon.app.refusals import Refusal
 from woundon.app.workers import Pool
 
@@ -178,3 +179,11 @@ def test_who_is_gone_is_not_worked_for():
             assert time.monotonic() - began < 25
 
     run(test())
+
+
+def test_a_new_worker_solves_what_takes_no_time(monkeypatch):
+    begun = []
+    monkeypatch.setattr(answers, "solved", lambda problem, _: begun.append(kinds.of(problem).name))
+    monkeypatch.setattr(answers, "state_of", lambda _: None)
+    answers.warm_up()
+    assert begun == [kind.name for kind in kinds.every() if kind.name != "winding"]
