@@ -146,7 +146,10 @@ def _climbed(
     if start is not None:
         near = _started(start, contact.problem)
         climbing = ladder(replace(contact, near=near))
-        nodes = climbing.enough(contact.nodes, near, rtol, most)
+        counts = [contact.nodes]
+        while counts[-1] < most:
+            counts.append(2 * counts[-1] - 1)
+        nodes = climbing.enough(counts, near, rtol)
         # from far away the linearised web may be slack where the true one is not
         with suppress(NotConverged, NoSteadyState, ArithmeticError):
             climbing.beside(halved(nodes, Graded.coarsest)[-2:], near, rtol, most)
