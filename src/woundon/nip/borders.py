@@ -28,7 +28,7 @@ damped by Deuflhard's test; a short zone that a step would turn inside out is le
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import exp, log
+from math import exp, hypot, log
 
 import numpy as np
 
@@ -48,6 +48,7 @@ RATE = 5  # coefficients of t ln t, the worst that leaves a border, fall like or
 RATES = {"peak_pressure": 1} | dict.fromkeys(
     ("offset", "drum_creep", "leading_roll", "trailing_roll", "dual"), RATE - 2
 )
+CHANCE = 0.1  # relative, of order^-RATE: two orders may err alike
 # what conditions may leave: before zones are judged, then of rtol on the first order, on others
 ROUGH, COARSE, CLOSE = 1e-3, 0.5, 2e-9  # a law's is 1e-8
 MISSED, APART = 3e-3, 1e-6  # of a law, on the first order and on others: zones are missing
@@ -103,18 +104,18 @@ class OnElements(Ladder):
             self.level = layout.level(self.contact, self.level.power)
             self.history.append(self.contact.scalars(self.level))
             if k:
-                self._tell_by(ORDERS[k - 1] / order)
+                self._tell_by(ORDERS[k - 1] / order, CHANCE * order**-RATE)
                 if self.reached(rtol) and layout.broken < ACCEPTED_RESIDUAL:
                     return
         raise Unsettled("the last order does not reach rtol")
 
-    def _tell_by(self, share: float) -> None:
+    def _tell_by(self, share: float, chance: float) -> None:
         """Take the values of the last order, and tell their errors from the change."""
         self.values = dict(self.history[-1])
         for name, value in self.values.items():
             change, left = abs(value - self.history[-2][name]), share ** RATES.get(name, RATE)
-            self.errors[name] = left / (1 - left) * change
-            self.errors[name] += FLOOR * self.contact.scale(name, value)
+            scale = self.contact.scale(name, value)
+            self.errors[name] = hypot(left / (1 - left) * change, chance * scale) + FLOOR * scale
 
     # ---- zones -----------------------------------------------------------------------------------
 
