@@ -84,7 +84,7 @@ def main() -> int:
                 print(f"{seed}: {name} {ratio:.1f} times what was told", flush=True)
     for end, count in ends.most_common():
         print(f"{count:4} {end}, median {np.median(spent[end]):.2f} s")
-    print("true over told: output, nips, share within 1.5, largest, median told over true")
+    print("true over told: output, nips, share within 1.5, largest")
     for name, found in all_ratios.items():
         if found:
             within = np.mean(np.array(found) <= 1.5)
