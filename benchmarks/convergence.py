@@ -5,8 +5,8 @@
 
 Plain grids (``nodes=``): the error is erratic, as borders of zones fall between nodes; hence the
 root mean square over four neighbouring grids.  Asked (``rtol=``): grids fitted to the zones, from
-3e-5 down Chebyshev elements between their borders.  Limit: NIT on elements to 2e-8.  Of the first
-nip the published procedure too, against time.
+2e-4 (rigid drums: 3e-5) down Chebyshev elements between their borders.  Limit: NIT on elements to
+2e-8.  Of the first nip the published procedure too, against time.
 """
 
 from __future__ import annotations

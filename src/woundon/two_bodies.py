@@ -380,7 +380,7 @@ class PairContact:
         return {
             "half_width": level.half_width,
             "nip_width": 2 * level.half_width,
-            "peak_pressure": level.at_load(float(np.max(level.state.pressure))),
+            "peak_pressure": level.at_load(level.mesh.peak(level.state.pressure)),
             "offset": level.state.shift * self.problem.contact_radius,
             **self.losses(level),
         }

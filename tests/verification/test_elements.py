@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from random_nips import random_nip
 
 import woundon as wo
 from jorkama2001.cases import paper_nip
 from woundon.contact.elements import ElementGrid, borders_of, cauchy
 from woundon.contact.grid import chebyshev_transform
+from woundon.contact.schemes import ELEMENTS
 from woundon.io.result_files import load_result
+from woundon.nip import borders, solve
+from woundon.nip.layout import Layout
 
 COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
 NIPS = {
@@ -205,3 +210,83 @@ def test_a_neighbouring_case_starts_from_it(solved: dict[str, wo.NipResult]) -> 
 def test_elements_cannot_be_asked_for_by_name() -> None:
     with pytest.raises(wo.InvalidProblem, match=r"^scheme: 'elements' is not admissible: a fine"):
         wo.solve_nip(NIPS["half-plane roll"], scheme="elements")
+
+
+# ---- borders that are hard to find, and the way back --------------------------------------------
+
+HARD = {
+    2: "a stick zone that is found on a fitted mesh only",
+    11: "a stick zone on a rigid drum that vanishes: slip turns at a point",
+    39: "laws that stay broken until short elements lie about borders",
+    1025: "borders of both faces that pass one another",
+    1048: "a short stick zone far from where coarse meshes have it",
+}
+LOST = 1036  # zones come and go for good
+
+
+@pytest.mark.parametrize("seed", HARD)
+def test_hard_borders_are_found(seed: int) -> None:
+    problem = random_nip(seed)
+    result, graded = wo.solve_nip(problem, rtol=1e-6), wo.solve_nip(problem, nodes=257)
+    assert result.scheme == "elements"
+    assert result.certified().largest < 1e-8
+    told = graded.nip_induced_tension_error
+    assert abs(result.nip_induced_tension - graded.nip_induced_tension) < 1.5 * told
+
+
+def test_slip_may_turn_at_a_point_of_a_rigid_drum() -> None:
+    result = wo.solve_nip(random_nip(11), rtol=1e-6)
+    assert set(result.drum_zone) == {-1, 1}
+    slip = result.drum_slip
+    at = int(np.argmax(result.drum_zone > 0))
+    assert np.all(slip[:at] < 0)
+    assert np.all(slip[at:] > 0)
+    # it grows like the distance, of which the first points have a thousandth
+    assert abs(slip[at]) < 1e-3 * np.abs(slip).max()
+
+
+def test_where_borders_are_lost_meshes_take_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, cells, between = random_nip(LOST), [], Layout.between
+
+    def counted(*given: Any) -> Layout:
+        made = between(*given)
+        cells.append(made.mesh.nodes.size - 1)
+        return made
+
+    monkeypatch.setattr(Layout, "between", counted)
+    result = wo.solve_nip(problem, rtol=1e-5)
+    assert 0 < sum(cells) < borders.MOST_CELLS + max(cells)
+    assert result.scheme == "graded"
+    assert result.nip_induced_tension_error <= 1e-5 * abs(result.nip_induced_tension)
+    assert result.certified().largest < 1e-8
+    # as if there were no elements
+    monkeypatch.setattr(solve, "ON_ELEMENTS", 0.0)
+    plain = wo.solve_nip(problem, rtol=1e-5)
+    assert result.nip_induced_tension == plain.nip_induced_tension
+    assert result.errors == plain.errors
+
+
+def test_what_meshes_do_not_reach_either_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = random_nip(LOST)
+    monkeypatch.setattr(solve, "MOST_NODES", 130)
+    monkeypatch.setattr(borders, "MOST_CELLS", 500)
+    monkeypatch.setattr(borders, "MOST_CAREFUL", 500)
+    with pytest.raises(wo.NotConverged, match=r"^rtol=1e-06 is not reached with \d+ nodes") as stop:
+        wo.solve_nip(problem, rtol=1e-6)
+    best = stop.value.best
+    assert best.scheme == "graded"
+    monkeypatch.undo()
+    finer = wo.solve_nip(problem, rtol=1e-5)
+    off = abs(best.nip_induced_tension - finer.nip_induced_tension)
+    assert 1e-6 * abs(best.nip_induced_tension) < best.nip_induced_tension_error
+    assert off < 1.5 * best.nip_induced_tension_error
+
+
+def test_the_peak_is_that_of_the_polynomials() -> None:
+    mesh = ELEMENTS.between(BORDERS, 20)
+    x = mesh.nodes[1:-1]
+    hill = np.sqrt(1 - x * x) * np.exp(0.3 * x)  # largest between two nodes
+    best = (np.sqrt(1 + 4 * 0.09) - 1) / 0.6
+    exact = np.sqrt(1 - best**2) * np.exp(0.3 * best)
+    assert np.max(hill) < exact * (1 - 1e-6)
+    assert mesh.peak(hill) == pytest.approx(exact, rel=1e-8)  # of degree 20

@@ -101,6 +101,13 @@ class Element:
         by_x = 4 / 3 / np.sin(2 * self.angles[1]) ** 2
         return by_x[:, None] * (chebyshev.chebvander(self.points, self.cells - 1) @ by_r)
 
+    def peak(self, values: Array) -> float:
+        """Return the largest value of the polynomial through nodal values, (m+1,)."""
+        series = self.coefficients @ values
+        flat = chebyshev.chebroots(chebyshev.chebder(series))
+        inside = flat[(flat.imag == 0) & (np.abs(flat) < 1)].real
+        return float(max(*values, *chebyshev.chebval(inside, series)))
+
     @cached_property
     def start_slope(self) -> Array:
         """Derivative with respect to r at the left border, (m+1,)."""

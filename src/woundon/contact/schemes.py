@@ -116,6 +116,10 @@ class Mesh:
         """Integrate nodal values over the contact."""
         return integral(values, x)
 
+    def peak(self, values: Array) -> float:
+        """Return the largest value of a function by its values at the interior nodes."""
+        return float(np.max(values))
+
     def rank(self, kernels: Any, a: float) -> int:
         """Return how many interpolation points the kernels' smooth parts ask for."""
         return interpolation_rank(kernels.length, a)
@@ -214,6 +218,13 @@ class ElementMesh(GradedMesh):
     def integral(self, values: Array, x: Array) -> float:
         """Integrate nodal values over the contact."""
         return float(x[-1] * self.grid.weights @ values[1:-1])
+
+    def peak(self, values: Array) -> float:
+        """Return the largest value of the polynomials beside the largest value at a node."""
+        m, k = self.grid.order, int(np.argmax(values)) + 1
+        nodal = np.concatenate([[0.0], values, [0.0]])
+        beside = {(k - 1) // m, k // m}
+        return max(self.grid.element.peak(nodal[s * m : (s + 1) * m + 1]) for s in beside)
 
     @cached_property
     def _split(self) -> ElementMesh:

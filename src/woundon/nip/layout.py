@@ -61,20 +61,21 @@ def faces_of(level: Level) -> list[Face]:
         first += face.size
         if not body.rigid:
             _part_slips(kinds, borders)
-        elif kinds[0] == 0:
-            _slip_before(level, kinds, borders)
+        else:
+            _slip_before(level.equations.problem, level.half_width, kinds, borders)
         found.append(Face(tuple(kinds), np.array(borders)))
     return found
 
 
-def _slip_before(level: Level, kinds: list[int], borders: list[float]) -> None:
+def _slip_before(problem: Any, half_width: float, kinds: list[int], borders: list[float]) -> None:
     """Put slip before stick that begins at the leading edge of a rigid body.
 
     There the web's strain -c12 p' is held by a traction, more than friction allows as p is nil.
     """
-    problem = level.equations.problem
+    if kinds[0]:
+        return
     web, thickness = problem.web.compliance, problem.web.thickness
-    length = thickness * abs(web.c12) / (web.c11 * problem.drum_friction * level.half_width)
+    length = thickness * abs(web.c12) / (web.c11 * problem.drum_friction * half_width)
     kinds.insert(0, 1 if web.c12 > 0 else -1)
     borders.insert(0, min(length, 0.5 * (borders[0] + 1)) - 1)
 
@@ -118,6 +119,13 @@ def graded(ends: Array, layer: float) -> Array:
     return np.array(made)
 
 
+def _layers(ends: Array, about: Array) -> Array:
+    """Cut what lies on either side of some ends into a short element and the rest."""
+    k = np.searchsorted(ends, about)
+    before, behind = (ends[k] - ends[k - 1]) / GROWTH, (ends[k + 1] - ends[k]) / GROWTH
+    return np.unique(np.concatenate([ends, about - before, about + behind]))
+
+
 @dataclass(frozen=True, eq=False)
 class Layout:
     """Elements between given borders of given zones, and the equations on them.
@@ -136,18 +144,22 @@ class Layout:
     mesh: ElementMesh
 
     @classmethod
-    def between(cls, problem: Any, faces: list[Face], half_width: float, order: int) -> Layout:
-        """Return the layout of elements of this order."""
+    def between(
+        cls, problem: Any, faces: list[Face], half_width: float, order: int, layered: bool = False
+    ) -> Layout:
+        """Return the layout of elements of this order; layered, short ones lie about borders."""
         inner = np.sort(np.concatenate([face.borders for face in faces]))
         ends = np.concatenate([[-1.0], inner, [1.0]])
         if np.diff(ends).min() < SHORTEST:
             raise Unsettled("borders of zones collide")
-        return cls(
-            problem,
-            faces,
-            half_width,
-            ELEMENTS.between(graded(ends, layer(problem) / half_width), order),
-        )
+        made = graded(ends, layer(problem) / half_width)
+        if layered:
+            sharp = [  # where stick begins, and where a traction may jump
+                face.borders[(np.array(face.zones[1:]) == 0) | body.rigid]
+                for face, body in zip(faces, problem.bodies, strict=True)
+            ]
+            made = _layers(made, np.concatenate(sharp))
+        return cls(problem, faces, half_width, ELEMENTS.between(made, order))
 
     @cached_property
     def made(self) -> Matrices:
@@ -194,7 +206,7 @@ class Layout:
             if (
                 (turns and not body.rigid)
                 or (body.rigid and zones[0] == 0)
-                or (f and (zones[-1] == 0 or 0 not in zones))
+                or (f and (zones[-1] == 0 or not (0 in zones or turns)))
             ):
                 raise Unsettled("borders of a kind that elements do not know")
 
@@ -247,7 +259,12 @@ class Layout:
         p, levels = found[:n], scale * found[found.size - len(self.runs) :]
         q = self.slipping * np.tile(p, 2)
         q[stuck] = found[n + 1 : found.size - len(self.runs)]
-        creep = next(float(x) for run, x in zip(self.runs, levels, strict=True) if run.face == 1)
+        of_drum = (float(x) for run, x in zip(self.runs, levels, strict=True) if run.face == 1)
+        creep = next(of_drum, None)
+        if creep is None:  # the drum's surface slips all along, and turns where it has none
+            zones, borders = self.faces[1]
+            turn = next(b for b, (x, y) in zip(borders, pairwise(zones), strict=True) if x and y)
+            creep = -self._at(1, turn, made.slips(p, q, 0.0))
         slip = made.slips(p, q, creep)[: 2 * n]
         slip[stuck] = 0.0  # solved for: what is left is rounding
         bound = np.repeat(self.friction, n) * np.tile(p, 2)
@@ -255,7 +272,7 @@ class Layout:
         state = PairState(self.half_width, solution, p, float(scale * found[n]), made.loads(p, q))
         return state, levels
 
-    @property
+    @cached_property
     def left(self) -> Array:
         """What the solution leaves of the conditions, in the order of borders, then that of P."""
         (state, levels), made, n = self.solved, self.made, self.mesh.unknowns
@@ -268,28 +285,33 @@ class Layout:
             for border, before, behind in zip(borders, zones[:-1], zones[1:], strict=True):
                 k = self.node(border)
                 if behind == 0:
-                    found.append(NEAR * self._entry(f, q[k:], before * mu * p[k:]) / (mu * peak))
-                elif before:  # slip turns, on a rigid body
-                    cells = slice(f * n + k - self.order, f * n + k)
-                    turns = self.mesh.grid.element.to_right @ state.solution.slip[cells]
-                    found.append(turns / made.top)
-                elif f == 0:
-                    found.append(closed[f, k] / made.top)
-                elif first:
+                    found.append(NEAR * self._entry(f, k, q, before * mu * p) / (mu * peak))
+                elif f and first and (not before or 0 not in zones):
                     # F in proportion to the load that this half width carries
                     force = self._force(q[1:-1]) / carried
                     found.append(force - self.problem.winding_force / P)
                     first = False
+                elif before:  # slip turns, on a rigid body
+                    found.append(self._at(f, border, state.solution.slip) / made.top)
+                elif f == 0:
+                    found.append(closed[f, k] / made.top)
                 else:
                     found.append((closed[f, k] - state.solution.creep) / made.top)
         return np.array([*found, log(carried / P)])
 
-    def _entry(self, face: int, q: Array, bound: Array) -> float:
-        """Return what must be nil where stick begins, by q and s mu p from there on."""
-        element, own = self.mesh.grid.element, slice(0, self.order + 1)
+    def _at(self, face: int, border: float, slips: Array) -> float:
+        """Return the slip of a face at a border, by the cells before it."""
+        last = face * self.mesh.unknowns + self.node(border)
+        return float(self.mesh.grid.element.to_right @ slips[last - self.order : last])
+
+    def _entry(self, face: int, node: int, q: Array, bound: Array) -> float:
+        """Return what must be nil where stick begins at a node, by q and s mu p."""
+        grid, own = self.mesh.grid, slice(node, node + self.order + 1)
         if self.problem.bodies[face].rigid:
-            return float(element.extrapolation @ q[own][1:] - bound[0])
-        return float(element.start_slope @ (q - bound)[own])
+            return float(grid.element.extrapolation @ q[own][1:] - bound[node])
+        # by the root of the distance: whatever the length of the element, which others may cut
+        root = np.sqrt(grid.lengths[node // self.order])
+        return float(grid.element.start_slope @ (q - bound)[own] / root)
 
     def _force(self, q_drum: Array) -> float:
         drum = self.mesh.facing(self.problem.drum.rigid)
@@ -319,7 +341,9 @@ class Layout:
             kinds, at = [int(own[0]), *(int(own[k + 1]) for k in changes)], [float(b) for b in at]
             if f and not kinds[-1] and len(kinds) > 1:  # at the edge nothing holds: slip turns
                 kinds, at = [*kinds, -kinds[-2]], [*at, (at[-1] + 1) / 2]
-            if not self.problem.bodies[f].rigid:
+            if self.problem.bodies[f].rigid:
+                _slip_before(self.problem, self.half_width, kinds, at)
+            else:
                 _part_slips(kinds, at)
             found.append(Face(tuple(kinds), np.array(at)))
         return found

@@ -122,8 +122,10 @@ class WindingNipResult(Losses, Result):
 
     @property
     def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
-        """Largest nodal pressure [Pa]."""
-        return float(np.max(self.pressure))
+        """Largest pressure [Pa]: at a node, or of the polynomials of elements."""
+        from ..two_bodies import mesh_of
+
+        return mesh_of(self).peak(self.pressure[1:-1])
 
     @property
     def slip_ratios(self) -> SlipRatios:

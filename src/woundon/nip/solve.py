@@ -46,7 +46,10 @@ Array = np.ndarray
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 BESIDE = (65, 97, 129, 193, 257)  # nodes for a neighbour of a solved case
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
-ON_ELEMENTS = 3e-5  # rtol from which elements are tried: for a larger one, meshes cost as little
+# rtol from which elements are tried, with a rigid drum and an elastic one: from there they cost
+# less than meshes on half of random nips and more
+ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
+CAREFUL = 3e-6  # rtol from which they are tried twice: for a larger one, meshes cost less than that
 MOST_NODES = 1100  # of the meshes that rtol asks for
 
 
@@ -74,10 +77,11 @@ def solve_nip(
         of NIT is below 0.1 %, from a neighbour 97 and 193 too (200 for the thesis's scheme).
     rtol : float, optional
         In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
-        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  From 3e-5 down, and
-        for linear elastic bodies, Chebyshev elements between zone borders take over (``scheme`` is
-        then ``"elements"``).  Else, or where zones collide, meshes are fitted to the zones and NIT
-        is extrapolated from them (``extrapolation``); the arrays are those of the finest.
+        larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  From 2e-4 down, on a
+        rigid drum from 3e-5, and for linear elastic bodies, Chebyshev elements between zone
+        borders take over (``scheme`` is then ``"elements"``).  Else, or where zones collide, meshes
+        are fitted to the zones and NIT is extrapolated from them (``extrapolation``); the arrays
+        are those of the finest.
     algorithm : {"pivoting", "panagiotopoulos"}
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
@@ -116,7 +120,7 @@ def solve_nip(
         # elements ask for borders alone, which the mesh before the last tells well enough mostly
         for last in (counts[:-1], counts) if _asks_for_elements(problem, rtol) else (counts,):
             ladder.climb(last, begun)
-            found = _on_elements(ladder, problem, rtol, algorithm)
+            found = _on_elements(ladder, problem, rtol, algorithm, careful=last is counts)
             if found is not None:
                 return found.warned()
     if chooses:
@@ -130,18 +134,18 @@ def solve_nip(
 
 
 def _asks_for_elements(problem: NipProblem, rtol: float | None) -> bool:
-    fine = rtol is not None and rtol <= ON_ELEMENTS
+    fine = rtol is not None and rtol <= (ON_ELEMENTS if problem.drum.rigid else ON_ELASTIC)
     return fine and problem.linear and not problem.viscoelastic
 
 
 def _on_elements(
-    climbed: Ladder, problem: NipProblem, rtol: float | None, algorithm: str
+    climbed: Ladder, problem: NipProblem, rtol: float | None, algorithm: str, careful: bool
 ) -> NipResult | None:
     """Return the result on Chebyshev elements; None without, or where borders are not found."""
-    if rtol is None or not _asks_for_elements(problem, rtol):
+    if rtol is None or not _asks_for_elements(problem, rtol) or (careful and rtol > CAREFUL):
         return None
     try:
-        ladder = OnElements(climbed)
+        ladder = OnElements(climbed, careful)
         ladder.refine(rtol)
         return _result(ladder, problem, algorithm).checked()
     except (ArithmeticError, np.linalg.LinAlgError, NotConverged):
