@@ -75,7 +75,7 @@ def test_a_followed_half_width_is_that_of_a_new_factorisation(nip: wo.NipProblem
     equations = NipEquations.at(nip, mesh, A)
     solution = solve_stick_slip(equations.joint)
     load = 1.02 * equations.carried(equations.state(solution))
-    found = follow(equations, solution, load, FINE, 2.0)
+    found = follow(equations, equations.state(solution), load, FINE, 2.0)
     assert found is not None
     assert found.state.half_width > A
     assert found.equations.carried(found.state) == pytest.approx(load, rel=FINE.load)
@@ -122,7 +122,7 @@ def test_a_mesh_is_factorised_for_one_half_width_alone(monkeypatch: pytest.Monke
 def test_a_far_load_is_not_followed() -> None:
     equations = NipEquations.at(HARD, Graded().mesh(33), A)
     solution = solve_stick_slip(equations.joint)
-    assert follow(equations, solution, 3 * HARD.nip_load, COARSE, 2.0) is None
+    assert follow(equations, equations.state(solution), 3 * HARD.nip_load, COARSE, 2.0) is None
 
 
 def test_zones_are_foreseen_better_than_by_the_nearest_nodes(
