@@ -30,7 +30,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import log, prod
 
 import numpy as np
 
@@ -50,12 +49,10 @@ Array = np.ndarray
 # below, tractions drown in the rounding of the pressures if both are solved for together
 LEAST_FRICTION = 0.01
 
-# the product of ln a's by which a polynomial between known half widths is off, about
-STRAIGHT = 2e-11
-
 # matrices of linear bodies and of the web that do not depend on what is known
 UNMOVED = frozenset({
-    "curvature", "friction", "force_weights", "indentation", "load_weights", "node_slips",
+    "curvature", "friction", "force_weights", "indentation", "laws", "load_weights",
+    "node_slips",
     "own_pressure", "slip_offset", "slips", "tension_q", "web", "weighs", "_closing",
 })  # fmt: skip
 
@@ -344,28 +341,12 @@ class WrapEquations(WrapColumns):
     # ---- from one half width to another --------------------------------------------------------
 
     def moved(self, a: float) -> WrapEquations:
-        """Return the equations for another half width [m], no matrices made.
-
-        Near those to which they were moved before, bodies answer between these.
-        """
+        """Return the equations for another half width [m], no matrices made."""
         grid = self.grid
         other = grid_for(self.problem, grid.nip, a, grid.first, grid.size - 1 - grid.last)
         made = WrapEquations(self.problem, other, a, self.about)
-        if len(self._known) > 1 and self._off(a) < STRAIGHT:
-            vars(made)["laws"] = made.laws.between(self._known)
-        else:
-            self._known.append(made.laws)
         vars(made)["joint"] = self.joint  # for the sizes of its rows
         return made
-
-    @cached_property
-    def _known(self) -> list[WrapLaws]:
-        """The laws here, and at half widths to which these equations were moved."""
-        return [self.laws]
-
-    def _off(self, a: float) -> float:
-        """Return by about how much a polynomial through the known ones is off at a half width."""
-        return abs(prod(log(a / laws.half_width) for laws in self._known))
 
     def left(self, found: Array) -> Array:
         """Return what unknowns leave of the joint system's right sides; less all slips."""
@@ -433,7 +414,6 @@ class WrapEquations(WrapColumns):
         made = replace(self, about=about)
         if self.problem.linear:
             vars(made).update({name: vars(self)[name] for name in UNMOVED & vars(self).keys()})
-            vars(made)["laws"] = self.laws.exact
         return made
 
 

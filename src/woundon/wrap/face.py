@@ -13,11 +13,10 @@ for every stretch of web, however coarse the cells.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, log, pi, prod
-from typing import Any, ClassVar, NamedTuple
+from math import inf, pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from ..problems.nip import WindingNip
 from .action import FaceAction
 from .grid import Influence, OpenGrid, WrapGrid
 
-__all__ = ["Face", "FaceBetween", "FaceLaws", "Loaded"]
+__all__ = ["Face", "FaceLaws", "Loaded"]
 
 Array = np.ndarray
 
@@ -221,56 +220,6 @@ class FaceLaws:
             bend, points.bending(slope_p, v_p, a, flatter),
             points.bending(slope_q, v_q, a, flatter), slope[:-2], strain[rows],
         )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class FaceBetween:
-    """What a body answers near half widths at which that is known: a polynomial in ln a.
-
-    Attributes
-    ----------
-    exact : FaceLaws
-        At the half width itself; makes the matrices if they are asked for.
-    known : sequence of FaceLaws
-        On grids of as many cells.
-    """
-
-    exact: FaceLaws
-    known: Sequence[FaceLaws]
-
-    acts: ClassVar[bool] = True
-
-    @property
-    def response(self) -> Response | None:
-        """That of the body at the first half width."""
-        return self.known[0].response
-
-    @property
-    def matrices(self) -> Face:
-        """The matrices."""
-        return self.exact.matrices
-
-    @cached_property
-    def shares(self) -> list[float]:
-        """What each of the known ones counts: Lagrange's polynomials in ln a."""
-        at, *known = (log(face.half_width) for face in (self.exact, *self.known))
-        return [
-            prod((at - other) / (one - other) for other in known if other != one) for one in known
-        ]
-
-    def under(self, pressure: Array, traction: Array) -> Loaded:
-        """Return the surface under pressures and tractions on all nodes of the grid."""
-        if self.exact.body.rigid:
-            return self.exact.under(pressure, traction)
-        known = (face.under(pressure, traction) for face in self.known)
-        return Loaded(*(
-            sum(share * part for share, part in zip(self.shares, parts, strict=True))
-            for parts in zip(*known, strict=True)
-        ))  # fmt: skip
-
-    def surface(self, pressure: Array, traction: Array) -> Surface:
-        """Return the same as the losses take it."""
-        return self.exact.surface(pressure, traction)
 
 
 class FaceGrid:

@@ -7,8 +7,7 @@ laws, and their matrices.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -17,7 +16,7 @@ import numpy as np
 from ..contact.response import Tractions
 from ..losses import Surface
 from .columns import WrapColumns
-from .face import FaceBetween, FaceLaws, Loaded
+from .face import FaceLaws, Loaded
 
 __all__ = ["Along", "WrapLaws"]
 
@@ -76,20 +75,7 @@ class WrapLaws(WrapColumns):
         )
 
     @property
-    def exact(self) -> WrapLaws:
-        """The laws as they are at this half width itself."""
-        return replace(self) if isinstance(self.roll, FaceBetween) else self
-
-    def between(self, known: Sequence[WrapLaws]) -> WrapLaws:
-        """Return the laws whose bodies answer as between other half widths."""
-        made = replace(self)
-        for name in ("roll", "drum"):
-            own, *others = (getattr(laws, name) for laws in (self, *known))
-            vars(made)[name] = FaceBetween(own, others)
-        return made
-
-    @property
-    def both(self) -> tuple[FaceLaws | FaceBetween, FaceLaws | FaceBetween]:
+    def both(self) -> tuple[FaceLaws, FaceLaws]:
         """What roll and drum answer."""
         return self.roll, self.drum
 
