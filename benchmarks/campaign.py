@@ -1,10 +1,13 @@
 """Ten thousand random nips: is each solved, is every law kept, is the answer the only one?
 
     python benchmarks/campaign.py --cases 10000 --workers 2
+    python benchmarks/campaign.py --of wrapped --cases 500
+    python benchmarks/campaign.py --of rollers --cases 500
     python benchmarks/campaign.py --two-starts 500
 
-Each writes a table with a row a case (out/campaign.csv, out/two_starts.csv), part by part: stopped
-and called again it goes on.  The seed makes the case (random_nips.py); what failed says why.
+Each writes a table with a row a case (out/campaign_nips.csv, out/two_starts.csv), part by part:
+stopped and called again it goes on.  The seed makes the case (random_nips.py); what failed says
+why.  Times are the processor's, in dense solves of 398 x 398 in the same process.
 """
 
 from __future__ import annotations
@@ -16,14 +19,19 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
+import re
 import sys
 import time
 import warnings
 from collections import Counter
+from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from random_nips import flat_fields, random_nip
+from hardening import dense_solve
+from random_nips import flat_fields, random_nip, random_rollers, random_wrapped_nip
 from table_run import Row, run_table
 
 import woundon as wo
@@ -35,45 +43,56 @@ warnings.simplefilter("ignore", wo.ValidityWarning)
 warnings.simplefilter("ignore", wo.ResolutionWarning)
 
 RESIDUAL = 1e-8
+REFUSED = ("InvalidProblem", "NoSteadyState")
 NODES = 65  # of the compared cases; left free, different starts may choose different grids
 SAME = 1e-7  # of mu+ P: loads are carried to 3e-9, states are the same to the last node
 
-INPUTS = (
-    "web.thickness", "web.material.radial", "web.material.tangential", "web.material.cross",
-    "web.material.shear", "roll.kind", "roll.radius", "roll.core_radius", "drum.kind",
-    "drum.radius", "drum.core_radius", "drum.material.youngs_modulus",
-    "drum.material.poissons_ratio", "roll_friction", "drum_friction", "nip_load",
-    "winding_force", "web_tension",
-)  # fmt: skip
+MAKES: dict[str, Callable[[int], Any]] = {
+    "nips": random_nip, "wrapped": random_wrapped_nip, "rollers": random_rollers
+}  # fmt: skip
 OUTPUTS = (
-    "nip_induced_tension", "error", "half_width", "residual", "law", "iterations",
-    "milliseconds", "warnings", "failure",
+    "main", "error", "half_width", "residual", "law", "iterations", "milliseconds", "dense",
+    "warnings", "failure",
 )  # fmt: skip
 STARTS = ("other case", "all forward", "all backward", "all stick", "random", "twice the width")
 COMPARED = ("nip_induced_tension", "tension_difference", "states_differ", "traction_difference",
             "failure")  # fmt: skip
 
 
-def solved(seed: int) -> Row:
+def solved(seed: int, of: str = "nips") -> Row:
     """Return a row of the campaign."""
-    problem = random_nip(seed)
-    row: Row = dict(flat_fields(problem.model_dump()))
-    start = time.perf_counter()
+    row: Row = {}
     try:
-        result = wo.solve_nip(problem)
+        problem = MAKES[of](seed)
+        row |= flat_fields(problem.model_dump())
+        start = time.process_time()
+        result = wo.solve(problem)
     except Exception as fault:  # whatever it is, it is a finding
         return row | {"failure": f"{type(fault).__name__}: {fault}"}
-    seconds = time.perf_counter() - start
+    seconds, name = time.process_time() - start, next(iter(type(result).MAIN), "half_width")
     return row | {
-        "nip_induced_tension": result.nip_induced_tension,
-        "error": result.nip_induced_tension_error,
+        "main": getattr(result, name),
+        "error": result.errors.get(name, ""),
         "half_width": result.half_width,
         "residual": result.residuals.largest,
         "law": result.residuals.worst,
         "iterations": result.iterations,
         "milliseconds": round(1e3 * seconds, 2),
+        "dense": round(seconds / _unit(), 2),
         "warnings": len(result.warnings),
     }
+
+
+@cache
+def _unit() -> float:
+    """Return the processor time of a dense solve in this process [s]."""
+    return dense_solve()
+
+
+def inputs(of: str) -> list[str]:
+    """Return the names of the fields of all bodies that a family's cases have."""
+    found = (name for seed in range(60) for name, _ in flat_fields(MAKES[of](seed).model_dump()))
+    return list(dict.fromkeys(found))
 
 
 def compared(seed: int) -> Row:
@@ -152,24 +171,36 @@ def _change(one: np.ndarray, other: np.ndarray) -> float:
 
 def report_campaign(rows: list[dict[str, str]]) -> str:
     """Return the campaign's summary as Markdown."""
-    failed = [row for row in rows if row["failure"]]
+    refused = [row for row in rows if row["failure"].startswith(REFUSED)]
+    failed = [row for row in rows if row["failure"] and row not in refused]
     good = [row for row in rows if not row["failure"]]
     worst = max(good, key=lambda row: float(row["residual"]))
     systems = np.array([float(row["iterations"]) for row in good])
-    times = np.array([float(row["milliseconds"]) for row in good])
+    times, units = (
+        np.array([float(row[key]) for row in good]) for key in ("milliseconds", "dense")
+    )
     loose = sum(float(row["residual"]) > RESIDUAL for row in good)
     lines = [
         ("cases", f"{len(rows)}"),
+        *([("refused", f"{len(refused)}")] if refused else []),
         ("exceptions", f"{len(failed)}"),
         ("a residual above 1e-8", f"{loose}"),
         ("largest residual", f"{float(worst['residual']):.1e} ({worst['law'].replace('_', ' ')}, "
                              f"seed {worst['seed']})"),
         ("linear systems: median, 99 %, most", _spread(systems)),
         ("milliseconds: median, 99 %, most", _spread(times)),
+        ("dense solves of 398 x 398: median, 99 %, most", _spread(units)),
         ("with a validity warning", f"{sum(int(row['warnings']) > 0 for row in good)}"),
     ]  # fmt: skip
     text = "| | |\n|---|---|\n" + "".join(f"| {name} | {value} |\n" for name, value in lines)
+    reasons = Counter(_reason(row["failure"]) for row in refused)
+    text += "".join(f"\n- refused, {count}: {reason}" for reason, count in reasons.items())
     return text + _failures(failed)
+
+
+def _reason(failure: str) -> str:
+    """Return what a refusal says, without its numbers."""
+    return re.sub(r"-?\d[\d.e+-]*", "#", failure.splitlines()[0].partition(": ")[2])
 
 
 def report_two_starts(rows: list[dict[str, str]]) -> str:
@@ -211,7 +242,8 @@ def _failures(failed: list[dict[str, str]]) -> str:
 def main() -> int:
     """Run; return 1 if a case failed."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--cases", type=int, default=0, help="random nips, seeds from --first")
+    options.add_argument("--of", choices=MAKES, default="nips")
+    options.add_argument("--cases", type=int, default=0, help="random cases, seeds from --first")
     options.add_argument("--two-starts", type=int, default=0, help="cases solved from many starts")
     options.add_argument("--first", type=int, default=0, help="first seed")
     options.add_argument("--workers", type=int, default=1, help="processes")
@@ -219,14 +251,20 @@ def main() -> int:
     given = options.parse_args()
     faults = 0
     for count, name, columns, work, report in (
-        (given.cases, "campaign", (*INPUTS, *OUTPUTS), solved, report_campaign),
+        (
+            given.cases,
+            f"campaign_{given.of}",
+            (*inputs(given.of), *OUTPUTS),
+            partial(solved, of=given.of),
+            report_campaign,
+        ),
         (given.two_starts, "two_starts", COMPARED, compared, report_two_starts),
     ):
         if count:
             seeds = range(given.first, given.first + count)
             path = given.folder / f"{name}.csv"
             rows = run_table(path, ("seed", *columns), seeds, work, given.workers)
-            faults += sum(bool(row["failure"]) for row in rows)
+            faults += sum(not (row["failure"] or REFUSED[0]).startswith(REFUSED) for row in rows)
             text = report(rows)
             path.with_suffix(".md").write_text(text, encoding="utf-8")
             print(text)

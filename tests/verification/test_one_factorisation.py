@@ -173,6 +173,31 @@ def test_what_neighbours_told_counts_as_one_s_own_changes_up_to_three() -> None:
     assert np.isnan(Scatter.of([1.0], 64, 1.0).error(64, 1.0))
 
 
+def test_errors_that_fall_by_less_are_told_as_larger_by_what_coarse_meshes_left() -> None:
+    """Random errors s z 2^-1.5k: told by order two, twice as many lie outside as asked."""
+    random, cases = np.random.default_rng(4), 20_000
+    errors = random.normal(size=(cases, 4)) * 2.0 ** (-1.5 * np.arange(4))
+    outside = {}
+    for order in (1.5, 2.0):
+        told = [Scatter.of(v.tolist(), 64, 7.0, order).error(64, 7.0) for v in errors]
+        outside[order] = np.mean(np.abs(errors[:, -1]) > 1.5 * np.array(told))
+    assert 0.0075 < outside[1.5] < 0.0225
+    assert outside[2.0] > 1.5 * outside[1.5]
+
+
+def test_changes_that_are_small_by_chance_tell_no_certainty() -> None:
+    """What is usual counts as half a change, on meshes of any size as of second order."""
+    small, usual = Scatter.of([1.0, 1.0, 1.0], 64, 1.0), 3.0
+    assert small.error(64, 1.0) == 0
+    told = small.error(64, 1.0, usual)
+    # Student's t of 2.5 degrees of freedom, 6.047, over 1.5; half a change among two and a half
+    assert told == pytest.approx(6.047 / 1.5 * np.sqrt(0.5 / 2.5) * usual / 64**2)
+    assert small.error(128, 1.0, usual) == pytest.approx(told / 4)
+    large = Scatter.of([1.0, 2.0, 1.5], 64, 1.0)
+    # beside large changes it only adds what is known of them
+    assert large.error(64, 1.0, usual) < large.error(64, 1.0)
+
+
 def test_a_start_is_as_sure_of_its_errors_as_a_cold_solve() -> None:
     """Cold on three meshes, from a neighbour on two: told within a factor of three."""
     for nip in (NIPS["hard drum"], NIPS["cover"]):

@@ -138,6 +138,15 @@ class Contact(Protocol):
         """Return what relative errors of a scalar are measured by."""
         ...
 
-    def grain(self, name: str, mesh: Mesh) -> float:
-        """Return what a mesh leaves of a scalar that changes between meshes need not show."""
+    @property
+    def order(self) -> float:
+        """By which power of the cells errors fall from mesh to mesh, those that fall least."""
+        ...
+
+    def usual_scatter(self, name: str) -> float:
+        """Return by how much a scalar scatters usually, relative and as of one cell; 0: unknown."""
+        ...
+
+    def grain(self, name: str, level: Level) -> float:
+        """Return what a solved mesh leaves of a scalar, which changes need not show."""
         ...

@@ -68,6 +68,8 @@ BLUR = 0.1  # of the load missed: the imbalance from which on it is found again 
 MOST_UNCHECKED = 3  # neighbours in a row whose errors are told by other cases alone
 NEAR = 0.03  # of the nodes change their zone from one case to the next: it scatters alike
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
+# there errors are regular: by order two a third of the last change, a twelfth of the one before
+FITTED_WEIGHTS = (0.5, 0.1)
 
 
 class Ladder:
@@ -111,6 +113,7 @@ class Ladder:
         self.values: dict[str, float] = {}
         self.errors: dict[str, float] = {}
         self.solves = 0
+        self._weights = ERROR_WEIGHTS
         self._by_nodes: dict[int, float] = {}
         self._expected: Mapping[int, float] = {}  # half widths, from a neighbouring case
         self._unchecked = 0  # neighbours in a row, this one included
@@ -183,6 +186,7 @@ class Ladder:
                 continue
             if not last:
                 start = self.level.start
+        self._weights = FITTED_WEIGHTS
         self._tell()
 
     def double(self, rtol: float, most: int) -> None:
@@ -227,7 +231,8 @@ class Ladder:
         if told is None:
             return counts[0]
         told = told._replace(changes=REMEMBERED + 1)  # as it would be known after a check
-        return next((n for n in counts if told.error(n - 1, 1.0) <= rtol), counts[-1])
+        usual = self.contact.usual_scatter(self.target)
+        return next((n for n in counts if told.error(n - 1, 1.0, usual) <= rtol), counts[-1])
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
@@ -242,7 +247,7 @@ class Ladder:
         return {
             name: error
             + abs(getattr(result, name) - self.values[name])
-            + self.contact.grain(name, self.level.mesh)
+            + self.contact.grain(name, self.level)
             for name, error in self.errors.items()
         }
 
@@ -269,14 +274,15 @@ class Ladder:
         cells = self.level.mesh.nodes.size - 1
         if self.scatters:
             largest = max(self.contact.scale(name, value) for value in values)
-            known = Scatter.of(values, cells, largest).after(self._scattered.get(name))
+            order = self.contact.order
+            known = Scatter.of(values, cells, largest, order).after(self._scattered.get(name))
             self._scatters[name] = known
             if known.changes > 1:
-                return known.error(cells, largest)
+                return known.error(cells, largest, self.contact.usual_scatter(name))
         if len(values) == 2:
             chance, scale = CHANCE * (64 / cells) ** 1.6, self.contact.scale(name, values[-1])
             return CHANGE_WEIGHT * abs(values[1] - values[0]) + chance * scale
-        return by_changes(values)
+        return by_changes(values, self._weights)
 
     def _extrapolate(self, before: list[Scalars], fitted: list[Scalars]) -> None:
         for name in self.values:

@@ -2,14 +2,17 @@ r"""Told discretisation errors, by the changes of an output from mesh to mesh.
 
 On the program's own meshes, each of twice the cells of the one before, an output is
 
-    v_k = v + s 4^{-k} z_k,    z_k independent, of variance 1:
+    v_k = v + s f^{-k} z_k,    z_k independent, of variance 1,  f = 4:
 
-second order, but erratic, because the borders of the zones fall anywhere between the nodes.  A
-change d_k = v_k - v_{k-1} then has the variance (1 + 16) s^2 16^{-k}, so that each change, taken to
-the last mesh, tells the scatter s there once more, and the last error over what n changes tell is
-distributed as Student's t with n degrees of freedom.  The told error is the one that is exceeded
-:data:`WITHIN` times in :data:`OUTSIDE` of cases.  (Smooth errors of second order, d/3, are within.)
-A neighbouring case scatters as much, though not alike: what its changes told counts too.
+second order, but erratic, because the borders of the zones fall anywhere between the nodes.  (On a
+rigid body tractions may jump at a border, which leaves errors of first order beside those of second
+one: there f is in between.)  A change d_k = v_k - v_{k-1} then has the variance
+(1 + f^2) s^2 f^{-2k}, so that each change, taken to the last mesh, tells the scatter s there once
+more, and the last error over what n changes tell is distributed as Student's t with n degrees of
+freedom.  The told error is the one that is exceeded :data:`WITHIN` times in :data:`OUTSIDE` of
+cases.  (Smooth errors of second order, d/3, are within.)  A neighbouring case scatters as much,
+though not alike: what its changes told counts too.  All changes may be small by chance; so what an
+output scatters by usually counts as half a change more.
 """
 
 from __future__ import annotations
@@ -30,32 +33,34 @@ ERROR_WEIGHTS = (0.7, 0.2)
 # which falls with the nodes: 95 % of random nips are within 2 estimates (4.3 of the change alone).
 CHANGE_WEIGHT, CHANCE = 0.4, 4e-4
 
-ORDER = 2
+ORDER = 2.0
 WITHIN, OUTSIDE = 1.5, 0.015
 COUNTED = 3  # changes of a case: of coarser meshes the order is not two yet
 REMEMBERED = 3  # changes of neighbouring cases
-# Student's t that is exceeded, either way, in OUTSIDE of cases, by degrees of freedom from 1 on
-STUDENT = (42.433, 8.073, 5.047, 4.088, 3.634, 3.372, 3.203)
+# Student's t exceeded, either way, in OUTSIDE of cases: of 1, 1.5, 2, ... degrees of freedom
+STUDENT = (42.433, 13.583, 8.073, 6.047, 5.047, 4.465, 4.088, 3.826, 3.634, 3.487, 3.372, 3.279,
+           3.203, 3.139)  # fmt: skip
 
 
 class Scatter(NamedTuple):
     """The scatter s of an output, as of a mesh of one cell and over the output's scale.
 
-    ``changes`` tell it: the degrees of freedom.
+    ``changes`` tell it: the degrees of freedom.  It falls with the cells to the power ``order``.
     """
 
     size: float
     changes: int
+    order: float = ORDER
 
     @classmethod
-    def of(cls, values: Sequence[float], cells: int, scale: float) -> Scatter:
+    def of(cls, values: Sequence[float], cells: int, scale: float, order: float = ORDER) -> Scatter:
         """Return that of the values of one mesh after another, the last of so many cells."""
-        changes, falls = [b - a for a, b in pairwise(values)][::-1][:COUNTED], 2**ORDER
+        changes, falls = [b - a for a, b in pairwise(values)][::-1][:COUNTED], 2**order
         squares = sum((change / falls**k) ** 2 for k, change in enumerate(changes))
         count = len(changes)
         if count == 0 or scale == 0:
-            return cls(0.0, count)
-        return cls(sqrt(squares / (count * (1 + falls**2))) * cells**ORDER / scale, count)
+            return cls(0.0, count, order)
+        return cls(sqrt(squares / (count * (1 + falls**2))) * cells**order / scale, count, order)
 
     def after(self, before: Scatter | None) -> Scatter:
         """Return what is known with what a neighbouring case told, the last of it at most."""
@@ -64,14 +69,21 @@ class Scatter(NamedTuple):
         known = min(before.changes, REMEMBERED)
         count = self.changes + known
         squares = self.changes * self.size**2 + known * before.size**2
-        return Scatter(sqrt(squares / count), count) if count else self
+        return self._replace(size=sqrt(squares / count), changes=count) if count else self
 
-    def error(self, cells: int, scale: float) -> float:
-        """Return the told error on a mesh of so many cells; nan where nothing is known."""
+    def error(self, cells: int, scale: float, usual: float = 0.0) -> float:
+        """Return the told error on a mesh of so many cells; nan where nothing is known.
+
+        ``usual`` is what such outputs scatter by in the middle of many cases, on the same terms as
+        ``size`` but of order two; 0 where that is not known.
+        """
         if self.changes == 0:
             return nan
-        student = STUDENT[min(self.changes, len(STUDENT)) - 1]
-        return student / WITHIN * self.size * scale / cells**ORDER
+        size, half = self.size / cells**self.order, int(usual > 0)
+        known = self.changes + half / 2
+        squares = self.changes * size**2 + half / 2 * (usual / cells**ORDER) ** 2
+        student = STUDENT[min(2 * self.changes + half - 1, len(STUDENT)) - 1]
+        return student / WITHIN * sqrt(squares / known) * scale
 
 
 def by_changes(values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:

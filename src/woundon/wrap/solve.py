@@ -301,7 +301,7 @@ class WrapContact(PairContact):
             **slip_ratios(self.problem, _in_nip(along_web(level), grid)),
         }
 
-    def grain(self, name: str, mesh: Mesh) -> float:
+    def grain(self, name: str, level: Level) -> float:
         """Return what a mesh leaves of an output that changes between meshes need not show.
 
         The drum's creep is fixed where the web comes onto the drum: there its hoop pressure and
@@ -309,7 +309,7 @@ class WrapContact(PairContact):
         """
         problem = self.problem
         if name != "drum_creep" or not problem.drum_wrap:
-            return super().grain(name, mesh)
+            return super().grain(name, level)
         hoop = problem.drum.compliance * problem.web_tension / problem.drum.radius
         own = problem.web.compliance.c11 / problem.web.thickness * problem.web_tension
         return float(ENTRY * hoop + ROUNDING * own)
