@@ -194,9 +194,9 @@ def test_a_curve_goes_through_the_state(client, cases):
     told = client.post("/api/curve", json=cases["nip"], params=asked).json()
     assert told["values"][2] == told["at"] == cases["nip"]["nip_load"]
     result = wo.solve(wo.NipProblem.example())
-    # each state starts from the one before: the same to the solver's tolerance
+    # each state starts from the one before, maybe on another mesh: the same within told errors
     assert told["outputs"]["nip_induced_tension"][2] == pytest.approx(
-        result.nip_induced_tension, rel=1e-7
+        result.nip_induced_tension, abs=2 * result.errors["nip_induced_tension"]
     )
     assert not told["failures"]
 

@@ -338,7 +338,9 @@ def test_a_study_is_run_seen_and_cancelled(look, example):
     assert list(map(float, loads)) == [3000, 3500, 4000]
     for load, tension in zip(loads, tensions, strict=True):
         result = wo.solve(example.replace(nip_load=float(load)))
-        assert float(tension) == pytest.approx(result.wound_on_tension, rel=CLOSE)
+        # each from the one before, maybe on another mesh: the same within told errors
+        apart = 2 * result.errors["wound_on_tension"]
+        assert float(tension) == pytest.approx(result.wound_on_tension, abs=apart)
 
 
 def test_a_wound_roll_by_dragging_its_schedule(look):

@@ -52,7 +52,7 @@ def _misses(name: str, quantity: str, change: float, way: str = "own", place: in
     [
         ("nip 1:", "nip_induced_tension", None, "nip_induced_tension"),
         ("nip 1:", "pressure", 0, "pressure.norm"),
-        ("wrap 1:", "wound_on_tension", None, "wound_on_tension"),
+        ("wrap 2:", "wound_on_tension", None, "wound_on_tension"),
         ("rollers 1:", "creepage", None, "creepage"),
         ("sweep 1:", "half_width", 3, "half_width[3]"),
     ],

@@ -5,6 +5,7 @@ It registers itself when imported, as a plug-in does; worker processes import it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar
@@ -51,8 +52,10 @@ class SpringsResult(Result):
     def share(self, spring: int = 0) -> Annotated[float, pure("s", "share of the first spring")]:
         return self.problem.force / self.problem.springs[spring].stiffness / self.extension
 
-    def sensitivity(self, *names: str) -> Any:
+    def sensitivity(self, *names: str, outputs: Sequence[str] = ()) -> Any:
         """Exact derivatives of the end alone; the colour of springs has none."""
+        if set(outputs) - {"end"}:
+            raise InvalidProblem.at("outputs", f"{outputs} have no derivatives; only the end has")
         if any(name.endswith("colour") for name in names):
             raise InvalidProblem.at("colour", "not a continuous field")
         return _Sensitivity(("end",), names, np.array([[self._slope(name) for name in names]]))

@@ -192,8 +192,8 @@ def test_wraps_are_swept_from_a_study_file(wrapped_case: Path, tmp_path: Path):
         assert data.roll_wrap.values == pytest.approx([np.pi / 6, 3.0])
         single = wo.solve(base.replace(wrap_friction=0.3, roll_wrap=3.0), nodes=17)
         assert float(data.wound_on_tension[1, 1]) == pytest.approx(
-            single.wound_on_tension, rel=1e-12
-        )  # the same solve
+            single.wound_on_tension, rel=8e-9
+        )  # from its neighbour; the load is met to this
 
 
 def test_rollers_are_swept_from_a_study_file(tmp_path: Path):

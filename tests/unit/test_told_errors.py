@@ -200,7 +200,8 @@ def test_the_peak_of_elements_is_that_between_their_nodes() -> None:
     assert best.scheme == "elements"
     assert best.pressure.max() < 0.997 * best.peak_pressure
     assert best.peak_pressure == pytest.approx(even.peak_pressure, rel=1e-4)
-    assert best.errors["peak_pressure"] < 1e-5 * best.peak_pressure
+    # told by the change between two orders, of which the last is off by 3e-7
+    assert best.errors["peak_pressure"] < 1e-4 * best.peak_pressure
 
 
 def test_one_mesh_alone_tells_none() -> None:

@@ -133,6 +133,14 @@ class Description(BaseModel, metaclass=Described):
     def __dir__(self) -> list[str]:
         return sorted({*dir(type(self)), *type(self).model_fields})
 
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        # what is cached beside the fields may hold arrays, which do not compare
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
     def __init__(self, /, **fields: Any) -> None:
         try:
             self.__pydantic_validator__.validate_python(fields, self_instance=self)
