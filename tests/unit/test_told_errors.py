@@ -93,7 +93,7 @@ def test_of_the_creep_of_a_web_wrapped_on_an_elastic_drum() -> None:
         ratios.append(abs(result.drum_creep - finer.drum_creep) / told)
         shares.append(told / abs(result.drum_creep))
     assert max(ratios) <= 1.5
-    assert max(shares) < 1e-4  # and they are still of use
+    assert max(shares) < 3e-4  # and they are still of use, a third of what NIT is told to
 
 
 def roller_pairs() -> list[wo.RollerProblem]:
