@@ -158,15 +158,12 @@ class Grid:
         # far away the logarithm cancels, so it is expanded
         far = np.abs(z) < 2e-2
         zf = z[far]
-        first[far] = zf * (
-            1 / 2
-            + zf
-            * (
-                1 / 3
-                + zf * (1 / 4 + zf * (1 / 5 + zf * (1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))
-            )
-        )
-        zeroth[far] = zf * (1 + first[far])
+        series = zf / 9
+        for k in range(8, 1, -1):
+            series += 1 / k
+            series *= zf
+        first[far] = series
+        zeroth[far] = zf * (1 + series)
         # at the contact's own ends the hats vanish with the distance: only the finite rests stay
         starts, ends = self.distance == 0, z == 1
         zeroth[starts], first[starts] = -1.0, -1.0

@@ -33,7 +33,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import ceil, log, pi
+from math import ceil, factorial, log, pi
 
 import numpy as np
 
@@ -48,6 +48,7 @@ PER_E = 16  # steps of the table for each factor e: quintics leave 1e-10
 SHORTEST = 1e-10  # distance in the table, of the longest; and a hundredth of the shortest lag
 ALIKE = 1e-15  # what kernels that are sums of others may miss
 UPWARDS = 0.2  # eps from which the recurrence starts at P_0
+SERIES = [-((-1) ** k) / factorial(k) * sum(1 / m for m in range(1, k + 1)) for k in range(2, 22)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,13 +106,12 @@ class Lag:
             table, shares = lag._table
             return np.einsum("r,krs->ks", shares[kernel], table)[:, None], np.ones((1, 1))
         basis, shares = self._basis
-        t = _distances(self.reach, self._steps)
-        made, known = [], _tabulated(tuple(self.length.tolist()), self.reach, self._steps)
-        for sign, each in zip((-1.0, 1.0), known, strict=True):
-            f, d, s = (_summed(basis, parts) for parts in each)
-            d, s = sign * d * t / PER_E, s * (t / PER_E) ** 2 + sign * d * t / PER_E**2
-            made.append([quintics(np.array(values)) for values in zip(f, d, s, strict=True)])
-        return np.ascontiguousarray(np.concatenate(made, axis=1).transpose(2, 0, 1)), shares
+        known = _tabulated(tuple(self.length.tolist()), self.reach, self._steps)
+        f, d, s = (_summed(basis, parts) for parts in known)
+        step = _distances(self.reach, self._steps) / PER_E
+        by_logarithm = np.array([f, d * step, s * step**2 + d * step / PER_E])
+        made = quintics(by_logarithm.reshape(3, len(basis), 2, -1))
+        return np.moveaxis(made, -1, 0).reshape(6, len(basis), -1), shares
 
     @property
     def shares(self) -> Array:
@@ -133,12 +133,11 @@ class Lag:
         np.minimum(i, steps - 1, out=i)
         x -= i
         i += np.where(before.ravel(), 0, steps)
-        c = table.take(i, axis=-1)
-        y = c[5] * x
-        for power in (4, 3, 2, 1):
-            y += c[power]
+        y = table[5].take(i, axis=-1, mode="clip")
+        one = np.empty_like(y)
+        for c in table[4::-1]:  # all six at once would leave the processor's cache
             y *= x
-        y += c[0]
+            y += c.take(i, axis=-1, out=one, mode="clip")
         if short is not None:  # like t^2, but for its logarithm
             y *= short
         return y.reshape(-1, *logarithm.shape)
@@ -166,15 +165,15 @@ def _each(length: Array, t: Array) -> list[Parts]:
 
 
 def _distances(reach: float, steps: int) -> Array:
-    """Return the distances of the table, on either side of t = 0."""
-    return reach * np.exp(np.arange(-steps, 1) / PER_E)
+    """Return t of the table: at the same distances before 0, then behind it."""
+    t = reach * np.exp(np.arange(-steps, 1) / PER_E)
+    return np.concatenate([-t, t])
 
 
 @lru_cache(maxsize=2)  # of a body's gradients as of its displacements
-def _tabulated(length: tuple[float, ...], reach: float, steps: int) -> tuple[list[Parts], ...]:
+def _tabulated(length: tuple[float, ...], reach: float, steps: int) -> list[Parts]:
     """Return :func:`_each` at the table's distances, before and behind."""
-    t = _distances(reach, steps)
-    return tuple(_each(np.array(length), sign * t) for sign in (-1.0, 1.0))
+    return _each(np.array(length), _distances(reach, steps))
 
 
 def _pole(u: Array) -> tuple[Array, Array, Array]:
@@ -185,16 +184,16 @@ def _pole(u: Array) -> tuple[Array, Array, Array]:
     F = np.empty(u.shape)
     F[~near] = _forgotten(u[~near])
     z = u[near]
-    series, term, harmonic = np.zeros(z.size), np.ones(z.size), 0.0
-    for k in range(1, 22):  # (-u)^k/k! H_k
-        term = term * (-z) / k
-        harmonic += 1 / k
-        series -= term * harmonic
-    own, gone = logarithm[near], np.expm1(-z)
+    rest = np.full(z.size, SERIES[-1])
+    for c in SERIES[-2::-1]:
+        rest *= z
+        rest += c
+    rest *= z * z
+    own, gone, series = logarithm[near], np.expm1(-z), z + rest
     F[near] = (1 + gone) * own + series
     once, twice = logarithm - F, (u - 1) * logarithm - u + F
     once[near] = -gone * own - series
-    twice[near] = (gone + z) * own + (series - z)
+    twice[near] = (gone + z) * own + rest
     return twice, once, F
 
 
