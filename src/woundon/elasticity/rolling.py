@@ -206,17 +206,17 @@ class Surface:
 
     def kernels(self, parts: list[Part]) -> tuple[list[Kernel], _Together, Lag | None]:
         """Return the influence functions, their smooth parts at once, and their lags."""
-        lag, made = None, []
+        lag, made, together = None, [], _Together.of(parts)
         if self.fast.any():
             length, R = self.compliance.length[self.fast], self.radius
             lag = Lag(length, np.array([part.lag for part in parts]), (pi + 1) * R)
         for k, part in enumerate(parts):
             even, odd = part.even.kernel(), part.odd.kernel()
             made.append(replace(
-                even, inverse=odd.inverse, sign=odd.sign, smooth=_Alone(_Together.of([part])),
+                even, inverse=odd.inverse, sign=odd.sign, smooth=_Alone(together.one(k)),
                 twice=_Twice(part), lag=None if lag is None else lag.one(k),
             ))  # fmt: skip
-        return made, _Together.of(parts), lag
+        return made, together, lag
 
 
 def _divided(a: Array, z: complex) -> tuple[Array, complex]:
@@ -237,6 +237,10 @@ class _Together:
     @classmethod
     def of(cls, parts: list[Part]) -> _Together:
         return cls(HarmonicSums(tuple(p.even for p in parts) + tuple(p.odd for p in parts)))
+
+    def one(self, kernel: int) -> _Together:
+        """Return the smooth part of one of the kernels, by the table of all."""
+        return _Together(self.sums.some(slice(kernel, None, len(self.sums.sums) // 2)))
 
     def __call__(self, t: Array) -> Array:
         values = self.sums(t)
