@@ -48,7 +48,7 @@ class Past(Protocol):
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r)."""
+        """What each kernel has of the ``parts``, (kernels, r); as many are the kernels themselves."""
         ...
 
     def parts(self, before: Array, logarithm: Array) -> Array:
@@ -275,12 +275,15 @@ class Grid:
         before, logarithm = (part[rows] for part in self.apart)
         shares = lag.shares
         out = np.empty((len(shares), len(before), self.unknowns))
-        rows_at_once, cells = 1 + BLOCK // self.nodes.size, scale * self.cells
+        rows_at_once, per_cell = 1 + BLOCK // self.nodes.size, 1 / (scale * self.cells)
         for first in range(0, len(before), rows_at_once):
             block = slice(first, first + rows_at_once)
             K = lag.parts(before[block], logarithm[block] + np.log(scale))
             rise = K[..., 1:] - K[..., :-1]
-            rise /= cells
+            rise *= per_cell
+            if len(K) == len(out):
+                np.subtract(rise[..., 1:], rise[..., :-1], out=out[:, block])
+                continue
             hats = rise[..., 1:] - rise[..., :-1]
             out[:, block] = (shares @ hats.reshape(len(K), -1)).reshape(-1, *hats.shape[1:])
         return out

@@ -82,10 +82,15 @@ class Lag:
 
     @cached_property
     def _basis(self) -> tuple[Array, Array]:
-        """Amplitudes of kernels of which all are sums, (r, M), and their shares, (kernels, r)."""
+        """Amplitudes of kernels of which all are sums, (r, M), and their shares, (kernels, r).
+
+        Where none is a sum of others, they are their own.
+        """
         parts = np.hstack([self.amplitude.real, self.amplitude.imag])
         shares, size, rows = np.linalg.svd(parts, full_matrices=False)
         kept = size > ALIKE * size[0]
+        if kept.sum() == len(parts):
+            return self.amplitude, np.eye(len(parts))
         rows, M = rows[kept], self.length.size
         return rows[:, :M] + 1j * rows[:, M:], shares[:, kept] * size[kept]
 
@@ -115,7 +120,7 @@ class Lag:
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r)."""
+        """What each kernel has of the ``parts``, (kernels, r); as many are the kernels themselves."""
         return self._table[1]
 
     def twice(self, before: Array, logarithm: Array) -> Array:
@@ -125,7 +130,8 @@ class Lag:
     def parts(self, before: Array, logarithm: Array) -> Array:
         """Return the second integrals of which those of all kernels are sums, (r, *shape)."""
         steps, table = self._steps, self._table[0]
-        x = (logarithm * PER_E + (steps - log(self.reach) * PER_E)).ravel()
+        x = (logarithm * PER_E).ravel()
+        x += steps - log(self.reach) * PER_E
         short = np.exp(np.minimum(x, 0.0) * (2 / PER_E)) if x.min() < 0 else None
         if short is not None:
             np.maximum(x, 0.0, out=x)
