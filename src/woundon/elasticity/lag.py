@@ -63,18 +63,15 @@ class Lag:
         g_m.
     reach : float
         Largest distance that is asked for [m].
-    part_of : (Lag, int), optional
-        Kernels that this is one of, and which: its table is made of theirs.
     """
 
     length: Array
     amplitude: Array
     reach: float
-    part_of: tuple[Lag, int] | None = None
 
     def one(self, kernel: int) -> Lag:
         """Return one of the kernels alone."""
-        return Lag(self.length, self.amplitude[kernel : kernel + 1], self.reach, (self, kernel))
+        return Lag(self.length, self.amplitude[kernel : kernel + 1], self.reach)
 
     def exactly(self, t: Array, order: int = 0) -> Array:
         """Return the second integrals at t (k,), or a derivative of them, (kernels, k)."""
@@ -86,13 +83,14 @@ class Lag:
 
         Where none is a sum of others, they are their own.
         """
-        parts = np.hstack([self.amplitude.real, self.amplitude.imag])
-        shares, size, rows = np.linalg.svd(parts, full_matrices=False)
-        kept = size > ALIKE * size[0]
-        if kept.sum() == len(parts):
-            return self.amplitude, np.eye(len(parts))
-        rows, M = rows[kept], self.length.size
-        return rows[:, :M] + 1j * rows[:, M:], shares[:, kept] * size[kept]
+        if len(self.amplitude) > 1:
+            parts = np.hstack([self.amplitude.real, self.amplitude.imag])
+            shares, size, rows = np.linalg.svd(parts, full_matrices=False)
+            kept = size > ALIKE * size[0]
+            if not kept.all():
+                rows, M = rows[kept], self.length.size
+                return rows[:, :M] + 1j * rows[:, M:], shares[:, kept] * size[kept]
+        return self.amplitude, np.eye(len(self.amplitude))
 
     @cached_property
     def _steps(self) -> int:
@@ -106,10 +104,6 @@ class Lag:
 
         (6, r, 2 steps), t < 0 first, and (kernels, r).
         """
-        if self.part_of is not None:
-            lag, kernel = self.part_of
-            table, shares = lag._table
-            return np.einsum("r,krs->ks", shares[kernel], table)[:, None], np.ones((1, 1))
         basis, shares = self._basis
         known = _tabulated(tuple(self.length.tolist()), self.reach, self._steps)
         f, d, s = (_summed(basis, parts) for parts in known)

@@ -178,10 +178,9 @@ class Surface:
         """
         j_0, j, _ = self.compliance
         a = a.astype(complex)
-        powers, amplitude = j_0 * a, np.zeros(j.size, dtype=complex)
-        for m in np.flatnonzero(self.fast):
-            B, amplitude[m] = _divided(a, -1j * self.eps[m])
-            powers[1:] += j[m] * B
+        B, amplitude = _divided(a, -1j * self.eps[self.fast])
+        powers = j_0 * a
+        powers[1:] += B @ j[self.fast]
         rest = np.append(rest, np.zeros(self.n.size - rest.size)) * self.whole
         if self.slow.any():
             slowly = np.zeros(a.size, dtype=complex)
@@ -193,15 +192,15 @@ class Surface:
             rest += self.powers(a) * self.retarded - self.powers(slowly)
         turn: complex = -1j if odd else 1.0
         c, left = turn * powers, turn * rest
-        amplitude = scale * turn * amplitude * j
-        regular = (amplitude[self.fast] @ self.regular).real
+        amplitude = scale * turn * amplitude * j[self.fast]
+        regular = (amplitude @ self.regular).real
         is_even = np.arange(POWERS) % 2 == 0
         return Part(
             HarmonicSum(False, self.radius, scale, mean, c.real, left.real,
                         np.where(is_even, regular, 0.0)),
             HarmonicSum(True, self.radius, -scale, 0.0, c.imag, left.imag,
                         np.where(is_even, 0.0, regular)),
-            1j * self.radius * amplitude[self.fast],
+            1j * self.radius * amplitude,
         )  # fmt: skip
 
     def kernels(self, parts: list[Part]) -> tuple[list[Kernel], _Together, Lag | None]:
@@ -219,9 +218,9 @@ class Surface:
         return made, together, lag
 
 
-def _divided(a: Array, z: complex) -> tuple[Array, complex]:
-    """Return B and A(z) of A(x) = A(z) + (x - z) B(x), powers upwards."""
-    B, value = np.zeros(a.size - 1, dtype=complex), complex(a[-1])
+def _divided(a: Array, z: Array) -> tuple[Array, Array]:
+    """Return B and A(z) of A(x) = A(z) + (x - z) B(x) for each z, (J, M) and (M,); powers upwards."""
+    B, value = np.empty((a.size - 1, z.size), dtype=complex), np.full(z.size, a[-1])
     for k in range(a.size - 2, -1, -1):
         B[k] = value
         value = a[k] + z * value
