@@ -133,11 +133,12 @@ class Lag:
         np.minimum(i, steps - 1, out=i)
         x -= i
         i += np.where(before.ravel(), 0, steps)
-        y = table[5].take(i, axis=-1, mode="clip")
-        one = np.empty_like(y)
-        for c in table[4::-1]:  # all six at once would leave the processor's cache
+        c = table.take(i, axis=-1)
+        y = c[5] * x
+        for power in (4, 3, 2, 1):
+            y += c[power]
             y *= x
-            y += c.take(i, axis=-1, out=one, mode="clip")
+        y += c[0]
         if short is not None:  # like t^2, but for its logarithm
             y *= short
         return y.reshape(-1, *logarithm.shape)

@@ -121,7 +121,8 @@ def _kernels(
     ]
     kernels, together, lag = surface.kernels(parts[:4])
     slope_p, slope_q, strain_p, strain_q = kernels
-    (normal_p, coupling, tangent_q), _, _ = surface.kernels(parts[4:])
+    (normal_p, coupling), _, _ = surface.kernels(parts[4:6])
+    (tangent_q,), _, _ = surface.kernels(parts[6:])  # often nobody asks for its table
     return SurfaceKernels(
         normal_p, coupling, coupling, tangent_q, slope_p, slope_q, strain_p, strain_q,
         length=R * min(1.0, 2 * decay), truncation_error=error, terms=n.size,
