@@ -48,7 +48,7 @@ class Past(Protocol):
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r); as many are the kernels themselves."""
+        """What each kernel has of the ``parts``, (kernels, r); if as many, they are the kernels."""
         ...
 
     def parts(self, before: Array, logarithm: Array) -> Array:

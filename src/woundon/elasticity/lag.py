@@ -114,7 +114,7 @@ class Lag:
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r); as many are the kernels themselves."""
+        """What each kernel has of the ``parts``, (kernels, r); if as many, they are the kernels."""
         return self._table[1]
 
     def twice(self, before: Array, logarithm: Array) -> Array:

@@ -220,7 +220,7 @@ class Surface:
 
 
 def _divided(a: Array, z: Array) -> tuple[Array, Array]:
-    """Return B and A(z) of A(x) = A(z) + (x - z) B(x) for each z, (J, M) and (M,); powers upwards."""
+    """Return B (J, M) and A(z) of A(x) = A(z) + (x - z) B(x) for z (M,), powers upwards."""
     B, value = np.empty((a.size - 1, z.size), dtype=complex), np.full(z.size, a[-1])
     for k in range(a.size - 2, -1, -1):
         B[k] = value
