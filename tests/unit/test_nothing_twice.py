@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 from thesis_cases import paper_nip
+from viscoelastic_cases import cover, rubber
 
 import woundon as wo
 from woundon.contact import loop
 from woundon.contact.normal import solve_normal
 from woundon.contact.schemes import Graded
 from woundon.contact.stick_slip import StickSlip
+from woundon.elasticity.fourier import HarmonicSums
 from woundon.wrap.solve import WrapContact
 
 
@@ -87,3 +89,29 @@ def test_one_width_is_enough_near_a_neighbour(monkeypatch: pytest.MonkeyPatch) -
 
 def test_slipping_everywhere_nothing_holds_the_creep(apart: StickSlip) -> None:
     assert not apart.solve(np.ones(7, dtype=np.int8)).finite
+
+
+def test_one_kernel_of_a_rolling_cover_has_its_values_from_the_table_of_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[int] = []
+    once = HarmonicSums._rest_on_circle
+
+    def counted(sums: HarmonicSums, size: int) -> Any:
+        made.append(size)
+        return once(sums, size)
+
+    monkeypatch.setattr(HarmonicSums, "_rest_on_circle", counted)
+    kernels, t = cover(rubber([(4e6, 0.017)])).kernels(1.3), np.linspace(-0.01, 0.01, 7)
+    assert kernels.smooth is not None
+    together = kernels.smooth(t)
+    for kernel, values in zip(kernels.gradients, together, strict=True):
+        assert kernel.smooth is not None
+        np.testing.assert_array_equal(kernel.smooth(t), values)
+    assert len(made) == 1
+
+
+def test_lags_of_which_none_is_a_sum_of_others_are_their_own_parts() -> None:
+    gradients = cover(rubber([(4e6, 0.017), (2e6, 0.3), (1e6, 3.0)])).kernels(1.3).lag
+    assert gradients is not None
+    np.testing.assert_array_equal(gradients.shares, np.eye(4))

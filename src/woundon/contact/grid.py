@@ -48,7 +48,7 @@ class Past(Protocol):
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r)."""
+        """What each kernel has of the ``parts``, (kernels, r); if as many, they are the kernels."""
         ...
 
     def parts(self, before: Array, logarithm: Array) -> Array:
@@ -158,15 +158,12 @@ class Grid:
         # far away the logarithm cancels, so it is expanded
         far = np.abs(z) < 2e-2
         zf = z[far]
-        first[far] = zf * (
-            1 / 2
-            + zf
-            * (
-                1 / 3
-                + zf * (1 / 4 + zf * (1 / 5 + zf * (1 / 6 + zf * (1 / 7 + zf * (1 / 8 + zf / 9)))))
-            )
-        )
-        zeroth[far] = zf * (1 + first[far])
+        series = zf / 9
+        for k in range(8, 1, -1):
+            series += 1 / k
+            series *= zf
+        first[far] = series
+        zeroth[far] = zf * (1 + series)
         # at the contact's own ends the hats vanish with the distance: only the finite rests stay
         starts, ends = self.distance == 0, z == 1
         zeroth[starts], first[starts] = -1.0, -1.0
@@ -278,12 +275,15 @@ class Grid:
         before, logarithm = (part[rows] for part in self.apart)
         shares = lag.shares
         out = np.empty((len(shares), len(before), self.unknowns))
-        rows_at_once, cells = 1 + BLOCK // self.nodes.size, scale * self.cells
+        rows_at_once, per_cell = 1 + BLOCK // self.nodes.size, 1 / (scale * self.cells)
         for first in range(0, len(before), rows_at_once):
             block = slice(first, first + rows_at_once)
             K = lag.parts(before[block], logarithm[block] + np.log(scale))
             rise = K[..., 1:] - K[..., :-1]
-            rise /= cells
+            rise *= per_cell
+            if len(K) == len(out):
+                np.subtract(rise[..., 1:], rise[..., :-1], out=out[:, block])
+                continue
             hats = rise[..., 1:] - rise[..., :-1]
             out[:, block] = (shares @ hats.reshape(len(K), -1)).reshape(-1, *hats.shape[1:])
         return out

@@ -197,6 +197,11 @@ class HarmonicSums:
     """
 
     sums: tuple[HarmonicSum, ...]
+    some_of: tuple[HarmonicSums, slice] | None = None  # whose table has theirs
+
+    def some(self, which: slice) -> HarmonicSums:
+        """Return some of them, by the table of all."""
+        return HarmonicSums(self.sums[which], (self, which))
 
     def __call__(self, t: Array) -> Array:
         """Return them at the arc lengths t [m], shape (sums, *t.shape), |t| <= pi R."""
@@ -237,6 +242,10 @@ class HarmonicSums:
     @cached_property
     def _table(self) -> tuple[Array, float]:
         """Quintics on equal steps of [0, pi], (6, sums, steps), and the steps per radian."""
+        if self.some_of is not None:
+            others, which = self.some_of
+            table, per_step = others._table
+            return np.ascontiguousarray(table[:, which]), per_step
         # 4 points per shortest wave: there the coefficients have died out already
         size = max(256, 1 << (4 * self.sums[0].rest.size - 1).bit_length())
         step = 2 * pi / size

@@ -33,7 +33,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import ceil, log, pi
+from math import ceil, factorial, log, pi
 
 import numpy as np
 
@@ -48,6 +48,7 @@ PER_E = 16  # steps of the table for each factor e: quintics leave 1e-10
 SHORTEST = 1e-10  # distance in the table, of the longest; and a hundredth of the shortest lag
 ALIKE = 1e-15  # what kernels that are sums of others may miss
 UPWARDS = 0.2  # eps from which the recurrence starts at P_0
+SERIES = [-((-1) ** k) / factorial(k) * sum(1 / m for m in range(1, k + 1)) for k in range(2, 22)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,18 +63,15 @@ class Lag:
         g_m.
     reach : float
         Largest distance that is asked for [m].
-    part_of : (Lag, int), optional
-        Kernels that this is one of, and which: its table is made of theirs.
     """
 
     length: Array
     amplitude: Array
     reach: float
-    part_of: tuple[Lag, int] | None = None
 
     def one(self, kernel: int) -> Lag:
         """Return one of the kernels alone."""
-        return Lag(self.length, self.amplitude[kernel : kernel + 1], self.reach, (self, kernel))
+        return Lag(self.length, self.amplitude[kernel : kernel + 1], self.reach)
 
     def exactly(self, t: Array, order: int = 0) -> Array:
         """Return the second integrals at t (k,), or a derivative of them, (kernels, k)."""
@@ -81,12 +79,18 @@ class Lag:
 
     @cached_property
     def _basis(self) -> tuple[Array, Array]:
-        """Amplitudes of kernels of which all are sums, (r, M), and their shares, (kernels, r)."""
-        parts = np.hstack([self.amplitude.real, self.amplitude.imag])
-        shares, size, rows = np.linalg.svd(parts, full_matrices=False)
-        kept = size > ALIKE * size[0]
-        rows, M = rows[kept], self.length.size
-        return rows[:, :M] + 1j * rows[:, M:], shares[:, kept] * size[kept]
+        """Amplitudes of kernels of which all are sums, (r, M), and their shares, (kernels, r).
+
+        Where none is a sum of others, they are their own.
+        """
+        if len(self.amplitude) > 1:
+            parts = np.hstack([self.amplitude.real, self.amplitude.imag])
+            shares, size, rows = np.linalg.svd(parts, full_matrices=False)
+            kept = size > ALIKE * size[0]
+            if not kept.all():
+                rows, M = rows[kept], self.length.size
+                return rows[:, :M] + 1j * rows[:, M:], shares[:, kept] * size[kept]
+        return self.amplitude, np.eye(len(self.amplitude))
 
     @cached_property
     def _steps(self) -> int:
@@ -100,22 +104,17 @@ class Lag:
 
         (6, r, 2 steps), t < 0 first, and (kernels, r).
         """
-        if self.part_of is not None:
-            lag, kernel = self.part_of
-            table, shares = lag._table
-            return np.einsum("r,krs->ks", shares[kernel], table)[:, None], np.ones((1, 1))
         basis, shares = self._basis
-        t = _distances(self.reach, self._steps)
-        made, known = [], _tabulated(tuple(self.length.tolist()), self.reach, self._steps)
-        for sign, each in zip((-1.0, 1.0), known, strict=True):
-            f, d, s = (_summed(basis, parts) for parts in each)
-            d, s = sign * d * t / PER_E, s * (t / PER_E) ** 2 + sign * d * t / PER_E**2
-            made.append([quintics(np.array(values)) for values in zip(f, d, s, strict=True)])
-        return np.ascontiguousarray(np.concatenate(made, axis=1).transpose(2, 0, 1)), shares
+        known = _tabulated(tuple(self.length.tolist()), self.reach, self._steps)
+        f, d, s = (_summed(basis, parts) for parts in known)
+        step = _distances(self.reach, self._steps) / PER_E
+        by_logarithm = np.array([f, d * step, s * step**2 + d * step / PER_E])
+        made = quintics(by_logarithm.reshape(3, len(basis), 2, -1))
+        return np.moveaxis(made, -1, 0).reshape(6, len(basis), -1), shares
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r)."""
+        """What each kernel has of the ``parts``, (kernels, r); if as many, they are the kernels."""
         return self._table[1]
 
     def twice(self, before: Array, logarithm: Array) -> Array:
@@ -125,7 +124,8 @@ class Lag:
     def parts(self, before: Array, logarithm: Array) -> Array:
         """Return the second integrals of which those of all kernels are sums, (r, *shape)."""
         steps, table = self._steps, self._table[0]
-        x = (logarithm * PER_E + (steps - log(self.reach) * PER_E)).ravel()
+        x = (logarithm * PER_E).ravel()
+        x += steps - log(self.reach) * PER_E
         short = np.exp(np.minimum(x, 0.0) * (2 / PER_E)) if x.min() < 0 else None
         if short is not None:
             np.maximum(x, 0.0, out=x)
@@ -166,15 +166,15 @@ def _each(length: Array, t: Array) -> list[Parts]:
 
 
 def _distances(reach: float, steps: int) -> Array:
-    """Return the distances of the table, on either side of t = 0."""
-    return reach * np.exp(np.arange(-steps, 1) / PER_E)
+    """Return t of the table: at the same distances before 0, then behind it."""
+    t = reach * np.exp(np.arange(-steps, 1) / PER_E)
+    return np.concatenate([-t, t])
 
 
 @lru_cache(maxsize=2)  # of a body's gradients as of its displacements
-def _tabulated(length: tuple[float, ...], reach: float, steps: int) -> tuple[list[Parts], ...]:
+def _tabulated(length: tuple[float, ...], reach: float, steps: int) -> list[Parts]:
     """Return :func:`_each` at the table's distances, before and behind."""
-    t = _distances(reach, steps)
-    return tuple(_each(np.array(length), sign * t) for sign in (-1.0, 1.0))
+    return _each(np.array(length), _distances(reach, steps))
 
 
 def _pole(u: Array) -> tuple[Array, Array, Array]:
@@ -185,16 +185,16 @@ def _pole(u: Array) -> tuple[Array, Array, Array]:
     F = np.empty(u.shape)
     F[~near] = _forgotten(u[~near])
     z = u[near]
-    series, term, harmonic = np.zeros(z.size), np.ones(z.size), 0.0
-    for k in range(1, 22):  # (-u)^k/k! H_k
-        term = term * (-z) / k
-        harmonic += 1 / k
-        series -= term * harmonic
-    own, gone = logarithm[near], np.expm1(-z)
+    rest = np.full(z.size, SERIES[-1])
+    for c in SERIES[-2::-1]:
+        rest *= z
+        rest += c
+    rest *= z * z
+    own, gone, series = logarithm[near], np.expm1(-z), z + rest
     F[near] = (1 + gone) * own + series
     once, twice = logarithm - F, (u - 1) * logarithm - u + F
     once[near] = -gone * own - series
-    twice[near] = (gone + z) * own + (series - z)
+    twice[near] = (gone + z) * own + rest
     return twice, once, F
 
 

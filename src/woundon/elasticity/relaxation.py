@@ -24,7 +24,8 @@ __all__ = ["Creep", "Relaxation", "creep", "factor"]
 
 Array = np.ndarray
 Relaxation = tuple[tuple[float, float], ...]  # (g_k, c_k), empty where elastic
-HALVINGS = 64  # of ln l: lengths a factor 1e30 apart to rounding
+SIXTEENTHS = 16  # of ln l, each of the one before: lengths a factor 1e30 apart to rounding
+PARTS = np.arange(17) / 16
 
 
 class Creep(NamedTuple):
@@ -59,12 +60,14 @@ def creep(relaxation: Relaxation) -> Creep:
     # E(ik) at ik = -1/l: 1 - sum g/(l/c - 1) rises from one c to the next, and beyond the last,
     # where it is positive at l = c (1 + sum g)
     low, high = c.copy(), np.append(c[1:], c[-1] * (1 + g.sum()))
-    amounts = g * c
+    amounts, each = g * c, np.arange(c.size)
     with np.errstate(divide="ignore"):
-        for _ in range(HALVINGS):
-            middle = np.sqrt(low * high)
-            beyond = 1 - (1 / (middle[:, None] - c)) @ amounts >= 0
-            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        for _ in range(SIXTEENTHS):
+            between = low[:, None] * (high / low)[:, None] ** PARTS
+            between[:, -1] = high
+            short = 1 - (1 / (between[:, 1:-1, None] - c)) @ amounts < 0
+            last = short.sum(axis=1)
+            low, high = between[each, last], between[each, last + 1]
         length = np.sqrt(low * high)
         steep = (g * c * length[:, None] / (length[:, None] - c) ** 2).sum(axis=1)
     return Creep(at_once, 1 / steep, length)

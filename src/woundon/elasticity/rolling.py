@@ -121,7 +121,8 @@ def _kernels(
     ]
     kernels, together, lag = surface.kernels(parts[:4])
     slope_p, slope_q, strain_p, strain_q = kernels
-    (normal_p, coupling, tangent_q), _, _ = surface.kernels(parts[4:])
+    (normal_p, coupling), _, _ = surface.kernels(parts[4:6])
+    (tangent_q,), _, _ = surface.kernels(parts[6:])  # often nobody asks for its table
     return SurfaceKernels(
         normal_p, coupling, coupling, tangent_q, slope_p, slope_q, strain_p, strain_q,
         length=R * min(1.0, 2 * decay), truncation_error=error, terms=n.size,
@@ -178,10 +179,9 @@ class Surface:
         """
         j_0, j, _ = self.compliance
         a = a.astype(complex)
-        powers, amplitude = j_0 * a, np.zeros(j.size, dtype=complex)
-        for m in np.flatnonzero(self.fast):
-            B, amplitude[m] = _divided(a, -1j * self.eps[m])
-            powers[1:] += j[m] * B
+        B, amplitude = _divided(a, -1j * self.eps[self.fast])
+        powers = j_0 * a
+        powers[1:] += B @ j[self.fast]
         rest = np.append(rest, np.zeros(self.n.size - rest.size)) * self.whole
         if self.slow.any():
             slowly = np.zeros(a.size, dtype=complex)
@@ -193,35 +193,35 @@ class Surface:
             rest += self.powers(a) * self.retarded - self.powers(slowly)
         turn: complex = -1j if odd else 1.0
         c, left = turn * powers, turn * rest
-        amplitude = scale * turn * amplitude * j
-        regular = (amplitude[self.fast] @ self.regular).real
+        amplitude = scale * turn * amplitude * j[self.fast]
+        regular = (amplitude @ self.regular).real
         is_even = np.arange(POWERS) % 2 == 0
         return Part(
             HarmonicSum(False, self.radius, scale, mean, c.real, left.real,
                         np.where(is_even, regular, 0.0)),
             HarmonicSum(True, self.radius, -scale, 0.0, c.imag, left.imag,
                         np.where(is_even, 0.0, regular)),
-            1j * self.radius * amplitude[self.fast],
+            1j * self.radius * amplitude,
         )  # fmt: skip
 
     def kernels(self, parts: list[Part]) -> tuple[list[Kernel], _Together, Lag | None]:
         """Return the influence functions, their smooth parts at once, and their lags."""
-        lag, made = None, []
+        lag, made, together = None, [], _Together.of(parts)
         if self.fast.any():
             length, R = self.compliance.length[self.fast], self.radius
             lag = Lag(length, np.array([part.lag for part in parts]), (pi + 1) * R)
         for k, part in enumerate(parts):
             even, odd = part.even.kernel(), part.odd.kernel()
             made.append(replace(
-                even, inverse=odd.inverse, sign=odd.sign, smooth=_Alone(_Together.of([part])),
+                even, inverse=odd.inverse, sign=odd.sign, smooth=_Alone(together.one(k)),
                 twice=_Twice(part), lag=None if lag is None else lag.one(k),
             ))  # fmt: skip
-        return made, _Together.of(parts), lag
+        return made, together, lag
 
 
-def _divided(a: Array, z: complex) -> tuple[Array, complex]:
-    """Return B and A(z) of A(x) = A(z) + (x - z) B(x), powers upwards."""
-    B, value = np.zeros(a.size - 1, dtype=complex), complex(a[-1])
+def _divided(a: Array, z: Array) -> tuple[Array, Array]:
+    """Return B (J, M) and A(z) of A(x) = A(z) + (x - z) B(x) for z (M,), powers upwards."""
+    B, value = np.empty((a.size - 1, z.size), dtype=complex), np.full(z.size, a[-1])
     for k in range(a.size - 2, -1, -1):
         B[k] = value
         value = a[k] + z * value
@@ -237,6 +237,10 @@ class _Together:
     @classmethod
     def of(cls, parts: list[Part]) -> _Together:
         return cls(HarmonicSums(tuple(p.even for p in parts) + tuple(p.odd for p in parts)))
+
+    def one(self, kernel: int) -> _Together:
+        """Return the smooth part of one of the kernels, by the table of all."""
+        return _Together(self.sums.some(slice(kernel, None, len(self.sums.sums) // 2)))
 
     def __call__(self, t: Array) -> Array:
         values = self.sums(t)
