@@ -43,7 +43,7 @@ class Theory:
 
     thickness: float
     added: pd.Series
-    fit: Any = None
+    fit: wo.FitResult | None = None
 
     @property
     def fitted(self) -> dict[str, float]:
@@ -93,31 +93,45 @@ def theory(thickness: float, scheme: str = "graded") -> Theory:
     return _theory(newsprint_nip(**{"web.thickness": thickness}), scheme)
 
 
-def _theory(problem: wo.NipProblem, scheme: str, fit: Any = None) -> Theory:
+def _theory(problem: wo.NipProblem, scheme: str, fit: wo.FitResult | None = None) -> Theory:
     tension = swept(problem, {"nip_load": NIP_LOADS}, scheme, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
     return Theory(problem.web.thickness, added, fit)
 
 
-def _fitted(
-    bounds: dict[str, tuple[float, float]], thickness: float, scheme: str, *, to_one: bool
-) -> Theory:
-    """Fit moduli of roll and web, to the thesis's point or to all fifteen, by least squares."""
-    points = measured_tensions()
-    points = points[_is_fitted(points)] if to_one else points
+def _fit(
+    bounds: dict[str, tuple[float, float]],
+    points: pd.DataFrame,
+    thickness: float,
+    how: dict[str, Any],
+) -> wo.FitResult:
+    """Fit moduli of roll and web to measured points by least squares, with the solver's options."""
     data = {
         "nip_load": points["nip_load"],
         "web_tension": points["web_tension"],
         "rig_tension": points["measured"],
     }
-    how = options(scheme) if to_one else options(scheme, SEARCH_NODES)
-    fit = wo.fit(
+    return wo.fit(
         newsprint_nip(**{"web.thickness": thickness}),
         data,
         {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
         tie=ONE_PAPER, starts=1, profiles=False, options=how,
     )  # fmt: skip
+
+
+def _fitted_to_one(modulus: str, thickness: float, scheme: str) -> Theory:
+    """Fit one modulus to the thesis's point."""
+    points = measured_tensions()
+    bounds = {modulus: _ALONE[modulus]}
+    fit = _fit(bounds, points[_is_fitted(points)], thickness, options(scheme))
     return _theory(fit.problem, scheme, fit)
+
+
+@cache
+def _fitted_to_all(thickness: float) -> Theory:
+    """Fit both moduli to all fifteen points; accurately, for the thesis made no such fit."""
+    fit = _fit(_BOTH, measured_tensions(), thickness, options("graded", SEARCH_NODES))
+    return _theory(fit.problem, "graded", fit)
 
 
 @cache
@@ -125,14 +139,14 @@ def theories(scheme: str) -> tuple[Theory, ...]:
     """Return the theory for both thicknesses: as printed; one modulus fitted; both fitted.
 
     In this order: two with the thesis's moduli, G and A_rr alone fitted to the one point at either
-    thickness, both fitted to all points at either thickness.
+    thickness, both fitted to all points at either thickness, accurately by either scheme.
     """
     return (
         *(theory(thickness, scheme) for thickness in THICKNESSES),
         *(
-            _fitted({modulus: ends}, thickness, scheme, to_one=True)
+            _fitted_to_one(modulus, thickness, scheme)
             for thickness in THICKNESSES
-            for modulus, ends in _ALONE.items()
+            for modulus in _ALONE
         ),
-        *(_fitted(_BOTH, thickness, scheme, to_one=False) for thickness in THICKNESSES),
+        *map(_fitted_to_all, THICKNESSES),
     )

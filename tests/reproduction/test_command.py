@@ -15,8 +15,10 @@ from pathlib import Path
 from threading import Thread
 
 import pytest
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from jorkama2001 import exhibits
+from jorkama2001.publication import _write_module
 from woundon import cli
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
@@ -70,6 +72,21 @@ def test_the_scheme_of_the_thesis_on_request(tmp_path, capsys: Capture):
 
 
 @pytest.mark.slow
+def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path, monkeypatch):
+    """Half of the time that drawing takes is the layout."""
+    laid_out: list[object] = []
+    execute = ConstrainedLayoutEngine.execute
+
+    def counted(self: ConstrainedLayoutEngine, figure: object) -> object:
+        laid_out.append(figure)
+        return execute(self, figure)
+
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", counted)
+    (one,) = _write_module("fig5", names=("fig5",), folder=tmp_path, scheme="graded", dpi=40)
+    assert {path.suffix for path in one.files} == {".csv", ".md", ".png", ".svg"}
+    assert len(laid_out) == 1
+
+
 def test_two_processes_do_the_same(tmp_path, capsys: Capture):
     names = ["table4", "fig15"]
     for jobs in ("1", "2"):
