@@ -1,6 +1,5 @@
 """Who may ask, how much and how slowly."""
 
-import asyncio
 import signal
 import socket
 import subprocess
@@ -11,6 +10,7 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
+from loops import run
 
 from woundon.app.server import application
 
@@ -24,10 +24,10 @@ class Bare:
         self.app, self.address, self.cookies = application(*given), address, httpx.Cookies()
 
     def get(self, path, **more):
-        return asyncio.run(self._send("GET", path, **more))
+        return run(self._send("GET", path, **more))
 
     def post(self, path, **more):
-        return asyncio.run(self._send("POST", path, **more))
+        return run(self._send("POST", path, **more))
 
     async def _send(self, method, path, **more):
         transport = httpx.ASGITransport(self.app)
@@ -89,7 +89,7 @@ def test_a_websocket_is_refused(bare):
     async def send(message):
         sent.append(message)
 
-    asyncio.run(bare.app({"type": "websocket", "headers": [], "path": "/"}, None, send))
+    run(bare.app({"type": "websocket", "headers": [], "path": "/"}, None, send))
     assert sent == [{"type": "websocket.close", "code": 1008}]
 
 
@@ -230,25 +230,34 @@ def test_a_port_that_is_taken_is_told(server):
     assert done.stderr.startswith(f"error: port {port}: cannot listen at 127.0.0.1")
 
 
-def test_ctrl_c_while_the_server_is_made_is_not_lost(monkeypatch: pytest.MonkeyPatch):
+INTERRUPTED = """
+import signal
+from woundon.app import serving
+
+class Finalised:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+made = serving.application
+
+def application(*args):
+    Finalised()
+    return made(*args)
+
+serving.application = application
+before = signal.getsignal(signal.SIGINT)
+with serving.interrupts_counted() as pressed, serving.listening("127.0.0.1", 0) as at:
+    serving.serve(at, pressed=pressed)
+assert signal.getsignal(signal.SIGINT) is before
+print("ended")
+"""
+
+
+def test_ctrl_c_while_the_server_is_made_is_not_lost():
     """It comes where no exception can be raised: in a finaliser."""
-    from woundon.app import serving
-
-    class Finalised:
-        def __del__(self):
-            signal.raise_signal(signal.SIGINT)
-
-    made = serving.application
-
-    def application(*args):
-        Finalised()
-        return made(*args)
-
-    monkeypatch.setattr(serving, "application", application)
-    before = signal.getsignal(signal.SIGINT)
-    with serving.interrupts_counted() as pressed, serving.listening("127.0.0.1", 0) as at:
-        serving.serve(at, pressed=pressed)  # ends
-    assert signal.getsignal(signal.SIGINT) is before
+    command = [sys.executable, "-c", INTERRUPTED]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.stdout == "ended\n", done.stderr
 
 
 def test_who_serves_others_is_told_the_token_and_the_proxy():

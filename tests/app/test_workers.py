@@ -7,6 +7,7 @@ import signal
 import time
 from contextlib import asynccontextmanager
 
+import loops
 import pytest
 
 from woundon import kinds
@@ -31,7 +32,7 @@ async def pool(**more):
 
 def run(test):
     """Run a coroutine with a limit of its own: a pool that hangs is a failure."""
-    return asyncio.run(asyncio.wait_for(test, 60))
+    return loops.run(asyncio.wait_for(test, 60))
 
 
 def test_an_answer_and_a_fault_come_back():
