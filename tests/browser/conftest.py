@@ -58,6 +58,11 @@ class Seen:
         self.page.wait_for_selector(".number-card", timeout=60_000)
         return self.rest()
 
+    def drawn(self, within):
+        """Return what a canvas shows, read at once: panels may be drawn again at any time."""
+        shown = "within => document.querySelector(within + ' canvas')?.toDataURL()"
+        return self.page.wait_for_function(shown, arg=within).json_value()
+
     def rest(self):
         """Wait until nothing is solved any more."""
         self.page.wait_for_timeout(320)  # what follows a moved slider begins after 220 ms

@@ -68,7 +68,7 @@ def test_the_first_page_is_light_and_its_numbers_are_those_of_python(browser, ad
 
 def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example):
     seen = look()
-    before = seen.page.locator("[data-panel=tractions] canvas").screenshot()
+    before = seen.drawn("[data-panel=tractions]")
     numbers = seen.output("wound_on_tension")
     seen.page.focus("[data-path=nip_load] .slider")
     for _ in range(25):
@@ -80,7 +80,7 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     assert seen.output("wound_on_tension") != numbers
     for name, value in told(result).items():
         assert seen.output(name) == pytest.approx(value, rel=SAME)
-    assert seen.page.locator("[data-panel=tractions] canvas").screenshot() != before
+    assert seen.drawn("[data-panel=tractions]") != before
     seen.page.hover("[data-panel=pressure] .u-over")  # at x = 0, the middle of the panel
     read = float(seen.page.inner_text("[data-panel=pressure] [data-value='0']"))
     # of the node next to it, a tenth of the half-width away at most
