@@ -100,7 +100,7 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
             paths.append(folder / f"{exhibit.name}.{ending}")
             save_figure(drawing, paths[-1], dpi=dpi)
             # the panels stand: what is laid out for one file is for all
-            drawing.set_layout_engine("none")
+            drawing.set_layout_engine(None)
         picture = f"{exhibit.name}.png"
     paths.append(folder / f"{exhibit.name}.md")
     paths[-1].write_text(one.markdown(picture), encoding="utf-8")
