@@ -13,8 +13,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 from .exhibits import NAMES, chosen, modules
-from .inside import in_processes, save_figure
 from .judgement import Judged, judged
+from .processes import in_processes
 from .verdicts import Outcome
 
 __all__ = ["Published", "known_counts", "publish", "summary"]
@@ -26,7 +26,7 @@ class Published(NamedTuple):
     Attributes
     ----------
     judged : Judged
-        Without the drawing.
+        Without data and drawing.
     files : list of Path
     seconds : float
         Spent on the module that made it, and perhaps others with it.
@@ -84,12 +84,17 @@ def _write_module(
     made = judged(module, names, scheme)
     files = [_write(one, folder, dpi) for one in made]
     seconds = perf_counter() - begun
-    # drawings do not pass from process to process
-    told = [replace(one, exhibit=replace(one.exhibit, draw=None)) for one in made]
+    # drawings do not pass from process to process, and data ask who reads them for much code
+    told = [
+        replace(one, exhibit=replace(one.exhibit, data=None, draw=None))  # type: ignore[arg-type]
+        for one in made
+    ]
     return [Published(one, paths, seconds) for one, paths in zip(told, files, strict=True)]
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
+    from .inside import save_figure  # where it is needed: not in the process that waits
+
     exhibit = one.exhibit
     paths = [folder / f"{exhibit.name}.csv"]
     paths[0].write_text(exhibit.csv(), encoding="utf-8")
