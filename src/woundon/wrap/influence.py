@@ -1,0 +1,418 @@
+r"""Kernels of a surface integrated against the tractions of a nip and of the arc beside it.
+
+Each kernel is a singular part, integrated in closed form over every cell, and a smooth rest f:
+
+                      nip's cells                      arc's cells
+    nip's points      of the plain nip                 closed form
+                      Chebyshev <- f <- Chebyshev      Chebyshev <- f <- Gauss
+    arc's points      closed form                      closed form
+                      f <- Chebyshev                   f <- Gauss
+
+Inside the nip f is interpolated by the plain nip's own Chebyshev points, so that without arcs nothing
+changes; along an arc, where it is asked for at few points, it is taken as it is, and integrated by
+Gauss's rule.  Beyond half the circumference a smooth part is continued by periodicity of the whole
+kernel: the singular parts are exchanged there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import log
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..contact.grid import HIGHEST_RANK, Grid, Past, chebyshev_points
+from ..contact.schemes import interpolation_rank
+from ..elasticity.kernels import Kernel
+
+__all__ = ["FaceAction", "Influence", "OpenGrid", "Within", "closed"]
+
+Array = np.ndarray
+Smooth = Callable[[Array], Array]
+
+MOST_POINTS = 150  # of a cell; three for each length on which a body responds
+FAR = 0.1  # half a cell over the distance to its middle: beyond, logarithms cancel
+
+
+@dataclass(frozen=True, eq=False)
+class OpenGrid(Grid):
+    """A grid whose ends carry half hats, so that every node is an unknown."""
+
+    @property
+    def unknowns(self) -> int:
+        """Number of nodes, ends included."""
+        return self.nodes.size
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrals of the hats and half hats, (N+1,)."""
+        return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
+
+    def _hats(self, zeroth: Array, first: Array) -> Array:
+        out = np.zeros((first.shape[0], first.shape[1] + 1))
+        np.subtract(zeroth, first, out=out[:, :-1])
+        out[:, 1:] += first
+        return out
+
+    def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
+        """Integrate what a viscoelastic surface adds against hats and half hats, (k, K, N+1)."""
+        before, logarithm = (part[rows] for part in self.apart)
+        rise = np.diff(lag.twice(before, logarithm + np.log(scale)), axis=-1) / (scale * self.cells)
+        ends = [
+            -lag.exactly(scale * (self.points[rows] - node), 1)[..., None]
+            for node in self.nodes[[0, -1]]
+        ]
+        return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
+
+
+class Within(NamedTuple):
+    """Where a plain nip lies in a face.
+
+    Attributes
+    ----------
+    nip : Grid
+    first : int
+        The face's node with which it begins.
+    rows : (k,) int array
+        Which of the face's points are the nip's, in its order.
+    """
+
+    nip: Grid
+    first: int
+    rows: Array
+
+    @property
+    def columns(self) -> slice:
+        """Its nodes."""
+        return slice(self.first, self.first + self.nip.nodes.size)
+
+    @property
+    def own(self) -> Array:
+        """Which of the nip's points those are: the last may stand twice."""
+        return np.minimum(np.arange(self.rows.size), self.nip.points.size - 1)
+
+
+class Influence:
+    """Integrates kernels against all hats of a grid scaled by a half width.
+
+    Parameters
+    ----------
+    grid : OpenGrid
+        Nodes of a face and the points where kernels are asked for.
+    within : Within, optional
+        The nip in it; without, all is integrated as along an arc.
+    scale : float
+        a [m].
+    length : float
+        Length on which the smooth parts vary [m].
+    period : float
+        Circumference [m]; inf for a half-plane.
+    """
+
+    def __init__(
+        self, grid: OpenGrid, within: Within | None, scale: float, length: float, period: float
+    ) -> None:
+        self.grid, self.scale, self.length, self.period = grid, scale, length, period
+        self.rank = interpolation_rank(length, scale)
+        # too short for polynomials
+        self.short = self.rank > (within.nip.highest_rank if within else HIGHEST_RANK)
+        self.within = None if self.short else within
+
+    def __call__(self, kernel: Kernel) -> Array:
+        """Return the integrals of one kernel at each point, (K, N+1)."""
+        smooth = None if kernel.smooth is None else _stacked(kernel.smooth)
+        found: Array = self.together((kernel,), smooth, kernel.lag)[0]
+        return found
+
+    def together(
+        self, kernels: Sequence[Kernel], smooth: Smooth | None, lag: Past | None = None
+    ) -> Array:
+        """Return the integrals of kernels whose smooth parts and lags are at hand together.
+
+        Returns
+        -------
+        (kernels, K, N+1) array
+            See :meth:`woundon.contact.grid.Grid.integrate_together`.
+        """
+        grid = self.grid
+        out: Array = (self.factors(kernels) @ self.singular.reshape(4, -1)).reshape(
+            -1, grid.points.size, grid.nodes.size
+        )
+        self._add_logs(out, kernels)
+        if smooth is not None:
+            apart = self.apart
+            values = apart.integrated(self.between(kernels, smooth, apart.points))
+            out[:, apart.rows] += values[:, apart.interpolated :]
+            if self.within is not None:
+                out[:, self.within.rows] += apart.at_nip @ values[:, : apart.interpolated]
+        if self.short and all(kernel.twice for kernel in kernels):
+            for part, kernel in zip(out, kernels, strict=True):
+                part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale)  # type: ignore[arg-type]
+        return out if lag is None else out + grid.lagging(lag, self.scale)
+
+    def at_end(self, kernels: Sequence[Kernel]) -> Array:
+        """Return the integrals at the last point alone, (kernels, 1, N+1)."""
+        grid, end = self.grid, slice(-1, None)
+        out = np.tensordot(self.factors(kernels), self.singular[:, end], 1)
+        self._add_logs(out, kernels)
+        for part, kernel in zip(out, kernels, strict=True):
+            if self.short and kernel.twice is not None:
+                part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale, end)
+            elif kernel.smooth is not None:
+                values = self.between((kernel,), _stacked(kernel.smooth), grid.points[end])
+                part += self.apart.integrated(values)[0]
+            if kernel.lag is not None:
+                part += grid.lagging(kernel.lag, self.scale, end)[0]
+        return out
+
+    def factors(self, kernels: Sequence[Kernel]) -> Array:
+        """Return what multiplies the singular parts, (kernels, 4)."""
+        a = self.scale
+        return np.array([[k.inverse, k.delta, k.log * a, k.sign * a] for k in kernels])
+
+    def _add_logs(self, out: Array, kernels: Sequence[Kernel]) -> None:
+        """Add what ln(a) is in ln|t|."""
+        a = self.scale
+        for part, kernel in zip(out, kernels, strict=True):
+            if kernel.log:
+                part += kernel.log * a * log(a) * self.grid.weights
+
+    @cached_property
+    def singular(self) -> Array:
+        """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K, N+1)."""
+        points, nodes, within = self.grid.points, self.grid.nodes, self.within
+        if within is None:
+            return closed(points, nodes)
+        out, inside = np.zeros((4, points.size, nodes.size)), within.columns
+        out[:, within.rows, inside] = _opened(within.nip).singular.reshape(
+            4, -1, within.nip.nodes.size
+        )[:, within.own]
+        arc, rows = self.apart.arc, self.apart.rows
+        if rows.size:
+            out[:, rows, inside] = closed(points[rows], nodes[inside])
+            out[:, :, arc] += closed(points, nodes[arc])
+        return out
+
+    @cached_property
+    def apart(self) -> Apart:
+        """Where smooth parts are asked for."""
+        return Apart(self.grid, self.within, self.rank, self.scale, self.length)
+
+    def between(self, kernels: Sequence[Kernel], smooth: Smooth, points: Array) -> Array:
+        """Return smooth parts between points and their sources, (kernels, points, sources)."""
+        t = self.scale * (points[:, None] - self.apart.sources)
+        if np.ptp(self.grid.nodes) * self.scale <= self.period / 2:
+            return smooth(t)
+        far = np.abs(t) > self.period / 2
+        straight = t[far]
+        t[far] = round_ = straight - np.sign(straight) * self.period
+        values = smooth(t)
+        for value, kernel in zip(values, kernels, strict=True):
+            value[far] += kernel.singular(round_) - kernel.singular(straight)
+        return values
+
+
+class Apart:
+    """Points and sources between which smooth parts are asked for; see the module's text.
+
+    Attributes
+    ----------
+    rows : (k,) int array
+        Which of the face's points are not the nip's.
+    arc : slice
+        The nodes of the arc's cells.
+    interpolated : int
+        Chebyshev points of the nip, the first among points and sources; 0 where there is none.
+    points, sources : arrays
+        In units of the half width.
+    """
+
+    def __init__(
+        self, grid: OpenGrid, within: Within | None, rank: int, scale: float, length: float
+    ) -> None:
+        every, nodes = np.arange(grid.points.size), grid.nodes
+        self.scale, self.nodes = scale, nodes.size
+        if within is None:
+            self.rows, self.arc, self.interpolated = every, slice(None), 0
+            self.sources, self.hats = gauss(nodes, scale, length)
+            self.points = grid.points
+            return
+        self.interpolated, self.inside = rank, within.columns
+        self.rows = np.delete(every, within.rows)
+        behind = within.first == 0
+        self.arc = slice(self.inside.stop - 1, None) if behind else slice(0, within.first + 1)
+        at_points, self.moments = _opened(within.nip).interpolation(rank)
+        self.at_nip = at_points[within.own]
+        self.sources = chebyshev = chebyshev_points(rank)
+        self.points = np.append(chebyshev, grid.points[self.rows])
+        if self.rows.size:
+            outer, self.hats = gauss(nodes[self.arc], scale, length)
+            self.sources = np.append(chebyshev, outer)
+
+    def integrated(self, values: Array) -> Array:
+        """Integrate values at the sources against all hats: (..., sources) -> (..., N+1)."""
+        r = self.interpolated
+        out = np.zeros((*values.shape[:-1], self.nodes))
+        if r:
+            np.matmul(values[..., :r], self.scale * self.moments, out=out[..., self.inside])
+        if values.shape[-1] > r:
+            out[..., self.arc] += values[..., r:] @ self.hats
+        return out
+
+    def moments_of(self, loads: Array) -> Array:
+        """Return what loads (N+1, k) weigh at the sources, (sources, k)."""
+        parts = []
+        if self.interpolated:
+            parts.append(self.scale * (self.moments @ loads[self.inside]))
+        if self.sources.size > self.interpolated:
+            parts.append(self.hats @ loads[self.arc])
+        return np.concatenate(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class FaceAction:
+    """(p, q) -> slope and strain at the points, (K,) each, by nodal tractions, (N+1,) each.
+
+    What :meth:`Influence.together` makes matrices of, times vectors.
+
+    Parameters
+    ----------
+    put : Influence
+        With a nip.
+    kernels : SurfaceKernels
+        Without lag.
+    """
+
+    put: Influence
+    kernels: Any
+
+    def __call__(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return slope and strain."""
+        put, loads = self.put, np.array([p, q]).T
+        K = put.grid.points.size
+        parts = put.singular.reshape(4 * K, -1) @ loads
+        found = self._singular @ parts.reshape(4, K, 2).transpose(0, 2, 1).reshape(8, K)
+        found += (self._logs @ (put.grid.weights @ loads))[:, None]
+        if self._smooth is not None:
+            apart, within = put.apart, put.within
+            r = apart.interpolated
+            values = self._smooth @ apart.moments_of(loads).T.ravel()
+            found[:, apart.rows] += values[:, r:]
+            assert within is not None
+            found[:, within.rows] += values[:, :r] @ apart.at_nip.T
+        slope, strain = found
+        return slope, strain
+
+    @cached_property
+    def _singular(self) -> Array:
+        """Coefficients of the singular parts, (slope and strain, parts by p and q)."""
+        each = self.put.factors(self.kernels.gradients)
+        return each.reshape(2, 2, 4).transpose(0, 2, 1).reshape(2, 8)
+
+    @cached_property
+    def _logs(self) -> Array:
+        """What ln(a) adds, by the loads of p and of q, (slope and strain, p and q)."""
+        a = self.put.scale
+        logs = np.array([k.log for k in self.kernels.gradients]).reshape(2, 2)
+        return np.asarray(logs * (a * log(a)))
+
+    @cached_property
+    def _smooth(self) -> Array | None:
+        """Smooth parts between points and sources, (slope and strain, points, sources by p, q)."""
+        put, kernels = self.put, self.kernels
+        if kernels.smooth is None:
+            return None
+        values = put.between(kernels.gradients, kernels.smooth, put.apart.points)
+        _, points, sources = values.shape
+        values = values.reshape(2, 2, points, sources).transpose(0, 2, 1, 3)
+        return values.reshape(2, points, 2 * sources)
+
+
+def closed(points: Array, nodes: Array) -> Array:
+    """Integrate 1/t, the pulse, ln|t| and sgn(t), t = y - s, against hats and half hats.
+
+    Parameters
+    ----------
+    points : (K,) array
+        y, none of them on a node.
+    nodes : (M+1,) array
+
+    Returns
+    -------
+    (4, K, M+1) array
+        As :data:`woundon.contact.grid.SINGULAR` has them.
+    """
+    h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
+    # over each cell, and times the distance from its middle
+    zeroth, first = np.zeros((2, 4, *d.shape))
+    logarithm = np.log(np.abs(points[:, None] - nodes))
+    left, right = logarithm[:, :-1], logarithm[:, 1:]
+    inverse = np.subtract(left, right, out=zeroth[0])
+    far = np.abs(d) * FAR > h / 2
+    inverse[far] = 2 * np.arctanh((h / (2 * d))[far])
+    inside = np.minimum(np.maximum(d, -h / 2), h / 2)
+    own = inside == d
+    zeroth[1], first[1] = own, np.where(own, d, 0.0)
+    np.multiply(d, inverse, out=zeroth[2])
+    np.subtract(zeroth[2], h, out=first[0])
+    zeroth[2] += h / 2 * (left + right) - h
+    first[2] = d / 2 * first[0] - h**2 / 8 * inverse
+    np.multiply(inside, 2.0, out=zeroth[3])
+    first[3] = inside**2 - h**2 / 4
+    zeroth /= 2
+    first /= h
+    out = np.zeros((4, points.size, nodes.size))
+    np.subtract(zeroth, first, out=out[..., :-1])
+    zeroth += first
+    out[..., 1:] += zeroth
+    return out
+
+
+def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
+    """Return Gauss's points along a row of nodes, and the hats there times weights.
+
+    Parameters
+    ----------
+    nodes : (N+1,) array
+        In units of the half width.
+    scale : float
+        a [m].
+    length : float
+        On which the kernels vary [m]: the longer a cell beside it, the more points.
+
+    Returns
+    -------
+    (Q,), (Q, N+1) arrays
+        Weights in metres; half hats at the ends.
+    """
+    cells = np.diff(nodes)
+    share = scale * cells / length
+    orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
+    cell = np.repeat(np.arange(cells.size), orders)
+    rules = [_gauss(order) for order in orders.tolist()]
+    part = (np.concatenate([g for g, _ in rules]) + 1) / 2
+    weight = np.concatenate([w for _, w in rules]) / 2 * cells[cell] * scale
+    hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
+    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
+    return nodes[cell] + cells[cell] * part, hats
+
+
+def _stacked(smooth: Smooth) -> Smooth:
+    """Return one smooth part as if it were several together."""
+    return lambda t: smooth(t)[None]
+
+
+@lru_cache(maxsize=8)
+def _opened(nip: Grid) -> OpenGrid:
+    """Return the same nip with half hats at its ends, of which much is kept."""
+    return OpenGrid(nip.nodes, nip.points)
+
+
+@lru_cache
+def _gauss(order: int) -> tuple[Array, Array]:
+    """Return Gauss's points and weights on [-1, 1]."""
+    g, w = np.polynomial.legendre.leggauss(order)
+    return g, w
