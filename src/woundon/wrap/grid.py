@@ -5,16 +5,23 @@ In units of the half width a, along the web:
       drum's arc (optional)        nip            roll's arc (optional)
     |--|---|----|----|---|--|-|||--- ... ---|||-|--|---|-----|------|------|
     start                  -1                1                            end
+     moves |        stays                          stays     |     moves
 
 The nip has the nodes and collocation points of the plain nip.  On an arc the cells grow with the
 distance from the nip, and towards the far side stay below a fraction of the arc.  A loaded arc may
 end on a finite traction, so its ends carry half hats; the nip's own hats are kept as they are.
+
+Of how long an arc is in half widths, only a rounded value shapes its cells, and only those at its
+far side move to meet its end: between one half width and another, and from case to case, most of
+the grid stays as it is, and all that belongs to it can be kept.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from math import log
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,14 +29,15 @@ from ..contact.grid import Grid
 from ..errors import InvalidProblem
 from ..problems.nip import WrappedNipProblem
 
-__all__ = ["WrapGrid", "grid_for", "wrap_grid"]
+__all__ = ["Arc", "WrapGrid", "grid_for", "wrap_grid"]
 
 Array = np.ndarray
 
-FINE = 0.2  # [a]: farther out cells grow like the distance from the nip, nearer like its root
+FINE, POWER = 0.1, 2.5  # [a]: farther out cells grow like the distance, nearer like its 3/5th power
 SHORTEST_WRAP = 2.0  # half widths
-EVENNESS = 3.0  # a cell at the far side is at most 1/EVENNESS of an even one
-
+EVENNESS = 0.5  # a cell at the far side is at most 1/EVENNESS of an even one
+STEP = log(2) / 16  # of ln of an arc's length: what shapes its cells
+OVERLAP = 5e-6  # of it too: so far a shape is kept beyond, or a width there would not settle
 
 @dataclass(frozen=True, eq=False)
 class WrapGrid:
@@ -44,6 +52,8 @@ class WrapGrid:
         Nodes at -1 and 1, where the nip begins and ends.
     nip : Grid
         The plain nip's grid.
+    arcs : (Arc, Arc)
+        Those before it and behind it.
     """
 
     nodes: Array
@@ -51,11 +61,18 @@ class WrapGrid:
     first: int
     last: int
     nip: Grid
+    arcs: tuple[Arc, Arc]
 
     @property
     def size(self) -> int:
         """Number N+1 of nodes."""
         return self.nodes.size
+
+    @property
+    def kept(self) -> tuple[int, int]:
+        """First and last of the nodes that stay where they are in units of a."""
+        before, behind = self.arcs
+        return self.first - before.kept, self.last + behind.kept
 
     @cached_property
     def cells(self) -> Array:
@@ -92,9 +109,45 @@ class WrapGrid:
         return out
 
 
+class Arc(NamedTuple):
+    """An arc beside the nip.
+
+    Attributes
+    ----------
+    rows : (2 cells + 1,) array
+        Nodes (even) and points (odd) by distance from the nip, in units of the half width.
+    kept : int
+        How many cells stay where they are as the length changes a little.
+    shape : float
+        The rounded length that shapes the cells.
+    """
+
+    rows: Array
+    kept: int
+    shape: float
+
+    @classmethod
+    def of(cls, length: float, cells: int, entry: bool, like: float = 0.0) -> Arc:
+        """Return an arc of so many cells, shaped like another where it is nearly as long.
+
+        With ``entry`` the far side is an edge where traction sets in, and is resolved like the nip's.
+        """
+        if length == 0:
+            return cls(np.zeros(1), 0, 0.0)
+        shape = float(np.exp(STEP * round(log(length) / STEP)))
+        if like and abs(log(length / like)) < STEP / 2 + OVERLAP:
+            shape = like
+        rows, kept = _graded(shape, cells) if not entry else _graded_to_entry(shape, cells)
+        rows, last = rows.copy(), rows[2 * kept]
+        rows[2 * kept :] += (rows[2 * kept :] - last) * ((length - shape) / (shape - last))
+        rows[-1] = length
+        return cls(rows, kept, shape)
+
+
 def wrap_grid(
-    nip: Grid, drum_arc: float, drum_cells: int, roll_arc: float, roll_cells: int
-) -> WrapGrid:
+    nip: Grid, drum_arc: float, drum_cells: int, roll_arc: float, roll_cells: int,
+    like: WrapGrid | None = None,
+) -> WrapGrid:  # fmt: skip
     """Join arcs to a nip's grid.
 
     Parameters
@@ -104,18 +157,26 @@ def wrap_grid(
         Lengths of the arcs beyond the nip in units of the half width; 0 for none.
     drum_cells, roll_cells : int
         Their numbers of cells.
+    like : WrapGrid, optional
+        Of nearly the same lengths; most of it is to stay.
     """
-    before, after = _arc(drum_arc, drum_cells, True), _arc(roll_arc, roll_cells, False)
+    shapes = (0.0, 0.0) if like is None else (like.arcs[0].shape, like.arcs[1].shape)
+    drum = Arc.of(drum_arc, drum_cells, True, shapes[0])
+    roll = Arc.of(roll_arc, roll_cells, False, shapes[1])
+    before, after = drum.rows, roll.rows
     nodes = np.concatenate([-1 - before[:0:-2], nip.nodes, 1 + after[2::2]])
     points = np.concatenate([-1 - before[-2::-2], nip.points[:-1], 1 + after[1::2]])
     first = before.size // 2
-    return WrapGrid(nodes, points, first, first + nip.nodes.size - 1, nip)
+    return WrapGrid(nodes, points, first, first + nip.nodes.size - 1, nip, (drum, roll))
 
 
 def grid_for(
-    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int
-) -> WrapGrid:
+    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int,
+    like: WrapGrid | None = None,
+) -> WrapGrid:  # fmt: skip
     """Return a problem's grid for the half width a [m]: the arcs' ends stay where they are.
+
+    ``like`` is that of nearly the same half width.
 
     Raises
     ------
@@ -131,31 +192,31 @@ def grid_for(
             f"{wrap:.6g} is out of range; the nip's trailing edge is at {a / radius:.4g}, so it "
             f"must be 0 or >= {SHORTEST_WRAP * a / radius:.4g} [rad]",
         )
-    return wrap_grid(nip, drum, drum_cells, roll, roll_cells)
+    return wrap_grid(nip, drum, drum_cells, roll, roll_cells, like)
 
 
-def _arc(length: float, cells: int, entry: bool) -> Array:
-    """Return nodes (even) and points (odd) of an arc by distance from the nip, (2 cells + 1,).
-
-    With ``entry`` the far side is an edge where traction sets in, and is resolved like the nip's.
-    """
-    if length == 0:
-        return np.zeros(1)
-    if entry:
-        half = _arc(length / 2, max(cells // 2, 2), False)
-        return np.concatenate([half, (length - half)[-2::-1]])
-
-    # cells are counted by 2 ln(1 + u) + even u^2, with u the root of the distance over FINE
-    even = EVENNESS * FINE / length
-    most = float(np.sqrt(length / FINE))
-    t = np.linspace(0.0, 1.0, 2 * cells + 1) * (2 * np.log1p(most) + even * most**2)
-    u = np.minimum(np.expm1(t / 2), most)
+@lru_cache(maxsize=128)
+def _graded(length: float, cells: int) -> tuple[Array, int]:
+    """Return nodes and points by distance, and how many cells from the nip on stay."""
+    # cells are counted by m ln(1 + u) + even u^m, with u^m the distance over FINE
+    m, even = POWER, EVENNESS * FINE / length
+    most = float((length / FINE) ** (1 / m))
+    t = np.linspace(0.0, 1.0, 2 * cells + 1) * (m * np.log1p(most) + even * most**m)
+    u = np.minimum(np.expm1(t / m), most)
     for _ in range(50):  # Newton's method from above, on a growing function
-        step = (2 * np.log1p(u) + even * u**2 - t) / (2 / (1 + u) + 2 * even * u)
+        step = (m * np.log1p(u) + even * u**m - t) / (m / (1 + u) + m * even * u ** (m - 1))
         u = np.clip(u - step, 0.0, most)
         if np.max(np.abs(step)) < 1e-14 * most:
             break
-    distance = FINE * u**2
+    distance = FINE * u**m
     distance[0], distance[-1] = 0.0, length
-    return distance
+    return distance, cells - max(1, cells // 8)
 
+
+@lru_cache(maxsize=128)
+def _graded_to_entry(length: float, cells: int) -> tuple[Array, int]:
+    """Return the same with an entry at the far side: a quarter of the cells are graded to it."""
+    fine = max(cells // 4, 2)
+    near, kept = _graded(length / 2, cells - fine)
+    far, _ = _graded(length / 2, fine)
+    return np.concatenate([near, (length - far)[-2::-1]]), kept

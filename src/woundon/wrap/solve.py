@@ -74,7 +74,8 @@ def solve_wrapped_nip(
         Number of nodes in the nip, 17 to 1025.  By default 65, doubled up to 257 until the
         estimated error of the wound-on tension is below 0.1 %.
     wrap_nodes : int, optional
-        Number of cells on each arc, 12 to 2048; by default 3/4 of those in the nip.
+        Number of cells on each arc, 12 to 2048; by default half of those in the nip, on the arc of
+        a rigid drum a quarter.
     rtol : float, optional
         In place of nodes: double them until the estimated error of the wound-on tension is below
         rtol of it, 1e-6 to 0.1.
@@ -184,8 +185,10 @@ def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
 
 def check_options(
     *, nodes: Any = None, wrap_nodes: Any = None, rtol: Any = None
-) -> tuple[int, int]:
+) -> tuple[int, int | None]:
     """Check the options of :func:`solve_wrapped_nip`; return the nodes and the cells on an arc.
+
+    None where these are not told.
 
     Raises
     ------
@@ -196,19 +199,20 @@ def check_options(
     if rtol is not None:
         tolerance("rtol", rtol, 1e-6, 0.1)
     nodes_or_rtol(nodes, rtol)
-    if wrap_nodes is None:
-        return count, 3 * (count - 1) // 4
-    return count, whole_number("wrap_nodes", wrap_nodes, 12, 2048)
+    cells = None if wrap_nodes is None else whole_number("wrap_nodes", wrap_nodes, 12, 2048)
+    return count, cells
 
 
 @dataclass(frozen=True, eq=False)
 class WrapContact(PairContact):
-    """A wrapped nip as the loop sees it; ``cells`` on each arc belong to ``nodes`` in the nip.
+    """A wrapped nip as the loop sees it.
+
+    ``cells`` on each arc belong to ``nodes`` in the nip; None: as many as each arc needs.
 
     ``near`` is what a neighbouring case hands over.
     """
 
-    cells: int
+    cells: int | None
     nodes: int
     near: Start | None = None
 
@@ -225,10 +229,17 @@ class WrapContact(PairContact):
         few = before is None or before.places.size < grid.size
         return few and near is not None and near.places.size >= grid.size
 
-    def grid(self, mesh: Mesh, a: float) -> WrapGrid:
-        """Return the grid for a half width: the arcs' ends stay where they are in space."""
-        cells = max(8, self.cells * (mesh.nodes.size - 1) // (self.nodes - 1))
-        return grid_for(self.problem, mesh.grid, a, cells, cells)
+    def grid(self, mesh: Mesh, a: float, like: WrapGrid | None = None) -> WrapGrid:
+        """Return the grid for a half width: the arcs' ends stay where they are in space.
+
+        A rigid drum's arc carries the web's tension alone; a soft one bends beside the nip.
+        """
+        count = mesh.nodes.size - 1
+        if self.cells is not None:
+            drum = roll = self.cells * count // (self.nodes - 1)
+        else:
+            drum, roll = count // (4 if self.problem.drum.rigid else 2), count // 2
+        return grid_for(self.problem, mesh.grid, a, max(8, drum), max(8, roll), like)
 
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
@@ -257,7 +268,8 @@ class WrapContact(PairContact):
         """Return the equations for the half width a [m]; for the same, with the last matrices."""
         if last is not None and last.half_width == a:
             return last.linearised(about)
-        return WrapEquations(self.problem, self.grid(mesh, a), a, about)
+        like = None if last is None else last.grid
+        return WrapEquations(self.problem, self.grid(mesh, a, like), a, about)
 
     def refuse(self, equations: WrapEquations, state: WrapState) -> None:
         """Raise where the web is slack on a wrap: then nothing presses it on."""
