@@ -246,7 +246,14 @@ class FaceGrid:
             nip = np.append(nip, -1 if self.has_arc else [-2, -1])
         self.points = np.concatenate([grid.points[start:stop], [beside, end]])
         # points and hats inside the nip keep the plain nip's integrals
-        self.within = Within(grid.nip, grid.first - start, nip % self.points.size)
+        ends = max(grid.kept[0] - start, 0), min(grid.kept[1], stop) - start
+        moving = [*range(ends[0]), *range(ends[1], stop - start)]
+        if self.behind:
+            moving.append(self.points.size - 1)
+        self.within = Within(
+            grid.nip, grid.first - start, nip % self.points.size,
+            slice(ends[0], ends[1] + 1), np.array(moving, dtype=int),
+        )  # fmt: skip
 
     @property
     def nodes(self) -> Array:

@@ -34,6 +34,7 @@ Array = np.ndarray
 Smooth = Callable[[Array], Array]
 
 MOST_POINTS = 150  # of a cell; three for each length on which a body responds
+KEPT = 300  # nodes of a face up to which much that belongs to its grid is kept
 FAR = 0.1  # half a cell over the distance to its middle: beyond, logarithms cancel
 
 
@@ -78,11 +79,17 @@ class Within(NamedTuple):
         The face's node with which it begins.
     rows : (k,) int array
         Which of the face's points are the nip's, in its order.
+    stays : slice
+        The nodes around it that stay where they are, in units of a, from one half width to another.
+    moving : (k,) int array
+        The points that do not.
     """
 
     nip: Grid
     first: int
     rows: Array
+    stays: slice
+    moving: Array
 
     @property
     def columns(self) -> slice:
@@ -186,14 +193,21 @@ class Influence:
         points, nodes, within = self.grid.points, self.grid.nodes, self.within
         if within is None:
             return closed(points, nodes)
-        out, inside = np.zeros((4, points.size, nodes.size)), within.columns
-        out[:, within.rows, inside] = _opened(within.nip).singular.reshape(
-            4, -1, within.nip.nodes.size
-        )[:, within.own]
-        arc, rows = self.apart.arc, self.apart.rows
-        if rows.size:
-            out[:, rows, inside] = closed(points[rows], nodes[inside])
-            out[:, :, arc] += closed(points, nodes[arc])
+        stays, moving = within.stays, within.moving
+        if not moving.size:
+            return _around(within, points, nodes)
+        out, rows = np.empty((4, points.size, nodes.size)), np.delete(np.arange(points.size), moving)
+        own = within._replace(
+            first=within.first - stays.start, rows=np.searchsorted(rows, within.rows)
+        )
+        out[:, rows, stays] = _around(own, points[rows], nodes[stays])
+        ahead, behind = slice(0, stays.start), slice(stays.stop, None)
+        out[:, rows, ahead] = out[:, rows, behind] = 0.0
+        if stays.start:
+            out[:, rows, : stays.start + 1] += closed(points[rows], nodes[: stays.start + 1])
+        if stays.stop < nodes.size:
+            out[:, rows, stays.stop - 1 :] += closed(points[rows], nodes[stays.stop - 1 :])
+        out[:, moving] = closed(points[moving], nodes)
         return out
 
     @cached_property
@@ -403,6 +417,28 @@ def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
 def _stacked(smooth: Smooth) -> Smooth:
     """Return one smooth part as if it were several together."""
     return lambda t: smooth(t)[None]
+
+
+def _around(within: Within, points: Array, nodes: Array) -> Array:
+    """Return the singular parts' integrals in and around a nip; of few nodes, kept."""
+    make = _kept_around if nodes.size <= KEPT else _kept_around.__wrapped__
+    return make(within.nip, within.first, *(part.tobytes() for part in (within.rows, points, nodes)))
+
+
+@lru_cache(maxsize=16)
+def _kept_around(nip: Grid, first: int, rows: bytes, points: bytes, nodes: bytes) -> Array:
+    """Return the singular parts' integrals, (4, K, N+1), the nip's as the plain nip has them."""
+    x, y, own = np.frombuffer(nodes), np.frombuffer(points), np.frombuffer(rows, dtype=int)
+    inside, out = slice(first, first + nip.nodes.size), np.zeros((4, y.size, x.size))
+    plain = _opened(nip).singular.reshape(4, -1, nip.nodes.size)
+    out[:, own, inside] = plain[:, np.minimum(np.arange(own.size), nip.points.size - 1)]
+    others = np.delete(np.arange(y.size), own)
+    out[:, others, inside] = closed(y[others], x[inside])
+    for arc in (slice(0, first + 1), slice(inside.stop - 1, None)):
+        if x[arc].size > 1:
+            out[:, :, arc] += closed(y, x[arc])
+    out.setflags(write=False)
+    return out
 
 
 @lru_cache(maxsize=8)
