@@ -74,8 +74,8 @@ def solve_wrapped_nip(
         Number of nodes in the nip, 17 to 1025.  By default 65, doubled up to 257 until the
         estimated error of the wound-on tension is below 0.1 %.
     wrap_nodes : int, optional
-        Number of cells on each arc, 12 to 2048; by default half of those in the nip, on the arc of
-        a rigid drum a quarter.
+        Number of cells on each arc, 12 to 2048; by default half of those in the nip, on the drum
+        three quarters, or a quarter where it is rigid.
     rtol : float, optional
         In place of nodes: double them until the estimated error of the wound-on tension is below
         rtol of it, 1e-6 to 0.1.
@@ -238,7 +238,8 @@ class WrapContact(PairContact):
         if self.cells is not None:
             drum = roll = self.cells * count // (self.nodes - 1)
         else:
-            drum, roll = count // (4 if self.problem.drum.rigid else 2), count // 2
+            drum = count // 4 if self.problem.drum.rigid else 3 * count // 4
+            roll = count // 2
         return grid_for(self.problem, mesh.grid, a, max(8, drum), max(8, roll), like)
 
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
