@@ -168,8 +168,10 @@ def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
     load = problem.nip_load / was.nip_load
     known: Widths = (start.widths or Widths(2.0, {})).at(load)
     zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
-    # what the nip adds goes like its load; the web bends with the other radii
-    tension = problem.web_tension + load * (start.web_tension - was.web_tension)
+    # what the nip adds goes like its load, what comes to it like T_in; the web bends with the radii
+    T, T_in = start.web_tension, problem.web_tension
+    coming = T[np.minimum(np.arange(T.size), start.in_nip.start)]
+    tension = T_in * (coming / was.web_tension if was.web_tension else 1.0) + load * (T - coming)
     drum, roll = (1 / getattr(problem, name).radius - 1 / getattr(was, name).radius
                   for name in ("drum", "roll"))  # fmt: skip
     loads = Known(
