@@ -14,7 +14,8 @@ from woundon.show.figures import figure_bytes, legend_above, save_figure, style
 from woundon.show.nip_plots import nip_panels
 from woundon.show.panels import Case, drawn
 from woundon.studies.processes import in_processes
-from woundon.wrap.influence import Influence, OpenGrid
+from woundon.wrap.influence import Influence
+from woundon.wrap.integrals import OpenGrid
 
 __all__ = [
     "draw_slips", "figure_bytes", "in_processes", "nip_figure", "roll_strain", "save_figure",

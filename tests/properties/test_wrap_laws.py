@@ -8,7 +8,7 @@ from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.contact.stick_slip import solve_stick_slip
-from woundon.wrap import face, influence
+from woundon.wrap import action, face
 from woundon.wrap.certificate import equations_of, unknowns_of
 from woundon.wrap.equations import WrapEquations
 
@@ -93,10 +93,10 @@ def test_solved_unknowns_leave_nothing(result):
 def test_a_neighbour_costs_an_assembly_a_mesh(monkeypatch):
     """From a percent away: matrices once on one mesh, then a width or two without them."""
     start, made = wo.solve(HARD, nodes=65), []
-    matrices, acts = face.FaceLaws.matrices.func, influence.FaceAction._smooth.func
+    matrices, acts = face.FaceLaws.matrices.func, action.FaceAction._smooth.func
     monkeypatch.setattr(face.FaceLaws.matrices, "func",
                         lambda of: made.append(of.body) or matrices(of))  # fmt: skip
-    monkeypatch.setattr(influence.FaceAction._smooth, "func",
+    monkeypatch.setattr(action.FaceAction._smooth, "func",
                         lambda of: made.append("act") or acts(of))  # fmt: skip
     near = wo.solve(HARD.replace(nip_load=1.01 * HARD.nip_load), nodes=65, start=start)
     assert made.count(HARD.roll) == 1  # was 3, on two meshes

@@ -25,8 +25,10 @@ from ..contact.schemes import interpolation_rank
 from ..losses import Surface
 from ..problems.bodies import Body
 from ..problems.nip import WindingNip
+from .action import FaceAction
 from .grid import WrapGrid
-from .influence import FaceAction, Influence, OpenGrid, Within
+from .influence import Influence, Within
+from .integrals import OpenGrid
 
 __all__ = ["Face", "FaceLaws", "Loaded"]
 
@@ -162,13 +164,19 @@ class FaceLaws:
             return Loaded(none[1:], none, self._round, 0.0)
         own = slice(self.start, self.stop + 1)
         p, q = pressure[own], traction[own]
+        known = vars(self).get("_latest")
+        if known is not None and np.array_equal(known[0], p) and np.array_equal(known[1], q):
+            latest: Loaded = known[2]  # as by the certificate, after the solver's last step
+            return latest
         by_p, by_q = self._end
         last = by_p @ p + by_q @ q + self.response.rest()[0]
         made = vars(self).get("matrices")
         slope, strain, bend = self._acted(p, q, last) if made is None else made.under(p, q)
         behind = slice(self.points.trailing, None)
         sunk = self.half_width * self.points.cells[behind] @ slope[behind]
-        return Loaded(slope, strain, bend, float(last[0] - sunk))
+        loaded = Loaded(slope, strain, bend, float(last[0] - sunk))
+        vars(self)["_latest"] = p, q, loaded
+        return loaded
 
     def _acted(self, p: Array, q: Array, last: Array) -> tuple[Array, Array, Array]:
         """Return slope, strain and curvature, no matrices made."""

@@ -39,6 +39,7 @@ EVENNESS = 0.5  # a cell at the far side is at most 1/EVENNESS of an even one
 STEP = log(2) / 16  # of ln of an arc's length: what shapes its cells
 OVERLAP = 5e-6  # of it too: so far a shape is kept beyond, or a width there would not settle
 
+
 @dataclass(frozen=True, eq=False)
 class WrapGrid:
     """Nodes of drum arc, nip and roll arc in one row, in units of the half width.
@@ -130,7 +131,7 @@ class Arc(NamedTuple):
     def of(cls, length: float, cells: int, entry: bool, like: float = 0.0) -> Arc:
         """Return an arc of so many cells, shaped like another where it is nearly as long.
 
-        With ``entry`` the far side is an edge where traction sets in, and is resolved like the nip's.
+        With ``entry`` the far side is an edge where traction sets in, and is resolved too.
         """
         if length == 0:
             return cls(np.zeros(1), 0, 0.0)

@@ -8,65 +8,32 @@ Each kernel is a singular part, integrated in closed form over every cell, and a
     arc's points      closed form                      closed form
                       f <- Chebyshev                   f <- Gauss
 
-Inside the nip f is interpolated by the plain nip's own Chebyshev points, so that without arcs nothing
-changes; along an arc, where it is asked for at few points, it is taken as it is, and integrated by
-Gauss's rule.  Beyond half the circumference a smooth part is continued by periodicity of the whole
-kernel: the singular parts are exchanged there.
+Inside the nip f is interpolated by the plain nip's own Chebyshev points, so that without arcs
+nothing changes; along an arc, where it is asked for at few points, it is taken as it is, and
+integrated by Gauss's rule.  Beyond half the circumference a smooth part is continued by periodicity
+of the whole kernel: the singular parts are exchanged there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import log
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..contact.grid import HIGHEST_RANK, Grid, Past, chebyshev_points
 from ..contact.schemes import interpolation_rank
 from ..elasticity.kernels import Kernel
+from .integrals import OpenGrid, closed, gauss
 
-__all__ = ["FaceAction", "Influence", "OpenGrid", "Within", "closed"]
+__all__ = ["Influence", "Within"]
 
 Array = np.ndarray
 Smooth = Callable[[Array], Array]
 
-MOST_POINTS = 150  # of a cell; three for each length on which a body responds
 KEPT = 300  # nodes of a face up to which much that belongs to its grid is kept
-FAR = 0.1  # half a cell over the distance to its middle: beyond, logarithms cancel
-
-
-@dataclass(frozen=True, eq=False)
-class OpenGrid(Grid):
-    """A grid whose ends carry half hats, so that every node is an unknown."""
-
-    @property
-    def unknowns(self) -> int:
-        """Number of nodes, ends included."""
-        return self.nodes.size
-
-    @cached_property
-    def weights(self) -> Array:
-        """Integrals of the hats and half hats, (N+1,)."""
-        return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
-
-    def _hats(self, zeroth: Array, first: Array) -> Array:
-        out = np.zeros((first.shape[0], first.shape[1] + 1))
-        np.subtract(zeroth, first, out=out[:, :-1])
-        out[:, 1:] += first
-        return out
-
-    def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
-        """Integrate what a viscoelastic surface adds against hats and half hats, (k, K, N+1)."""
-        before, logarithm = (part[rows] for part in self.apart)
-        rise = np.diff(lag.twice(before, logarithm + np.log(scale)), axis=-1) / (scale * self.cells)
-        ends = [
-            -lag.exactly(scale * (self.points[rows] - node), 1)[..., None]
-            for node in self.nodes[[0, -1]]
-        ]
-        return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
 
 
 class Within(NamedTuple):
@@ -196,7 +163,10 @@ class Influence:
         stays, moving = within.stays, within.moving
         if not moving.size:
             return _around(within, points, nodes)
-        out, rows = np.empty((4, points.size, nodes.size)), np.delete(np.arange(points.size), moving)
+        out, rows = (
+            np.empty((4, points.size, nodes.size)),
+            np.delete(np.arange(points.size), moving),
+        )
         own = within._replace(
             first=within.first - stays.start, rows=np.searchsorted(rows, within.rows)
         )
@@ -286,134 +256,6 @@ class Apart:
         return np.concatenate(parts)
 
 
-@dataclass(frozen=True, eq=False)
-class FaceAction:
-    """(p, q) -> slope and strain at the points, (K,) each, by nodal tractions, (N+1,) each.
-
-    What :meth:`Influence.together` makes matrices of, times vectors.
-
-    Parameters
-    ----------
-    put : Influence
-        With a nip.
-    kernels : SurfaceKernels
-        Without lag.
-    """
-
-    put: Influence
-    kernels: Any
-
-    def __call__(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return slope and strain."""
-        put, loads = self.put, np.array([p, q]).T
-        K = put.grid.points.size
-        parts = put.singular.reshape(4 * K, -1) @ loads
-        found = self._singular @ parts.reshape(4, K, 2).transpose(0, 2, 1).reshape(8, K)
-        found += (self._logs @ (put.grid.weights @ loads))[:, None]
-        if self._smooth is not None:
-            apart, within = put.apart, put.within
-            r = apart.interpolated
-            values = self._smooth @ apart.moments_of(loads).T.ravel()
-            found[:, apart.rows] += values[:, r:]
-            assert within is not None
-            found[:, within.rows] += values[:, :r] @ apart.at_nip.T
-        slope, strain = found
-        return slope, strain
-
-    @cached_property
-    def _singular(self) -> Array:
-        """Coefficients of the singular parts, (slope and strain, parts by p and q)."""
-        each = self.put.factors(self.kernels.gradients)
-        return each.reshape(2, 2, 4).transpose(0, 2, 1).reshape(2, 8)
-
-    @cached_property
-    def _logs(self) -> Array:
-        """What ln(a) adds, by the loads of p and of q, (slope and strain, p and q)."""
-        a = self.put.scale
-        logs = np.array([k.log for k in self.kernels.gradients]).reshape(2, 2)
-        return np.asarray(logs * (a * log(a)))
-
-    @cached_property
-    def _smooth(self) -> Array | None:
-        """Smooth parts between points and sources, (slope and strain, points, sources by p, q)."""
-        put, kernels = self.put, self.kernels
-        if kernels.smooth is None:
-            return None
-        values = put.between(kernels.gradients, kernels.smooth, put.apart.points)
-        _, points, sources = values.shape
-        values = values.reshape(2, 2, points, sources).transpose(0, 2, 1, 3)
-        return values.reshape(2, points, 2 * sources)
-
-
-def closed(points: Array, nodes: Array) -> Array:
-    """Integrate 1/t, the pulse, ln|t| and sgn(t), t = y - s, against hats and half hats.
-
-    Parameters
-    ----------
-    points : (K,) array
-        y, none of them on a node.
-    nodes : (M+1,) array
-
-    Returns
-    -------
-    (4, K, M+1) array
-        As :data:`woundon.contact.grid.SINGULAR` has them.
-    """
-    h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
-    # over each cell, and times the distance from its middle
-    zeroth, first = np.zeros((2, 4, *d.shape))
-    logarithm = np.log(np.abs(points[:, None] - nodes))
-    left, right = logarithm[:, :-1], logarithm[:, 1:]
-    inverse = np.subtract(left, right, out=zeroth[0])
-    far = np.abs(d) * FAR > h / 2
-    inverse[far] = 2 * np.arctanh((h / (2 * d))[far])
-    inside = np.minimum(np.maximum(d, -h / 2), h / 2)
-    own = inside == d
-    zeroth[1], first[1] = own, np.where(own, d, 0.0)
-    np.multiply(d, inverse, out=zeroth[2])
-    np.subtract(zeroth[2], h, out=first[0])
-    zeroth[2] += h / 2 * (left + right) - h
-    first[2] = d / 2 * first[0] - h**2 / 8 * inverse
-    np.multiply(inside, 2.0, out=zeroth[3])
-    first[3] = inside**2 - h**2 / 4
-    zeroth /= 2
-    first /= h
-    out = np.zeros((4, points.size, nodes.size))
-    np.subtract(zeroth, first, out=out[..., :-1])
-    zeroth += first
-    out[..., 1:] += zeroth
-    return out
-
-
-def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
-    """Return Gauss's points along a row of nodes, and the hats there times weights.
-
-    Parameters
-    ----------
-    nodes : (N+1,) array
-        In units of the half width.
-    scale : float
-        a [m].
-    length : float
-        On which the kernels vary [m]: the longer a cell beside it, the more points.
-
-    Returns
-    -------
-    (Q,), (Q, N+1) arrays
-        Weights in metres; half hats at the ends.
-    """
-    cells = np.diff(nodes)
-    share = scale * cells / length
-    orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
-    cell = np.repeat(np.arange(cells.size), orders)
-    rules = [_gauss(order) for order in orders.tolist()]
-    part = (np.concatenate([g for g, _ in rules]) + 1) / 2
-    weight = np.concatenate([w for _, w in rules]) / 2 * cells[cell] * scale
-    hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
-    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
-    return nodes[cell] + cells[cell] * part, hats
-
-
 def _stacked(smooth: Smooth) -> Smooth:
     """Return one smooth part as if it were several together."""
     return lambda t: smooth(t)[None]
@@ -422,7 +264,9 @@ def _stacked(smooth: Smooth) -> Smooth:
 def _around(within: Within, points: Array, nodes: Array) -> Array:
     """Return the singular parts' integrals in and around a nip; of few nodes, kept."""
     make = _kept_around if nodes.size <= KEPT else _kept_around.__wrapped__
-    return make(within.nip, within.first, *(part.tobytes() for part in (within.rows, points, nodes)))
+    return make(
+        within.nip, within.first, *(part.tobytes() for part in (within.rows, points, nodes))
+    )
 
 
 @lru_cache(maxsize=16)
@@ -445,10 +289,3 @@ def _kept_around(nip: Grid, first: int, rows: bytes, points: bytes, nodes: bytes
 def _opened(nip: Grid) -> OpenGrid:
     """Return the same nip with half hats at its ends, of which much is kept."""
     return OpenGrid(nip.nodes, nip.points)
-
-
-@lru_cache
-def _gauss(order: int) -> tuple[Array, Array]:
-    """Return Gauss's points and weights on [-1, 1]."""
-    g, w = np.polynomial.legendre.leggauss(order)
-    return g, w

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import inf, nan
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -24,20 +24,17 @@ from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halv
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
-from ..losses import Surface, lost
-from ..nip.solve import slip_ratios, told_by
-from ..nip.validity import nip_warnings, web_far_outside
+from ..losses import Surface
+from ..nip.validity import web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
-from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, equations_of, roll_strain, surfaces_of, unknowns_of
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
-from .laws import Along
+from .outcome import creep, ratios, result_of
 from .result import WrappedNipResult
 
-__all__ = ["check_options", "recomputed", "solve_wrapped_nip"]
+__all__ = ["check_options", "solve_wrapped_nip"]
 
 Array = np.ndarray
 
@@ -116,7 +113,7 @@ def solve_wrapped_nip(
         ladder.double(rtol, MOST_NODES)
     elif chooses:
         ladder.double(*asked)
-    result = _result(ladder, problem).checked()
+    result = result_of(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
     return result.warned()
@@ -312,8 +309,8 @@ class WrapContact(PairContact):
             "wound_on_tension": far,
             "nip_induced_tension": behind - before,
             "tension_behind_nip": behind,
-            "drum_creep": _creep(level.equations, state),
-            **slip_ratios(self.problem, _in_nip(along_web(level), grid)),
+            "drum_creep": creep(level.equations, state),
+            **ratios(level),
         }
 
     def grain(self, name: str, level: Level) -> float:
@@ -328,106 +325,3 @@ class WrapContact(PairContact):
         hoop = problem.drum.compliance * problem.web_tension / problem.drum.radius
         own = problem.web.compliance.c11 / problem.web.thickness * problem.web_tension
         return float(ENTRY * hoop + ROUNDING * own)
-
-
-# ---- from a solved mesh to a result -------------------------------------------------------------
-
-
-def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
-    """Return the result of the last mesh, its certificate measured on what it reports."""
-    level = ladder.level
-    equations, state = level.equations, level.state
-    along = state.along
-    if not problem.linear:
-        equations = equations.anew(state)
-        along = equations.laws.at(equations.unknowns(state), state.solution.traction)
-    arrays, grid = along_web(level), equations.grid
-    responses = [face.response for face in equations.laws.both if face.response]
-    result = WrappedNipResult(
-        problem=problem,
-        half_width=state.half_width,
-        approach=_approach(equations, along, state.shift),
-        offset=state.shift * problem.contact_radius,
-        drum_creep=_creep(equations, state),
-        **slip_ratios(problem, _in_nip(arrays, grid)),
-        **arrays,
-        roll_strain=roll_strain(equations, along),
-        residuals=Residuals(),
-        iterations=ladder.solves,
-        series_terms=max((r.terms for r in responses), default=0),
-        series_error=max((r.truncation_error for r in responses), default=0.0),
-        mesh=level.mesh,
-        widths=ladder.widths,
-        rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
-    )
-    return result.replace(
-        errors=ladder.errors_of(result),
-        residuals=certificate(result, equations),
-        warnings=nip_warnings(result),
-    )
-
-
-def along_web(level: Level) -> dict[str, Any]:
-    """Return what a solved mesh has along the web, by the names of the result, (N,) each."""
-    equations, state, along = level.equations, level.state, level.state.along
-    grid, a = equations.grid, state.half_width
-    slip_x = a * np.append(grid.points[:1], grid.points)
-    slip_x[grid.first] = slip_x[grid.first + 1]
-    zones = _zones(equations, state.solution.state)
-    return {
-        "x": a * grid.nodes,
-        "slip_x": slip_x,
-        "pressure": along.drum_loads.pressure,
-        "roll_pressure": along.roll_loads.pressure,
-        "hoop_pressure": along.tension * along.bend * equations.weighs,
-        "curvature": along.bend,
-        "roll_traction": along.roll_loads.traction,
-        "drum_traction": along.drum_loads.traction,
-        "roll_slip": state.roll_slip,
-        "drum_slip": state.drum_slip,
-        "roll_zone": zones[0],
-        "drum_zone": zones[1],
-        "web_tension": along.tension,
-    }
-
-
-def _in_nip(arrays: Mapping[str, Array], grid: WrapGrid) -> dict[str, Array]:
-    return {name: values[grid.first : grid.last + 1] for name, values in arrays.items()}
-
-
-def _zones(equations: WrapEquations, states: Array) -> Array:
-    """Place the states of both faces along all nodes, (2, N+1); the ends copy their neighbours."""
-    n_q, grid = equations.roll_q.size, equations.grid
-    out = np.zeros((2, grid.size), dtype=states.dtype)
-    out[0, equations.roll_q], out[1, equations.drum_q] = states[:n_q], states[n_q:]
-    out[0, grid.first], out[0, -1] = out[0, grid.first + 1], out[0, -2]
-    out[1, 0], out[1, grid.last] = out[1, 1], out[1, grid.last - 1]
-    return out
-
-
-def _creep(equations: WrapEquations, state: WrapState) -> float:
-    """Return xi-, unstrained web and drum as reference: the solved one is referred to T(end)."""
-    web, thickness = equations.web, equations.problem.web.thickness
-    return float(state.solution.creep - web.c11 / thickness * float(state.along.tension[-1]))
-
-
-def _approach(equations: WrapEquations, along: Along, shift: float) -> float:
-    """Return the mutual approach, from the indentation at the trailing edge [m]."""
-    problem, a, edge = equations.problem, equations.half_width, equations.grid.last
-    v = equations.web.c12 * along.tension[edge] + along.roll.normal + along.drum.normal
-    v -= float(problem.web.thinned(along.roll_loads.pressure[edge:][:1])[0][0])
-    return -float(v + shift * a - a**2 / (2 * problem.contact_radius))
-
-
-def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
-    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
-    equations, problem = equations_of(result), result.problem
-    z, q, _ = unknowns_of(result, equations)
-    approach = _approach(equations, equations.laws.at(z, q), float(z[-1]))
-    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
-    own = _in_nip(arrays, equations.grid)
-    told = told_by(approach, slip_ratios(problem, own), own["x"])
-    if problem.viscoelastic:
-        resistance = lost(problem, surfaces_of(result, equations))
-        told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
-    return told
