@@ -14,7 +14,7 @@ from woundon.contact.schemes import SCHEMES, GradedMesh, Mesh, scheme_of
 from woundon.elasticity import half_plane
 from woundon.problems.bodies import KernelBody
 from woundon.wrap.face import FaceGrid
-from woundon.wrap.grid import EVENNESS, FINE, wrap_grid
+from woundon.wrap.grid import EVENNESS, FINE, OVERLAP, POWER, STEP, Arc, wrap_grid
 
 Array = np.ndarray
 PAPER = wo.material("paper")
@@ -281,18 +281,36 @@ def test_loads_are_carried_over_linearly_and_vanish_at_the_ends() -> None:
     np.testing.assert_array_equal(padded(np.ones(2)), [0.0, 1.0, 1.0, 0.0])
 
 
-@pytest.mark.parametrize(("length", "cells"), [(5.0, 12), (40.0, 24), (130.0, 96)])
-def test_cells_of_an_arc_grow_from_the_nip_to_its_far_side(length: float, cells: int) -> None:
-    grid = wrap_grid(SCHEMES["graded"].mesh(33).grid, 0.0, 24, length, cells)
-    nodes, points = grid.nodes[grid.last :] - 1, grid.points[grid.last :] - 1
-    assert (nodes.size, nodes[-1]) == (cells + 1, length)
+@pytest.mark.parametrize("cells", [12, 24, 96])
+@pytest.mark.parametrize("steps", [40, 85, 112])
+def test_cells_of_an_arc_grow_from_the_nip_to_its_far_side(steps: int, cells: int) -> None:
+    length = np.exp(steps * STEP)  # one of those that shape cells: none is moved
+    arc = Arc.of(length, cells, False)
+    assert (arc.rows.size, arc.rows[-1]) == (2 * cells + 1, length)
 
     def counted(distance: Array) -> Array:
-        u = np.sqrt(distance / FINE)
-        return np.asarray(2 * np.log1p(u) + EVENNESS * FINE / length * u**2)
+        u = (distance / FINE) ** (1 / POWER)
+        return np.asarray(POWER * np.log1p(u) + EVENNESS * FINE / length * u**POWER)
 
     # Newton's method stops at 1e-14 of the largest u, which is 1e-10 of a count or less
     total = counted(np.array([length]))[0]
-    np.testing.assert_allclose(counted(nodes), total * np.arange(cells + 1) / cells, atol=1e-10)
-    half_way = (np.arange(cells) + 0.5) / cells
-    np.testing.assert_allclose(counted(points), total * half_way, atol=1e-10)
+    share = np.arange(2 * cells + 1) / (2 * cells)
+    np.testing.assert_allclose(counted(arc.rows), total * share, atol=1e-10)
+
+
+@pytest.mark.parametrize("entry", [False, True])
+def test_what_shapes_an_arc_is_rounded_and_only_its_far_side_moves(entry: bool) -> None:
+    length = np.exp(85 * STEP)
+    arc = Arc.of(length, 32, entry)
+    near, beyond = (Arc.of(length * np.exp(by), 32, entry) for by in (0.4 * STEP, 0.6 * STEP))
+    kept = slice(0, 2 * arc.kept + 1)
+    assert 32 > arc.kept >= 16
+    np.testing.assert_array_equal(near.rows[kept], arc.rows[kept])
+    assert near.rows[-1] == length * np.exp(0.4 * STEP)
+    assert (np.diff(near.rows) > 0).all()
+    assert (near.shape, near.kept) == (arc.shape, arc.kept)
+    assert beyond.shape > arc.shape
+    # a grid that is followed across the border goes on a little: a width on it settles
+    border = length * np.exp(STEP / 2)
+    assert Arc.of(border * (1 + OVERLAP / 2), 32, entry, arc.shape).shape == arc.shape
+    assert Arc.of(border * (1 + 2 * OVERLAP), 32, entry, arc.shape).shape == beyond.shape

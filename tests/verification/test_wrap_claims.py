@@ -169,14 +169,14 @@ def test_curvature_of_the_last_iteration_would_not_converge():
     """Thesis sec. 3.5 proposes it; errors grow where cells are shorter than C T (docs, wrap)."""
     result, R = wo.solve_wrapped_nip(PAPER), PAPER.roll.radius
     a, largest = result.half_width, []
-    for cells in (24, 48, 96):
+    for cells in (16, 32, 64):
         grid = wrap_grid(SCHEMES["graded"].mesh(65).grid, 0, cells, pi * R / a - 1, cells)
         none = np.zeros(grid.size)
         bend = WrapEquations(PAPER.wrapped(), grid, a, Known(none, none)).roll.bend_p
         own = slice(grid.last - grid.first + 1, -1)
         T = np.interp(a * grid.nodes[grid.first :], result.x, result.web_tension)
         largest.append(np.abs(np.linalg.eigvals(T[own, None] * bend[own, own])).max())
-    assert largest == pytest.approx([0.37, 1.8, 7.7], rel=0.05)
+    assert largest == pytest.approx([1.18, 8.2, 52.0], rel=0.05)
 
 
 def test_it_takes_less_than_ten_times_the_plain_nip():

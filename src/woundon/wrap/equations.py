@@ -343,7 +343,8 @@ class WrapEquations(WrapColumns):
     def moved(self, a: float) -> WrapEquations:
         """Return the equations for another half width [m], no matrices made."""
         grid = self.grid
-        other = grid_for(self.problem, grid.nip, a, grid.first, grid.size - 1 - grid.last)
+        drum, roll = grid.first, grid.size - 1 - grid.last
+        other = grid_for(self.problem, grid.nip, a, drum, roll, grid)
         made = WrapEquations(self.problem, other, a, self.about)
         vars(made)["joint"] = self.joint  # for the sizes of its rows
         return made
