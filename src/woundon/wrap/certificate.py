@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp
+from math import exp, inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +22,7 @@ from ..results import Residuals
 from ..two_bodies import mesh_of, within
 from .equations import Known, WrapEquations
 from .grid import OVERLAP, WrapGrid, grid_for
+from .grid_0_1 import grid_of_0_1
 from .laws import Along
 
 if TYPE_CHECKING:
@@ -62,13 +63,15 @@ def _grid_of(result: WrappedNipResult) -> WrapGrid:
         raise InvalidProblem.at("x", f"its nodes are not those of a nip of half width {a:.6g} m")
 
     def apart(grid: WrapGrid) -> float:
-        return float(np.max(np.abs(result.x / a - grid.nodes)))
+        same = grid.size == result.x.size and grid.first == first
+        return float(np.max(np.abs(result.x / a - grid.nodes))) if same else inf
 
     if apart(grid) < SURE * grid.size:
         return grid
     # one that began on the other side of where the arcs' shape changes
     beside = (grid_for(*args[:2], a * exp(side * BESIDE), *args[3:]) for side in (-1, 1))
-    return min(grid, *(grid_for(*args, like) for like in beside), key=apart)
+    like_beside = (grid_for(*args, like) for like in beside)
+    return min(grid, *like_beside, grid_of_0_1(*args), key=apart)
 
 
 def unknowns_of(result: WrappedNipResult, equations: WrapEquations) -> tuple[Array, Array, float]:

@@ -29,7 +29,7 @@ from ..contact.grid import Grid
 from ..errors import InvalidProblem
 from ..problems.nip import WrappedNipProblem
 
-__all__ = ["Arc", "WrapGrid", "grid_for", "wrap_grid"]
+__all__ = ["Arc", "WrapGrid", "graded", "grid_for", "joined", "lengths", "wrap_grid"]
 
 Array = np.ndarray
 
@@ -138,7 +138,7 @@ class Arc(NamedTuple):
         shape = float(np.exp(STEP * round(log(length) / STEP)))
         if like and abs(log(length / like)) < STEP / 2 + OVERLAP:
             shape = like
-        rows, kept = _graded(shape, cells) if not entry else _graded_to_entry(shape, cells)
+        rows, kept = _shaped(shape, cells, entry)
         rows, last = rows.copy(), rows[2 * kept]
         rows[2 * kept :] += (rows[2 * kept :] - last) * ((length - shape) / (shape - last))
         rows[-1] = length
@@ -164,6 +164,11 @@ def wrap_grid(
     shapes = (0.0, 0.0) if like is None else (like.arcs[0].shape, like.arcs[1].shape)
     drum = Arc.of(drum_arc, drum_cells, True, shapes[0])
     roll = Arc.of(roll_arc, roll_cells, False, shapes[1])
+    return joined(nip, drum, roll)
+
+
+def joined(nip: Grid, drum: Arc, roll: Arc) -> WrapGrid:
+    """Return a nip's grid with arcs before and behind."""
     before, after = drum.rows, roll.rows
     nodes = np.concatenate([-1 - before[:0:-2], nip.nodes, 1 + after[2::2]])
     points = np.concatenate([-1 - before[-2::-2], nip.points[:-1], 1 + after[1::2]])
@@ -184,6 +189,12 @@ def grid_for(
     InvalidProblem
         For a wrap on the roll that ends within the nip, or too near behind it.
     """
+    drum, roll = lengths(problem, a)
+    return wrap_grid(nip, drum, drum_cells, roll, roll_cells, like)
+
+
+def lengths(problem: WrappedNipProblem, a: float) -> tuple[float, float]:
+    """Return those of the arcs of drum and roll beyond the nip, in half widths; see above."""
     radius, wrap = problem.roll.radius, problem.roll_wrap
     drum = problem.drum_wrap * problem.drum.radius / a
     roll = wrap * radius / a - 1 if wrap > 0 else 0.0
@@ -193,15 +204,16 @@ def grid_for(
             f"{wrap:.6g} is out of range; the nip's trailing edge is at {a / radius:.4g}, so it "
             f"must be 0 or >= {SHORTEST_WRAP * a / radius:.4g} [rad]",
         )
-    return wrap_grid(nip, drum, drum_cells, roll, roll_cells, like)
+    return drum, roll
 
 
-@lru_cache(maxsize=128)
-def _graded(length: float, cells: int) -> tuple[Array, int]:
-    """Return nodes and points by distance, and how many cells from the nip on stay."""
-    # cells are counted by m ln(1 + u) + even u^m, with u^m the distance over FINE
-    m, even = POWER, EVENNESS * FINE / length
-    most = float((length / FINE) ** (1 / m))
+def graded(
+    length: float, cells: int, fine: float = FINE, power: float = POWER, evenness: float = EVENNESS
+) -> Array:
+    """Return nodes (even) and points (odd) of an arc by distance from the nip, (2 cells + 1,)."""
+    # cells are counted by m ln(1 + u) + even u^m, with u^m the distance over fine
+    m, even = power, evenness * fine / length
+    most = float((length / fine) ** (1 / m))
     t = np.linspace(0.0, 1.0, 2 * cells + 1) * (m * np.log1p(most) + even * most**m)
     u = np.minimum(np.expm1(t / m), most)
     for _ in range(50):  # Newton's method from above, on a growing function
@@ -209,15 +221,19 @@ def _graded(length: float, cells: int) -> tuple[Array, int]:
         u = np.clip(u - step, 0.0, most)
         if np.max(np.abs(step)) < 1e-14 * most:
             break
-    distance = FINE * u**m
+    distance = fine * u**m
     distance[0], distance[-1] = 0.0, length
-    return distance, cells - max(1, cells // 8)
+    return distance
 
 
 @lru_cache(maxsize=128)
-def _graded_to_entry(length: float, cells: int) -> tuple[Array, int]:
-    """Return the same with an entry at the far side: a quarter of the cells are graded to it."""
+def _shaped(length: float, cells: int, entry: bool) -> tuple[Array, int]:
+    """Return nodes and points by distance, and how many cells from the nip on stay.
+
+    With an entry at the far side a quarter of the cells are graded to it.
+    """
+    if not entry:
+        return graded(length, cells), cells - max(1, cells // 8)
     fine = max(cells // 4, 2)
-    near, kept = _graded(length / 2, cells - fine)
-    far, _ = _graded(length / 2, fine)
-    return np.concatenate([near, (length - far)[-2::-1]]), kept
+    near, kept = _shaped(length / 2, cells - fine, False)
+    return np.concatenate([near, (length - graded(length / 2, fine))[-2::-1]]), kept
