@@ -36,7 +36,8 @@ Array = np.ndarray
 FINE, POWER = 0.1, 2.5  # [a]: farther out cells grow like the distance, nearer like its 3/5th power
 SHORTEST_WRAP = 2.0  # half widths
 EVENNESS = 0.5  # a cell at the far side is at most 1/EVENNESS of an even one
-STEP = log(2) / 16  # of ln of an arc's length: what shapes its cells
+TO_ENTRY = 1 / 4  # of the cells of an arc that begins with tractions
+STEP = log(2) / 64  # of ln of an arc's length: what shapes its cells
 OVERLAP = 5e-6  # of it too: so far a shape is kept beyond, or a width there would not settle
 
 
@@ -216,8 +217,8 @@ def _graded(length: float, cells: int) -> tuple[Array, int]:
 
 @lru_cache(maxsize=128)
 def _graded_to_entry(length: float, cells: int) -> tuple[Array, int]:
-    """Return the same with an entry at the far side: a quarter of the cells are graded to it."""
-    fine = max(cells // 4, 2)
+    """Return the same with an entry at the far side, to which some of the cells are graded."""
+    fine = max(int(TO_ENTRY * cells), 2)
     near, kept = _graded(length / 2, cells - fine)
     far, _ = _graded(length / 2, fine)
     return np.concatenate([near, (length - far)[-2::-1]]), kept
