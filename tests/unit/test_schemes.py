@@ -14,7 +14,7 @@ from woundon.contact.schemes import SCHEMES, GradedMesh, Mesh, scheme_of
 from woundon.elasticity import half_plane
 from woundon.problems.bodies import KernelBody
 from woundon.wrap.face import FaceGrid
-from woundon.wrap.grid import EVENNESS, FINE, OVERLAP, POWER, STEP, Arc, wrap_grid
+from woundon.wrap.grid import GRADING, OVERLAP, STEP, Arc, wrap_grid
 
 Array = np.ndarray
 PAPER = wo.material("paper")
@@ -289,8 +289,9 @@ def test_cells_of_an_arc_grow_from_the_nip_to_its_far_side(steps: int, cells: in
     assert (arc.rows.size, arc.rows[-1]) == (2 * cells + 1, length)
 
     def counted(distance: Array) -> Array:
-        u = (distance / FINE) ** (1 / POWER)
-        return np.asarray(POWER * np.log1p(u) + EVENNESS * FINE / length * u**POWER)
+        fine, power, evenness, _ = GRADING
+        u = (distance / fine) ** (1 / power)
+        return np.asarray(power * np.log1p(u) + evenness * fine / length * u**power)
 
     # Newton's method stops at 1e-14 of the largest u, which is 1e-10 of a count or less
     total = counted(np.array([length]))[0]

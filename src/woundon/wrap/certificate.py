@@ -21,8 +21,7 @@ from ..losses import Surface, balance_law
 from ..results import Residuals
 from ..two_bodies import mesh_of, within
 from .equations import Known, WrapEquations
-from .grid import OVERLAP, WrapGrid, grid_for
-from .grid_0_1 import grid_of_0_1
+from .grid import OVERLAP, WrapGrid, grid_for, grid_of_0_1
 from .laws import Along
 
 if TYPE_CHECKING:

@@ -29,15 +29,38 @@ from ..contact.grid import Grid
 from ..errors import InvalidProblem
 from ..problems.nip import WrappedNipProblem
 
-__all__ = ["Arc", "WrapGrid", "graded", "grid_for", "joined", "lengths", "wrap_grid"]
+__all__ = [
+    "GRADING", "GRADING_0_1", "Arc", "Grading", "WrapGrid", "grid_for", "grid_of_0_1", "wrap_grid",
+]  # fmt: skip
 
 Array = np.ndarray
 
-FINE, POWER = 0.1, 2.5  # [a]: farther out cells grow like the distance, nearer like its 3/5th power
 SHORTEST_WRAP = 2.0  # half widths
-EVENNESS = 0.5  # a cell at the far side is at most 1/EVENNESS of an even one
-STEP = log(2) / 16  # of ln of an arc's length: what shapes its cells
+STEP = log(2) / 64  # of ln of an arc's length: what shapes its cells
 OVERLAP = 5e-6  # of it too: so far a shape is kept beyond, or a width there would not settle
+
+
+class Grading(NamedTuple):
+    """How the cells of an arc grow.
+
+    Attributes
+    ----------
+    fine, power : float
+        Beyond ``fine`` [a] cells grow like the distance, nearer like its power 1 - 1/power.
+    evenness : float
+        A cell at the far side is at most 1/evenness of an even one.
+    to_entry : float
+        Share of the cells that is graded to where tractions set in.
+    """
+
+    fine: float
+    power: float
+    evenness: float
+    to_entry: float
+
+
+GRADING = Grading(fine=0.1, power=2.5, evenness=0.5, to_entry=1 / 4)
+GRADING_0_1 = Grading(fine=0.2, power=2.0, evenness=3.0, to_entry=1 / 2)  # that of woundon 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,11 +161,19 @@ class Arc(NamedTuple):
         shape = float(np.exp(STEP * round(log(length) / STEP)))
         if like and abs(log(length / like)) < STEP / 2 + OVERLAP:
             shape = like
-        rows, kept = _shaped(shape, cells, entry)
+        rows, kept = (_graded_to_entry if entry else _graded)(shape, cells, GRADING)
         rows, last = rows.copy(), rows[2 * kept]
         rows[2 * kept :] += (rows[2 * kept :] - last) * ((length - shape) / (shape - last))
         rows[-1] = length
         return cls(rows, kept, shape)
+
+    @classmethod
+    def of_0_1(cls, length: float, cells: int, entry: bool) -> Arc:
+        """Return an arc as woundon 0.1 had it, no part of which stays."""
+        if length == 0:
+            return cls(np.zeros(1), 0, 0.0)
+        rows, _ = (_graded_to_entry if entry else _graded)(length, cells, GRADING_0_1)
+        return cls(rows, 0, length)
 
 
 def wrap_grid(
@@ -164,10 +195,10 @@ def wrap_grid(
     shapes = (0.0, 0.0) if like is None else (like.arcs[0].shape, like.arcs[1].shape)
     drum = Arc.of(drum_arc, drum_cells, True, shapes[0])
     roll = Arc.of(roll_arc, roll_cells, False, shapes[1])
-    return joined(nip, drum, roll)
+    return _joined(nip, drum, roll)
 
 
-def joined(nip: Grid, drum: Arc, roll: Arc) -> WrapGrid:
+def _joined(nip: Grid, drum: Arc, roll: Arc) -> WrapGrid:
     """Return a nip's grid with arcs before and behind."""
     before, after = drum.rows, roll.rows
     nodes = np.concatenate([-1 - before[:0:-2], nip.nodes, 1 + after[2::2]])
@@ -189,12 +220,20 @@ def grid_for(
     InvalidProblem
         For a wrap on the roll that ends within the nip, or too near behind it.
     """
-    drum, roll = lengths(problem, a)
+    drum, roll = _lengths(problem, a)
     return wrap_grid(nip, drum, drum_cells, roll, roll_cells, like)
 
 
-def lengths(problem: WrappedNipProblem, a: float) -> tuple[float, float]:
-    """Return those of the arcs of drum and roll beyond the nip, in half widths; see above."""
+def grid_of_0_1(
+    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int
+) -> WrapGrid:
+    """Return the grid that woundon 0.1 had, whose files hold its nodes; see above."""
+    drum, roll = _lengths(problem, a)
+    return _joined(nip, Arc.of_0_1(drum, drum_cells, True), Arc.of_0_1(roll, roll_cells, False))
+
+
+def _lengths(problem: WrappedNipProblem, a: float) -> tuple[float, float]:
+    """Return the lengths of the arcs of drum and roll beyond the nip, in half widths."""
     radius, wrap = problem.roll.radius, problem.roll_wrap
     drum = problem.drum_wrap * problem.drum.radius / a
     roll = wrap * radius / a - 1 if wrap > 0 else 0.0
@@ -207,13 +246,12 @@ def lengths(problem: WrappedNipProblem, a: float) -> tuple[float, float]:
     return drum, roll
 
 
-def graded(
-    length: float, cells: int, fine: float = FINE, power: float = POWER, evenness: float = EVENNESS
-) -> Array:
-    """Return nodes (even) and points (odd) of an arc by distance from the nip, (2 cells + 1,)."""
+@lru_cache(maxsize=128)
+def _graded(length: float, cells: int, by: Grading) -> tuple[Array, int]:
+    """Return nodes and points by distance, and how many cells from the nip on stay."""
     # cells are counted by m ln(1 + u) + even u^m, with u^m the distance over fine
-    m, even = power, evenness * fine / length
-    most = float((length / fine) ** (1 / m))
+    m, even = by.power, by.evenness * by.fine / length
+    most = float((length / by.fine) ** (1 / m))
     t = np.linspace(0.0, 1.0, 2 * cells + 1) * (m * np.log1p(most) + even * most**m)
     u = np.minimum(np.expm1(t / m), most)
     for _ in range(50):  # Newton's method from above, on a growing function
@@ -221,19 +259,15 @@ def graded(
         u = np.clip(u - step, 0.0, most)
         if np.max(np.abs(step)) < 1e-14 * most:
             break
-    distance = fine * u**m
+    distance = by.fine * u**m
     distance[0], distance[-1] = 0.0, length
-    return distance
+    return distance, cells - max(1, cells // 8)
 
 
 @lru_cache(maxsize=128)
-def _shaped(length: float, cells: int, entry: bool) -> tuple[Array, int]:
-    """Return nodes and points by distance, and how many cells from the nip on stay.
-
-    With an entry at the far side a quarter of the cells are graded to it.
-    """
-    if not entry:
-        return graded(length, cells), cells - max(1, cells // 8)
-    fine = max(cells // 4, 2)
-    near, kept = _shaped(length / 2, cells - fine, False)
-    return np.concatenate([near, (length - graded(length / 2, fine))[-2::-1]]), kept
+def _graded_to_entry(length: float, cells: int, by: Grading) -> tuple[Array, int]:
+    """Return the same with an entry at the far side, to which some of the cells are graded."""
+    fine = max(int(by.to_entry * cells), 2)
+    near, kept = _graded(length / 2, cells - fine, by)
+    far, _ = _graded(length / 2, fine, by)
+    return np.concatenate([near, (length - far)[-2::-1]]), kept

@@ -54,7 +54,7 @@ def closed(points: Array, nodes: Array) -> Array:
     Parameters
     ----------
     points : (K,) array
-        y, none of them on a node.
+        y; on a node what is singular there is large, but finite.
     nodes : (M+1,) array
 
     Returns
@@ -65,7 +65,7 @@ def closed(points: Array, nodes: Array) -> Array:
     h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
     # over each cell, and times the distance from its middle
     zeroth, first = np.zeros((2, 4, *d.shape))
-    logarithm = np.log(np.abs(points[:, None] - nodes))
+    logarithm = np.log(np.maximum(np.abs(points[:, None] - nodes), 1e-300))
     left, right = logarithm[:, :-1], logarithm[:, 1:]
     inverse = np.subtract(left, right, out=zeroth[0])
     far = np.abs(d) * FAR > h / 2

@@ -40,6 +40,7 @@ Array = np.ndarray
 
 FINE = Tolerance(load=8e-9, balance=1e-9)  # the certificate allows 1e-8
 NODES = 65
+ROLL_CELLS, DRUM_CELLS, RIGID_CELLS = 1 / 2, 3 / 4, 1 / 4  # on the arcs, of those in the nip
 # where neither nodes nor rtol are given: the error of WOT below which, and the nodes up to which
 # meshes are doubled; bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
@@ -237,8 +238,8 @@ class WrapContact(PairContact):
         if self.cells is not None:
             drum = roll = self.cells * count // (self.nodes - 1)
         else:
-            drum = count // 4 if self.problem.drum.rigid else 3 * count // 4
-            roll = count // 2
+            drum = int((RIGID_CELLS if self.problem.drum.rigid else DRUM_CELLS) * count)
+            roll = int(ROLL_CELLS * count)
         return grid_for(self.problem, mesh.grid, a, max(8, drum), max(8, roll), like)
 
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
