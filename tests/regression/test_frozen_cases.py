@@ -52,7 +52,7 @@ def _misses(name: str, quantity: str, change: float, way: str = "own", place: in
     [
         ("nip 1:", "nip_induced_tension", None, "nip_induced_tension"),
         ("nip 1:", "pressure", 0, "pressure.norm"),
-        ("wrap 2:", "wound_on_tension", None, "wound_on_tension"),
+        ("nip 2:", "half_width", None, "half_width"),
         ("rollers 1:", "creepage", None, "creepage"),
         ("sweep 1:", "half_width", 3, "half_width[3]"),
     ],
@@ -61,6 +61,12 @@ def test_a_change_is_found(name: str, quantity: str, place: int | None, label: s
     assert _misses(name, quantity, 2e-8, place=place) == [label]
     assert _misses(name, quantity, 5e-9, place=place) == []
     assert _misses(name, quantity, 2e-11, "tight", place=place) == [label]
+
+
+def test_a_change_of_a_wrapped_nip_is_found() -> None:
+    """Kernels between nip and arc are not those of 0.1 to 1e-8."""
+    assert _misses("wrap 2:", "wound_on_tension", 8e-8) == ["wound_on_tension"]
+    assert _misses("wrap 2:", "wound_on_tension", 2e-8) == []
 
 
 def test_a_change_that_was_meant_is_no_miss() -> None:
