@@ -144,7 +144,8 @@ class NipEquations(PairEquations):
         row[:n], row[2 * n + 1 : -1] = -self._share * made.weights, made.weights
         row *= self._size
         right = np.concatenate([made.gap, [0.0], -made.offset])
-        return Joint(made.whole, right, self._friction, self.stick_slip)
+        own = np.concatenate([np.arange(n)] * 2)
+        return Joint(made.whole, right, self._friction, own, self.stick_slip)
 
     @cached_property
     def _size(self) -> float:
