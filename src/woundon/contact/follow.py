@@ -59,7 +59,7 @@ def follow(
     if abs(carried / load - 1) <= tolerance.load and apart <= tolerance.balance:
         return None
     at = first = log(state.half_width)
-    miss, along = log(carried / load), np.zeros_like(x)
+    miss, along = log(carried / load), (power - 1) * x
     for _ in range(MOST_STEPS):
         step = -miss / power
         moved = equations.moved(exp(at + step))
