@@ -20,7 +20,7 @@ The factors of one half width serve its neighbours too: :mod:`.follow`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -116,42 +116,47 @@ class Joint:
         """e of the nodes, (m,)."""
         return self.matrix[self.unknowns + 2 :, -1][: self.friction.size]
 
+    @cached_property
+    def held(self) -> Array:
+        """The nodes that feel the creep, of which one must stick."""
+        return self.creep.nonzero()[0]
+
     def bounds(self, p: Array) -> Array:
         """Return mu p of each node, (..., m)."""
         return np.asarray(self.friction * p.take(self.own, axis=-1))
 
-    def _ways(self, state: Array) -> Iterator[Factors]:
-        """Yield a state by the factors at hand, where they serve, and by its own."""
-        for base in self._last:
-            nodes = (state != base.state).nonzero()[0]
-            if base.rows.size >= LEAST and 0 < nodes.size <= TURNED * base.rows.size:
-                turned = self._turned(base, state, nodes)
-                if turned is not None:
-                    yield Factors(state, base, turned)
-        made = self._factorised(state)
-        if made is not None:
-            self._last[:] = [made]
-            yield Factors(state, made)
+    def _by_last(self, state: Array) -> Factors | None:
+        """Return a state by the factors at hand; None where they do not serve."""
+        base = self._last[0] if self._last else None
+        if base is None or base.rows.size < LEAST:
+            return None
+        nodes = (state != base.state).nonzero()[0]
+        turned = None
+        if 0 < nodes.size <= TURNED * base.rows.size:
+            turned = self._turned(base, state, nodes)
+        return None if turned is None else Factors(state, base, turned)
 
-    def _factorised(self, state: Array) -> Base | None:
+    def _by_own(self, state: Array) -> Factors | None:
+        """Return a state by its own factors; None where it is singular."""
         n, stuck = self.unknowns, (state == 0).nonzero()[0]
         first, last = self._ends
         rows = np.concatenate([first, stuck + (n + 2)])
         columns = np.concatenate([first[:-1], stuck + (n + 1), last])
         law = self.matrix.take(rows, axis=0)
         A = law.take(columns, axis=1)
-        sliding = law[:, n + 1 : -1]
-        sliding *= self.friction * state
-        self._bring(sliding, A)
+        self._bring(law[:, n + 1 : -1], self.friction * state, A)
         # rows are written contiguously, so LAPACK is handed the transpose
         lu, pivots, info = lapack.dgetrf(A.T, overwrite_a=1)
-        return Base(state, rows, columns, lu, pivots) if info == 0 else None
+        if info != 0:
+            return None
+        self._last[:] = [Base(state, rows, columns, lu, pivots)]
+        return Factors(state, self._last[0])
 
-    def _bring(self, sliding: Array, to: Array) -> None:
-        """Add the columns of slipping tractions to those of the pressures that bound them."""
+    def _bring(self, columns: Array, shares: Array, to: Array) -> None:
+        """Add the columns of tractions, by shares, to those of the pressures that bound them."""
         n = self.unknowns
-        for start in range(0, self.friction.size, n):
-            to[:, :n] += sliding[:, start : start + n]
+        faces = columns.reshape(len(columns), -1, n), shares.reshape(-1, n)
+        to[:, :n] += np.einsum("rfn,fn->rn", *faces)
 
     def _turned(self, base: Base, state: Array, nodes: Array) -> Turned | None:
         """Return what follows from the turning of nodes; None where they have no such state."""
@@ -204,15 +209,24 @@ class Joint:
 
     def solve(self, state: Array) -> StickSlipSolution:
         """Solve the linear system of one state."""
-        n, m, stuck = self.unknowns, self.friction.size, state == 0
-        for factors in self._ways(state):
-            found = self.step(factors, self.right)
-            slip = self.slips(found) - self.right[n + 2 :]
-            size = np.abs(slip[:m])
-            exact = factors.turned is None or size[stuck].max() <= ROUNDING * size.max()
-            if exact and np.isfinite(found).all():
-                return self.solution(factors, found, slip)
+        for make in (self._by_last, self._by_own):
+            factors = make(state)
+            solution = None if factors is None else self._solved(factors)
+            if solution is not None:
+                return solution
         return StickSlipSolution.failed(state)
+
+    def _solved(self, factors: Factors) -> StickSlipSolution | None:
+        """Return the solution of a state; None where it is not finite, or lost too many digits."""
+        found = self.step(factors, self.right)
+        if not np.isfinite(found).all():
+            return None
+        slip = self.slips(found) - self.right[self.unknowns + 2 :]
+        if factors.turned is not None:
+            size = np.abs(slip[: self.friction.size])
+            if size[factors.state == 0].max() > ROUNDING * size.max():
+                return None
+        return self.solution(factors, found, slip)
 
     def solution(self, factors: Factors, found: Array, slip: Array) -> StickSlipSolution:
         """Return unknowns and slips as the solution of a state."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -114,7 +115,7 @@ class Level:
     power: float
     kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
-    @property
+    @cached_property
     def share(self) -> float:
         """Load asked over load carried: a coarse mesh is not solved to the last digit."""
         return self.load / float(self.equations.carried(self.state))

@@ -115,6 +115,11 @@ class StickSlip:
         return self.direct + self.through_pressure @ self.pressure_response
 
     @cached_property
+    def held(self) -> Array:
+        """The nodes that feel the creep, of which one must stick."""
+        return np.empty(0, dtype=int) if self.creep is None else self.creep.nonzero()[0]
+
+    @cached_property
     def apart(self) -> bool:
         """Whether tractions leave the pressure alone, K = 0: then slipping ones are known."""
         return not self.pressure_response.any()
@@ -251,15 +256,15 @@ class StickSlipSolution:
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         # a node in stick has no slip, one that slips no slack: nodes break one law or the other
-        b_tol = TOLERANCE * float(np.abs(self.bound).max())
-        v_tol = TOLERANCE * float(np.abs(self.slip).max())
+        b_tol, v_tol = (TOLERANCE * np.maximum.reduce(np.abs(x)) for x in (self.bound, self.slip))
         over = np.abs(self.traction) > self.bound + b_tol
-        return np.asarray(np.where(self.state == 0, over, self.state * self.slip < -v_tol))
+        return np.where(self.state == 0, over, self.state * self.slip < -v_tol)
 
     def flipped(self, which: Array) -> Array:
         """Return the state with the given nodes brought to the law they ask for."""
         out, turned = self.state.copy(), which.nonzero()[0]
-        out[turned] = np.where(out[turned] == 0, np.sign(self.traction[turned]), 0)
+        way = np.sign(self.traction.take(turned))
+        out[turned] = np.where(out.take(turned) == 0, way, 0)
         return out
 
 
@@ -317,10 +322,8 @@ def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSol
 
 def keep_one_stuck(problem: StickSlip | Joint, solution: StickSlipSolution, state: Array) -> Array:
     """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
-    if problem.creep is None:
-        return state
-    held = problem.creep.nonzero()[0]
-    if not state[held].all():
+    held = problem.held
+    if not held.size or np.count_nonzero(state.take(held)) < held.size:
         return state
     # the node that turns between the two directions: of those that pull against what the nodes just
     # unable to stick ask for, the one that slips least

@@ -72,5 +72,5 @@ class WrapJoint(Joint):
             order, size, force_size,
         )  # fmt: skip
 
-    def _bring(self, sliding: Array, to: Array) -> None:
-        to[:, self.own] += sliding
+    def _bring(self, columns: Array, shares: Array, to: Array) -> None:
+        to[:, self.own] += columns * shares
