@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -219,7 +220,7 @@ class Joint:
     def _solved(self, factors: Factors) -> StickSlipSolution | None:
         """Return the solution of a state; None where it is not finite, or lost too many digits."""
         found = self.step(factors, self.right)
-        if not np.isfinite(found).all():
+        if not isfinite(found @ found):
             return None
         slip = self.slips(found) - self.right[self.unknowns + 2 :]
         if factors.turned is not None:

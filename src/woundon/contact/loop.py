@@ -117,7 +117,7 @@ class Ladder:
         self._by_nodes: dict[int, float] = {}
         self._expected: Mapping[int, float] = {}  # half widths, from a neighbouring case
         self._unchecked = 0  # neighbours in a row, this one included
-        self._alike = False  # whether the zones are those taken over
+        self._begun: Array | None = None  # the zones taken over on the last mesh
         self._missed = 0.0  # by how much a width carried to the last mesh missed, ln of loads
 
     # ---- ladders -------------------------------------------------------------------------------
@@ -151,9 +151,16 @@ class Ladder:
         self._step(self.scheme.mesh(counts[-1]), start)
         self._tell()
         self._unchecked = unchecked
-        tells = tells and self._alike and (counts[-1] >= most or self.reached(rtol))
+        tells = tells and self._alike() and (counts[-1] >= most or self.reached(rtol))
         if not tells and len(counts) > 1:
             self._check(counts[-2])
+
+    def _alike(self) -> bool:
+        """Tell whether the zones are those taken over, in their order, but for a few nodes."""
+        was, now = self._begun, self.level.state.solution.state
+        if was is None or np.count_nonzero(was != now) > NEAR * now.size:
+            return False
+        return np.array_equal(*(z[(z[1:] != z[:-1]).nonzero()[0]] for z in (was, now)))
 
     def _take_over(self, start: Start | None) -> None:
         if start is not None and start.widths is not None:
@@ -324,7 +331,7 @@ class Ladder:
                 power = step.power
             if step.settled:
                 contact.refuse(equations, state)
-                self._alike = step.alike
+                self._begun = step.begun
                 carried_over = start is not None and start.level is not None
                 # what the frictionless contact left, the share of it included that was foreseen
                 self._missed = step.missed + self._missed / 4 if carried_over else 0.0
@@ -385,7 +392,7 @@ class Ladder:
         contact = self.contact
         try:
             return width_for_load(
-                evaluate, contact.load, guess, rtol, power, contact.widest, contact.beyond
+                evaluate, contact.load, guess, rtol, power, contact.widest, lambda: contact.beyond
             )
         except WidthNotFound as stop:
             raise self.stopped(str(stop)) from None
@@ -405,14 +412,6 @@ class _Step:
         self.power, self.followed = 2.0 if start is None else start.power, False
         # from a neighbouring state, linearisation and width settle together
         self.apart = ladder.contact.settles_apart and (start is None or start.rough)
-
-    @property
-    def alike(self) -> bool:
-        """Whether the zones are those taken over, in their order, but for a few nodes."""
-        was, now = self.begun, self.known.zones
-        if was is None or now is None or np.count_nonzero(was != now) > NEAR * now.size:
-            return False
-        return np.array_equal(*(z[(z[1:] != z[:-1]).nonzero()[0]] for z in (was, now)))
 
     @property
     def settled(self) -> bool:

@@ -256,16 +256,15 @@ class StickSlipSolution:
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         # a node in stick has no slip, one that slips no slack: nodes break one law or the other
-        b_tol, v_tol = (TOLERANCE * np.maximum.reduce(np.abs(x)) for x in (self.bound, self.slip))
+        b_tol = TOLERANCE * np.maximum.reduce(np.abs(self.bound))
+        v_tol = TOLERANCE * np.maximum.reduce(np.abs(self.slip))
         over = np.abs(self.traction) > self.bound + b_tol
         return np.where(self.state == 0, over, self.state * self.slip < -v_tol)
 
     def flipped(self, which: Array) -> Array:
         """Return the state with the given nodes brought to the law they ask for."""
-        out, turned = self.state.copy(), which.nonzero()[0]
-        way = np.sign(self.traction.take(turned))
-        out[turned] = np.where(out.take(turned) == 0, way, 0)
-        return out
+        asked = np.sign(self.traction) * (self.state == 0)
+        return np.where(which, asked, self.state).astype(np.int8)
 
 
 def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> StickSlipSolution:

@@ -139,7 +139,8 @@ class NipEquations(PairEquations):
 
         None where rounding blurs tractions, and on elements, which have a search of their own.
         """
-        if self._friction.min() < LEAST_FRICTION or self.mesh.facing(True) is not self.mesh:
+        least = min(self.problem.roll_friction, self.problem.drum_friction)
+        if least < LEAST_FRICTION or self.mesh.facing(True) is not self.mesh:
             return None
         made, n = self.matrices, self.mesh.unknowns
         row = made.whole[n + 1]
