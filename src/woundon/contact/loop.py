@@ -62,6 +62,7 @@ FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
 STAND_INS = 3  # linear contacts before one that is not
+FRICTIONLESS = 0.3  # ln of loads: from so near the width without friction is extrapolated
 MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
 MOST_PASSES = 20  # linearisations about what was found before
 BLUR = 0.1  # of the load missed: the imbalance from which on it is found again at the same width
@@ -366,10 +367,12 @@ class Ladder:
     def _frictionless(self, mesh: Mesh) -> tuple[float, float]:
         """Return the half width that carries the load without friction, and its power."""
 
-        def evaluate(a: float) -> tuple[float, float]:
-            return a, self.contact.frictionless_load(mesh, a)
+        def evaluate(a: float) -> tuple[tuple[float, float], float]:
+            carried = self.contact.frictionless_load(mesh, a)
+            return (a, carried), carried
 
-        return self._width(evaluate, self.contact.guess(), 3e-2, 2.0)
+        (a, carried), power = self._width(evaluate, self.contact.guess(), FRICTIONLESS, 2.0)
+        return float(a * (self.contact.load / carried) ** (1 / power)), power
 
     def _stand_in(self, mesh: Mesh) -> Start | None:
         """Return what linear bodies, about as stiff as the present ones, start from; or None."""
