@@ -97,6 +97,26 @@ def test_a_followed_half_width_is_that_of_a_new_factorisation(nip: wo.NipProblem
     assert found.power == pytest.approx(np.log(further / load) / 1e-4, rel=1e-2)
 
 
+def test_a_near_load_takes_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first begins with pressures that go like load over width: 2, 2, 3 and 2, not 13."""
+    steps, taken, moved = [], 0, NipEquations.moved
+
+    def noted(equations: NipEquations, a: float) -> NipEquations:
+        steps.append(a)
+        return moved(equations, a)
+
+    monkeypatch.setattr(NipEquations, "moved", noted)
+    for nip in NIPS.values():
+        equations = NipEquations.at(nip, Graded().mesh(65), A)
+        state = equations.state(solve_stick_slip(equations.joint))
+        carried = equations.carried(state)
+        power = follow(equations, state, 1.01 * carried, FINE, 2.0).power
+        begun = len(steps)
+        assert follow(equations, state, 1.001 * carried, FINE, power) is not None
+        taken += len(steps) - begun
+    assert taken <= 9
+
+
 @pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
 def test_the_chord_method_contracts_as_foreseen(nip: wo.NipProblem) -> None:
     equations = NipEquations.at(nip, Graded().mesh(33), A)
