@@ -59,11 +59,13 @@ class Base(NamedTuple):
 class Turned(NamedTuple):
     """Nodes that have turned from a base's state.
 
-    ``effects`` are the unknowns by a unit miss of each one's former law, (k, n + m + 2); ``lu`` and
-    ``pivots`` the factors of the laws that they obey now, by these misses.
+    ``laws`` are the rows of those that they obey now, (k, n + m + 2); ``effects`` the unknowns by a
+    unit miss of each one's former law, alike; ``lu`` and ``pivots`` the factors of the ones by the
+    others.
     """
 
     nodes: Array
+    laws: Array
     effects: Array
     lu: Array
     pivots: Array
@@ -169,9 +171,9 @@ class Joint:
         right[slid] = -self.matrix.take(nodes[slid] + (n + 1), axis=1).take(base.rows, axis=0).T
         effects = self._unfolded(base, base.solved(right.T).T)
         effects[slid, nodes[slid] + (n + 1)] += 1.0
-        laws = self._laws(state, nodes, effects)
-        lu, pivots, info = lapack.dgetrf(laws.T, overwrite_a=1)
-        return Turned(nodes, effects, lu, pivots) if info == 0 else None
+        laws = self._laws(nodes, state.take(nodes))
+        lu, pivots, info = lapack.dgetrf(laws @ effects.T)
+        return Turned(nodes, laws, effects, lu, pivots) if info == 0 else None
 
     def _unfolded(self, base: Base, found: Array) -> Array:
         """Return all unknowns by those of a base's system, (..., n + m + 2)."""
@@ -180,14 +182,14 @@ class Joint:
         out[..., base.columns] = found
         return out
 
-    def _laws(self, state: Array, nodes: Array, unknowns: Array) -> Array:
-        """Return the slips of sticking nodes, tractions less s mu p of slipping ones, (..., k)."""
-        n, ways = self.unknowns, state.take(nodes)
-        out = unknowns.take(nodes + (n + 1), axis=-1)
-        out -= ways * self.bounds(unknowns).take(nodes, axis=-1)
+    def _laws(self, nodes: Array, ways: Array) -> Array:
+        """Return the rows of nodes that stick, their slips, or go one way: q - s mu p, (k, ...)."""
+        rows, k = np.zeros((nodes.size, self.matrix.shape[1])), np.arange(nodes.size)
+        rows[k, self.own.take(nodes)] = -ways * self.friction.take(nodes)
+        rows[k, nodes + (self.unknowns + 1)] = 1.0
         stuck = (ways == 0).nonzero()[0]
-        out[..., stuck] = unknowns @ self.matrix.take(nodes[stuck] + (n + 2), axis=0).T
-        return np.asarray(out)
+        rows[stuck] = self.matrix.take(nodes[stuck] + (self.unknowns + 2), axis=0)
+        return rows
 
     def step(self, factors: Factors, right: Array) -> Array:
         """Return the unknowns that give right sides by a state's laws, (n + m + 2,).
@@ -198,11 +200,11 @@ class Joint:
         found = self._unfolded(base, base.solved(right.take(base.rows)))
         if turned is None:
             return found
-        nodes, effects, lu, pivots = turned
-        asked = np.where(state.take(nodes) == 0, right.take(nodes + (self.unknowns + 2)), 0.0)
-        left = self._laws(state, nodes, found) - asked
-        misses, _ = lapack.dgetrs(lu, pivots, left, overwrite_b=1)
-        return np.asarray(found - misses @ effects)
+        asked = right.take(turned.nodes + (self.unknowns + 2))
+        asked[state.take(turned.nodes) != 0] = 0.0
+        left = turned.laws @ found - asked
+        misses, _ = lapack.dgetrs(turned.lu, turned.pivots, left, overwrite_b=1)
+        return np.asarray(found - misses @ turned.effects)
 
     def slips(self, found: Array) -> Array:
         """Return all slips by unknowns, less c0."""
