@@ -7,7 +7,6 @@ half width the modified Panagiotopoulos process from a cold start, all nodes in 
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -42,7 +41,7 @@ def solve_as_published(
         solves += solution.solves
         if solution.ending is not Ending.SOLVED:
             raise wo.NotConverged(solution.ending.value)
-        state = equations.state(replace(solution, solves=solves))
+        state = equations.state(solution._replace(solves=solves))
         return (equations, state), equations.carried(state)
 
     guess = half_width_guess(problem.nip_load, *problem.bodies)

@@ -378,7 +378,7 @@ class PairContact:
 
     def zones(self, start: Start, equations: Any) -> Array:
         """Return the zones to begin with: each node takes that of the nearest one before."""
-        return start.zones_on(equations.faces)
+        return np.concatenate(start.zones_on(equations.faces))
 
     def refuse(self, equations: Any, state: Any) -> None:
         """Refuse nothing: whatever has no steady state was refused with the problem."""

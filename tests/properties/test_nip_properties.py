@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon.contact import loop
+from woundon.contact import one_mesh
 from woundon.contact.schemes import SCHEMES
 from woundon.elasticity import strip
 from woundon.nip.equations import NipEquations
@@ -266,15 +266,15 @@ def test_the_normal_problem_mirrors(problem: wo.NipProblem) -> None:
 @pytest.fixture
 def first_misses(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """By how much the first half width tried on each mesh misses the load, ln of loads."""
-    missed, at = [], loop._Step.at
+    missed, at = [], one_mesh._Step.at
 
-    def noted(step: loop._Step, a: float) -> object:
+    def noted(step: one_mesh._Step, a: float) -> object:
         first, found = isnan(step.missed), at(step, a)
         if first:
             missed.append(abs(step.missed))
         return found
 
-    monkeypatch.setattr(loop._Step, "at", noted)
+    monkeypatch.setattr(one_mesh._Step, "at", noted)
     return missed
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.contact import lapack
 from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
 from woundon.contact.schemes import SCHEMES, Graded
@@ -14,6 +18,7 @@ from woundon.contact.told import Scatter
 from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.nip.laws import NipLaws
 from woundon.nip.solve import NipContact
+from woundon.wrap.certificate import equations_of
 
 PAPER = wo.Orthotropic(radial=20e6, tangential=3e9, cross=5e6, shear=10e6)
 HARD = wo.NipProblem(
@@ -92,6 +97,26 @@ def test_a_followed_half_width_is_that_of_a_new_factorisation(nip: wo.NipProblem
     assert found.power == pytest.approx(np.log(further / load) / 1e-4, rel=1e-2)
 
 
+def test_a_near_load_takes_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first begins with pressures that go like load over width: 2, 2, 3 and 2, not 13."""
+    steps, taken, moved = [], 0, NipEquations.moved
+
+    def noted(equations: NipEquations, a: float) -> NipEquations:
+        steps.append(a)
+        return moved(equations, a)
+
+    monkeypatch.setattr(NipEquations, "moved", noted)
+    for nip in NIPS.values():
+        equations = NipEquations.at(nip, Graded().mesh(65), A)
+        state = equations.state(solve_stick_slip(equations.joint))
+        carried = equations.carried(state)
+        power = follow(equations, state, 1.01 * carried, FINE, 2.0).power
+        begun = len(steps)
+        assert follow(equations, state, 1.001 * carried, FINE, power) is not None
+        taken += len(steps) - begun
+    assert taken <= 9
+
+
 @pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
 def test_the_chord_method_contracts_as_foreseen(nip: wo.NipProblem) -> None:
     equations = NipEquations.at(nip, Graded().mesh(33), A)
@@ -119,6 +144,50 @@ def test_a_mesh_is_factorised_for_one_half_width_alone(monkeypatch: pytest.Monke
     assert assembled == [17, 33, 65]
 
 
+@pytest.mark.parametrize("name", [*NIPS, "both wraps"])
+def test_a_state_by_the_factors_of_another_is_that_by_its_own(name: str) -> None:
+    if name in NIPS:
+        joint = NipEquations.at(NIPS[name], Graded().mesh(65), A).joint
+    else:
+        joint = equations_of(wo.solve(HARD.wrapped(drum_wrap=1.0), nodes=65)).joint
+    base = solve_stick_slip(joint).joint[0].base.state
+    borders = (np.diff(base) != 0).nonzero()[0]
+    for nodes in (borders[:1], borders, np.union1d(borders, borders + 1)):
+        state = base.copy()
+        state[nodes] = (state[nodes] + 2) % 3 - 1  # the next of stick, forward, backward
+        shared, own = joint.solve(state), replace(joint).solve(state)
+        assert shared.joint[0].base.state is base
+        np.testing.assert_array_equal(shared.joint[0].turned.nodes, nodes)
+        assert own.joint[0].turned is None
+        right = np.random.default_rng(0).normal(size=joint.right.size)
+        steps = [joint.step(one.joint[0], right) for one in (shared, own)]
+        pairs = [(shared.joint[1], own.joint[1]), (shared.slip, own.slip), steps]
+        for one, other in pairs:  # systems of a condition of 1e3 to 1e6
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
+
+
+def test_factors_that_lose_digits_do_not_serve() -> None:
+    """From all in stick with both wraps a fifth of the nodes turns: 1e-7 would be left."""
+    joint = equations_of(wo.solve(HARD.wrapped(drum_wrap=1.0), nodes=65)).joint
+    found = solve_stick_slip(joint)
+    anew = replace(joint).solve(found.state)
+    np.testing.assert_allclose(found.traction, anew.traction, rtol=0,
+                               atol=1e-9 * anew.bound.max())  # fmt: skip
+
+
+def test_of_a_mesh_one_state_is_factorised(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes, factorise = [], lapack.dgetrf
+
+    def noted(matrix: np.ndarray, **options: Any) -> Any:
+        sizes.append(len(matrix))
+        return factorise(matrix, **options)
+
+    monkeypatch.setattr(lapack, "dgetrf", noted)
+    wo.solve_nip(NIPS["cover"], nodes=65)
+    assert sum(size > 100 for size in sizes) == 1
+    assert max(size for size in sizes if size < 30) > 1  # nodes that turned
+
+
 def test_a_far_load_is_not_followed() -> None:
     equations = NipEquations.at(HARD, Graded().mesh(33), A)
     solution = solve_stick_slip(equations.joint)
@@ -133,7 +202,7 @@ def test_zones_are_foreseen_better_than_by_the_nearest_nodes(
 
     def noted(self: NipContact, start: Start, equations: NipEquations) -> np.ndarray:
         foreseen.append(own(self, start, equations))
-        nearest.append(start.zones_on(equations.faces))
+        nearest.append(np.concatenate(start.zones_on(equations.faces)))
         return foreseen[-1]
 
     monkeypatch.setattr(NipContact, "zones", noted)

@@ -44,37 +44,33 @@ class Action:
 
     def __call__(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return slope and strain."""
-        grid, loads = self.grid, np.array([p, q]).T
-        singular = self._singular
-        parts = grid.singular[: singular.shape[1]].reshape(-1, grid.unknowns) @ loads
-        found = singular.reshape(2, -1) @ (
-            parts.reshape(singular.shape[1], -1, 2).transpose(0, 2, 1).reshape(-1, self._points)
-        )
+        grid, loads = self.grid, np.array([p, q])
+        parts = self._singular @ loads
+        hats = grid.singular[: len(parts)].reshape(len(parts), -1, grid.unknowns)
+        found = np.add.reduce(parts @ hats.transpose(0, 2, 1))
         if self._logs is not None:
-            found += (self._logs @ (grid.weights @ loads))[:, None]
+            found += (self._logs @ (loads @ grid.weights))[:, None]
         if self.smooth is not None:
             at_points, moments = grid.interpolation(self.rank)
-            found += (self._core @ (moments @ loads).T.ravel()).reshape(2, -1) @ at_points.T
+            found += (self._core @ (loads @ moments.T).ravel()).reshape(2, -1) @ at_points.T
         slope, strain = found
         return slope, strain
 
-    @property
-    def _points(self) -> int:
-        return int(self.grid.points.size)
-
     @cached_property
     def _singular(self) -> Array:
-        """Coefficients of the singular parts that there are, (slope and strain, parts, p and q)."""
-        a = self.scale
-        each = np.array([[k.inverse, k.delta, k.log * a, k.sign * a] for k in self.kernels])
-        used = 4 if each[:, 2:].any() else 2
-        return np.ascontiguousarray(each[:, :used].reshape(2, 2, used).transpose(0, 2, 1))
+        """Coefficients of the singular parts that there are, (parts, slope and strain, p and q)."""
+        of, a = self.kernels, self.scale
+        each = [[k.inverse for k in of], [k.delta for k in of]]
+        logs, signs = [k.log * a for k in of], [k.sign * a for k in of]
+        if any(logs) or any(signs):
+            each += [logs, signs]
+        return np.array(each).reshape(-1, 2, 2)
 
     @cached_property
     def _logs(self) -> Array | None:
         """What ln(a) adds, by the loads of p and of q."""
-        logs = np.array([k.log for k in self.kernels]).reshape(2, 2)
-        return logs * (self.scale * log(self.scale)) if logs.any() else None
+        singular = self._singular
+        return singular[2] * log(self.scale) if len(singular) > 2 else None
 
     @cached_property
     def _core(self) -> Array:

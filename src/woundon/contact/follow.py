@@ -4,7 +4,8 @@ Unknowns x and half width a are a root of R(x, a) = 0, load(x, a) = P.  About a 
 factors of R_x, x is followed along ln a by the chord method: as a moves by no more than the meshes
 differ, its error falls by |ln a/a0| a step, and a step costs two matrix products with vectors where
 another assembly and factorisation would cost hundreds.  The changes along ln a tell
-d ln P/d ln a, and predict the next x.
+d ln P/d ln a, and predict the next x; the first is predicted to go like load over width, as slopes,
+strains and stresses nearly do.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ def follow(
     if abs(carried / load - 1) <= tolerance.load and apart <= tolerance.balance:
         return None
     at = first = log(state.half_width)
-    miss, along, moved = log(carried / load), np.zeros_like(x), equations
+    miss, along, moved = log(carried / load), (power - 1) * x, equations
     for k in range(MOST_STEPS):
         # what was linearised settles before the width moves, which asks for kernels again
         missed = abs(miss) > tolerance.load / 4

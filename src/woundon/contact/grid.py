@@ -259,7 +259,7 @@ class Grid:
             at_points, moments = self.interpolation(rank)
             distance, where = distances(rank)
             core = kernel.smooth(scale * distance)[where]
-            out += scale * (at_points[rows] @ (core @ moments))
+            out += scale * ((at_points[rows] @ core) @ moments)  # of few rows the least work
         return out if kernel.lag is None else out + past
 
     def by_second_integral(

@@ -10,14 +10,20 @@ that of its pressure and its row is left out.  What is left has n + 2 unknowns a
 node, less work than to solve for the pressure by all tractions first.  That is what the regula
 falsi of :mod:`.stick_slip` asks for, to which :attr:`Joint.condensed` leads back.
 
+From one state to the next a few nodes turn.  Each of them may then miss the law that it obeyed, by
+c: slip where it stuck, more or less than s mu p where it slipped.  The unknowns are linear in these
+c, by effects that the factors at hand tell; the laws that hold instead are as many equations for c
+as nodes have turned.
+
 The factors of one half width serve its neighbours too: :mod:`.follow`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -29,8 +35,13 @@ __all__ = ["Factors", "Joint"]
 
 Array = np.ndarray
 
+# factors of another state serve where it has at least so many unknowns, and no larger share of them
+# turns: else factors of its own cost no more
+LEAST, TURNED = 100, 0.2
+ROUNDING = 1e-12  # of the largest slip: what they may leave where nodes stick
 
-class Factors(NamedTuple):
+
+class Base(NamedTuple):
     """A state of stick and slip, which rows and columns its system has, and that factorised."""
 
     state: Array
@@ -38,6 +49,34 @@ class Factors(NamedTuple):
     columns: Array
     lu: Array
     pivots: Array
+
+    def solved(self, right: Array) -> Array:
+        """Return solutions of its system, (rows) or (rows, k); right sides are written over."""
+        found: Array = lapack.dgetrs(self.lu, self.pivots, right, trans=1, overwrite_b=1)[0]
+        return found
+
+
+class Turned(NamedTuple):
+    """Nodes that have turned from a base's state.
+
+    ``laws`` are the rows of those that they obey now, (k, n + m + 2); ``effects`` the unknowns by a
+    unit miss of each one's former law, alike; ``lu`` and ``pivots`` the factors of the ones by the
+    others.
+    """
+
+    nodes: Array
+    laws: Array
+    effects: Array
+    lu: Array
+    pivots: Array
+
+
+class Factors(NamedTuple):
+    """A state of stick and slip by the factors of a base, from which some nodes may have turned."""
+
+    state: Array
+    base: Base
+    turned: Turned | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +90,9 @@ class Joint:
     right : (N + 1 + m + ...,) array
         The right sides.
     friction : (m,) array
-        mu of each node; node k of each face sees pressure k.
+        mu of each node.
+    own : (m,) int array
+        Which pressure bounds each traction; of a nip the nodes' own, face by face.
     condensed : callable
         () -> the same, solved for the pressure.
     """
@@ -59,7 +100,9 @@ class Joint:
     matrix: Array
     right: Array
     friction: Array
+    own: Array
     condensed: Callable[[], StickSlip]
+    _last: list[Base] = field(default_factory=list, init=False, repr=False)
 
     @cached_property
     def unknowns(self) -> int:
@@ -76,42 +119,92 @@ class Joint:
         """e of the nodes, (m,)."""
         return self.matrix[self.unknowns + 2 :, -1][: self.friction.size]
 
-    def factorised(self, state: Array) -> Factors | None:
-        """Return the factors of one state of stick and slip; None where it is singular."""
+    @cached_property
+    def held(self) -> Array:
+        """The nodes that feel the creep, of which one must stick."""
+        return self.creep.nonzero()[0]
+
+    def bounds(self, p: Array) -> Array:
+        """Return mu p of each node, (..., m)."""
+        return np.asarray(self.friction * p.take(self.own, axis=-1))
+
+    def _by_last(self, state: Array) -> Factors | None:
+        """Return a state by the factors at hand; None where they do not serve."""
+        base = self._last[0] if self._last else None
+        if base is None or base.rows.size < LEAST:
+            return None
+        nodes = (state != base.state).nonzero()[0]
+        turned = None
+        if 0 < nodes.size <= TURNED * base.rows.size:
+            turned = self._turned(base, state, nodes)
+        return None if turned is None else Factors(state, base, turned)
+
+    def _by_own(self, state: Array) -> Factors | None:
+        """Return a state by its own factors; None where it is singular."""
         n, stuck = self.unknowns, (state == 0).nonzero()[0]
         first, last = self._ends
         rows = np.concatenate([first, stuck + (n + 2)])
         columns = np.concatenate([first[:-1], stuck + (n + 1), last])
         law = self.matrix.take(rows, axis=0)
         A = law.take(columns, axis=1)
-        sliding = law[:, n + 1 : -1]
-        sliding *= self.friction * state
-        self._bring(sliding, A)
+        self._bring(law[:, n + 1 : -1], self.friction * state, A)
         # rows are written contiguously, so LAPACK is handed the transpose
         lu, pivots, info = lapack.dgetrf(A.T, overwrite_a=1)
-        return Factors(state, rows, columns, lu, pivots) if info == 0 else None
+        if info != 0:
+            return None
+        self._last[:] = [Base(state, rows, columns, lu, pivots)]
+        return Factors(state, self._last[0])
 
-    def _bring(self, sliding: Array, to: Array) -> None:
-        """Add the columns of slipping tractions to those of the pressures that bound them."""
+    def _bring(self, columns: Array, shares: Array, to: Array) -> None:
+        """Add the columns of tractions, by shares, to those of the pressures that bound them."""
         n = self.unknowns
-        for start in range(0, self.friction.size, n):
-            to[:, :n] += sliding[:, start : start + n]
+        faces = columns.reshape(len(columns), -1, n), shares.reshape(-1, n)
+        to[:, :n] += np.einsum("rfn,fn->rn", *faces)
 
-    def bounds(self, p: Array) -> Array:
-        """Return mu p of each node, (m,)."""
-        return np.asarray((self.friction.reshape(-1, p.size) * p).ravel())
+    def _turned(self, base: Base, state: Array, nodes: Array) -> Turned | None:
+        """Return what follows from the turning of nodes; None where they have no such state."""
+        n, before = self.unknowns, base.state.take(nodes)
+        stuck, slid = (before == 0).nonzero()[0], before.nonzero()[0]
+        # unit slips where there was stick, unit tractions beside s mu p where there was slip
+        right = np.zeros((nodes.size, base.rows.size))  # LAPACK is handed the transpose
+        right[stuck, np.searchsorted(base.rows, nodes[stuck] + (n + 2))] = 1.0
+        right[slid] = -self.matrix.take(nodes[slid] + (n + 1), axis=1).take(base.rows, axis=0).T
+        effects = self._unfolded(base, base.solved(right.T).T)
+        effects[slid, nodes[slid] + (n + 1)] += 1.0
+        laws = self._laws(nodes, state.take(nodes))
+        lu, pivots, info = lapack.dgetrf(laws @ effects.T)
+        return Turned(nodes, laws, effects, lu, pivots) if info == 0 else None
+
+    def _unfolded(self, base: Base, found: Array) -> Array:
+        """Return all unknowns by those of a base's system, (..., n + m + 2)."""
+        out = np.empty((*found.shape[:-1], self.matrix.shape[1]))
+        np.multiply(base.state, self.bounds(found), out=out[..., self.unknowns + 1 : -1])
+        out[..., base.columns] = found
+        return out
+
+    def _laws(self, nodes: Array, ways: Array) -> Array:
+        """Return the rows of nodes that stick, their slips, or go one way: q - s mu p, (k, ...)."""
+        rows, k = np.zeros((nodes.size, self.matrix.shape[1])), np.arange(nodes.size)
+        rows[k, self.own.take(nodes)] = -ways * self.friction.take(nodes)
+        rows[k, nodes + (self.unknowns + 1)] = 1.0
+        stuck = (ways == 0).nonzero()[0]
+        rows[stuck] = self.matrix.take(nodes[stuck] + (self.unknowns + 2), axis=0)
+        return rows
 
     def step(self, factors: Factors, right: Array) -> Array:
         """Return the unknowns that give right sides by a state's laws, (n + m + 2,).
 
         What the slips of slipping nodes are is not asked.
         """
-        n, right = self.unknowns, right.take(factors.rows)
-        found, _ = lapack.dgetrs(factors.lu, factors.pivots, right, trans=1, overwrite_b=1)
-        out = np.empty(self.matrix.shape[1])
-        np.multiply(factors.state, self.bounds(found[:n]), out=out[n + 1 : -1])
-        out[factors.columns] = found
-        return out
+        state, base, turned = factors
+        found = self._unfolded(base, base.solved(right.take(base.rows)))
+        if turned is None:
+            return found
+        asked = right.take(turned.nodes + (self.unknowns + 2))
+        asked[state.take(turned.nodes) != 0] = 0.0
+        left = turned.laws @ found - asked
+        misses, _ = lapack.dgetrs(turned.lu, turned.pivots, left, overwrite_b=1)
+        return np.asarray(found - misses @ turned.effects)
 
     def slips(self, found: Array) -> Array:
         """Return all slips by unknowns, less c0."""
@@ -119,18 +212,29 @@ class Joint:
 
     def solve(self, state: Array) -> StickSlipSolution:
         """Solve the linear system of one state."""
-        factors = self.factorised(state)
-        if factors is not None:
-            found = self.step(factors, self.right)
-            if np.isfinite(found).all():
-                slip = self.slips(found) - self.right[self.unknowns + 2 :]
-                return self.solution(factors, found, slip)
+        for make in (self._by_last, self._by_own):
+            factors = make(state)
+            solution = None if factors is None else self._solved(factors)
+            if solution is not None:
+                return solution
         return StickSlipSolution.failed(state)
+
+    def _solved(self, factors: Factors) -> StickSlipSolution | None:
+        """Return the solution of a state; None where it is not finite, or lost too many digits."""
+        found = self.step(factors, self.right)
+        if not isfinite(found @ found):
+            return None
+        slip = self.slips(found) - self.right[self.unknowns + 2 :]
+        if factors.turned is not None:
+            size = np.abs(slip[: self.friction.size])
+            if size[factors.state == 0].max() > ROUNDING * size.max():
+                return None
+        return self.solution(factors, found, slip)
 
     def solution(self, factors: Factors, found: Array, slip: Array) -> StickSlipSolution:
         """Return unknowns and slips as the solution of a state."""
         n, m = self.unknowns, self.friction.size
-        slip[factors.rows[n + 2 :] - (n + 2)] = 0.0  # solved for: what is left is rounding
+        slip[:m][factors.state == 0] = 0.0  # solved for: what is left is rounding
         return StickSlipSolution(
             factors.state, found[n + 1 : -1], float(found[-1]), slip[:m], self.bounds(found[:n]),
             joint=(factors, found, slip[m:]),

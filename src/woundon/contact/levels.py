@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -94,13 +95,13 @@ class Start:
     rough: bool = False
     runs: Sequence[Runs] | None = None
 
-    def zones_on(self, faces: Sequence[Array]) -> Array:
+    def zones_on(self, faces: Sequence[Array]) -> list[Array]:
         """Carry the zones over: each new node takes that of the nearest old one of its face."""
-        ends = np.cumsum([0, *(face.size for face in self.faces)])
-        return np.concatenate([
-            self.zones[first:last][nearest_nodes(old, new)]
-            for old, new, first, last in zip(self.faces, faces, ends, ends[1:], strict=False)
-        ])  # fmt: skip
+        found, first = [], 0
+        for old, new in zip(self.faces, faces, strict=True):
+            found.append(self.zones[first:][nearest_nodes(old, new)])
+            first += old.size
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +115,7 @@ class Level:
     power: float
     kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
-    @property
+    @cached_property
     def share(self) -> float:
         """Load asked over load carried: a coarse mesh is not solved to the last digit."""
         return self.load / float(self.equations.carried(self.state))

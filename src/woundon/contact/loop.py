@@ -1,12 +1,8 @@
 r"""The one loop of every contact here: coarse grids to fine ones, on each the width for the load.
 
-    Contact --> on each mesh of a ladder:
-                  equations for a half width a, linear about what is known     Contact.equations
-                  stick and slip                                               stick_slip
-              --> secant on a until the pressure carries the load              width
-              --> again about what was found, until nothing moves (where something was linearised)
+    Contact --> on each mesh of a ladder: stick, slip and the width for the load     one_mesh
               --> zones, width and what is known carried to the next mesh
-            --> scalars of every mesh, whose changes tell the discretisation error
+            --> scalars of every mesh, whose changes tell the discretisation error   told
 
 What is nip, wrap or rollers hides behind :class:`Contact`; what is half-plane, cylinder or a body
 that is not linear, behind the equations.
@@ -14,57 +10,28 @@ that is not linear, behind the equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import exp, inf, isnan, log, nan
-from typing import Any, NamedTuple
+from math import exp, inf, nan
+from typing import Any
 
 import numpy as np
 
 from ..errors import NotConverged
 from .contracts import Contact, Equations, State
-from .follow import follow
-from .levels import Before, Known, Level, Scalars, Start, Widths
-from .panagiotopoulos import panagiotopoulos
+from .levels import Before, Level, Scalars, Start, Widths
+from .one_mesh import ALGORITHMS, COARSE, COARSEST, FINE, FindZones, OneMesh, Tolerance
 from .schemes import Graded, Mesh, Scheme
-from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
+from .stick_slip import solve_stick_slip
 from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, REMEMBERED, Scatter, by_changes
-from .width import WidthNotFound, width_for_load
 
 __all__ = [
-    "ALGORITHMS", "COARSE", "FINE", "Before", "Contact", "Equations", "Known", "Ladder", "Level",
+    "ALGORITHMS", "COARSE", "FINE", "Before", "Contact", "Equations", "Ladder", "Level",
     "Start", "State", "Tolerance", "Widths", "halved",
 ]  # fmt: skip
 
 Array = np.ndarray
-FindZones = Callable[[StickSlip, Array | None], StickSlipSolution]
 
-ALGORITHMS: dict[str, FindZones] = {
-    "pivoting": solve_stick_slip,
-    "panagiotopoulos": panagiotopoulos,
-}
-
-# The C library returns freed memory to the system, a page fault for every 4 kB of the next matrix,
-# unless a block as large as this was freed before (glibc's dynamic thresholds): a tenth of the time
-# of a small contact.
-np.empty(1 << 20)
-
-
-class Tolerance(NamedTuple):
-    """When a mesh counts as solved: the carried load's relative miss, and the imbalance left."""
-
-    load: float
-    balance: float
-
-
-FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
-COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
-COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
-STAND_INS = 3  # linear contacts before one that is not
-MOST_FOLLOWED = 4  # changes of the zones along the way to the half width asked
-MOST_PASSES = 20  # linearisations about what was found before
-BLUR = 0.1  # of the load missed: the imbalance from which on it is found again at the same width
 MOST_UNCHECKED = 3  # neighbours in a row whose errors are told by other cases alone
 NEAR = 0.03  # of the nodes change their zone from one case to the next: it scatters alike
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
@@ -106,18 +73,16 @@ class Ladder:
         self._scatters: dict[str, Scatter] = {}
         self._scattered: Mapping[str, Scatter] = {}  # a neighbouring case
         self.contact, self.scheme, self.target = contact, scheme, target
-        self.find_zones, self.tolerance = find_zones, tolerance or FINE
+        self.solver, self.tolerance = OneMesh(contact, find_zones), tolerance or FINE
         self.level: Level
         self.before: Level | None = None
         self.history: list[Scalars] = []
         self.values: dict[str, float] = {}
         self.errors: dict[str, float] = {}
-        self.solves = 0
         self._weights = ERROR_WEIGHTS
         self._by_nodes: dict[int, float] = {}
         self._expected: Mapping[int, float] = {}  # half widths, from a neighbouring case
         self._unchecked = 0  # neighbours in a row, this one included
-        self._alike = False  # whether the zones are those taken over
         self._missed = 0.0  # by how much a width carried to the last mesh missed, ln of loads
 
     # ---- ladders -------------------------------------------------------------------------------
@@ -151,9 +116,16 @@ class Ladder:
         self._step(self.scheme.mesh(counts[-1]), start)
         self._tell()
         self._unchecked = unchecked
-        tells = tells and self._alike and (counts[-1] >= most or self.reached(rtol))
+        tells = tells and self._alike() and (counts[-1] >= most or self.reached(rtol))
         if not tells and len(counts) > 1:
             self._check(counts[-2])
+
+    def _alike(self) -> bool:
+        """Tell whether the zones are those taken over, in their order, but for a few nodes."""
+        was, now = self.solver.begun, self.level.state.solution.state
+        if was is None or np.count_nonzero(was != now) > NEAR * now.size:
+            return False
+        return np.array_equal(*(z[(z[1:] != z[:-1]).nonzero()[0]] for z in (was, now)))
 
     def _take_over(self, start: Start | None) -> None:
         if start is not None and start.widths is not None:
@@ -213,6 +185,11 @@ class Ladder:
             nodes = 2 * nodes - 1
             if len(fitted) > 1:  # one alone tells nothing of its own error
                 self._extrapolate(before, fitted)
+
+    @property
+    def solves(self) -> int:
+        """Linear systems solved so far."""
+        return self.solver.solves
 
     @property
     def widths(self) -> Widths:
@@ -307,35 +284,13 @@ class Ladder:
         self.history.append(self.contact.scalars(self.level))
 
     def _solved(self, mesh: Mesh, start: Start | None, tolerance: Tolerance) -> Level:
-        """Find stick and slip for a half width, inside the iteration on the half width."""
-        contact = self.contact
-        if start is None:
-            start = self._stand_in(mesh)
-        if start is None:
-            a, power = self._frictionless(mesh)
-        else:
-            a, power = self._carried_over(start, mesh), start.power
-        about = contact.about(mesh, a, None if start is None else start.before)
-        step = _Step(self, mesh, Known(about, None), start, tolerance)
-        for _ in range(MOST_PASSES):
-            (equations, state), power = self._width(step.at, a, tolerance.load, power)
-            a = state.half_width
-            if step.followed:
-                power = step.power
-            if step.settled:
-                contact.refuse(equations, state)
-                self._alike = step.alike
-                carried_over = start is not None and start.level is not None
-                # what the frictionless contact left, the share of it included that was foreseen
-                self._missed = step.missed + self._missed / 4 if carried_over else 0.0
-                return Level(mesh, equations, state, contact.load, power)
-        contact.refuse(equations, state)
-        text = f"what the equations are linearised about did not settle in {MOST_PASSES} passes"
-        raise self.stopped(text)
-
-    def stopped(self, text: str) -> NotConverged:
-        """Return the error of what was not solved, with what lies far outside the model."""
-        return NotConverged("; ".join(filter(None, (text, self.contact.outside))))
+        """Solve on one mesh, from a half width carried over."""
+        a = None if start is None else self._carried_over(start, mesh)
+        solved = self.solver.solved(mesh, start, a, tolerance)
+        carried_over = start is not None and start.level is not None
+        # what the frictionless contact left, the share of it included that was foreseen
+        self._missed = self.solver.missed + self._missed / 4 if carried_over else 0.0
+        return solved
 
     def _carried_over(self, start: Start, mesh: Mesh) -> float:
         """Return the half width to begin with: on each mesh the same load needs a little another.
@@ -355,144 +310,6 @@ class Ladder:
             now = self.contact.frictionless_load(mesh, a)
             ratio *= before / now if min(before, now) > 0 else 1.0
         return float(start.half_width * ratio ** (1 / start.power))
-
-    def _frictionless(self, mesh: Mesh) -> tuple[float, float]:
-        """Return the half width that carries the load without friction, and its power."""
-
-        def evaluate(a: float) -> tuple[float, float]:
-            return a, self.contact.frictionless_load(mesh, a)
-
-        return self._width(evaluate, self.contact.guess(), 3e-2, 2.0)
-
-    def _stand_in(self, mesh: Mesh) -> Start | None:
-        """Return what linear bodies, about as stiff as the present ones, start from; or None."""
-        peak: float | None = None
-        start: Start | None = None
-        for _ in range(STAND_INS if self.contact.settles_apart else 0):
-            linear = self.contact.stand_in(peak)
-            if linear is None:
-                return None
-            ladder = Ladder(linear, self.scheme, self.target, self.find_zones)
-            level = ladder._solved(mesh, start, COARSE)
-            peak, start = float(np.max(level.state.pressure)), replace(level.start, level=None)
-            start = replace(start, frictionless=None, rough=True)
-        return start
-
-    def _width(
-        self, evaluate: Callable[[float], tuple[Any, float]], guess: float, rtol: float,
-        power: float,
-    ) -> tuple[Any, float]:  # fmt: skip
-        contact = self.contact
-        try:
-            return width_for_load(
-                evaluate, contact.load, guess, rtol, power, contact.widest, contact.beyond
-            )
-        except WidthNotFound as stop:
-            raise self.stopped(str(stop)) from None
-
-
-class _Step:
-    """Evaluates half widths on one mesh; what is known goes from one to the next."""
-
-    def __init__(
-        self, ladder: Ladder, mesh: Mesh, known: Known, start: Start | None, tolerance: Tolerance
-    ) -> None:
-        self.ladder, self.mesh, self.known, self.start = ladder, mesh, known, start
-        self.tolerance = tolerance
-        self.latest: tuple[Any, Any] | None = None
-        self.missed = nan  # ln of the load carried at first over that asked
-        self.begun: Array | None = None  # the zones taken over
-        self.power, self.followed = 2.0 if start is None else start.power, False
-        # from a neighbouring state, linearisation and width settle together
-        self.apart = ladder.contact.settles_apart and (start is None or start.rough)
-
-    @property
-    def alike(self) -> bool:
-        """Whether the zones are those taken over, in their order, but for a few nodes."""
-        was, now = self.begun, self.known.zones
-        if was is None or now is None or np.count_nonzero(was != now) > NEAR * now.size:
-            return False
-        return np.array_equal(*(z[(z[1:] != z[:-1]).nonzero()[0]] for z in (was, now)))
-
-    @property
-    def settled(self) -> bool:
-        """Whether the last state is what its equations were linearised about."""
-        assert self.latest is not None
-        equations, state = self.latest
-        return bool(equations.imbalance(state) <= self.tolerance.balance)
-
-    def at(self, a: float) -> tuple[tuple[Any, Any], float]:
-        """Return equations, state and carried load for the half width a [m], or a better one."""
-        equations, state = self._linear(a)
-        if isnan(self.missed):
-            carried = float(equations.carried(state))
-            self.missed = log(carried / self.ladder.contact.load) if carried > 0 else 0.0
-        if not self.ladder.contact.settles_apart:
-            equations, state = self._followed(equations, state)
-        for _ in range(MOST_PASSES):
-            if not self._unsure(equations, state):
-                break
-            equations, state = self._linear(state.half_width)
-        return (equations, state), float(equations.carried(state))
-
-    def _followed(self, equations: Any, state: Any) -> tuple[Any, Any]:
-        """Return what carries the load, by the factors of a solved state; that where they fail."""
-        for _ in range(MOST_FOLLOWED):
-            if state.solution.joint is None:
-                break
-            load = self.ladder.contact.load
-            found = follow(equations, state, load, self.tolerance, self.power)
-            if found is None:
-                break
-            equations, state, self.power = found[:3]
-            self.followed, self.latest = True, (equations, state)
-            if found.kept:
-                break
-            equations, state = self._linear(state.half_width)
-        return equations, state
-
-    def _unsure(self, equations: Any, state: Any) -> bool:
-        """Tell whether a load means little yet, for what was linearised has not settled.
-
-        Bodies that are not linear must settle first; what else is linearised, where it blurs by how
-        much the load is missed: then the next width misses it again.
-        """
-        contact = self.ladder.contact
-        if contact.settles_apart:
-            return self.apart and not self.settled
-        missed = abs(float(equations.carried(state)) / contact.load - 1)
-        blurred = missed > self.tolerance.load and equations.imbalance(state) > BLUR * missed
-        return bool(blurred)
-
-    def _linear(self, a: float) -> tuple[Any, Any]:
-        """Solve once, about what is known; of bodies that are not linear afresh if that fails."""
-        contact = self.ladder.contact
-        equations, state, solution = self._solved(a)
-        if solution.ending is not Ending.SOLVED and contact.settles_apart:
-            self.known = Known(contact.about(self.mesh, a, None), None)
-            equations, state, solution = self._solved(a)
-        if solution.ending is not Ending.SOLVED:
-            contact.refuse(equations, state)
-            raise self.ladder.stopped(
-                f"stick and slip not found ({solution.ending.name}): {solution.ending.value}"
-            )
-        self.known = Known(state.known, solution.state)
-        self.latest = equations, state
-        return equations, state
-
-    def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:
-        last = self.latest[0] if self.latest else None
-        equations = self.ladder.contact.equations(self.mesh, a, self.known.about, last)
-        zones = self.known.zones
-        if self.start is not None:
-            self.begun = zones = self.ladder.contact.zones(self.start, equations)
-            self.start = None
-        joint = getattr(equations, "joint", None)
-        by_pivots = self.ladder.find_zones is solve_stick_slip and joint is not None
-        problem: Any = joint if by_pivots else equations.stick_slip()
-        solution = self.ladder.find_zones(problem, zones)
-        self.ladder.solves += solution.solves
-        return equations, equations.state(solution), solution
 
 
 def halved(nodes: int, coarsest: int) -> list[int]:

@@ -47,12 +47,12 @@ def panagiotopoulos(
         solution = _tangential(tangential, state, limit)  # steps 2 to 8
         solves += solution.solves
         if solution.ending is not Ending.SOLVED:
-            return replace(solution, solves=solves)
+            return solution._replace(solves=solves)
         change = float(np.max(np.abs(solution.traction - traction)))
         traction, state = solution.traction, solution.state
         if change < 1e-12 * float(np.max(np.abs(traction))):  # step 9
-            return replace(problem.evaluate(state, traction, solution.creep), solves=solves)
-    return replace(solution, ending=Ending.LIMIT, solves=solves)
+            return problem.evaluate(state, traction, solution.creep)._replace(solves=solves)
+    return solution._replace(ending=Ending.LIMIT, solves=solves)
 
 
 def _tangential(problem: StickSlip, state: Array, limit: int) -> StickSlipSolution:
@@ -61,14 +61,14 @@ def _tangential(problem: StickSlip, state: Array, limit: int) -> StickSlipSoluti
     for solves in range(1, limit + 1):
         solution = problem.solve(state)
         if solution.ending is Ending.SINGULAR:
-            return replace(solution, solves=solves)
+            return solution._replace(solves=solves)
         wrong = solution.violated()
         leave_stick = wrong & (state == 0)
         which = leave_stick if leave_stick.any() else wrong
         if not which.any():
-            return replace(solution, solves=solves)
+            return solution._replace(solves=solves)
         if state.tobytes() in seen:
-            return replace(solution, ending=Ending.CYCLE, solves=solves)
+            return solution._replace(ending=Ending.CYCLE, solves=solves)
         seen.add(state.tobytes())
         state = keep_one_stuck(problem, solution, solution.flipped(which))
-    return replace(solution, ending=Ending.LIMIT, solves=limit)
+    return solution._replace(ending=Ending.LIMIT, solves=limit)

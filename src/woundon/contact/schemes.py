@@ -128,17 +128,22 @@ class Mesh:
         """Return a linear body's response by its influence functions."""
         raise NotImplementedError
 
+    @cached_property
+    def _edge(self) -> Grid:
+        """The same nodes with the trailing edge for a point."""
+        return Grid(self.nodes, self.grid.points[-1:])
+
     def displaced(
         self, by_p: Any, by_q: Any, rank: int, a: float, points: Array | None
     ) -> tuple[Array, Array]:
         """Return a displacement at any points, or at the trailing edge, by influence functions."""
         rows, grid = slice(None), self.grid
-        if points is None and self.hats and by_p.smooth is None and by_q.smooth is None:
-            points = grid.points[-1:]  # one row, where the others would be made for nothing
-        if points is None:
-            rows = slice(-1, None)
-        else:
+        if points is not None:
             grid = Grid(self.nodes, points)
+        elif self.hats and by_p.smooth is None and by_q.smooth is None:
+            grid = self._edge  # one row, where the others would be made for nothing
+        else:
+            rows = slice(-1, None)
         return grid.integrate(by_p, a, rows, rank), grid.integrate(by_q, a, rows, rank)
 
 

@@ -115,6 +115,11 @@ class StickSlip:
         return self.direct + self.through_pressure @ self.pressure_response
 
     @cached_property
+    def held(self) -> Array:
+        """The nodes that feel the creep, of which one must stick."""
+        return np.empty(0, dtype=int) if self.creep is None else self.creep.nonzero()[0]
+
+    @cached_property
     def apart(self) -> bool:
         """Whether tractions leave the pressure alone, K = 0: then slipping ones are known."""
         return not self.pressure_response.any()
@@ -221,8 +226,7 @@ class StickSlip:
         return StickSlipSolution(state, traction, creep, slip, bound)
 
 
-@dataclass(frozen=True, eq=False)
-class StickSlipSolution:
+class StickSlipSolution(NamedTuple):
     """Tractions, rigid slip, slips and bounds of a state, and how it was reached.
 
     ``joint`` is what a joint system tells besides: factors, unknowns, further slips.
@@ -251,16 +255,15 @@ class StickSlipSolution:
     def violated(self) -> Array:
         """Which nodes break the law of their state, (m,) bool."""
         # a node in stick has no slip, one that slips no slack: nodes break one law or the other
-        b_tol = TOLERANCE * float(np.abs(self.bound).max())
-        v_tol = TOLERANCE * float(np.abs(self.slip).max())
+        b_tol = TOLERANCE * np.maximum.reduce(np.abs(self.bound))
+        v_tol = TOLERANCE * np.maximum.reduce(np.abs(self.slip))
         over = np.abs(self.traction) > self.bound + b_tol
-        return np.asarray(np.where(self.state == 0, over, self.state * self.slip < -v_tol))
+        return np.where(self.state == 0, over, self.state * self.slip < -v_tol)
 
     def flipped(self, which: Array) -> Array:
         """Return the state with the given nodes brought to the law they ask for."""
-        out, turned = self.state.copy(), which.nonzero()[0]
-        out[turned] = np.where(out[turned] == 0, np.sign(self.traction[turned]), 0)
-        return out
+        asked = np.sign(self.traction) * (self.state == 0)
+        return np.where(which, asked, self.state).astype(np.int8)
 
 
 def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> StickSlipSolution:
@@ -283,14 +286,14 @@ def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> 
         direct = _pivot(problem, state, limit=60)
         solves += direct.solves
         if direct.ending is Ending.SOLVED:
-            return direct if direct.solves == solves else replace(direct, solves=solves)
+            return direct if direct.solves == solves else direct._replace(solves=solves)
     if not isinstance(problem, StickSlip):  # nearer to rounding, and then the safe way
         apart = solve_stick_slip(problem.condensed(), start)
-        return replace(apart, solves=apart.solves + solves)
+        return apart._replace(solves=apart.solves + solves)
     if problem.creep is None:
-        return replace(direct, solves=solves)
+        return direct._replace(solves=solves)
     bracketed = _bracket_creep(problem, direct.state, direct.creep)
-    return replace(bracketed, solves=bracketed.solves + solves)
+    return bracketed._replace(solves=bracketed.solves + solves)
 
 
 def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSolution:
@@ -298,11 +301,11 @@ def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSol
     fewest, patience, solution = state.size + 1, 8, problem.solve(state)
     for solves in range(1, limit + 1):
         if solution.ending is Ending.SINGULAR:
-            return replace(solution, solves=solves)
+            return solution._replace(solves=solves)
         violated = solution.violated()
         count = int(np.count_nonzero(violated))
         if count == 0:
-            return solution if solves == 1 else replace(solution, solves=solves)
+            return solution if solves == 1 else solution._replace(solves=solves)
         if count < fewest:
             fewest, patience = count, 8
         elif patience > 0:
@@ -312,15 +315,13 @@ def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSol
             violated[: np.nonzero(violated)[0][-1]] = False
         state = keep_one_stuck(problem, solution, solution.flipped(violated))
         solution = problem.solve(state)
-    return replace(solution, ending=Ending.LIMIT, solves=limit)
+    return solution._replace(ending=Ending.LIMIT, solves=limit)
 
 
 def keep_one_stuck(problem: StickSlip | Joint, solution: StickSlipSolution, state: Array) -> Array:
     """Leave a node in stick where a resultant is prescribed: else nothing holds the creep."""
-    if problem.creep is None:
-        return state
-    held = problem.creep.nonzero()[0]
-    if not state[held].all():
+    held = problem.held
+    if not held.size or np.count_nonzero(state.take(held)) < held.size:
         return state
     # the node that turns between the two directions: of those that pull against what the nodes just
     # unable to stick ask for, the one that slips least
@@ -356,7 +357,7 @@ def _bracket_creep(problem: StickSlip, start: Array, guess: float) -> StickSlipS
         # the resultant is piecewise linear in the creep: the right piece's state solves the whole
         exact = search.whole()
         if exact.ending is Ending.SOLVED:
-            return replace(exact, solves=search.solves)
+            return exact._replace(solves=search.solves)
         (low, f_low), (high, f_high) = ends
         creep = (low * f_high - high * f_low) / (f_high - f_low) if f_high > f_low else low
         excess = search.excess(creep)
@@ -366,7 +367,7 @@ def _bracket_creep(problem: StickSlip, start: Array, guess: float) -> StickSlipS
             if excess > 0
             else [(creep, excess), (high, f_high / 2)]
         )
-    return replace(search.last, ending=Ending.LIMIT, solves=search.solves)
+    return search.last._replace(ending=Ending.LIMIT, solves=search.solves)
 
 
 class _CreepSearch:

@@ -22,7 +22,7 @@ def width_for_load(
     rtol: float,
     power: float = 2.0,
     widest: float = inf,
-    beyond: str = "",
+    beyond: Callable[[], str] = str,
 ) -> tuple[T, float]:
     """Find the half width a whose contact carries ``load``, by a secant on ln P against ln a.
 
@@ -43,8 +43,8 @@ def width_for_load(
         First guess of d ln P/d ln a.
     widest : float
         Largest half width that makes sense [m].
-    beyond : str
-        What is wrong with a wider contact, and what to change.
+    beyond : callable
+        () -> what is wrong with a wider contact, and what to change.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def width_for_load(
         if ln_a >= log(widest) and miss < 0:
             raise WidthNotFound(
                 f"no contact carries {load:.4g} N/m: the widest, {widest:.3g} m to either side, "
-                f"{max(carried, 0.0):.3g} N/m; {beyond}"
+                f"{max(carried, 0.0):.3g} N/m; {beyond()}"
             )
         last = (ln_a, miss)
         ln_a = min(ln_a - min(max(miss / power, -1.5), 1.5), log(widest))

@@ -188,7 +188,10 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
         return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n))
 
-    coupling = harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]).kernel()
+    normal_p, coupling = HarmonicSums((
+        harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
+        harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]),
+    )).kernels()  # fmt: skip
     slope = 1 / (pi * R)
     gradients = HarmonicSums((
         harmonics(True, slope, moved[:, 0, 0], n * Y[0, 0]),
@@ -196,9 +199,9 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
         harmonics(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
         harmonics(True, -slope, stretch[:, 1], sums[1]),
     ))  # fmt: skip
-    slope_p, slope_q, strain_p, strain_q = (of_one.kernel() for of_one in gradients.sums)
+    slope_p, slope_q, strain_p, strain_q = gradients.kernels()
     return SurfaceKernels(
-        normal_p=harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]).kernel(),
+        normal_p=normal_p,
         normal_q=coupling,
         tangent_p=coupling,
         tangent_q=harmonics(False, 1 / pi, still[:, 1, 1], Y[1, 1], mean[1, 1]).kernel(),

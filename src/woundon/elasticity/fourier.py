@@ -17,7 +17,7 @@ its first two derivatives, by fast Fourier transform, and interpolated.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import factorial, log, pi
 
@@ -203,6 +203,17 @@ class HarmonicSums:
         """Return some of them, by the table of all."""
         return HarmonicSums(self.sums[which], (self, which))
 
+    def kernels(self) -> tuple[Kernel, ...]:
+        """Return each of them taken apart by singularity, all by one table when first used."""
+        return tuple(
+            replace(one.kernel(), smooth=self.some(slice(k, k + 1)).first)
+            for k, one in enumerate(self.sums)
+        )
+
+    def first(self, t: Array) -> Array:
+        """Return the first of them, shape t.shape."""
+        return np.asarray(self(t)[0])
+
     def __call__(self, t: Array) -> Array:
         """Return them at the arc lengths t [m], shape (sums, *t.shape), |t| <= pi R."""
         t = np.asarray(t, dtype=float)
@@ -213,11 +224,11 @@ class HarmonicSums:
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[-1] - 1, out=i)
         x -= i
-        y = coefficients[5].take(i, axis=-1, mode="clip")
-        one = np.empty_like(y)
-        for c in coefficients[4::-1]:  # one after the other stays in the processor's cache
+        near = coefficients.take(i, axis=-1, mode="clip")
+        y = near[5]
+        for c in near[4::-1]:
             y *= x
-            y += c.take(i, axis=-1, out=one, mode="clip")
+            y += c
         y += self._weak(theta)
         y *= np.where(self._odd, np.sign(flat), 1.0)
         return y.reshape(-1, *t.shape)

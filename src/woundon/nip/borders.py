@@ -178,7 +178,8 @@ class OnElements(Ladder):
         faces, a = self._faces(unknowns), exp(unknowns[-1])
         made = Layout.between(self.problem, faces, a, order, self._layered)
         made.refuse()
-        self.solves, self._cells = self.solves + 1, self._cells + made.mesh.unknowns + 1
+        self.solver.solves += 1
+        self._cells += made.mesh.unknowns + 1
         if self._cells > self._most:
             raise Unsettled("the borders of the zones did not settle")
         return made

@@ -59,19 +59,22 @@ class NipMatrices(Matrices):
         """Assemble for the half width ``a`` [m] and given responses of roll and drum."""
         web, thickness = problem.web.compliance, problem.web.thickness
         n, N = mesh.unknowns, mesh.unknowns + 1
-        # the web's thinning varies linearly between the nodes, as the pressure does
-        known = np.zeros(n) if about is None else np.maximum(about[0].pressure, 0.0)
-        thinned, by_pressure = problem.web.thinned(known)
         gap = mesh.middle * (a / problem.contact_radius)
-        top, offset = float(np.max(gap)), np.zeros(2 * N)
+        top, offset, thinning = float(gap[-1]), np.zeros(2 * N), problem.thinning
         if not problem.web.linear:
-            gap = gap + mesh.slope[:-1] @ (thinned - by_pressure * known) / a
+            # the web's thinning varies linearly between the nodes, as the pressure does
+            known = np.zeros(n) if about is None else np.maximum(about[0].pressure, 0.0)
+            thinned, by_pressure = problem.web.thinned(known)
+            gap, thinning = (
+                gap + mesh.slope[:-1] @ (thinned - by_pressure * known) / a,
+                -by_pressure,
+            )
         whole = np.empty((3 * N + 1, 3 * N - 1))
         slope_p, slope_q = whole[:N, :n], whole[:N, N:-1]
         through, direct = whole[N + 1 :, :n], whole[N + 1 :, N:-1]
         moves = whole[N + 1 :, -1]
         whole[:N, n], whole[:N, -1], whole[N + 1 :, n] = 1.0, 0.0, 0.0
-        np.multiply(mesh.slope[:-1], -by_pressure / a, out=slope_p)
+        np.multiply(mesh.slope[:-1], thinning / a, out=slope_p)
         # the web: its tension between the point and the trailing edge, and its squeezing
         value = web.c12 * mesh.value[:-1]
         for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
@@ -136,7 +139,8 @@ class NipEquations(PairEquations):
 
         None where rounding blurs tractions, and on elements, which have a search of their own.
         """
-        if self._friction.min() < LEAST_FRICTION or self.mesh.facing(True) is not self.mesh:
+        least = min(self.problem.roll_friction, self.problem.drum_friction)
+        if least < LEAST_FRICTION or self.mesh.facing(True) is not self.mesh:
             return None
         made, n = self.matrices, self.mesh.unknowns
         row = made.whole[n + 1]
@@ -144,7 +148,8 @@ class NipEquations(PairEquations):
         row[:n], row[2 * n + 1 : -1] = -self._share * made.weights, made.weights
         row *= self._size
         right = np.concatenate([made.gap, [0.0], -made.offset])
-        return Joint(made.whole, right, self._friction, self.stick_slip)
+        own = np.concatenate([np.arange(n)] * 2)
+        return Joint(made.whole, right, self._friction, own, self.stick_slip)
 
     @cached_property
     def _size(self) -> float:

@@ -43,7 +43,7 @@ class NipLaws:
     @property
     def top(self) -> float:
         """Largest slope of the gap."""
-        return float(np.max(self.gap))
+        return float(self.mesh.middle[-1] * (self.half_width / self.problem.contact_radius))
 
     @cached_property
     def weights(self) -> Array:

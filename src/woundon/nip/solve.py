@@ -226,7 +226,7 @@ class NipContact(PairContact):
             return super().zones(start, equations)
         found = [run.on(mesh.columns, mesh.middle[:-1]) for run in runs]
         if told is None and any(body.rigid for body in self.problem.bodies):
-            nearest = np.split(super().zones(start, equations), 2)
+            nearest = start.zones_on(equations.faces)
             found = [
                 near if body.rigid else own
                 for own, near, body in zip(found, nearest, self.problem.bodies, strict=True)

@@ -32,15 +32,12 @@ class WrapJoint(Joint):
 
     Attributes
     ----------
-    own : (m,) int array
-        Which pressure bounds each traction.
     order : (m + 2,) int array
         Which slips, of all cells of roll and drum, each of its rows has.
     size, force_size : float
         What makes the rows of pressures, and that of the force, as large as those of slopes.
     """
 
-    own: Array
     order: Array
     size: float
     force_size: float
@@ -71,13 +68,9 @@ class WrapJoint(Joint):
         matrix[k + 1 :, -1] = order > n_q
         right[k + 1 :] = -equations.slip_offset[order]
         return cls(
-            matrix, right, equations.friction, equations.stick_slip,
-            equations.own_pressure, order, size, force_size,
+            matrix, right, equations.friction, equations.own_pressure, equations.stick_slip,
+            order, size, force_size,
         )  # fmt: skip
 
-    def _bring(self, sliding: Array, to: Array) -> None:
-        to[:, self.own] += sliding
-
-    def bounds(self, p: Array) -> Array:
-        """Return mu p of each node, (m,)."""
-        return np.asarray(self.friction * p[self.own])
+    def _bring(self, columns: Array, shares: Array, to: Array) -> None:
+        to[:, self.own] += columns * shares
