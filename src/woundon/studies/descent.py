@@ -1,13 +1,13 @@
 r"""Descent to a minimum of S = |r|^2, as far as the data can tell it from its neighbours.
 
-By the derivatives J about a point, S still falls by |r|^2 - |r + J du|^2, at the best du.  In units
-of s^2 = S/(m - p) that is the square of the way left in standard errors: a descent ends where it is
-a few hundredths.  A solver's mesh moves minima by as much; there S is rough, derivatives jump where
-a node changes its zone, and a step that is to gain little gains nothing.
+By the derivatives J about a point, S is least a step du away.  |J du| over s, s^2 = S/(m - p), is
+its length in standard errors: a descent ends where it is a few hundredths.  A solver's mesh moves
+minima by as much; there S is rough, derivatives jump where a node changes its zone, and a short
+step may gain nothing.
 
 A descent is also over where it is known to lead to a minimum that others have found: where that
-one's linear model tells the residuals here, or where its own step leads most of the way there and
-the derivatives at both ends tell what lies between.
+one's linear model tells the residuals here, or where the next step leads nearer to it, and the
+derivatives at both ends and a look half-way tell that S falls all the way.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ __all__ = ["COARSE", "FINE", "End", "descend"]
 
 Array = np.ndarray
 
-# standard errors left, by S; within the second S may be rough, and few nodes need not tell more
+# standard errors left; within the second one S may be rough, and few nodes need not tell more
 FINE, COARSE = 0.03, 0.1
+ROUGH = 1.0  # of them left, from where a step within COARSE that gains nothing is the last
 NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
-HALF = 0.5  # of the way to a known minimum
-STALLED = 1e-8  # steps of u, a hundredth of it of S: where nothing else has ended a descent
+HALF = 0.5  # of the change of residuals on the way to a known minimum, by slopes at both ends
+STALLED = 1e-8  # steps of u, where nothing else has ended a descent
 MOST = 60  # evaluations
 
 
@@ -50,16 +51,24 @@ class End(NamedTuple):
         miss = change - self.J @ (u - self.u)
         return bool(np.linalg.norm(miss) <= ASTRAY * np.linalg.norm(change))
 
-    def follows(self, point: End, step: Array) -> bool:
-        """Tell whether a step from another point leads here, and nothing lies between.
+    def halfway(self, point: End, step: Array) -> tuple[Array, Array, float] | None:
+        """Return what lies half-way to another point whose step leads nearer to here.
 
-        Where slopes at both ends add up to between one and three times that of the chord, the
-        cubic through them is monotone (Fritsch and Carlson 1980).
+        By the cubic through residuals and slopes at both ends, where these add up to between one
+        and three times that of the chord: it is monotone then (Fritsch and Carlson 1980).
+
+        Returns
+        -------
+        tuple of (p,) array, (m,) array, float
+            u, residuals, and how far these may be off; None where the step leads elsewhere.
         """
         way, change = self.u - point.u, self.r - point.r
         miss = change - (self.J + point.J) @ way / 2
-        between = np.linalg.norm(miss) <= HALF * np.linalg.norm(change)
-        return bool(between and np.linalg.norm(way - step) <= HALF * np.linalg.norm(way))
+        size = float(np.linalg.norm(change))
+        if np.linalg.norm(miss) > HALF * size or np.linalg.norm(way - step) > np.linalg.norm(way):
+            return None
+        r = (self.r + point.r) / 2 - (self.J - point.J) @ way / 8
+        return (self.u + point.u) / 2, r, ASTRAY * size
 
 
 class _Ended(Exception):
@@ -67,6 +76,10 @@ class _Ended(Exception):
 
     def __init__(self, end: End) -> None:
         self.end = end
+
+
+class _Misled(Exception):
+    """Mended derivatives led upwards."""
 
 
 def descend(
@@ -83,24 +96,33 @@ def descend(
     known : sequence of End
         Minima; the same object is returned.
     """
-    from scipy.optimize import least_squares
-
     low, high = predictor.low, predictor.high
     inside = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
     if not np.isfinite(predictor.residuals(inside)).all():
         return None
     way = _Way(predictor, tolerance, known)
-    try:
-        # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
-        end = least_squares(
-            way.residuals, inside, way.derivatives, (low, high), x_scale="jac",
-            xtol=STALLED, ftol=1e-2 * STALLED, gtol=None, max_nfev=MOST,
-        )  # fmt: skip
-        return way.ended(End(np.asarray(end.x), np.asarray(end.fun), np.asarray(end.jac)))
-    except _Ended as stop:
-        return stop.end
-    except ValueError:  # a derivative could not be had
-        return None
+    while True:
+        try:
+            return way.ended(_least_squares(way, inside))
+        except _Ended as stop:
+            return stop.end
+        except _Misled:
+            assert way.here is not None
+            inside = way.here.u
+        except ValueError:  # a derivative could not be had
+            return None
+
+
+def _least_squares(way: _Way, start: Array) -> End:
+    from scipy.optimize import least_squares
+
+    # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
+    end = least_squares(
+        way.residuals, start, way.derivatives, (way.low, way.high), x_scale="jac",
+        xtol=STALLED, ftol=way.tolerance**2 / max(way.predictor.measured.size - start.size, 1),
+        gtol=None, max_nfev=MOST,
+    )  # fmt: skip
+    return End(np.asarray(end.x), np.asarray(end.fun), np.asarray(end.jac))
 
 
 class _Way:
@@ -111,7 +133,7 @@ class _Way:
         self.slopes = Slopes(predictor)
         self.low, self.high = predictor.low, predictor.high
         self.here: End | None = None
-        self.left = np.inf
+        self.left, self.misled = np.inf, False
 
     def residuals(self, u: Array) -> Array:
         """Return them; end at a minimum that tells them, or where S is rough."""
@@ -120,23 +142,30 @@ class _Way:
         for end in self.known:
             if np.all(np.abs(u - end.u) < reach) or end.tells(u, r):
                 raise _Ended(end)
-        if self.here is not None and self.left <= COARSE and r @ r >= self.here.S:
-            raise _Ended(self.ended(self.here))
+        if self.here is not None and not self.misled and r @ r >= self.here.S:
+            step = self._errors(self.here.J @ (u - self.here.u), self.here)
+            if step <= COARSE and self.left <= ROUGH:
+                raise _Ended(self.ended(self.here))
+            if self.slopes.are_mended:
+                self.misled = True
+                raise _Misled
         return r
 
     def derivatives(self, u: Array) -> Array:
         """Return them; end where little is left, or where a known minimum follows."""
-        here = End(u.copy(), self.predictor.residuals(u), self.slopes(u))
+        J = self.slopes.anew(u) if self.misled else self.slopes(u)
+        here = End(u.copy(), self.predictor.residuals(u), J)
         there, left = self._foreseen(here)
         for end in self.known:
-            if end.follows(here, (there - u)):
+            if self._falls_to(end, here, there - u):
                 raise _Ended(end)
-        if left <= self.tolerance:
+        enough = COARSE if self.misled else self.tolerance
+        if left <= enough:
             here = self.ended(here)
             _, left = self._foreseen(here)
             if left <= COARSE:
                 raise _Ended(here)
-        self.here, self.left = here, left
+        self.here, self.left, self.misled = here, left, False
         return here.J
 
     def ended(self, here: End) -> End:
@@ -145,8 +174,21 @@ class _Way:
             return here._replace(J=self.slopes.anew(here.u))
         return here
 
+    def _falls_to(self, end: End, here: End, step: Array) -> bool:
+        """Tell whether S falls all the way to a known minimum, looked at half-way."""
+        told = end.halfway(here, step)
+        if told is None:
+            return False
+        u, foreseen, off = told
+        r = self.predictor.residuals(u)
+        return bool(r @ r < here.S and np.linalg.norm(r - foreseen) <= off)
+
     def _foreseen(self, here: End) -> tuple[Array, float]:
-        """Return where the linear model leads, and how many standard errors that gains S."""
-        there, gain = best_step(here.r, here.J, here.u, self.low, self.high)
+        """Return where the linear model leads, and how many standard errors that is."""
+        there, _ = best_step(here.r, here.J, here.u, self.low, self.high)
+        return there, self._errors(here.J @ (there - here.u), here)
+
+    def _errors(self, change: Array, here: End) -> float:
+        """Return a change of residuals in standard errors."""
         freedom = max(here.r.size - here.u.size, 1)
-        return there, float(np.sqrt(max(gain, 0.0) * freedom / here.S)) if here.S else 0.0
+        return float(np.linalg.norm(change) * np.sqrt(freedom / here.S)) if here.S else 0.0

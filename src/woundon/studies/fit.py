@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
-SAME_MINIMUM = 1e-3  # relative difference of S
+SAME_MINIMUM = 1e-3  # relative difference of S, or what descents may leave of it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,7 +198,7 @@ def fit_parameters(
             if parameters[j].name in profiles
         )
         lower, there = min((profile.best for profile in made), key=lambda best: best[0])
-        if lower >= S * (1 - SAME_MINIMUM):
+        if lower >= S * (1 - _alike(predictor)):
             break
         # a profile walked into a deeper valley that no start had found
         deeper = descend(predictor, there, FINE)
@@ -285,12 +285,19 @@ def _result(
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
         minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in found),
-        reached=sum(S * (1 + SAME_MINIMUM) + rounding >= end.S for end in found), starts=starts,
+        reached=sum(S * (1 + _alike(predictor)) + rounding >= end.S for end in found),
+        starts=starts,
         solves=predictor.solves, measured=predictor.measured,
         fitted=predictor.measured + predictor.deviation * r,
         row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
         weighted=predictor.weighted, profiles=profiles, quantities=quantities,
     )  # fmt: skip
+
+
+def _alike(predictor: Predictor) -> float:
+    """Return the relative difference of S within which minima are the same."""
+    freedom = predictor.measured.size - len(predictor.parameters)
+    return max(SAME_MINIMUM, COARSE**2 / max(freedom, 1))
 
 
 def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:

@@ -86,7 +86,7 @@ class _Visit(NamedTuple):
 
 
 class Predictor:
-    """Predicts every measured value from the parameters' coordinates u, within ``low`` and ``high``.
+    """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
 
     Each distinct row is solved once, from its state at the nearest place of those last seen; a row
     that differs from the one before in ``model.free_inputs`` only takes over that one's state, and
@@ -169,9 +169,7 @@ class Predictor:
 
     def _solved(self, u: Array) -> _Visit:
         """Solve all cases, each from its state at the nearest place."""
-        near = [visit for visit in self._visits if visit.states]
-        nearest = min(near, key=lambda v: np.max(np.abs(v.u - u) / (self.high - self.low)),
-                      default=None)  # fmt: skip
+        nearest = self._nearest(u)
         fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
         states: list[Any] = []
         for k, case in enumerate(self.cases):
@@ -181,6 +179,14 @@ class Predictor:
             states.append(answer.state)
             self.solves += not self.follows[k]
         return _Visit(np.array(u), out[self.of_case, self.of_output], states)
+
+    def _nearest(self, u: Array) -> _Visit | None:
+        """Return the nearest place that was solved, on few nodes where there is none yet."""
+        solved = [visit for visit in self._visits if visit.states]
+        if solved:
+            width = self.high - self.low
+            return min(solved, key=lambda visit: float(np.max(np.abs(visit.u - u) / width)))
+        return None if self.coarse is None else self.coarse._nearest(u)
 
     def _exact(self, u: Array) -> Array | None:
         names = tuple(p.name for p in self.parameters)

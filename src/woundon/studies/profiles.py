@@ -191,8 +191,9 @@ class _Walk:
             return float("inf")
         for _ in range(MOST_STEPS):
             there = point.reached(self.predictor, u, r)
+            worse = point.u[self.j] == at and there.S > point.S
             # a step that gains nothing still tells of the derivatives
-            point = there if there.S <= point.S or point.u[self.j] != at else replace(point, J=there.J)
+            point = replace(point, J=there.J) if worse else there
             u, gain = self._best(point, point.u)
             if gain <= SETTLED * (abs(point.S - self.points[0].S) + SETTLED * self.points[0].S):
                 return self._keep(point, gain)
