@@ -109,7 +109,7 @@ def test_a_profile_that_walks_into_a_deeper_valley_takes_it():
     # on a top derivatives vanish, so that standard errors are long
     assert local.estimate("a") == pytest.approx(0.55, abs=0.02)
     deep = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1)
-    assert deep.estimate("a") == pytest.approx(2.65, abs=0.01)
+    assert deep.estimate("a") == pytest.approx(2.65, abs=0.02)
     assert deep.rms < 0.1 * local.rms
     assert [a for _, (a,) in deep.minima] == pytest.approx([2.65, 0.55], abs=0.02)
 
