@@ -24,9 +24,9 @@ __all__ = ["COARSE", "FINE", "End", "descend"]
 
 Array = np.ndarray
 
-# standard errors left; within the second one S may be rough, and few nodes need not tell more
-FINE, COARSE = 0.03, 0.1
-ROUGH = 1.0  # of them left, from where a step within COARSE that gains nothing is the last
+# standard errors left at an end; on few nodes, and by derivatives that one node may change
+FINE, COARSE = 0.03, 0.3
+ROUGH = 0.1  # of them: shorter steps may gain nothing, and are the last where one is left at most
 NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
 HALF = 0.5  # of the change of residuals on the way to a known minimum, by slopes at both ends
 STALLED = 1e-8  # steps of u, where nothing else has ended a descent
@@ -144,7 +144,7 @@ class _Way:
                 raise _Ended(end)
         if self.here is not None and not self.misled and r @ r >= self.here.S:
             step = self._errors(self.here.J @ (u - self.here.u), self.here)
-            if step <= COARSE and self.left <= ROUGH:
+            if step <= ROUGH and self.left <= 1:
                 raise _Ended(self.ended(self.here))
             if self.slopes.are_mended:
                 self.misled = True
