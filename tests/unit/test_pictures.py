@@ -12,8 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import nbclient
-import nbformat
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
@@ -67,6 +65,9 @@ def images(outputs: list[Any]) -> int:
 
 @pytest.mark.slow
 def test_a_notebook_shows_each_picture_once(tmp_path: Path) -> None:
+    import nbclient
+    import nbformat
+
     cells = {
         START: 0,
         "nip.plot()": 1,  # the last line of the first cell that draws anything
