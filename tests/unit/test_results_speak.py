@@ -80,7 +80,9 @@ class Page(HTMLParser):
 # ---- printed
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(k, marks=pytest.mark.slow) if k == "winding" else k for k in KINDS]
+)
 def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
     case = tmp_path / "case.toml"
     case.write_text(template(kind.replace("_", "-")), encoding="utf-8")
