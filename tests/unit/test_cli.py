@@ -119,7 +119,16 @@ def test_a_new_case_is_a_wrapped_nip(capsys: Capture):
     assert capsys.readouterr().out == template("wrapped_nip")
 
 
-@pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize(
+    "kind",
+    [  # whose sweeps take long
+        pytest.param(kind, marks=pytest.mark.slow)
+        if kind.name in ("wound_roll", "air_nip")
+        else kind
+        for kind in kinds.every()
+    ],
+    ids=lambda kind: kind.name,
+)
 def test_every_kind_has_a_flag_and_a_study_that_runs_as_it_is(kind, tmp_path, capsys: Capture):
     flag = f"--{kind.command}"
     assert cli.main(["new", flag]) == 0
