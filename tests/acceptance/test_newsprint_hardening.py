@@ -25,7 +25,11 @@ OTHERS = ~((DATA["nip_load"] == FITTED[0]) & (DATA["web_tension"] == FITTED[1]))
 
 @cache
 def misses(K2: float, Q: float) -> Any:
-    told = [wo.solve(nip(P, T, K2, Q), nodes=17).wound_on_tension for P, T in CASES]
+    told: list[float] = []
+    before: Any = None
+    for P, T in CASES:
+        before = wo.solve(nip(P, T, K2, Q), nodes=17, start=before)
+        told.append(before.wound_on_tension)
     return np.array(told) - MEASURED
 
 

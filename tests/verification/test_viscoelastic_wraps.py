@@ -20,7 +20,11 @@ SPEED = 3.0
 CASES: list[dict[str, float]] = [{}, {"drum_wrap": 1.0}, {"winding_force": -200.0}]
 
 
-@pytest.fixture(scope="module", params=CASES, ids=["roll's wrap", "both wraps", "a force"])
+@pytest.fixture(
+    scope="module",
+    params=[*CASES[:1], pytest.param(CASES[1], marks=pytest.mark.slow), CASES[2]],
+    ids=["roll's wrap", "both wraps", "a force"],
+)
 def solved(request: Any) -> list[wo.WrappedNipResult]:
     """The same wrapped nip on two grids, four times as fine."""
     nip = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=SPEED)
