@@ -182,6 +182,21 @@ def test_who_is_gone_is_not_worked_for():
     run(test())
 
 
+def test_who_is_gone_before_the_work_begins_is_not_worked_for():
+    """Nor does it cost the worker."""
+
+    async def test():
+        async with pool() as own:
+            pid = await own.run(os.getpid)
+            for _ in range(5):
+                task = asyncio.create_task(own.run(time.sleep, 30))
+                await asyncio.sleep(0)  # it is handed out, and the worker has not heard of it
+                task.cancel()
+                assert await own.run(os.getpid) == pid
+
+    run(test())
+
+
 def test_a_new_worker_solves_what_takes_no_time(monkeypatch):
     begun = []
     monkeypatch.setattr(answers, "solved", lambda problem, _: begun.append(kinds.of(problem).name))
