@@ -7,6 +7,7 @@ import time
 
 import hostile_requests
 import httpx
+import pytest
 
 
 def test_hostile_requests_end_in_no_fault_of_the_server(process):
@@ -26,6 +27,7 @@ def test_the_judge_sees_a_fault():
     assert len(judge.faults) == 2  # the status, and what it is told as
 
 
+@pytest.mark.slow
 def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(process, cases):
     """All of them at once, in the midst of a state that takes seconds."""
     stack = cases["wound_roll"]["stack"]
