@@ -186,11 +186,11 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
     for panel in ("tractions", "zones", "slips", "pressure", "wrap_tension"):
         pictures = []
         for one in (seen, other):
-            canvas = one.page.locator(f"[data-panel={panel}] canvas")
-            canvas.scroll_into_view_if_needed()
+            place = f"[data-panel={panel}]"  # which stays, while its canvas may be another one
+            one.page.locator(place).scroll_into_view_if_needed()
             one.page.mouse.move(1, 1)
             one.rest()  # what was out of sight is drawn now
-            pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
+            pictures.append(one.drawn(place))
         assert pictures[0] == pictures[1], panel
 
 
