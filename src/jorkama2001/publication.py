@@ -8,6 +8,7 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from importlib import resources
+from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -60,7 +61,7 @@ def publish(
         Made if it is not there.
     scheme : {"graded", "thesis"}
     jobs : int, optional
-        Number of processes; by default one for each processor.
+        Number of processes; by default one for each processor.  One is this process.
     dpi : int, optional
         Of the PNG files.
 
@@ -72,7 +73,12 @@ def publish(
     names = chosen(names)
     folder.mkdir(parents=True, exist_ok=True)
     work = partial(_write_module, names=names, folder=folder, scheme=scheme, dpi=dpi)
-    with closing(in_processes(work, modules(names), jobs or os.cpu_count() or 1)) as parts:
+    makers = modules(names)
+    jobs = min(jobs or os.cpu_count() or 1, len(makers))
+    if jobs == 1:  # another process would take as long to start as a figure takes
+        yield from chain.from_iterable(map(work, makers))
+        return
+    with closing(in_processes(work, makers, jobs)) as parts:
         for _, done in parts:
             yield from done
 
