@@ -187,15 +187,21 @@ class Influence:
 
     def between(self, kernels: Sequence[Kernel], smooth: Smooth, points: Array) -> Array:
         """Return smooth parts between points and their sources, (kernels, points, sources)."""
-        t = self.scale * (points[:, None] - self.apart.sources)
-        if np.ptp(self.grid.nodes) * self.scale <= self.period / 2:
+        sources, most = self.apart.sources, self.period / (2 * self.scale)
+        t = self.scale * (points[:, None] - sources)
+        reach = np.maximum(points - sources.min(), sources.max() - points)
+        rows = (reach > most).nonzero()[0]  # few of them
+        if not rows.size:
             return smooth(t)
-        far = np.abs(t) > self.period / 2
-        straight = t[far]
-        t[far] = round_ = straight - np.sign(straight) * self.period
+        short = t[rows]
+        far = np.abs(short) > self.period / 2
+        straight = short[far]
+        short[far] = round_ = straight - np.sign(straight) * self.period
+        t[rows] = short
         values = smooth(t)
+        k, source = far.nonzero()
         for value, kernel in zip(values, kernels, strict=True):
-            value[far] += kernel.singular(round_) - kernel.singular(straight)
+            value[rows[k], source] += kernel.singular(round_) - kernel.singular(straight)
         return values
 
 

@@ -234,13 +234,19 @@ class WrapContact(PairContact):
 
         A rigid drum's arc carries the web's tension alone; a soft one bends beside the nip.
         """
+        made = vars(self).get("_made")  # what is known is put on the same grid as the equations
+        if made is not None and made[:3] == (mesh, a, like):
+            kept: WrapGrid = made[3]
+            return kept
         count = mesh.nodes.size - 1
         if self.cells is not None:
             drum = roll = self.cells * count // (self.nodes - 1)
         else:
             drum = int((RIGID_CELLS if self.problem.drum.rigid else DRUM_CELLS) * count)
             roll = int(ROLL_CELLS * count)
-        return grid_for(self.problem, mesh.grid, a, max(8, drum), max(8, roll), like)
+        grid = grid_for(self.problem, mesh.grid, a, max(8, drum), max(8, roll), like)
+        vars(self)["_made"] = mesh, a, like, grid
+        return grid
 
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
