@@ -59,7 +59,7 @@ class Grading(NamedTuple):
     to_entry: float
 
 
-GRADING = Grading(fine=0.1, power=2.5, evenness=0.5, to_entry=1 / 4)
+GRADING = Grading(fine=0.1, power=2.5, evenness=0.5, to_entry=1 / 3)
 GRADING_0_1 = Grading(fine=0.2, power=2.0, evenness=3.0, to_entry=1 / 2)  # that of woundon 0.1
 
 
