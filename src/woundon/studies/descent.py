@@ -30,7 +30,7 @@ ROUGH = 0.1  # of them: shorter steps may gain nothing, and are the last where o
 NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
 HALF = 0.5  # of the change of residuals on the way to a known minimum, by slopes at both ends
 STALLED = 1e-8  # steps of u, where nothing else has ended a descent
-MOST = 60  # evaluations
+MOST = 60  # evaluations of a beginning, and beginnings
 
 
 class End(NamedTuple):
@@ -101,7 +101,7 @@ def descend(
     if not np.isfinite(predictor.residuals(inside)).all():
         return None
     way = _Way(predictor, tolerance, known)
-    while True:
+    for _ in range(MOST):
         try:
             return way.ended(_least_squares(way, inside))
         except _Ended as stop:
@@ -111,6 +111,7 @@ def descend(
             inside = way.here.u
         except ValueError:  # a derivative could not be had
             return None
+    return way.here
 
 
 def _least_squares(way: _Way, start: Array) -> End:
