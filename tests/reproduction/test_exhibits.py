@@ -6,7 +6,10 @@ Why a statement fails is told beside it in the exhibit.  The figures are not dra
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -45,6 +48,25 @@ def _check_data(exhibit: Exhibit) -> None:
 def test_no_exhibit_is_forgotten() -> None:
     assert tuple(known_counts()) == NAMES
     assert {exhibits._MODULES[name] for name in NAMES} == set(modules(NAMES))
+
+
+def test_computing_times_are_those_that_were_measured() -> None:
+    """Fig. 33 is the same whenever it is drawn: no clock is read for it."""
+    from jorkama2001.fig33 import _converging, _times
+
+    times = _times()
+    first, again = (_converging("graded", times["graded"]) for _ in range(2))
+    assert first.identical(again)
+    assert (np.diff(times["thesis"]) > 0).all()
+
+
+def test_who_waits_for_figures_loads_nothing_that_draws() -> None:
+    code = (
+        "import sys, jorkama2001.publication; "
+        "print({'matplotlib', 'xarray', 'pandas', 'scipy'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
 
 
 def test_a_false_statement_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
