@@ -110,6 +110,12 @@ class Seen:
         shown = "within => document.querySelector(within + ' canvas')?.toDataURL()"
         return self.page.wait_for_function(shown, arg=within).json_value()
 
+    def redrawn(self, within, before):
+        """Wait until a canvas shows something else."""
+        shown = "document.querySelector(within + ' canvas')?.toDataURL()"
+        asked = f"([within, before]) => ![undefined, before].includes({shown})"
+        self.page.wait_for_function(asked, arg=[within, before])
+
     def rest(self):
         """Wait until nothing is solved any more, and all of it is drawn."""
         self.page.evaluate(RESTING)

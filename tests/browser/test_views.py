@@ -38,6 +38,8 @@ def test_all_can_be_done_with_the_keyboard(look):
     assert page.evaluate("() => document.activeElement.className") == "skip"
     page.keyboard.press("Enter")
     assert page.evaluate("() => document.activeElement.id") == "results"
+    page.wait_for_selector(".sections")  # the last that moves the panels
+    seen.rest()
     page.focus("[data-panel=pressure] .plot")
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
@@ -48,11 +50,9 @@ def test_all_can_be_done_with_the_keyboard(look):
     seen.rest()
     before = seen.drawn("[data-panel=tractions]")
     page.keyboard.press("+")
-    page.wait_for_timeout(100)
-    assert seen.drawn("[data-panel=tractions]") != before  # zoomed together
+    seen.redrawn("[data-panel=tractions]", before)  # zoomed together
     page.keyboard.press("0")
     page.keyboard.press("Escape")
-    page.wait_for_timeout(100)
     page.focus("#tab-case")
     page.keyboard.press("ArrowRight")
     assert page.get_attribute("#tab-study", "aria-selected") == "true"

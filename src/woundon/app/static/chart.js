@@ -86,7 +86,7 @@ class Chart {
     this.column = panel.column || panel.name;
     this.lines = cases.flatMap((one) => one.panel.curves.map((curve) => ({ one, curve })));
     const key = JSON.stringify([
-      units.name, height, palette?.ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, !!panel.strips,
+      units.name, height, colours().ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, !!panel.strips,
       panel.strips && cases.map((one) => one.label),
       this.lines.map(({ one, curve }) => [one.colour, curve.role, curve.dash, curve.side]),
     ]);
@@ -417,11 +417,15 @@ export function Panel({ title, cases, units, height, theme, description }) {
     addEventListener("beforeprint", print);
     return () => { removeEventListener("beforeprint", print); sight.disconnect(); watch.disconnect(); chart.current.end(); chart.current = null; };
   }, []);
-  useEffect(() => { if (chart.current) chart.current.key = ""; }, [theme]);
   useLayoutEffect(() => {
     chart.current.tall_ = tall;
     chart.current.show(cases, units, tall);
   });
+  const painted = useRef(theme);
+  useEffect(() => { // by now the page has forgotten the colours of the theme before
+    if (painted.current !== theme) chart.current.show(cases, units, tall);
+    painted.current = theme;
+  }, [theme]);
 
   const several = cases.length > 1;
   const lines = cases.flatMap((one) => one.panel.curves.map((curve) => ({ one, curve })));
