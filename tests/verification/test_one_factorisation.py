@@ -10,11 +10,12 @@ import pytest
 
 import woundon as wo
 from woundon.contact import lapack
+from woundon.contact.borders import _turns, by_turning
 from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
 from woundon.contact.schemes import SCHEMES, Graded
-from woundon.contact.stick_slip import Ending, solve_stick_slip
-from woundon.contact.told import Scatter
+from woundon.contact.stick_slip import Ending, StickSlipSolution, solve_stick_slip
+from woundon.contact.told import Foreseen, Scatter
 from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.nip.laws import NipLaws
 from woundon.nip.solve import NipContact
@@ -255,16 +256,65 @@ def test_errors_that_fall_by_less_are_told_as_larger_by_what_coarse_meshes_left(
 
 
 def test_changes_that_are_small_by_chance_tell_no_certainty() -> None:
-    """What is usual counts as half a change, on meshes of any size as of second order."""
-    small, usual = Scatter.of([1.0, 1.0, 1.0], 64, 1.0), 3.0
-    assert small.error(64, 1.0) == 0
-    told = small.error(64, 1.0, usual)
+    """What the last mesh lets foresee counts as some changes more."""
+    alike, foreseen = [1.0, 1.0, 1.0], Foreseen(1e-3, 0.5)
+    assert Scatter.of(alike, 64, 1.0).error(64, 1.0) == 0
+    small = Scatter.of(alike, 64, 2.0, foreseen=foreseen)
+    told = small.error(64, 2.0)
     # Student's t of 2.5 degrees of freedom, 6.047, over 1.5; half a change among two and a half
-    assert told == pytest.approx(6.047 / 1.5 * np.sqrt(0.5 / 2.5) * usual / 64**2)
-    assert small.error(128, 1.0, usual) == pytest.approx(told / 4)
-    large = Scatter.of([1.0, 2.0, 1.5], 64, 1.0)
+    assert told == pytest.approx(6.047 / 1.5 * np.sqrt(0.5 / 2.5) * foreseen.size)
+    assert small.error(128, 2.0) == pytest.approx(told / 4)
+    large = [1.0, 2.0, 1.5]
     # beside large changes it only adds what is known of them
-    assert large.error(64, 1.0, usual) < large.error(64, 1.0)
+    surer = Scatter.of(large, 64, 1.0, foreseen=foreseen).error(64, 1.0)
+    assert surer < Scatter.of(large, 64, 1.0).error(64, 1.0)
+
+
+def test_what_is_foreseen_rightly_is_told_as_students_t_has_it() -> None:
+    """Errors of a scatter that itself is drawn about what is foreseen, as a chi square has it."""
+    random, cases = np.random.default_rng(5), 20_000
+    scatters = np.sqrt(2.0 / random.chisquare(2.0, cases))  # of two degrees of freedom, about 1
+    for changes in (1, 3):
+        falls = 4.0 ** -np.arange(changes + 1)
+        errors = random.normal(size=(cases, changes + 1)) * falls * scatters[:, None]
+        foreseen = Foreseen(falls[-1], 2.0)
+        told = [Scatter.of(v.tolist(), 64, 7.0, 2.0, foreseen).error(64, 7.0) for v in errors]
+        outside = np.mean(np.abs(errors[:, -1]) > 1.5 * np.array(told))
+        assert 0.0075 < outside < 0.0225  # 1.5 %, as above
+
+
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_a_node_that_turns_at_a_border_changes_what_its_state_solved_anew_does(
+    nip: wo.NipProblem,
+) -> None:
+    equations = NipEquations.at(nip, Graded().mesh(33), A)
+    joint = equations.joint
+    assert joint is not None
+    solution = solve_stick_slip(joint)
+    turns = list(_turns(solution, 2))
+    assert len(turns) >= 6  # two borders of stick at least on a face, or one and an edge
+    changes = by_turning(joint, solution, faces=2)
+    for (node, state), change in zip(turns, changes, strict=True):
+        states = solution.state.copy()
+        states[node] = state
+        anew = joint.solve(states).joint[1] - solution.joint[1]
+        # factors of either state leave rounding, 1e-13 of the unknowns' own size
+        size = np.abs(solution.joint[1]).max()
+        np.testing.assert_allclose(change, anew, rtol=1e-6, atol=1e-11 * size)
+
+
+def test_borders_of_stick_are_between_all_that_slips_two_ways_and_before_all_that_sticks() -> None:
+    state = np.array([0, 0, 1, 1, -1, -1, 0, -1], dtype=np.int8)
+    traction = np.array([-2.0, 0, 0, 0, 0, 0, 0, 0])
+    none = np.zeros(8)
+    solution = StickSlipSolution(state, traction, 0.0, none, none)
+    assert list(_turns(solution, 2)) == [
+        (1, 1), (2, 0), (0, -1),  # stick and slip, and slip before it by the sign of the traction
+        (5, 0), (6, -1), (6, -1), (7, 0),
+    ]  # fmt: skip
+    crossed = list(_turns(solution, 1))
+    assert (3, 0) in crossed
+    assert (4, 0) in crossed
 
 
 def test_a_start_is_as_sure_of_its_errors_as_a_cold_solve() -> None:

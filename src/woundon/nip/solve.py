@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import nan
+from math import hypot, nan
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -25,6 +25,7 @@ from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import ELEMENTS, Scheme, scheme_of
+from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
@@ -35,6 +36,7 @@ from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
+from .scatter import by_borders
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
@@ -51,6 +53,9 @@ SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
 CAREFUL = 3e-6  # rtol from which they are tried twice: for a larger one, meshes cost less than that
 MOST_NODES = 1100  # of the meshes that rtol asks for
+# what outputs err by in the middle of random nips, of their changes by nodes that turn at borders,
+# and of what is usual where that is mostly these borders' doing; as how many changes this counts
+BORDERS, REST, KNOWN = 0.08, 0.3, 2.0
 
 
 @one_thread
@@ -243,6 +248,15 @@ class NipContact(PairContact):
             "drum_creep": _drum_creep(self.problem, level.state, whole),
             **_ratios(_runs_of(self.problem, level)),
         }
+
+    def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
+        """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
+        found = dict(super().foreseen(level, scalars))
+        for name, turning in by_borders(self.problem, level).items():
+            usual = found[name]
+            rest = usual.size if usual.changes == KNOWN else REST * usual.size
+            found[name] = Foreseen(hypot(BORDERS * turning, rest), KNOWN)
+        return found
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------
