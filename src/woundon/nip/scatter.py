@@ -29,13 +29,15 @@ def by_borders(problem: Any, level: Level) -> dict[str, float]:
     whole = float(weights @ solution.traction.reshape(2, n).sum(axis=0))
     top, wider = int(np.argmax(p)), load / level.power
     stretch = problem.web.compliance.c11 / problem.web.thickness
-    found = {
-        "nip_induced_tension": gain - load * whole,
-        "tension_behind_nip": gain - load * whole,
-        "half_width": wider * level.half_width,
-        "nip_width": 2 * wider * level.half_width,
-        "peak_pressure": by_p[:, top] - (load - wider) * p[top],
-        "offset": changes[:, n] * problem.contact_radius,
-        "drum_creep": changes[:, -1] - stretch * gain,
-    }
-    return {name: float(np.linalg.norm(change)) for name, change in found.items()}
+    changed = np.array([
+        gain - load * whole,
+        wider * level.half_width,
+        by_p[:, top] - (load - wider) * p[top],
+        changes[:, n] * problem.contact_radius,
+        changes[:, -1] - stretch * gain,
+    ])  # fmt: skip
+    tension, width, peak, offset, creep = np.sqrt((changed**2).sum(axis=1)).tolist()
+    return {
+        "nip_induced_tension": tension, "tension_behind_nip": tension, "half_width": width,
+        "nip_width": 2 * width, "peak_pressure": peak, "offset": offset, "drum_creep": creep,
+    }  # fmt: skip
