@@ -10,7 +10,8 @@ side hold each other: there what both nodes change together beyond what each doe
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -35,41 +36,46 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int) -> Array:
     faces : int
         Of as many nodes each.
     """
-    turns = np.array(list(_turns(solution, faces)), dtype=np.intp).reshape(-1, 2)
-    nodes, ways = turns.T
+    size = solution.state.size // faces
+    turns = list(_turns(solution, size))
+    nodes, ways = np.array(turns, dtype=np.intp).reshape(-1, 2).T
     effects = joint.effects(solution.joint[0], nodes)
     laws = joint.laws(nodes, ways) @ effects.T  # of each turn, by each effect
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
     with np.errstate(divide="ignore", invalid="ignore"):  # states that have no solution
         alone = -misses / np.diag(laws)
-        one, two = _pairs(nodes, solution.state.size // faces)
-        both = laws[one, one] * laws[two, two] - laws[one, two] * laws[two, one]
-        first = (misses[two] * laws[one, two] - misses[one] * laws[two, two]) / both - alone[one]
-        second = (misses[one] * laws[two, one] - misses[two] * laws[one, one]) / both - alone[two]
-        changes = np.concatenate([
-            alone[:, None] * effects,
-            first[:, None] * effects[one] + second[:, None] * effects[two],
-        ])  # fmt: skip
-    return np.asarray(changes[np.isfinite(changes).all(axis=1)])
+        changes = alone[:, None] * effects
+        pairs = list(_pairs([node for node, _ in turns], size))
+        if pairs:
+            one, two = np.array(pairs).T
+            both = laws[one, one] * laws[two, two] - laws[one, two] * laws[two, one]
+            first = (misses[two] * laws[one, two] - misses[one] * laws[two, two]) / both
+            second = (misses[one] * laws[two, one] - misses[two] * laws[one, one]) / both
+            beyond = (first - alone[one])[:, None] * effects[one]
+            beyond += (second - alone[two])[:, None] * effects[two]
+            changes = np.concatenate([changes, beyond])
+    return np.asarray(changes[np.isfinite(changes.sum(axis=1))])
 
 
-def _turns(solution: StickSlipSolution, faces: int) -> Iterator[tuple[int, int]]:
-    """Yield nodes beside borders, and the state that each turns to."""
-    for first, face in enumerate(np.split(solution.state, faces)):
-        first *= face.size
-        for node in (face[1:] != face[:-1]).nonzero()[0].tolist():
-            before, behind = int(face[node]), int(face[node + 1])
-            yield first + node, behind if before == 0 else 0
-            yield first + node + 1, before if behind == 0 else 0
-        for node in (first, first + face.size - 1):
-            if solution.state[node] == 0:
+def _turns(solution: StickSlipSolution, size: int) -> Iterator[tuple[int, int]]:
+    """Yield nodes beside borders, and the state that each turns to; faces are of one size."""
+    states = solution.state.tolist()
+    for first in range(0, len(states), size):
+        last = first + size - 1
+        for node in range(first, last):
+            before, behind = states[node], states[node + 1]
+            if before != behind:
+                yield node, behind if before == 0 else 0
+                yield node + 1, before if behind == 0 else 0
+        for node in (first, last):
+            if states[node] == 0:
                 yield node, 1 if solution.traction[node] > 0 else -1
 
 
-def _pairs(nodes: Array, size: int) -> tuple[Array, Array]:
-    """Return which turns are of two faces and side by side."""
-    faces, places = np.divmod(nodes, size)
-    beside = np.abs(places - places[:, None]) <= BESIDE
-    one, two = np.triu(beside & (faces != faces[:, None])).nonzero()
-    return one, two
+def _pairs(nodes: Sequence[int], size: int) -> Iterator[tuple[int, int]]:
+    """Yield which of some nodes are of two faces and side by side."""
+    places = [divmod(node, size) for node in nodes]
+    for (i, one), (j, two) in combinations(enumerate(places), 2):
+        if one[0] != two[0] and abs(one[1] - two[1]) <= BESIDE:
+            yield i, j
