@@ -238,6 +238,9 @@ def test_what_neighbours_told_counts_as_one_s_own_changes_up_to_three() -> None:
     both = own.after(before)
     assert both == Scatter(pytest.approx(np.sqrt((4 + 2 * 16) / 3)), 3)
     assert own.after(Scatter(4.0, 9)).changes == 4
+    foreseen = Foreseen(5.0, 2.0)
+    assert own.after(before._replace(foreseen=foreseen)).foreseen == foreseen
+    assert own._replace(foreseen=foreseen).after(before).foreseen == foreseen
     # of twice the cells and the scale: a quarter, twice
     assert both.error(128, 6.0) == pytest.approx(both.error(64, 3.0) / 2)
     assert np.isnan(Scatter.of([1.0], 64, 1.0).error(64, 1.0))

@@ -252,7 +252,10 @@ class Ladder:
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
-        foreseen = self.contact.foreseen(self.level, self.values) if self.scatters else {}
+        foreseen: Mapping[str, Foreseen] = {}
+        # beside a neighbour of like zones, that one has told it
+        if self.scatters and not (self._alike and self._scattered and len(self.history) == 1):
+            foreseen = self.contact.foreseen(self.level, self.values)
         for name in self.values:
             values = [scalars[name] for scalars in self.history]
             self.errors[name] = self._told(name, values, foreseen.get(name, NOTHING))

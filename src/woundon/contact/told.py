@@ -88,13 +88,18 @@ class Scatter(NamedTuple):
         return self.changes + self.foreseen.changes
 
     def after(self, before: Scatter | None) -> Scatter:
-        """Return what is known with what a neighbouring case told, the last of it at most."""
+        """Return what is known with what a neighbouring case told, the last of it at most.
+
+        What that one foresaw counts only where nothing is foreseen.
+        """
         if before is None:
             return self
+        foreseen = self.foreseen if self.foreseen.changes else before.foreseen
         known = min(before.changes, REMEMBERED)
         count = self.changes + known
         squares = self.changes * self.size**2 + known * before.size**2
-        return self._replace(size=sqrt(squares / count), changes=count) if count else self
+        size = sqrt(squares / count) if count else 0.0
+        return self._replace(size=size, changes=count, foreseen=foreseen)
 
     def error(self, cells: int, scale: float) -> float:
         """Return the told error on a mesh of so many cells; nan where no change tells it."""
