@@ -55,7 +55,7 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int) -> Array:
             beyond = (first - alone[one])[:, None] * effects[one]
             beyond += (second - alone[two])[:, None] * effects[two]
             changes = np.concatenate([changes, beyond])
-    return np.asarray(changes[np.isfinite(changes.sum(axis=1))])
+        return np.asarray(changes[np.isfinite(changes.sum(axis=1))])
 
 
 def _turns(solution: StickSlipSolution, size: int) -> Iterator[tuple[int, int]]:
