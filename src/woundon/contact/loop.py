@@ -254,7 +254,7 @@ class Ladder:
             return
         foreseen: Mapping[str, Foreseen] = {}
         # beside a neighbour of like zones, that one has told it
-        if self.scatters and not (self._alike and self._scattered and len(self.history) == 1):
+        if self.scatters and not (self._scattered and len(self.history) == 1 and self._alike()):
             foreseen = self.contact.foreseen(self.level, self.values)
         for name in self.values:
             values = [scalars[name] for scalars in self.history]
