@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import hypot, nan
+from math import nan
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -36,7 +36,7 @@ from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
-from .scatter import by_borders
+from .scatter import by_borders, unseen_stick
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
@@ -53,9 +53,6 @@ SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
 CAREFUL = 3e-6  # rtol from which they are tried twice: for a larger one, meshes cost less than that
 MOST_NODES = 1100  # of the meshes that rtol asks for
-# what outputs err by in the middle of random nips, of their changes by nodes that turn at borders,
-# and of what is usual where that is mostly these borders' doing; as how many changes this counts
-BORDERS, REST, KNOWN = 0.08, 0.3, 2.0
 
 
 @one_thread
@@ -251,12 +248,14 @@ class NipContact(PairContact):
 
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
         """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
-        found = dict(super().foreseen(level, scalars))
-        for name, turning in by_borders(self.problem, level).items():
-            usual = found[name]
-            rest = usual.size if usual.changes == KNOWN else REST * usual.size
-            found[name] = Foreseen(hypot(BORDERS * turning, rest), KNOWN)
-        return found
+        return by_borders(self.problem, level, super().foreseen(level, scalars))
+
+    def grain(self, name: str, level: Level) -> float:
+        """Return what a mesh leaves of an output that changes between meshes need not show."""
+        grain = super().grain(name, level)
+        if grain and name in SLIP_RATIOS:
+            grain += unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
+        return grain
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------
