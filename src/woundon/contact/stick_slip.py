@@ -308,7 +308,7 @@ def _couple(problem: StickSlip) -> StickSlipSolution:
     """
     whole, part, step = problem.pressure_response, 0.0, 1.0
     without = replace(problem, pressure_response=np.zeros_like(whole))
-    last = _pivot(without, np.zeros(problem.friction.size, dtype=np.int8), limit=200)
+    last = _pivot(without, np.zeros(problem.friction.size, dtype=np.int8), limit=60)
     solves = last.solves
     while part < 1 and last.ending is Ending.SOLVED and step >= LEAST_STEP:
         more = min(1.0, part + step)
