@@ -13,7 +13,7 @@ import pandas as pd
 from hardening_newsprint import FITTED, HELD, SHORT, TABLES, measured, rms
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from woundon.show.figures import COLOURS, style
 from woundon.studies.profiles import threshold
@@ -49,7 +49,7 @@ def lack_of_fit(value: float, fitted: int) -> float:
     loads = measured()["nip_load"].nunique()
     m = len(measured())
     lack = max(m * (value**2 - pure**2), 0.0) / (loads - fitted)
-    return float(f_distribution.sf(lack / (m * pure**2 / free), loads - fitted, free))
+    return float(fdtrc(loads - fitted, free, lack / (m * pure**2 / free)))
 
 
 # ---- tables -------------------------------------------------------------------------------------

@@ -29,20 +29,12 @@ print(*fit.lines(), sep="\n")
 
 # %%
 # The root mean square of reading less computed value, over the friction coefficient.
-loads, tensions, measured = (np.array(column) for column in readings.values())
-
-
-def misfit(friction):
-    cases = [
-        problem.replace(roll_friction=friction, nip_load=load, web_tension=tension)
-        for load, tension in zip(loads, tensions, strict=True)
-    ]
-    computed = [wo.solve(case, nodes=25).wound_on_tension for case in cases]
-    return np.sqrt(np.mean((measured - computed) ** 2))
-
-
 frictions = np.array([0.06, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5])
-misfits = np.array([misfit(friction) for friction in frictions])
+loads, tensions, measured = (np.array(column) for column in readings.values())
+over = {"nip_load": [350, 876], "web_tension": [175, 263, 350], "roll_friction": frictions}
+computed = wo.sweep(problem, over, ["wound_on_tension"], nodes=25, workers=1).wound_on_tension
+misses = measured[:, None] - computed.values.reshape(6, -1)
+misfits = np.sqrt(np.mean(misses**2, axis=0))
 plt.plot(frictions, misfits, "o-")
 plt.axvline(fit.problem.roll_friction, color="grey", linestyle=":", label="best fit")
 plt.ylim(0)

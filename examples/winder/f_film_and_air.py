@@ -24,7 +24,7 @@ speeds = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0])
 
 def wound(**changes):
     """Return the nip at every speed."""
-    return [wo.solve(problem.replace(web_speed=V, **changes), nodes=65) for V in speeds]
+    return [wo.solve(problem.replace(web_speed=V, **changes), nodes=33) for V in speeds]
 
 
 cases = {

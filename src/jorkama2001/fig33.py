@@ -1,12 +1,13 @@
 """Thesis Fig. 33, sec. 4.8: NIT and computing time against the number of nodes M.
 
 P = 2000 N/m and F = 0, Table 1.  The thesis's scheme is computed in any case, since the figure is
-about it; the accurate one beside it.  Seconds are those of the machine at hand.
+about it; the accurate one beside it.  Computing times were measured once, as multiples of a dense
+solve, so that the figure is the same whenever it is drawn (``benchmarks/fig33.py``).
 """
 
 from __future__ import annotations
 
-from time import perf_counter
+from importlib import resources
 
 import numpy as np
 import xarray as xr
@@ -17,6 +18,7 @@ import woundon as wo
 from . import drawing
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
+from .inside import style
 from .nips import dataset, joined, options, quiet, solved, swept
 from .verdicts import Verdict, grows, verdict
 
@@ -27,15 +29,16 @@ NIP_WIDTH_LOADS = (1330.0, 2000.0, 4000.0, 7000.0, 11200.0)  # 2a from 7 to 20 m
 ROLL_LOADS = (2000.0, 5000.0, 11000.0)
 COVER_LOADS = (2000.0, 5000.0)
 NAMES = ("thesis's scheme", "accurate scheme")
+PROBLEM = paper_nip(nip_load=2000.0, winding_force=0.0)
 
 
 def exhibits(scheme: str) -> list[Exhibit]:
     """Solve on ever finer grids; return Fig. 33."""
-    problem = paper_nip(nip_load=2000.0, winding_force=0.0)
-    thesis, graded = (_converging(problem, name) for name in ("thesis", "graded"))
+    times = _times()
+    thesis, graded = (_converging(name, times[name]) for name in ("thesis", "graded"))
     data = joined("graded [1]", {0: thesis, 1: graded})
     with quiet():
-        limit = wo.solve_nip(problem, rtol=1e-5)
+        limit = wo.solve_nip(PROBLEM, rtol=1e-5)
     verdicts = [*_errors(data, limit), _widths(), *_half_planes(), _terms(limit)]
     shown = 2 if scheme == "graded" else 1
     draw = lambda: _draw(data.isel(graded=slice(shown)))  # noqa: E731
@@ -43,15 +46,22 @@ def exhibits(scheme: str) -> list[Exhibit]:
     return [Exhibit("fig33", title, data, verdicts, draw, one_scheme=True)]
 
 
-def _converging(problem: wo.NipProblem, scheme: str) -> xr.Dataset:
-    rows = []
+def _times() -> dict[str, np.ndarray]:
+    """Return the measured computing times by scheme, in dense solves."""
+    lines = (resources.files(__package__) / "computing_time.csv").read_text("utf-8").splitlines()
+    rows = [line.split(",") for line in lines if not line.startswith("#")]
+    nodes, thesis, graded = np.array(rows, dtype=float).T
+    assert np.array_equal(nodes, NODES)
+    return {"thesis": thesis, "graded": graded}
+
+
+def _converging(scheme: str, times: np.ndarray) -> xr.Dataset:
+    NIT = []
     for M in NODES.tolist():
-        begun = perf_counter()
         with quiet():
-            result = wo.solve_nip(problem, **(options(scheme) | {"nodes": M}))
-        rows.append((result.nip_induced_tension, perf_counter() - begun))
-    NIT, seconds = np.transpose(rows)
-    data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [s]": seconds})
+            result = wo.solve_nip(PROBLEM, **(options(scheme) | {"nodes": M}))
+        NIT.append(result.nip_induced_tension)
+    data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times})
     return data.assign_coords(nodes=("nodes", NODES, {"units": "1"}))
 
 
@@ -60,7 +70,7 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
     exact = limit.nip_induced_tension
     missing = 1 - thesis / exact
     order = -np.polyfit(np.log(NODES), np.log(missing), 1)[0]
-    seconds = np.polyfit(np.log(NODES[3:]), np.log(data["time"][0, 3:]), 1)[0]
+    growth = np.polyfit(np.log(NODES[3:]), np.log(data["time"][0, 3:]), 1)[0]
     best = 100 * np.abs(1 - graded / exact)[1:].max()
     return [
         grows("NIT seems to converge as M grows: smallest step towards the limit", thesis, "nodes",
@@ -78,7 +88,7 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
         verdict(
             "the computing time grows exponentially with M", None,
             note="the thesis's program and machine are not at hand.  Here the time of its scheme "
-            f"grows about like M to the power {seconds:.1f}, and ends with the matrices' solution, "
+            f"grows about like M to the power {growth:.1f}, and ends with the matrices' solution, "
             "M^3",
         ),
     ]  # fmt: skip
@@ -147,7 +157,8 @@ def _terms(limit: wo.NipResult) -> Verdict:
 
 def _draw(data: xr.Dataset) -> Figure:
     figure, axes = drawing.one_panel()
-    twin = axes.twinx()
+    with style():
+        twin = axes.twinx()
     for k in data["graded"].values.tolist():
         one, name, colour = data.sel(graded=k), NAMES[k], drawing.COLOURS[k]
         axes.plot(one["nodes"], one["time"], "-", color=colour, label=f"time, {name}")
@@ -156,7 +167,7 @@ def _draw(data: xr.Dataset) -> Figure:
             label=f"NIT, {name} (right axis)",
         )  # fmt: skip
     axes.set_xlabel("Number of nodes $M$")
-    axes.set_ylabel("Computing time [s]")
+    axes.set_ylabel("Computing time / dense solve of 398 x 398")
     twin.set_ylabel("NIT [N/m]")
     twin.grid(visible=False)
     drawing.shared_legend(figure, 2)

@@ -1,4 +1,7 @@
-"""What the reproduction takes from within woundon, for want of a public name; all of it is here."""
+"""What the reproduction takes from within woundon, for want of a public name.
+
+All of it is here, but for the processes (``processes``).
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,11 @@ from woundon.nip.roll_surface import roll_strain
 from woundon.show.figures import figure_bytes, legend_above, save_figure, style
 from woundon.show.nip_plots import nip_panels
 from woundon.show.panels import Case, drawn
-from woundon.studies.processes import in_processes
-from woundon.wrap.grid import Influence, OpenGrid
+from woundon.wrap.influence import Influence
+from woundon.wrap.integrals import OpenGrid
 
 __all__ = [
-    "draw_slips", "figure_bytes", "in_processes", "nip_figure", "roll_strain", "save_figure",
+    "draw_slips", "figure_bytes", "nip_figure", "roll_strain", "save_figure",
     "strain_under", "style",
 ]  # fmt: skip
 
@@ -54,8 +57,6 @@ def strain_under(
     """
     R = roll.radius
     kernels = roll.kernels()
-    put = Influence(
-        OpenGrid(nodes, points), None, np.arange(0), slice(0), R, kernels.length, 2 * pi * R
-    )
+    put = Influence(OpenGrid(nodes, points), None, R, kernels.length, 2 * pi * R)
     strain: Array = put(kernels.strain_p) @ pressure + put(kernels.strain_q) @ traction
     return strain

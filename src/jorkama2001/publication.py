@@ -8,13 +8,14 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from importlib import resources
+from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 from .exhibits import NAMES, chosen, modules
-from .inside import in_processes, save_figure
 from .judgement import Judged, judged
+from .processes import in_processes
 from .verdicts import Outcome
 
 __all__ = ["Published", "known_counts", "publish", "summary"]
@@ -26,7 +27,7 @@ class Published(NamedTuple):
     Attributes
     ----------
     judged : Judged
-        Without the drawing.
+        Without data and drawing.
     files : list of Path
     seconds : float
         Spent on the module that made it, and perhaps others with it.
@@ -60,7 +61,7 @@ def publish(
         Made if it is not there.
     scheme : {"graded", "thesis"}
     jobs : int, optional
-        Number of processes; by default one for each processor.
+        Number of processes; by default one for each processor.  One is this process.
     dpi : int, optional
         Of the PNG files.
 
@@ -72,7 +73,12 @@ def publish(
     names = chosen(names)
     folder.mkdir(parents=True, exist_ok=True)
     work = partial(_write_module, names=names, folder=folder, scheme=scheme, dpi=dpi)
-    with closing(in_processes(work, modules(names), jobs or os.cpu_count() or 1)) as parts:
+    makers = modules(names)
+    jobs = min(jobs or os.cpu_count() or 1, len(makers))
+    if jobs == 1:  # another process would take as long to start as a figure takes
+        yield from chain.from_iterable(map(work, makers))
+        return
+    with closing(in_processes(work, makers, jobs)) as parts:
         for _, done in parts:
             yield from done
 
@@ -84,12 +90,17 @@ def _write_module(
     made = judged(module, names, scheme)
     files = [_write(one, folder, dpi) for one in made]
     seconds = perf_counter() - begun
-    # drawings do not pass from process to process
-    told = [replace(one, exhibit=replace(one.exhibit, draw=None)) for one in made]
+    # drawings do not pass from process to process, and data ask who reads them for much code
+    told = [
+        replace(one, exhibit=replace(one.exhibit, data=None, draw=None))  # type: ignore[arg-type]
+        for one in made
+    ]
     return [Published(one, paths, seconds) for one, paths in zip(told, files, strict=True)]
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
+    from .inside import save_figure  # where it is needed: not in the process that waits
+
     exhibit = one.exhibit
     paths = [folder / f"{exhibit.name}.csv"]
     paths[0].write_text(exhibit.csv(), encoding="utf-8")
@@ -100,7 +111,7 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
             paths.append(folder / f"{exhibit.name}.{ending}")
             save_figure(drawing, paths[-1], dpi=dpi)
             # the panels stand: what is laid out for one file is for all
-            drawing.set_layout_engine("none")
+            drawing.set_layout_engine(None)
         picture = f"{exhibit.name}.png"
     paths.append(folder / f"{exhibit.name}.md")
     paths[-1].write_text(one.markdown(picture), encoding="utf-8")

@@ -6,9 +6,10 @@ from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf
-from typing import SupportsFloat
+from typing import TYPE_CHECKING, SupportsFloat
 
-import xarray as xr
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Outcome", "Verdict", "accurate", "falls", "grows", "verdict", "whether"]
 

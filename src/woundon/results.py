@@ -163,21 +163,27 @@ class Result(ReadOnly):
         """Outputs that are another quantity in this very result than in others of its class."""
         return {}
 
-    def checked(self) -> Self:
+    def checked(self, accepted: float = ACCEPTED_RESIDUAL) -> Self:
         """Return itself, if no law is broken: nothing unsolved is passed off as solved.
+
+        Parameters
+        ----------
+        accepted : float
+            The largest residual of a law that is satisfied.
 
         Raises
         ------
         NotConverged
-            Naming every law not satisfied to 1e-8; carries the result.
+            Naming every law that is not satisfied; carries the result.
         """
-        broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= ACCEPTED_RESIDUAL]
-        if broken or not self.residuals.largest <= ACCEPTED_RESIDUAL:
+        broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= accepted]
+        if broken or not self.residuals.largest <= accepted:
             told = ", ".join(broken) or "there is no certificate"
             if any(law.startswith("positive_pressure") for law in broken):
                 told += "; the surfaces part within the contact, which is taken for one piece"
             outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
-            text = "; ".join((f"laws are not satisfied to 1e-8: {told}", *outside))
+            shown = f"{accepted:g}".replace("e-0", "e-")
+            text = "; ".join((f"laws are not satisfied to {shown}: {told}", *outside))
             raise NotConverged(text, self)
         return self
 

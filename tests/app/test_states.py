@@ -90,6 +90,30 @@ def test_a_warm_state_agrees_with_a_cold_one(client, cases):
         assert told < 4e-3 * cold[name]["value"]  # 0.1 % of NIT each are asked for
 
 
+def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
+    """Not solved again, unless the state was started from another or is of other options."""
+    from woundon.app import answers
+
+    solved, begun = answers.solved, []
+
+    def counted(problem, options, start=None):
+        begun.append((dict(options), start is not None))
+        return solved(problem, options, start)
+
+    monkeypatch.setattr(answers, "solved", counted)
+
+    def outputs(*given):
+        return json.loads(answers.solve(cases["nip"], *given))["outputs"]
+
+    few, session = {"nodes": "33"}, "session-of-a-report"
+    assert outputs(few, session) == outputs(few, session, False, True)
+    assert begun == [(few, False)]
+    outputs(few, session, True)
+    outputs(few, session, False, True)
+    outputs({}, session)
+    assert begun[1:] == [(few, True), (few, False), ({}, False)]
+
+
 @pytest.mark.parametrize("name", ["nip", "wrapped_nip", "rollers"])
 def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
     told = client.post("/api/solve", json=cases[name]).json()

@@ -4,6 +4,7 @@ import asyncio
 import hashlib
 import os
 import signal
+import threading
 import time
 from contextlib import asynccontextmanager
 
@@ -35,39 +36,55 @@ def run(test):
     return loops.run(asyncio.wait_for(test, 60))
 
 
-def test_an_answer_and_a_fault_come_back():
-    async def test():
-        async with pool() as own:
-            assert await own.run(pow, 2, 10) == 1024
-            with pytest.raises(Refusal) as raised:
-                await own.run(divmod, 1, 0)
-            assert raised.value.status == 500
-            assert await own.run(pow, 2, 3) == 8
+@pytest.fixture(scope="module")
+def with_pool():
+    """Run a test of a pool that serves others after it, in a loop that goes on."""
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever)
+    thread.start()
 
-    run(test())
+    def run(test):
+        return asyncio.run_coroutine_threadsafe(asyncio.wait_for(test, 60), loop).result()
 
-
-def test_a_worker_that_dies_gives_one_error_and_the_next_request_is_served():
-    async def test():
-        async with pool() as own:
-            first = await own.run(os.getpid)
-            with pytest.raises(Refusal) as raised:
-                await own.run(os._exit, 1)
-            assert (raised.value.status, raised.value.kind) == (503, "worker-died")
-            assert await own.run(os.getpid) != first
-
-    run(test())
+    shared = Pool(1, nothing)
+    run(shared.open())
+    yield lambda test: run(test(shared))
+    loop.call_soon_threadsafe(shared.close)
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join()
+    loop.close()
 
 
-def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error():
-    async def test():
-        async with pool() as own:
-            first = await own.run(os.getpid)
-            os.kill(first, signal.SIGKILL)
-            await asyncio.sleep(0.3)
-            assert await own.run(os.getpid) != first
+def test_an_answer_and_a_fault_come_back(with_pool):
+    async def test(own):
+        assert await own.run(pow, 2, 10) == 1024
+        with pytest.raises(Refusal) as raised:
+            await own.run(divmod, 1, 0)
+        assert raised.value.status == 500
+        assert await own.run(pow, 2, 3) == 8
 
-    run(test())
+    with_pool(test)
+
+
+def test_a_worker_that_dies_gives_one_error_and_the_next_request_is_served(with_pool):
+    async def test(own):
+        first = await own.run(os.getpid)
+        with pytest.raises(Refusal) as raised:
+            await own.run(os._exit, 1)
+        assert (raised.value.status, raised.value.kind) == (503, "worker-died")
+        assert await own.run(os.getpid) != first
+
+    with_pool(test)
+
+
+def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error(with_pool):
+    async def test(own):
+        first = await own.run(os.getpid)
+        os.kill(first, signal.SIGKILL)
+        await asyncio.sleep(0.3)
+        assert await own.run(os.getpid) != first
+
+    with_pool(test)
 
 
 def turns_every_fault_into_its_own():
@@ -92,44 +109,42 @@ def test_an_interrupt_that_a_library_made_a_fault_of_is_no_fault(capfd):
     assert "Traceback" not in capfd.readouterr().err
 
 
-def test_of_one_key_the_newest_request_wins():
-    async def test():
-        async with pool() as own:
-            pid = await own.run(os.getpid)
-            under_way = asyncio.create_task(own.run(time.sleep, 30, key="slider"))
-            waiting = asyncio.create_task(own.run(time.sleep, 30, key="other"))
-            await asyncio.sleep(0.2)
-            began = time.monotonic()
-            newest = await asyncio.gather(
-                own.run(pow, 1, 1, key="other"), own.run(os.getpid, key="slider")
-            )
-            # interrupted after its grace, not waited for, and by the same process
-            assert time.monotonic() - began < 25
-            assert newest == [1, pid]
-            for old in (under_way, waiting):
-                with pytest.raises(Refusal) as raised:
-                    await old
-                assert (raised.value.status, raised.value.kind) == (409, "superseded")
+def test_of_one_key_the_newest_request_wins(with_pool):
+    async def test(own):
+        pid = await own.run(os.getpid)
+        under_way = asyncio.create_task(own.run(time.sleep, 30, key="slider"))
+        waiting = asyncio.create_task(own.run(time.sleep, 30, key="other"))
+        await asyncio.sleep(0.2)
+        began = time.monotonic()
+        newest = await asyncio.gather(
+            own.run(pow, 1, 1, key="other"), own.run(os.getpid, key="slider")
+        )
+        # interrupted after its grace, not waited for, and by the same process
+        assert time.monotonic() - began < 25
+        assert newest == [1, pid]
+        for old in (under_way, waiting):
+            with pytest.raises(Refusal) as raised:
+                await old
+            assert (raised.value.status, raised.value.kind) == (409, "superseded")
 
-    run(test())
+    with_pool(test)
 
 
-def test_what_is_nearly_done_comes_to_its_end():
+def test_what_is_nearly_done_comes_to_its_end(with_pool):
     """A stream of newer requests, each before the older is done, does not starve a slider."""
 
-    async def test():
-        async with pool() as own:
-            await own.run(os.getpid)
-            tasks = []
-            for _ in range(10):
-                tasks.append(asyncio.create_task(own.run(time.sleep, 0.3, key="slider")))
-                await asyncio.sleep(0.1)
-            done = await asyncio.gather(*tasks, return_exceptions=True)
-            assert sum(one is None for one in done) >= 3
-            assert any(isinstance(one, Refusal) for one in done)
-            assert done[-1] is None
+    async def test(own):
+        await own.run(os.getpid)
+        tasks = []
+        for _ in range(10):
+            tasks.append(asyncio.create_task(own.run(time.sleep, 0.3, key="slider")))
+            await asyncio.sleep(0.1)
+        done = await asyncio.gather(*tasks, return_exceptions=True)
+        assert sum(one is None for one in done) >= 3
+        assert any(isinstance(one, Refusal) for one in done)
+        assert done[-1] is None
 
-    run(test())
+    with_pool(test)
 
 
 def test_what_takes_too_long_is_ended():
@@ -143,17 +158,16 @@ def test_what_takes_too_long_is_ended():
     run(test())
 
 
-def test_a_worker_deaf_to_interruption_is_replaced(monkeypatch):
+def test_a_worker_deaf_to_interruption_is_replaced(monkeypatch, with_pool):
     monkeypatch.setattr(workers, "HEED", 1.0)
 
-    async def test():
-        async with pool(seconds=0.5) as own:
-            pid = await own.run(os.getpid, seconds=30)
-            with pytest.raises(Refusal):
-                await own.run(hashlib.pbkdf2_hmac, "sha256", b"", b"", 10**9)  # in C
-            assert await own.run(os.getpid, seconds=30) != pid
+    async def test(own):
+        pid = await own.run(os.getpid)
+        with pytest.raises(Refusal):
+            await own.run(hashlib.pbkdf2_hmac, "sha256", b"", b"", 10**9, seconds=0.5)  # in C
+        assert await own.run(os.getpid) != pid
 
-    run(test())
+    with_pool(test)
 
 
 def test_more_requests_than_may_wait_are_refused():
@@ -169,17 +183,30 @@ def test_more_requests_than_may_wait_are_refused():
     run(test())
 
 
-def test_who_is_gone_is_not_worked_for():
-    async def test():
-        async with pool() as own:
-            task = asyncio.create_task(own.run(time.sleep, 30))
-            await asyncio.sleep(0.2)
-            task.cancel()
-            began = time.monotonic()
-            assert await own.run(pow, 2, 2) == 4
-            assert time.monotonic() - began < 25
+def test_who_is_gone_is_not_worked_for(with_pool):
+    async def test(own):
+        task = asyncio.create_task(own.run(time.sleep, 30))
+        await asyncio.sleep(0.2)
+        task.cancel()
+        began = time.monotonic()
+        assert await own.run(pow, 2, 2) == 4
+        assert time.monotonic() - began < 25
 
-    run(test())
+    with_pool(test)
+
+
+def test_who_is_gone_before_the_work_begins_is_not_worked_for(with_pool):
+    """Nor does it cost the worker."""
+
+    async def test(own):
+        pid = await own.run(os.getpid)
+        for _ in range(5):
+            task = asyncio.create_task(own.run(time.sleep, 30))
+            await asyncio.sleep(0)  # it is handed out, and the worker has not heard of it
+            task.cancel()
+            assert await own.run(os.getpid) == pid
+
+    with_pool(test)
 
 
 def test_a_new_worker_solves_what_takes_no_time(monkeypatch):

@@ -6,14 +6,13 @@ import csv
 import io
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import woundon as wo
+from woundon import cli
 
 # the page asks for a cold solve at rest: the same computation, passed on as JSON
 SAME = 1e-12
@@ -176,7 +175,7 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
     seen.page.hover("[data-panel=zones] .u-over")
     seen.put("nip_load", "9000")
     seen.page.locator("[data-panel=wrap_tension]").scroll_into_view_if_needed()
-    seen.page.wait_for_timeout(300)  # it is drawn, with A, and goes out of sight again
+    seen.rest()  # it is drawn, with A, and goes out of sight again
     seen.page.click(".pin")
     seen.page.click("[aria-label='Remove state A']")
     seen.put("nip_load", "5000")
@@ -187,11 +186,11 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
     for panel in ("tractions", "zones", "slips", "pressure", "wrap_tension"):
         pictures = []
         for one in (seen, other):
-            canvas = one.page.locator(f"[data-panel={panel}] canvas")
-            canvas.scroll_into_view_if_needed()
+            place = f"[data-panel={panel}]"  # which stays, while its canvas may be another one
+            one.page.locator(place).scroll_into_view_if_needed()
             one.page.mouse.move(1, 1)
-            one.page.wait_for_timeout(200)  # what was out of sight is drawn now
-            pictures.append(canvas.evaluate("canvas => canvas.toDataURL()"))
+            one.rest()  # what was out of sight is drawn now
+            pictures.append(one.drawn(place))
         assert pictures[0] == pictures[1], panel
 
 
@@ -238,26 +237,28 @@ def test_bad_files_are_refused_in_words_and_change_nothing(look):
     numbers, load = seen.output("wound_on_tension"), seen.box("nip_load")
     for content, says in BAD_FILES:
         seen.offer("case.toml", content)
-        assert says in seen.page.inner_text(".notice")
+        seen.page.locator(".notice", has_text=says).wait_for()
+        seen.rest()
         assert seen.page.evaluate("() => window.hacked") is None
         assert (seen.output("wound_on_tension"), seen.box("nip_load")) == (numbers, load)
 
 
-def test_a_case_goes_down_is_solved_by_the_command_line_and_comes_up_again(look, tmp_path):
+def test_a_case_goes_down_is_solved_by_the_command_line_and_comes_up_again(look, tmp_path, capsys):
     seen = look()
     seen.put("nip_load", "4200")
     seen.put("web.material.shear", "12.5")
     number = seen.output("wound_on_tension")
     case = tmp_path / "case.toml"
     case.write_bytes(seen.saved("Save the case"))
-    command = [sys.executable, "-m", "woundon", "solve", str(case), "--json"]
-    done = subprocess.run(command, capture_output=True, check=True, text=True)
-    solved = json.loads(done.stdout)["outputs"]["wound_on_tension"]
+    assert cli.main(["solve", str(case), "--json"]) == 0
+    solved = json.loads(capsys.readouterr().out)["outputs"]["wound_on_tension"]
     value = solved["value"] if isinstance(solved, dict) else solved
     assert value == pytest.approx(number, rel=CLOSE)
     other = look()
     other.offer("case.toml", case.read_bytes())
-    assert other.box("nip_load") == "4200"
+    box = "() => document.querySelector('[data-path=nip_load] .box').value"
+    other.page.wait_for_function(f"{box} === '4200'")
+    other.rest()
     assert other.output("wound_on_tension") == pytest.approx(number, rel=CLOSE)
 
 
@@ -273,8 +274,8 @@ def test_a_link_restores_case_units_and_pins(look):
     other.page.wait_for_selector(".chip.pin-A")
     assert other.output("wound_on_tension") == seen.output("wound_on_tension")
     assert other.card("wound_on_tension") == seen.card("wound_on_tension")
-    broken = look("#" + fragment[9:50])
-    assert broken.box("nip_load") == "3502"
+    other.open("#" + fragment[9:50])  # a broken one
+    assert other.box("nip_load") == "3502"
 
 
 def test_the_python_of_a_case_computes_the_same(look):
@@ -307,6 +308,7 @@ def test_pictures_and_report(look, browser, tmp_path):
     assert page.evaluate("() => window.hacked") is None
     assert f"{seen.output('wound_on_tension'):.5g}" in page.inner_text("body")
     printed = page.pdf(format="A4")
+    page.close()
     assert printed.startswith(b"%PDF")
     assert len(printed) > 20_000  # with its figures
 
@@ -369,12 +371,12 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
 
 
 def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
-    seen = look()
+    seen = look(height=1200)  # with the panels in sight: elsewhere they are not drawn again
     page = seen.page
     page.click("#tab-winding")
     page.click(".design summary")
     page.wait_for_selector(".design [data-panel=design_tension]")
-    before = page.locator(".design canvas").first.screenshot()
+    before = seen.drawn(".design")
     knob = page.locator(".design .knob").nth(2).bounding_box()
     x, y = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
     page.mouse.move(x, y)
@@ -390,8 +392,7 @@ def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
     page.wait_for_function(
         "old => document.querySelector('.design canvas').toDataURL() !== old", arg=before
     )
-    page.wait_for_timeout(1500)  # the last design
-    page.click(".design .primary")
+    page.click(".design .primary")  # which waits for the design of the last point
     seen.rest()
     assert page.locator(".chip.pin-A").count() == 1  # before and after are seen
     middle = 1e-3 * radii[2]

@@ -1,7 +1,7 @@
 """The sets are open: a body, an output and a kind of problem from outside get all there is.
 
-``plugin/`` is an installed package in miniature, a module and the entry point that names it; every
-test runs in a process of its own that finds it as any process would.
+``plugin/`` is an installed package in miniature, a module and the entry point that names it; the
+tests run processes that find it as any process would.
 """
 
 from __future__ import annotations
@@ -55,24 +55,65 @@ radius = "50 mm"
 """
 
 
-def run(*words: str, cwd: Path, code: int = 0) -> str:
-    """Run Python with the plug-in installed; return what it printed."""
+# runs commands and code, a line of JSON each, as long as somebody sends any
+RUNNER = """
+import contextlib, io, json, os, sys, traceback
+import woundon as wo
+from woundon import cli
+told, sys.stdout = sys.stdout, sys.stderr
+for line in sys.stdin:
+    folder, words, code = json.loads(line)
+    os.chdir(folder)
+    said, ended = io.StringIO(), 0
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        try:
+            ended = exec(code, {"wo": wo}) if code else cli.main(words)
+        except Exception:
+            traceback.print_exc()
+            ended = 1
+    print(json.dumps([ended or 0, said.getvalue()]), file=told, flush=True)
+"""
+
+
+def begun(*words: str, cwd: Path, **more: object) -> subprocess.Popen[str]:
+    """Start Python with the plug-in installed."""
     source = HERE.parents[1] / "src"
     path = os.pathsep.join(map(str, (source, PLUGIN)))
-    done = subprocess.run(
-        [sys.executable, *words], cwd=cwd, env=os.environ | {"PYTHONPATH": path},
-        capture_output=True, text=True, check=False,
+    return subprocess.Popen(
+        [sys.executable, *words], cwd=cwd, env=os.environ | {"PYTHONPATH": path}, text=True,
+        stdout=subprocess.PIPE, **more,
     )  # fmt: skip
-    assert done.returncode == code, done.stdout + done.stderr
-    return done.stdout if code == 0 else done.stderr
 
 
-def python(code: str, cwd: Path) -> str:
-    return run("-c", f"import woundon as wo\n{code}", cwd=cwd)
+def anew(*words: str, cwd: Path) -> str:
+    """Run Python with the plug-in installed, in a process for this alone; return its output."""
+    with begun(*words, cwd=cwd) as process:
+        said = process.communicate(timeout=120)[0]
+    assert process.returncode == 0
+    return said
 
 
-def woundon(*words: str, cwd: Path, code: int = 0) -> str:
-    return run("-m", "woundon", *words, cwd=cwd, code=code)
+@pytest.fixture(scope="module")
+def runner(tmp_path_factory):
+    """A process in which the plug-in is installed, for all that needs none of its own."""
+    folder = tmp_path_factory.mktemp("runner")
+    with begun("-c", RUNNER, cwd=folder, stdin=subprocess.PIPE) as process:
+        yield process
+        process.stdin.close()
+
+
+@pytest.fixture
+def told(runner, tmp_path):
+    """Run a command, or ``code``; return what is told."""
+
+    def run(*words: str, code: str = "") -> str:
+        runner.stdin.write(json.dumps([str(tmp_path), words, code]) + "\n")
+        runner.stdin.flush()
+        ended, said = json.loads(runner.stdout.readline())
+        assert ended == 0, said
+        return said
+
+    return run
 
 
 @pytest.fixture
@@ -85,13 +126,13 @@ def case(tmp_path: Path) -> Path:
 # ---- a body -------------------------------------------------------------------------------------
 
 
-def test_a_body_that_is_not_linear_meets_its_closed_form(tmp_path: Path) -> None:
+def test_a_body_that_is_not_linear_meets_its_closed_form(told) -> None:
     """A stiff roller on a hardening Winkler foundation: c K1 ln(1 + p/K1) = (a^2 - x^2)/(2R).
 
     Second order in the nodes: 1.6e-4 of the largest pressure at 201 nodes.
     """
-    told = python(
-        f"""
+    said = told(
+        code=f"""
 import mattress, numpy as np
 drum = mattress.Mattress(radius=1.0, hardening_pressure=20e3,
                          layers=[dict(thickness=0.01, modulus=1e6),
@@ -102,18 +143,17 @@ for nodes in (101, 201):
     yields = (r.half_width**2 - r.x**2) / (2 * 0.5)
     exact = 20e3 * np.expm1(yields / (drum.c * 20e3))
     print(np.max(np.abs(r.pressure - exact)) / exact.max(), r.certified().largest)
-""",
-        tmp_path,
+"""
     )
-    (coarse, _), (fine, residual) = (map(float, line.split()) for line in told.splitlines())
+    (coarse, _), (fine, residual) = (map(float, line.split()) for line in said.splitlines())
     assert fine < 2e-4
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
     assert residual <= 1e-8
 
 
-def test_a_body_rolls_in_every_nip(tmp_path: Path) -> None:
-    told = python(
-        """
+def test_a_body_rolls_in_every_nip(told) -> None:
+    said = told(
+        code="""
 from woundon.io.case_files import make_problem
 import tomllib, math
 problem = make_problem(tomllib.loads(open('case.toml').read()))
@@ -121,24 +161,23 @@ plain, wrapped = wo.solve(problem), wo.solve(problem.wrapped(drum_wrap=math.pi /
 print(type(problem.drum).__name__, plain.residual, wrapped.residual)
 print(plain.tension_behind_nip, wrapped.wound_on_tension, plain.wound_on_tension_estimate())
 print(problem.replace(**{"drum.layers.1.thickness": 0.005}).drum.layers[1].thickness)
-""".replace("open('case.toml').read()", repr(CASE)),
-        tmp_path,
+""".replace("open('case.toml').read()", repr(CASE))
     ).split()
-    assert told[0] == "Mattress"
-    assert float(told[1]) <= 1e-8
-    assert float(told[2]) <= 1e-8
-    confined, wound_on, estimate = map(float, told[3:6])
+    assert said[0] == "Mattress"
+    assert float(said[1]) <= 1e-8
+    assert float(said[2]) <= 1e-8
+    confined, wound_on, estimate = map(float, said[3:6])
     assert confined < wound_on < estimate
-    assert told[6] == "0.005"
+    assert said[6] == "0.005"
 
 
-def test_a_body_in_case_files_studies_files_and_reports(case: Path) -> None:
-    out = woundon("solve", "case.toml", "--set", "drum.layers.0.thickness=5 mm",
-                  "--save", "nip.nc", "--plot", "nip.png", cwd=case)  # fmt: skip
+def test_a_body_in_case_files_studies_files_and_reports(case: Path, told) -> None:
+    out = told("solve", "case.toml", "--set", "drum.layers.0.thickness=5 mm",
+               "--save", "nip.nc", "--plot", "nip.png")  # fmt: skip
     assert "nip-induced tension" in out
     assert (case / "nip.png").stat().st_size > 10_000
     thickness = "wo.load_result('nip.nc').problem.drum.layers[0].thickness"
-    assert python(f"print({thickness})", case).strip() == "0.005"
+    assert anew("-c", f"import woundon as wo; print({thickness})", cwd=case).strip() == "0.005"
     (case / "study.toml").write_text(
         """
 schema = 1
@@ -151,8 +190,7 @@ nip_load = { from = "2 kN/m", to = "4 kN/m", count = 3 }
 """,
         "utf-8",
     )
-    told = ["--out", "study", "--workers", "1", "--export", "csv"]
-    woundon("sweep", "study.toml", *told, cwd=case)
+    told("sweep", "study.toml", "--out", "study", "--workers", "1", "--export", "csv")
     head, *rows = (case / "study" / "study.csv").read_text("utf-8").splitlines()
     assert "drum.layers.0.thickness [m]" in head
     assert "mean_pressure [Pa]" in head
@@ -169,29 +207,27 @@ FAULTS = {
 }
 
 
-def test_a_bodys_faults_are_named_like_all_others(case: Path) -> None:
-    told = python(
-        f"""
-import sys
+@pytest.mark.usefixtures("case")
+def test_a_bodys_faults_are_named_like_all_others(told) -> None:
+    said = told(
+        code=f"""
 from woundon import cli
-sys.stderr = sys.stdout
 for setting in {list(FAULTS)}:
     print("ended with", cli.main(["solve", "case.toml", "--set", setting]))
-""",
-        case,
+"""
     )
-    *each, nothing = told.split("ended with 2\n")
+    *each, nothing = said.split("ended with 2\n")
     assert nothing == ""
-    for said, fault in zip(each, FAULTS.values(), strict=True):
-        assert fault in said
+    for one, fault in zip(each, FAULTS.values(), strict=True):
+        assert fault in one
 
 
 # ---- an output ----------------------------------------------------------------------------------
 
 
-def test_an_output_is_known_everywhere(case: Path) -> None:
-    told = python(
-        """
+def test_an_output_is_known_everywhere(tmp_path: Path, told) -> None:
+    said = told(
+        code="""
 problem = wo.NipProblem.example()
 result = wo.solve(problem, nodes=33)
 print(result.mean_pressure == problem.nip_load / result.nip_width)
@@ -199,52 +235,50 @@ print("mean pressure" in str(result))
 swept = wo.sweep(problem, {"nip_load": [2e3]}, ["mean_pressure"], nodes=33)
 print(float(swept.mean_pressure[0]) > 0)
 result.save("nip.json")
-""",
-        case,
+"""
     )
-    assert told.split() == ["True"] * 3
-    record = json.loads((case / "nip.json").read_text("utf-8"))
+    assert said.split() == ["True"] * 3
+    record = json.loads((tmp_path / "nip.json").read_text("utf-8"))
     assert record["outputs"]["mean_pressure"] > 0
     assert record["units"]["mean_pressure"] == "Pa"
-    assert "mean pressure" in woundon("nip", "--help", cwd=case)
+    assert "mean pressure" in told("nip", "--help")
 
 
 # ---- a kind -------------------------------------------------------------------------------------
 
 
-def test_a_kind_has_all_that_woundons_have(case: Path) -> None:
-    assert "capstan" in woundon("--help", cwd=case)
-    help_text = woundon("capstan", "--help", cwd=case)
+def test_a_kind_has_all_that_woundons_have(case: Path, told) -> None:
+    assert "capstan" in anew("-m", "woundon", "--help", cwd=case)
+    help_text = told("capstan", "--help")
     for word in ("web_tension", "angle of wrap", "tension_behind_bar", "--nodes"):
         assert word in help_text
-    out = woundon("solve", "capstan.toml", "--save", "c.json", "--plot", "c.png", cwd=case)
+    out = told("solve", "capstan.toml", "--save", "c.json", "--plot", "c.png")
     assert "web tension behind the bar" in out
     assert "273.8" in out  # 200 exp(0.2 pi/2)
     assert "all 2 laws hold" in out
     assert (case / "c.png").stat().st_size > 5_000
-    again = python("r = wo.load_result('c.json'); print(r.tension_behind_bar, r.residual)", case)
+    again = told(code="r = wo.load_result('c.json'); print(r.tension_behind_bar, r.residual)")
     assert float(again.split()[0]) == pytest.approx(
         200 * 2.718281828459045 ** (0.1 * 3.141592653589793), abs=1e-9
     )
 
 
-def test_a_kind_is_swept_and_fitted(case: Path) -> None:
-    told = python(
-        """
+def test_a_kind_is_swept_and_fitted(told) -> None:
+    said = told(
+        code="""
 import mattress
 problem = mattress.CapstanProblem.example()
 swept = wo.sweep(problem, {"wrap": [1.0, 2.0], "friction": [0.1, 0.3]}, ["tension_behind_bar"])
 print(float(swept.tension_behind_bar.sel(wrap=2.0, friction=0.3)))
 data = {"wrap": [1.0, 2.0], "tension_behind_bar [N/m]": [250.0, 312.5]}
 print(wo.fit(problem, data, {"friction": (0.01, 1.0)}, profiles=False, starts=2).estimates[0])
-""",
-        case,
+"""
     )
-    tension, friction = map(float, told.split())
+    tension, friction = map(float, said.split())
     assert tension == pytest.approx(200 * 2.718281828**0.6, rel=1e-8)
     assert friction == pytest.approx(0.22314, abs=1e-4)  # ln(1.25)
 
 
-def test_a_new_case_of_a_kind_is_solved_as_printed(case: Path) -> None:
-    (case / "new.toml").write_text(woundon("new", "capstan", cwd=case), "utf-8")
-    assert "web tension behind the bar" in woundon("capstan", "new.toml", cwd=case)
+def test_a_new_case_of_a_kind_is_solved_as_printed(tmp_path: Path, told) -> None:
+    (tmp_path / "new.toml").write_text(told("new", "capstan"), "utf-8")
+    assert "web tension behind the bar" in told("capstan", "new.toml")

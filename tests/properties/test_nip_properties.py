@@ -113,7 +113,7 @@ def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
 # ---- laws ---------------------------------------------------------------------------------------
 
 
-@settings(max_examples=120)
+@settings(max_examples=60)
 @given(admissible_nips())
 def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
     """Checked on the returned curves, beside the certificate."""
@@ -134,7 +134,7 @@ def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
         assert np.all(np.abs(slip[inner][~slips[inner]]) <= 1e-8 * unit)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(admissible_nips())
 def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem) -> None:
     """NIT = Q+ + F with |Q+| <= mu+ P, whatever the contact does."""
@@ -154,7 +154,7 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
 # ---- the winding theorem ------------------------------------------------------------------------
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(admissible_nips(), st.floats(0.0, 5000.0))
 def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     """T_in changes only the drum's creep and the approach, these exactly by eq. (171)."""
@@ -216,7 +216,7 @@ def scaled(problem: wo.NipProblem, length: float, stress: float) -> wo.NipProble
     )
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(admissible_nips(), st.floats(0.3, 3.0), st.floats(0.1, 10.0))
 def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
     """All lengths and loads by one factor, all moduli and loads by another: the same state."""

@@ -32,6 +32,7 @@ def test_random_rolls_are_certified_or_clearly_refused():
     assert sum("beyond the stack's law" in text for text in endings) == 1
 
 
+@pytest.mark.slow
 def test_told_errors_of_random_rolls():
     """On the safe side, but estimates: 0.5 of what is told in the middle, 0.97 at most so far."""
     ratios = [rolls.missed(problem) for problem in sample((0, 9))]

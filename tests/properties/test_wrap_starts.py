@@ -73,7 +73,7 @@ def factors(most: float) -> Any:
     return st.floats(-1.0, 1.0).map(lambda share: most**share)
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(
     name=st.sampled_from(sorted(BASES)), load=factors(10), tension=factors(4), roll=factors(3),
     drum=factors(3), friction=factors(3), force=st.floats(-0.9, 0.9), wrap=st.floats(0.05, pi),

@@ -15,7 +15,8 @@ from jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
 from jorkama2001.publication import known_counts
 from jorkama2001.verdicts import Outcome
 
-SLOW = ("fig19", "fig21_22", "fig23_24", "fig28_29", "table3")  # seconds
+# a second and more
+SLOW = ("fig16_18", "fig19", "fig21_22", "fig23_24", "fig26", "fig28_29", "fig33", "table3")
 
 
 @pytest.mark.parametrize(

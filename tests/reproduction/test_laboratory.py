@@ -77,6 +77,7 @@ def test_a_fit_to_all_points_is_better_and_tells_nothing_apart() -> None:
         assert full.fit.condition > 30
 
 
+@pytest.mark.slow
 def test_the_fit_to_all_points_is_accurate_whatever_the_scheme() -> None:
     accurate, coarse = theories("graded"), theories("thesis")
     for one, other in zip(accurate[:-2], coarse[:-2], strict=True):

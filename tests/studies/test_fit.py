@@ -14,6 +14,7 @@ from scipy import optimize, stats
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
+from woundon.studies.descent import End
 from woundon.studies.fit import fit_parameters
 from woundon.studies.kind_model import columns_of, measurable, model_of, replaced
 from woundon.studies.measured import Measured, read_measured
@@ -40,8 +41,9 @@ def test_a_line_by_linear_regression():
     y = 2 + 0.5 * X + NOISE
     fit = _fitted(toys.Line(), y, LINE)
     known = stats.linregress(X, y)
-    assert fit.estimate("b") == pytest.approx(known.slope, rel=1e-6)
-    assert fit.estimate("a") == pytest.approx(known.intercept, rel=1e-6)
+    # of a straight model the step that is foreseen to end within 0.03 errors ends far nearer
+    assert fit.estimate("b") == pytest.approx(known.slope, abs=1e-3 * known.stderr)
+    assert fit.estimate("a") == pytest.approx(known.intercept, abs=1e-3 * known.intercept_stderr)
     assert fit.standard_errors == pytest.approx([known.intercept_stderr, known.stderr], rel=1e-6)
     design = np.column_stack([np.ones_like(X), X])
     s2 = np.sum((y - design @ fit.estimates) ** 2) / (X.size - 2)
@@ -104,11 +106,12 @@ def test_a_profile_that_walks_into_a_deeper_valley_takes_it():
     # sin 3a + a/4 has tops of 1.15 and 1.67 at 0.55 and 2.65; two values allow S to grow 162-fold
     parameter = (Parameter("a", 0.0, 2.8, 0.4),)
     local = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1, profiles=False)
-    assert local.estimate("a") == pytest.approx(0.55, abs=0.01)
+    # on a top derivatives vanish, so that standard errors are long
+    assert local.estimate("a") == pytest.approx(0.55, abs=0.02)
     deep = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1)
-    assert deep.estimate("a") == pytest.approx(2.65, abs=0.01)
+    assert deep.estimate("a") == pytest.approx(2.65, abs=0.02)
     assert deep.rms < 0.1 * local.rms
-    assert [round(a, 2) for _, (a,) in deep.minima] == [2.65, 0.55]
+    assert [a for _, (a,) in deep.minima] == pytest.approx([2.65, 0.55], abs=0.02)
 
 
 def _ends_by_refits(predictor: Predictor, fit, j: int) -> list[float]:
@@ -188,10 +191,8 @@ def test_starts_look_around_on_few_nodes():
     assert predictor.coarse.coarse is None
     many = wo.fit(paper_nip(), data, vary, nodes=35, starts=3, profiles=False)
     assert many.reached == many.starts == 3
-    # S is bent at every change of a zone
-    assert np.abs(many.estimates - one.estimates) == pytest.approx(
-        0, abs=1e-2 * many.standard_errors.min()
-    )
+    # four values hardly tell the two apart: along their valley S is rough
+    assert np.all(np.abs(many.estimates - one.estimates) < 0.1 * one.standard_errors)
 
 
 # the thesis's fifteen measured tensions
@@ -258,7 +259,8 @@ def test_a_wrong_start_solves_nothing_twice():
     )  # fmt: skip
     assert fit.solves <= many.solves + 6
     added = np.mean(np.subtract(data["tension_behind_nip"], data["web_tension"]))
-    assert fit.fitted == pytest.approx(added + np.array(data["web_tension"]), abs=1e-4)
+    # the three leave 1 N/m; a descent ends within 0.03 standard errors of 0.6 N/m
+    assert fit.fitted == pytest.approx(added + np.array(data["web_tension"]), abs=0.02)
 
 
 @pytest.fixture(scope="module")
@@ -336,3 +338,86 @@ def test_a_fit_that_cannot_be_solved_says_so():
             paper_nip(), {"tension_behind_nip": [600.0, 610.0]},
             {"winding_force": (800.0, 900.0)}, nodes=17,
         )  # fmt: skip
+
+
+# found by descents to 1e-8 of u and by chords, at 65 nodes: estimates, standard errors, intervals
+BY_LAST_DIGITS = {
+    "rig_tension": (
+        (1.50283907e-1, 6.35535354e6), (1.30603833e-2, 3.54610685e5),
+        (1.27496052e-1, 1.87234771e-1, 5.72904782e6, 7.19071375e6), 440,
+    ),
+    "wound_on_tension": (
+        (3.22202231e-1, 1.05474635e7), (3.44069407e-2, 7.31915195e5),
+        (2.55749146e-1, 4.22538970e-1, 9.12633116e6, 1.25131788e7), 825,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "output", ["rig_tension", pytest.param("wound_on_tension", marks=pytest.mark.slow)]
+)
+def test_the_measured_tensions_tell_as_much_by_half_the_solves(output):
+    """Between meshes of 57 to 257 nodes estimates move by 0.1 standard errors, errors by 8 %."""
+    estimates, errors, ends, solves = BY_LAST_DIGITS[output]
+    vary = {"roll_friction": (0.05, 0.6), "roll.material.shear": (2e6, 1e8)}
+    problem = wo.NipProblem.example()
+    if output == "wound_on_tension":
+        problem = problem.wrapped()
+    fit = wo.fit(problem, POINTS, vary, columns=RIG | {"measured": output})
+    assert fit.reached == fit.starts == 6
+    assert np.all(np.abs(fit.estimates - estimates) < 0.1 * np.array(errors))
+    assert fit.standard_errors == pytest.approx(errors, rel=0.05)
+    found = [end for profile in fit.profiles for end in (profile.low, profile.high)]
+    way = np.abs(np.log(np.array(ends) / np.repeat(estimates, 2)))
+    assert np.all(np.abs(np.log(np.array(found) / ends)) < 6e-3 * way)
+    assert fit.solves < solves / 2
+
+
+def test_derivatives_that_mislead_are_made_anew():
+    """Mended by a step along a bent valley they lead upwards, still three errors from its end."""
+    bounds = (Parameter("a", 0.01, 2.0, 1.6294), Parameter("b", 0.2, 9.0, 2.9991))
+    y = np.exp(-0.28867 * X) * np.sin(4.64451 * X) + 0.5 * NOISE
+    fit = _fitted(toys.Damped(), y, bounds, starts=1, profiles=False)
+    assert fit.estimates == pytest.approx([0.28867, 4.64451], rel=0.1)
+    assert fit.rms < 0.06
+
+
+def test_a_start_is_at_a_known_minimum_where_that_foretells_it_or_nothing_lies_between():
+    def end(a: float) -> End:
+        r = np.array([a**3 + a, a])
+        return End(np.array([a]), r, np.array([[3 * a * a + 1], [1.0]]))
+
+    here = end(0.0)
+    assert here.tells(np.array([0.3]), end(0.3).r)
+    assert not here.tells(np.array([2.0]), end(2.0).r)
+    u, r, off = here.halfway(end(2.0), np.array([-1.0]))
+    assert u == pytest.approx([1.0])
+    assert r == pytest.approx(end(1.0).r)  # a cubic is its own
+    assert 0 < off < np.linalg.norm(end(2.0).r)
+    assert here.halfway(end(2.0), np.array([0.5])) is None  # its step leads away
+    ridge = End(np.array([2.0]), here.r + 0.1, -here.J)
+    assert here.halfway(ridge, np.array([-1.0])) is None
+
+
+def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
+    begun: list[object] = []
+
+    class Told(toys.Line):
+        def run(self, inputs, start):
+            begun.append(None if start is None else start["a"])
+            return super().run(inputs, start)
+
+    data = Measured({"x": X[:1]}, {"y": np.zeros(1)}, {})
+    predictor = Predictor(Told(), data, LINE)
+    for a in (0.0, 5.0, 1.0, 0.0):
+        predictor.residuals(np.array([a, 1.0]))
+    assert begun == [None, 0.0, 0.0]
+    assert predictor.solves == 3
+
+
+def test_few_nodes_are_no_neighbour_of_many():
+    """They start a case of the same fields; they are not its answer."""
+    model = model_of(paper_nip(), ("tension_behind_nip",), None, {"nodes": 35})
+    few = model.coarse.run({}, None)
+    assert model.run({}, few.state).values == pytest.approx(model.run({}, None).values, rel=1e-7)
+    assert few.values[0] != pytest.approx(model.run({}, None).values[0], rel=1e-5)

@@ -107,14 +107,14 @@ from thesis_cases import paper_nip
 
 print("the script runs")
 over = {"nip_load": np.linspace(1000, 4000, 200)}
-data = wo.sweep(paper_nip(), over, nodes=17, chunk=5, workers=3)
+data = wo.sweep(paper_nip(), over, nodes=17, chunk=5, workers=2)
 print(int(np.isfinite(data.nip_induced_tension).sum()), "solved")
 """
 
 
 @posix
 def test_a_study_in_a_script_without_a_guard(tmp_path: Path):
-    """40 chunks, of which the workers hold three at a time."""
+    """40 chunks, of which the workers hold two at a time."""
     (tmp_path / "study.py").write_text(STUDY, encoding="utf-8")
     said, complained = _start(str(tmp_path / "study.py")).communicate(timeout=60)
     assert said.splitlines() == ["the script runs", "200 solved"]

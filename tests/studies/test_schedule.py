@@ -40,7 +40,7 @@ def grid(problem: wo.WoundRollProblem) -> list[tuple[float, float]]:
     """Return the smallest reserve and the pressure half-way, brute force."""
     found = []
     for taper in np.linspace(0, 0.6, 7):
-        for start in np.linspace(200, 500, 7):
+        for start in np.linspace(200, 500, 4):
             roll = wo.solve(problem.replace(**{TAPER: taper, START: start}), **COARSE)
             least = wo.margins(roll, LIMITS).least
             assert least is not None
@@ -54,8 +54,8 @@ def test_the_best_schedule_is_no_worse_than_brute_force(
     feasible = [pressure for reserve, pressure in grid if reserve >= 0]
     assert 0 < len(feasible) < len(grid)  # the limits cut through the grid
     assert best.after.mid_pressure > max(feasible)
-    # and no better than it can be: between the grid's steps of 50 N/m, P is proportional to T
-    assert best.after.mid_pressure < (1 + 50 / 300) * max(feasible)
+    # and no better than it can be: between the grid's steps of 100 N/m, P is proportional to T
+    assert best.after.mid_pressure < (1 + 100 / 300) * max(feasible)
 
 
 def test_an_active_constraint_is_met_and_named(best: wo.OptimisedSchedule) -> None:
@@ -84,7 +84,7 @@ def test_without_a_goal_the_smallest_reserve_is_the_largest(
     assert least is not None
     assert found.ended == "converged"
     coarse = max(reserve for reserve, _ in grid)
-    assert coarse < least.reserve < coarse + 0.2  # slack: a step of 50 N/m, tapered, of 100
+    assert coarse < least.reserve < coarse + 0.4  # slack: a step of 100 N/m, tapered, of 100
     assert least.reserve == pytest.approx(np.nanmax(found.reserves))
     assert set(found.binding) == {"blocking", "slack"}  # too much tension, and too little
 

@@ -88,7 +88,7 @@ def test_friction_and_stack_are_told_apart_by_two_pressures():
 
 
 def test_a_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    case = CASE.replace(tension_law="friction")
+    case = CASE.replace(tension_law="friction", radius=0.055)
     file, table = tmp_path / "winding.toml", tmp_path / "cores.csv"
     file.write_text(to_toml(case.replace(**{"stack.radial.K2": 60.0})))
     rows = data(case, "core_pressure")

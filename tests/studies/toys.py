@@ -7,7 +7,7 @@ import signal
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi, sin
+from math import exp, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +125,14 @@ class Product(Line):
         a, b, x = (state[name] for name in self.names)
         by = {"a": b * x, "b": a * x}
         return np.array([[by[name] for name in names]])
+
+
+@dataclass(frozen=True)
+class Damped(Toy):
+    """y = exp(-a x) sin(b x): valleys beside valleys, bent ones; derivatives by differences."""
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        return exp(-inputs["a"] * inputs["x"]) * sin(inputs["b"] * inputs["x"])
 
 
 @dataclass(frozen=True)

@@ -537,7 +537,7 @@ ROLLERS = st.builds(
 
 
 @given(st.one_of(NIP, WRAPPED, ROLLERS), st.booleans())
-@settings(max_examples=300)
+@settings(max_examples=120)
 def test_every_problem_comes_back_equal(problem, comments):
     text = to_toml(problem, comments)
     assert make_problem(tomllib.loads(text)) == problem

@@ -101,7 +101,7 @@ def test_weights_are_the_hats_areas() -> None:
 def test_far_from_the_cell_nothing_cancels() -> None:
     # on 2000 cells most distances are beyond the switch to the series; 30 digits tell its error
     grid = cosine_grid(2001)
-    rows, columns = [0, 700, 1500, -1], [0, 10, 699, 701, 1000, 1998]
+    rows, columns = [0, 700, -1], [0, 10, 701, 1998]
     for k in rows:
         y = mpmath.mpf(float(grid.points[k]))
         for m in columns:

@@ -223,7 +223,7 @@ def test_not_converged_carries_its_best_result_through_pickling() -> None:
 def test_problems_go_to_other_processes() -> None:
     # spawn: nothing is inherited, all is pickled; a function of this file could not be found there
     problems = [nip(nip_load=load) for load in (2000.0, 3000.0)]
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         results = list(pool.map(wo.solve_nip, problems))
     for problem, result in zip(problems, results, strict=True):
         assert result.problem == problem

@@ -36,12 +36,9 @@ def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFi
     Path("by_table.toml").write_text("\n".join([*lines, table]))
     by_table = load_case("by_table.toml")
     r = np.array([0.0445, 0.06, 0.12])
-    for problem in (by_case, by_table):
-        wound = wo.solve(problem, rtol=1e-4)
-        # 1e-4 inside, of the largest
-        np.testing.assert_allclose(
-            wound.at_radius(r)["pressure"], [250e3, 200e3, 120e3], atol=2.5e1
-        )
+    wound = wo.solve(by_case, rtol=1e-4)
+    # 1e-4 inside, of the largest
+    np.testing.assert_allclose(wound.at_radius(r)["pressure"], [250e3, 200e3, 120e3], atol=2.5e1)
     np.testing.assert_allclose(by_table.tension_curve.at(r), by_case.tension_curve.at(r), rtol=1e-8)
     assert Path("design.png").stat().st_size > 10_000
 

@@ -161,14 +161,23 @@ def test_content_is_on_disk_before_it_takes_its_name(tmp_path, monkeypatch):
     assert done == [("to disk", file), ("renamed", tmp_path / "a"), ("to disk", folder)]
 
 
-@pytest.mark.parametrize("ending", ["nc", "json", "csv", "png", "svg", "pdf"])
+@pytest.mark.parametrize(
+    "ending",
+    [
+        "nc",
+        "json",
+        "csv",
+        "png",
+        *(pytest.param(e, marks=pytest.mark.slow) for e in ("svg", "pdf")),
+    ],
+)
 def test_a_full_disk_is_one_line_and_keeps_the_old_file(tmp_path, capsys, ending):
-    path = tmp_path / f"nip.{ending}"
+    path = tmp_path / f"rollers.{ending}"
     path.write_text("old")
     option = "--save" if ending in ("nc", "json", "csv") else "--plot"
     case = tmp_path / "case.toml"
-    case.write_text(template("nip"))
-    command = ["nip", str(case), "--nodes", "25", option, str(path)]
+    case.write_text(template("rollers"))
+    command = ["rollers", str(case), "--nodes", "25", option, str(path)]
     with largest_file(1000):
         assert main(command) == 2
     assert capsys.readouterr().err == f"error: {path}: File too large\n"

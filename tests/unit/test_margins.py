@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from coarse import coarse
 from refusals import refused_in_one_line
 from scipy.integrate import quad
 
@@ -30,12 +31,12 @@ def problem() -> wo.WoundRollProblem:
 
 @pytest.fixture(scope="module")
 def roll(problem: wo.WoundRollProblem) -> wo.WoundRollResult:
-    return wo.solve(problem)
+    return coarse(problem)
 
 
 def reserve(problem: wo.WoundRollProblem, name: str, **limits: float) -> float:
     """Return the reserve of one margin of a roll wound for it."""
-    found = wo.margins(wo.solve(problem), wo.Limits(**limits))[name].reserve
+    found = wo.margins(coarse(problem), wo.Limits(**limits))[name].reserve
     assert isinstance(found, float)
     return found
 

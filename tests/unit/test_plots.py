@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -254,34 +255,54 @@ def test_symbols_are_set_as_formulas(symbol, text):
 # ---- every figure
 
 
-def test_nothing_is_covered_or_clipped(results):
+SLOW = pytest.mark.slow
+# one of every layout; the others differ from them in what is drawn
+FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
+    **{kind.name: lambda r, kind=kind.name: r[kind].plot() for kind in kinds.every()},
+    "wrapped_nip": lambda r: r["wrapped on both"].plot(),
+    "by default": lambda r: plot_outputs(r["nip"]),
+    "two": lambda r: wo.plot([r["nip"], r["wrapped_nip"]]),
+}
+MORE_FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
+    **{
+        name: lambda r, name=name: r[name].plot()
+        for name in ("soft cover", "drum wrap alone", "drum slides", "static", "free rolling")
+    },
+    "roll alone": lambda r: r["wrapped_nip"].plot(),
+    "rollers by default": lambda r: plot_outputs(r["rollers"]),
+    "two wrapped": lambda r: wo.plot([r["wrapped_nip"], r["soft cover"]]),
+    "two rollers": lambda r: wo.plot([r["rollers"], r["free rolling"]]),
+    "chosen": lambda r: r["wrapped_nip"].plot(panels=["wrap_tension", "curvature", "pressure"]),
+    "one": lambda r: r["nip"].plot(panels="zones"),
+}
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        *(pytest.param(draw, id=name) for name, draw in FIGURES.items()),
+        *(pytest.param(draw, id=name, marks=SLOW) for name, draw in MORE_FIGURES.items()),
+    ],
+)
+def test_nothing_is_covered_or_clipped(results, draw):
     """Legends stand outside the data, no text leaves the figure, and none covers another."""
-    figures = {name: result.plot() for name, result in results.items()}
-    figures |= {f"{name} by default": plot_outputs(results[name]) for name in ("nip", "rollers")}
-    figures |= {
-        "two": wo.plot([results["nip"], results["wrapped_nip"]]),
-        "two wrapped": wo.plot([results["wrapped_nip"], results["soft cover"]]),
-        "two rollers": wo.plot([results["rollers"], results["free rolling"]]),
-        "chosen": results["wrapped_nip"].plot(panels=["wrap_tension", "curvature", "pressure"]),
-        "one": results["nip"].plot(panels="zones"),
-    }
-    for name, figure in figures.items():
-        canvas = FigureCanvasAgg(figure)
-        figure.draw_without_rendering()
-        width, height = canvas.get_width_height()
-        texts = list(figure.legends)
-        for axes in figure.axes:
-            box = axes.get_tightbbox()
-            assert min(box.x0, box.y0) >= 0, name
-            assert (box.x1 <= width, box.y1 <= height) == (True, True), name
-            texts += [axes.yaxis.label, axes.xaxis.label, axes._right_title]
-            legend = axes.get_legend()
-            if legend is not None:
-                assert not legend.get_window_extent().overlaps(_shrunk(axes)), name
-                texts.append(legend)
-        boxes = [text.get_window_extent() for text in texts if _said(text)]
-        for k, one in enumerate(boxes):
-            assert not any(one.overlaps(other) for other in boxes[:k]), name
+    figure = draw(results)
+    canvas = FigureCanvasAgg(figure)
+    figure.draw_without_rendering()
+    width, height = canvas.get_width_height()
+    texts = list(figure.legends)
+    for axes in figure.axes:
+        box = axes.get_tightbbox()
+        assert min(box.x0, box.y0) >= 0
+        assert (box.x1 <= width, box.y1 <= height) == (True, True)
+        texts += [axes.yaxis.label, axes.xaxis.label, axes._right_title]
+        legend = axes.get_legend()
+        if legend is not None:
+            assert not legend.get_window_extent().overlaps(_shrunk(axes))
+            texts.append(legend)
+    boxes = [text.get_window_extent() for text in texts if _said(text)]
+    for k, one in enumerate(boxes):
+        assert not any(one.overlaps(other) for other in boxes[:k])
 
 
 def _said(text: Any) -> bool:
@@ -293,22 +314,27 @@ def _shrunk(axes: Any) -> Any:
     return axes.get_window_extent().padded(-1)
 
 
-@pytest.fixture(scope="module")
-def again(results) -> dict[str, Any]:
-    """The examples, solved anew."""
-    return {k.name: coarse_anew(results[k.name].problem, NODES) for k in kinds.every()}
-
-
-@pytest.mark.parametrize("kind", [kind.name for kind in kinds.every()])
-def test_the_same_result_gives_the_same_bytes(results, again, tmp_path, kind):
+@pytest.mark.parametrize(
+    ("kind", "ending"),
+    [  # formats differ in what they write beside the picture, which is the same for all kinds
+        ("nip", "svg"), ("rollers", "png"), ("wound_roll", "pdf"),
+        *(pytest.param(kind, "svg", marks=SLOW) for kind in ("wrapped_nip", "winding", "air_nip")),
+    ],
+)  # fmt: skip
+def test_the_same_result_gives_the_same_bytes(results, tmp_path, kind, ending):
     """A second result too, that is solved anew."""
-    # formats differ in what they write beside the picture, which is the same for all kinds
-    for ending in {"nip": ("svg", "png"), "rollers": ("svg", "pdf")}.get(kind, ("svg",)):
-        one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
-        results[kind].plot(one)
-        again[kind].plot(other)
-        assert one.read_bytes() == other.read_bytes()
-        assert len(one.read_bytes()) > 10_000
+    again = coarse_anew(results[kind].problem, NODES)
+    one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
+    results[kind].plot(one)
+    again.plot(other)
+    assert one.read_bytes() == other.read_bytes()
+    assert len(one.read_bytes()) > 10_000
+
+
+def test_every_kind_has_its_bytes_compared():
+    (parameters,) = test_the_same_result_gives_the_same_bytes.pytestmark
+    told = {getattr(row, "values", row)[0] for row in parameters.args[1]}
+    assert told == {kind.name for kind in kinds.every()}
 
 
 def test_global_style_is_left_alone(nip):

@@ -264,7 +264,14 @@ OLD_FILES = sorted(path.name for path in OLD.iterdir() if path.suffix in (".json
 @pytest.mark.parametrize("name", OLD_FILES)
 def test_files_of_0_1_load_and_certify(name, tmp_path):
     result = wo.load_result(OLD / name, verify=True)
-    assert result.certified().largest <= 1e-8
+    left = result.certified().largest
+    if (
+        left > 1e-8
+    ):  # 0.1 interpolated the thesis's kernels, and integrated those of wraps otherwise
+        assert left <= (1e-4 if name in ("nip_thesis.json", "nip_printed.json") else 1e-5)
+        assert result.warnings[-1].endswith(f"by today's kernels its laws hold to {left:.1g}")
+    else:
+        assert not any("today's kernels" in text for text in result.warnings)
     for ending in ("json", "nc"):
         result.save(tmp_path / f"again.{ending}")
         assert wo.load_result(tmp_path / f"again.{ending}", verify=True) == result
@@ -281,7 +288,8 @@ def test_files_of_0_1_say_what_they_said(name):
     for field in ("problem", "format", "kind", "units", "version", "schema", "slip_ratios"):
         told.pop(field, None)
     assert dict(result.residuals.items()) == told.pop("residuals")
-    assert result.warnings == tuple(told.pop("warnings"))
+    warnings = tuple(told.pop("warnings"))
+    assert result.warnings[: len(warnings)] == warnings
     wraps = ("roll_wrap", "drum_wrap", "wrap_friction", "winding_force")
     for field, value in told.items():
         of = result.problem if field in wraps else result

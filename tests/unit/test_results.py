@@ -165,7 +165,7 @@ def test_what_needs_the_mesh_works_on_what_was_sent(results) -> None:  # type: i
 
 def test_one_line_tells_the_main_outputs_first(results) -> None:  # type: ignore[no-untyped-def]
     assert repr(results["nip"]).startswith("NipResult(nip_induced_tension=258.")
-    assert repr(results["wrapped"]).startswith("WrappedNipResult(wound_on_tension=69")
+    assert repr(results["wrapped"]).startswith("WrappedNipResult(wound_on_tension=70")
     assert repr(results["rollers"]).startswith("RollerResult(creepage=0.014")
     for result in results.values():
         line = repr(result)

@@ -103,6 +103,9 @@ NIPS = {
     "half-plane drum": paper_nip(drum=wo.HalfPlane(radius=0.5, material=STIFF)),
     "foam cover": paper_nip(drum=wo.Cylinder(radius=0.5, core_radius=0.48, material=FOAM)),
 }
+some_nips = pytest.mark.parametrize(
+    "name", ["newsprint", pytest.param("half-plane drum", marks=pytest.mark.slow), "foam cover"]
+)
 RATIOS = ("leading_roll", "trailing_roll", "dual")
 
 
@@ -111,7 +114,7 @@ def swept(problem: wo.NipProblem, loads: Array) -> dict[str, Array]:
     return {name: np.array([getattr(r, name) for r in results]) for name in RATIOS}
 
 
-@pytest.mark.parametrize("name", NIPS)
+@some_nips
 def test_ratios_vary_smoothly_with_the_load(name: str) -> None:
     """Second differences over sixty loads; half-way borders jump by a whole cell."""
     ratios = swept(NIPS[name], np.geomspace(500.0, 5000.0, 60))
@@ -133,7 +136,7 @@ def bisected(differs: Callable[[float], bool], low: float, high: float) -> tuple
     return low, high
 
 
-@pytest.mark.parametrize("name", NIPS)
+@some_nips
 def test_ratios_are_continuous_where_a_node_changes(name: str) -> None:
     """To the last digit of the load, on either side of a change between stick and slip."""
     problem = NIPS[name]

@@ -165,6 +165,7 @@ def test_what_nips_answer_on_a_roll_a_little_other_is_foreseen():
     assert run.nips_solved <= 4.5 * run.nip_radius.size
 
 
+@pytest.mark.slow
 def test_a_roll_whose_stages_are_chosen_otherwise_keeps_nothing_from_agreeing():
     """Two choices of them, each asked for by the tension of the other, once went on for ever."""
     problem = CASE.replace(
@@ -174,6 +175,7 @@ def test_a_roll_whose_stages_are_chosen_otherwise_keeps_nothing_from_agreeing():
     assert wo.solve(problem, **COARSE).agreed == 1e-6
 
 
+@pytest.mark.slow
 def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     """From half the tension and a quarter of the nip load, and with as many radii as without."""
     far = CASE.replace(web_tension=800.0, nip_load=500.0, roll_body="linear")
@@ -270,8 +272,9 @@ def test_a_nip_that_has_no_steady_state_is_told_with_its_radius(monkeypatch: pyt
 
 def test_progress_is_told():
     seen: list[tuple[int, int]] = []
+    rough = {**COARSE, "nodes": 25, "rtol": 0.05}
     run = wo.solve(
-        CASE.replace(roll_body="linear"), **COARSE, progress=lambda *told: seen.append(told)
+        CASE.replace(roll_body="linear"), **rough, progress=lambda *told: seen.append(told)
     )
     assert [done for done, _ in seen] == list(range(1, run.nips_solved + 1))
     assert all(done <= expected for done, expected in seen)

@@ -277,7 +277,7 @@ def test_bad_input_is_refused(film_nip, changes, said):
 
 
 # trends and laws are looked at here, not digits
-COARSE = {"nodes": 33, "rtol": 0.05}
+COARSE = {"nodes": 25, "rtol": 0.05}
 
 
 @pytest.fixture(scope="module")
@@ -299,7 +299,7 @@ def wind(problem, speed):
 
 @pytest.fixture(scope="module")
 def windings(winding):
-    return {speed: wind(winding, speed) for speed in (0.0, 2.0, 4.0)}
+    return {speed: wind(winding, speed) for speed in (0.0, 2.0)}
 
 
 def test_a_winding_at_rest_has_no_air(winding, windings):
@@ -312,14 +312,21 @@ def test_a_winding_at_rest_has_no_air(winding, windings):
 
 
 def test_speed_softens_the_roll_and_takes_its_slip_margin(windings):
-    still, fast, faster = windings.values()
-    assert still.air_film == 0 < fast.air_film < faster.air_film
-    assert still.mid_pressure > fast.mid_pressure > faster.mid_pressure
-    # less web on the same radius
-    assert still.length > fast.length > faster.length
+    still, fast = windings.values()
+    assert still.air_film == 0 < fast.air_film
+    assert still.mid_pressure > fast.mid_pressure
+    assert still.length > fast.length  # less web on the same radius
+    assert still.margins["slip"].value < fast.margins["slip"].value < 1
+
+
+@pytest.mark.slow
+def test_more_speed_takes_more_of_it(winding, windings):
+    fast, faster = windings[2.0], wind(winding, 4.0)
+    assert fast.air_film < faster.air_film
+    assert fast.mid_pressure > faster.mid_pressure
+    assert fast.length > faster.length
     assert (faster.nip_friction <= fast.nip_friction + 1e-6).all()
     # the laps below the surface float: nothing carries the core's torque there
-    assert still.margins["slip"].value < fast.margins["slip"].value < 1
     assert faster.margins["slip"].value > 1
 
 

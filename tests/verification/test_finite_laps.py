@@ -161,6 +161,7 @@ def test_the_effect_is_of_order_one_in_the_thickness():
     assert (np.abs(orders - 1) < 0.08).all()  # 0.94 and 0.95
 
 
+@pytest.mark.slow
 def test_one_ring_a_lap_or_three_make_no_difference_of_first_order():
     """So it does not matter where in a lap, or between two, the stack gives way."""
     apart, effect = [], 0.0

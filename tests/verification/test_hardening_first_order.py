@@ -73,6 +73,7 @@ def share(solve: Any, load: float) -> tuple[float, float]:
     return 1 - found.half_width / wanted.half_width, wanted.peak_pressure / Q
 
 
+@pytest.mark.slow
 def test_the_width_of_a_frictionless_contact() -> None:
     def solve(body: wo.Body, load: float) -> Any:
         pair = wo.RollerProblem(

@@ -27,7 +27,7 @@ Array = np.ndarray
 # ---- linear rolls -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("reference", [18e6, 40e6])
+@pytest.mark.parametrize("reference", [18e6, pytest.param(40e6, marks=pytest.mark.slow)])
 def test_elements_of_a_constant_law_make_the_linear_cylinder(reference: float) -> None:
     """Against a reference that is a third off they do a third of the work: 0.07 % at 65 nodes.
 
@@ -181,8 +181,8 @@ def second_moment_width(result: Any) -> float:
     ("K2", "P0", "load", "ratio", "thetas"),
     [
         (127.0, 90e3, 40.0, 0.9, (0.437, 0.494, 0.342)),
-        (60.0, 390e3, 3502.0, 2.7, (0.402, 0.455, 0.311)),
-        (60.0, 190e3, 3502.0, 5.0, (0.379, 0.431, 0.291)),
+        pytest.param(60.0, 390e3, 3502.0, 2.7, (0.402, 0.455, 0.311), marks=pytest.mark.slow),
+        pytest.param(60.0, 190e3, 3502.0, 5.0, (0.379, 0.431, 0.291), marks=pytest.mark.slow),
         (127.0, 90e3, 3502.0, 12.0, (0.354, 0.403, 0.268)),
     ],
 )
@@ -224,9 +224,9 @@ def test_frictionless_widths_are_those_of_a_linear_roll_under_part_of_the_pressu
 
 def test_the_confined_tension_is_that_of_a_linear_roll_under_a_third_of_the_pressure() -> None:
     body = roll(K2=60.0, P0=190e3)
-    wanted = wo.solve_nip(nip(body), nodes=65).nip_induced_tension
+    wanted = wo.solve_nip(nip(body), nodes=33).nip_induced_tension
     peak = 1e6
-    for _ in range(6):  # p_max the linear roll's own
-        found = wo.solve_nip(nip(linear(body, body.pressure + 0.30 * peak)), nodes=65)
+    for _ in range(4):  # p_max the linear roll's own
+        found = wo.solve_nip(nip(linear(body, body.pressure + 0.30 * peak)), nodes=33)
         peak = found.peak_pressure
     assert found.nip_induced_tension == pytest.approx(wanted, rel=0.03)

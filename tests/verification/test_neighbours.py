@@ -19,7 +19,7 @@ from woundon.contact import loop
 from woundon.contact.schemes import Graded
 from woundon.nip.solve import NipContact
 
-SEEDS = range(50150, 50160)
+SEEDS = range(50150, 50155)
 STEPS = 5
 
 
@@ -83,7 +83,7 @@ def test_neighbours_tell_errors_that_hold() -> None:
             true.append(abs(result.nip_induced_tension - fine))
             told.append(result.nip_induced_tension_error)
     ratios = np.array(true) / told
-    # of hundreds 95 % are within; of 50, five in a row alike, a tenth may not be
+    # of hundreds 95 % are within; of 25, five in a row alike, a tenth may not be
     assert np.mean(ratios <= 1.5) >= 0.9
     assert ratios.max() < 5
     # errors many times too large would hold as well; some nips slip all over and are exact

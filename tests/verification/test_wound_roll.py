@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coarse import coarse
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -47,7 +48,9 @@ def left(result: wo.WoundRollResult, name: str = "peak_pressure") -> float:
     [  # kPa, of an independent derivation
         (STIFF, [3646.8, 2913.3, 2025.5, 1466.5, 583.2, 102.8]),
         (PAPER, [350.25, 226.03, 222.18, 221.79, 205.54, 82.17]),
-        (SOFT_CORE, [167.43, 220.88, 222.16, 221.79, 205.54, 82.17]),
+        pytest.param(
+            SOFT_CORE, [167.43, 220.88, 222.16, 221.79, 205.54, 82.17], marks=pytest.mark.slow
+        ),
     ],
 )
 def test_closed_form_of_constant_moduli(case: dict, pressures: list[float]):
@@ -95,7 +98,7 @@ def test_newsprint_by_the_independent_value():
 
 
 def test_told_errors_hold_and_fall_with_the_tolerance():
-    fine = wo.solve(NEWSPRINT, rtol=1e-6)
+    fine = wo.solve(NEWSPRINT, rtol=1e-5)
     for rtol in (1e-2, 1e-3, 1e-4):
         result = wo.solve(NEWSPRINT, rtol=rtol)
         assert left(result) <= rtol * result.peak_pressure
@@ -110,16 +113,15 @@ def test_told_errors_hold_and_fall_with_the_tolerance():
 
 def test_the_published_scheme_tends_to_the_same_roll_with_order_one():
     """Twice as many laps halve what it misses; 1600 laps of real newsprint leave 3 %."""
-    thin = wo.solve(NEWSPRINT, rtol=1e-5)
+    thin = wo.solve(NEWSPRINT, rtol=1e-4)
     misses = []
-    for groups in (1600, 3200, 6400):
+    for groups in (1600, 3200):
         laps = lap_by_lap(NEWSPRINT, groups)
         inside = slice(1, -1)
         exact = thin.at_radius(laps.radius[inside])["pressure"]
         misses.append(np.max(np.abs(laps.pressure[inside] - exact)) / thin.peak_pressure)
     assert 0.01 < misses[0] < 0.04
-    orders = np.log2(np.array(misses[:-1]) / misses[1:])
-    assert (np.abs(orders - 1) < 0.1).all()  # first order: 0.97 and 0.99 measured
+    assert np.log2(misses[0] / misses[1]) == pytest.approx(1, abs=0.1)  # 0.97 measured
 
 
 def missed(problem: wo.WoundRollProblem, tolerance: float, cells: int) -> float:
@@ -135,9 +137,8 @@ def missed(problem: wo.WoundRollProblem, tolerance: float, cells: int) -> float:
 def test_the_order_in_nodes_is_four(case: dict):
     """With stages that miss nothing beside: Lobatto's rule of two points and a middle."""
     roll = plain(**case, wound_on_tension=wo.Taper(start=200.0, taper=0.4))
-    misses = np.array([missed(roll, 1e-7, cells) for cells in (8, 16, 32)])
-    orders = np.log2(misses[:-1] / misses[1:])
-    assert (np.abs(orders - 4) < 0.2).all(), orders  # 3.9 to 4.1
+    coarse, fine = (missed(roll, 1e-7, cells) for cells in (8, 16))
+    assert np.log2(coarse / fine) == pytest.approx(4, abs=0.2)  # 3.9 to 4.1
 
 
 @pytest.mark.parametrize(("case", "order"), [(STIFF, 3), (PAPER, 4)], ids=["stiff", "paper"])
@@ -166,12 +167,12 @@ def test_the_surface_slope_comes_out_by_itself():
 
 def test_a_stage_is_the_roll_wound_so_far():
     """What is wound later does not change the source of what lies below."""
-    for problem in (NEWSPRINT, NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350, taper=0.3))):
-        stage = wo.solve(problem, rtol=1e-4).at(0.1)
-        short = wo.solve(stage.problem, rtol=1e-4)
-        assert stage.core_pressure == pytest.approx(short.core_pressure, rel=1e-4)
-        assert stage.residuals.largest < 1e-8
-        assert stage.radius[-1] == 0.1
+    problem = NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350, taper=0.3))
+    stage = wo.solve(problem, rtol=1e-4).at(0.1)
+    short = wo.solve(stage.problem, rtol=1e-4)
+    assert stage.core_pressure == pytest.approx(short.core_pressure, rel=1e-4)
+    assert stage.residuals.largest < 1e-8
+    assert stage.radius[-1] == 0.1
 
 
 # polyester film; K1 and K2 are illustrative
@@ -194,7 +195,7 @@ def inside(problem: wo.WoundRollProblem) -> np.ndarray:
 
 @PAPER_AND_FILM
 def test_the_plateau_under_constant_tension(problem: wo.WoundRollProblem, exponent: float):
-    roll = wo.solve(problem).at_radius(inside(problem))
+    roll = coarse(problem).at_radius(inside(problem))
     P, hoop = (roll[name][:20] for name in ("pressure", "hoop_stress"))
     low = plateau_pressure(problem.stack, problem.wound_on_tension / problem.web_thickness)
     assert (low / P > 0.87).all()  # 3 to 13 % low: 6 % of both
@@ -224,7 +225,7 @@ def test_a_tension_that_falls_keeps_the_web_in_tension(
     problem: wo.WoundRollProblem, exponent: float
 ):
     """Hoop stress >= 0 needs P to fall like 1/r, so T about like r^-0.6 or, of film, r^-0.5."""
-    r, level = np.geomspace(problem.core.radius, problem.radius, 40), wo.solve(problem).mid_pressure
+    r, level = np.geomspace(problem.core.radius, problem.radius, 40), coarse(problem).mid_pressure
 
     def hoop(k: float) -> np.ndarray:
         tension = wo.Profile(radius=r, value=problem.wound_on_tension * (r / r[0]) ** -k)
@@ -293,7 +294,7 @@ def test_told_errors_of_random_rolls_hold():
     assert np.median(ratios) < 0.8
 
 
-@pytest.mark.parametrize("m", [0.3, 0.8])
+@pytest.mark.parametrize("m", [0.3, pytest.param(0.8, marks=pytest.mark.slow)])
 def test_a_stack_without_stiffness_of_its_own_is_wound(m: float):
     """A power law with E0 = 0, whose strain is finite for m < 1."""
     law = wo.PowerLaw(E0=0.0, k=8e6, m=m)
@@ -326,7 +327,7 @@ def test_a_last_step_that_was_too_long_is_not_tried_again():
 
 
 def core_pressure(**changes: object) -> float:
-    return wo.solve(NEWSPRINT.replace(**changes)).core_pressure
+    return coarse(NEWSPRINT.replace(**changes)).core_pressure
 
 
 def test_more_tension_makes_a_harder_roll():
@@ -342,7 +343,7 @@ def test_a_soft_core_takes_less_pressure():
 
 def test_a_taper_lowers_the_pressure_outside_more_than_at_the_core():
     tapered = wo.solve(NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.3)))
-    plain_roll = wo.solve(NEWSPRINT)
+    plain_roll = coarse(NEWSPRINT)
     outside = tapered.at_radius(0.13)["pressure"] / plain_roll.at_radius(0.13)["pressure"]
     assert outside < 0.75
     assert tapered.core_pressure / plain_roll.core_pressure > 0.95
@@ -360,7 +361,7 @@ def test_cooling_a_roll_that_shrinks_through_its_stack_loosens_it():
 # ---- properties -------------------------------------------------------------------------------
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     K1=st.floats(1e3, 1e5), K2=st.floats(10.0, 300.0), tension=st.floats(50.0, 1000.0),
     core=st.floats(8.0, 11.0), build=st.floats(1.2, 8.0), taper=st.floats(0.0, 0.6),
@@ -386,12 +387,12 @@ def test_a_roll_scales_with_its_radii(scale: float):
         radius=0.15 * scale, web_thickness=66e-6 * scale, wound_on_tension=350.0 * scale,
         **{"core.radius": 0.0445 * scale},
     )  # fmt: skip
-    one, two = wo.solve(NEWSPRINT), wo.solve(larger)
+    one, two = coarse(NEWSPRINT), wo.solve(larger)
     np.testing.assert_allclose(two.pressure, one.pressure, rtol=0, atol=1e-8 * one.peak_pressure)
 
 
 def test_length_laps_and_mass():
-    result = wo.solve(NEWSPRINT)
+    result = coarse(NEWSPRINT)
     area = np.pi * (0.15**2 - 0.0445**2)
     assert result.length == pytest.approx(area / 66e-6)
     assert result.laps == pytest.approx((0.15 - 0.0445) / 66e-6)
@@ -399,7 +400,7 @@ def test_length_laps_and_mass():
 
 
 def test_every_law_of_the_certificate_sees_its_fault():
-    result = wo.solve(NEWSPRINT)
+    result = coarse(NEWSPRINT)
     assert result.certified().largest <= 1e-8
     bent = {
         "equilibrium": {"pressure": _bumped(result.pressure, 20)},

@@ -88,7 +88,7 @@ def test_the_first_case_does_not_come_up():
     """v+ and strain both negative: not among random nips, which all are solved or slack."""
     draw = np.random.default_rng(5)
     seen: set[tuple[float, float]] = set()
-    for _ in range(40):
+    for _ in range(20):
         P, mu_drum = 10 ** draw.uniform(1.5, 4.3), 10 ** draw.uniform(-1, 0)
         problem = paper_nip(
             nip_load=P, drum_friction=mu_drum, roll_friction=10 ** draw.uniform(-1.3, 0),
@@ -114,8 +114,8 @@ def test_the_winder_of_chapter_5():
     rows = []
     for point in measured_tensions():
         problem = newsprint_nip(nip_load=point["nip_load"], web_tension=point["web_tension"])
-        estimate = wo.solve_nip(problem, nodes=65).rig_tension
-        solved = wo.solve(problem.wrapped(roll_wrap=pi / 2, drum_wrap=pi), nodes=65)
+        estimate = wo.solve_nip(problem, nodes=33).rig_tension
+        solved = wo.solve(problem.wrapped(roll_wrap=pi / 2, drum_wrap=pi), nodes=33)
         rows.append([estimate, solved.wound_on_tension, point["measured"]])
     loads, T_in = (
         np.array([point[name] for point in measured_tensions()])
@@ -142,7 +142,7 @@ def test_the_winding_theorem_with_wraps():
     for name, drum in drums.items():
         for T_in in (100.0, 300.0, 1000.0):
             problem = PAPER.replace(drum=drum, web_tension=T_in)
-            result = wo.solve_wrapped_nip(problem, drum_wrap=pi / 2)
+            result = wo.solve_wrapped_nip(problem, drum_wrap=pi / 2, nodes=65)
             added.setdefault(name, []).append(result.wound_on_tension - T_in)
             at_nip.setdefault(name, []).append(result.tension_before_nip / T_in)
     assert np.ptp(added["hard"]) < 1.5
@@ -169,14 +169,14 @@ def test_curvature_of_the_last_iteration_would_not_converge():
     """Thesis sec. 3.5 proposes it; errors grow where cells are shorter than C T (docs, wrap)."""
     result, R = wo.solve_wrapped_nip(PAPER), PAPER.roll.radius
     a, largest = result.half_width, []
-    for cells in (24, 48, 96):
+    for cells in (16, 32, 64):
         grid = wrap_grid(SCHEMES["graded"].mesh(65).grid, 0, cells, pi * R / a - 1, cells)
         none = np.zeros(grid.size)
         bend = WrapEquations(PAPER.wrapped(), grid, a, Known(none, none)).roll.bend_p
         own = slice(grid.last - grid.first + 1, -1)
         T = np.interp(a * grid.nodes[grid.first :], result.x, result.web_tension)
         largest.append(np.abs(np.linalg.eigvals(T[own, None] * bend[own, own])).max())
-    assert largest == pytest.approx([0.37, 1.8, 7.7], rel=0.05)
+    assert largest == pytest.approx([1.18, 8.2, 52.0], rel=0.05)
 
 
 def test_it_takes_less_than_ten_times_the_plain_nip():

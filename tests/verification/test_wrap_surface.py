@@ -96,7 +96,8 @@ def test_the_curvature_of_circles() -> None:
     ):
         bent = face.bending(slope[:, None], v[:, None], a, problem.roll.curvature**2)[:, 0]
         inner = slice(1, -1)
-        np.testing.assert_allclose(bent[inner], kappa[inner], atol=2e-2 * 1e-4 / R**2)
+        # 192 cells, the longest of 0.09 rad: a twentieth of a wave of cos(3 theta)
+        np.testing.assert_allclose(bent[inner], kappa[inner], atol=3e-2 * 1e-4 / R**2)
     equations = equations_of(wo.solve_wrapped_nip(problem, nodes=33))
     assert equations.roll.bend == pytest.approx(1 / R)
 

@@ -43,7 +43,8 @@ WARM_UP = 1.0  # seconds after which a worker is as ready as need be
 MOST_OUTPUTS = 6  # that are told where nobody names any
 MOST_SESSIONS = 32  # whose last states are kept to start from
 STEP = 1e-3  # relative, of differences in place of derivatives; a fixed grid is smooth to 1e-8
-_LAST: OrderedDict[str, Result] = OrderedDict()
+# by session: the last state, and of which problem and options it is the cold solution, if it is one
+_LAST: OrderedDict[str, tuple[Result | None, Any]] = OrderedDict()
 
 
 def problem_of(tables: Any) -> Problem:
@@ -94,9 +95,12 @@ def solve(
     """Return the solved state of a case, as JSON; see :func:`state_of`."""
     began = time.perf_counter()
     problem = problem_of(tables)
-    result = solved(problem, options, _LAST.get(session) if warm else None)
+    result, solution_of = _LAST.get(session, (None, None))
+    asked = None if warm else (problem, options)
+    if result is None or asked is None or asked != solution_of:  # its report may come later
+        result = solved(problem, options, result if warm else None)
     if session:
-        _LAST[session] = result
+        _LAST[session] = result, asked
         _LAST.move_to_end(session)
         while len(_LAST) > MOST_SESSIONS:
             _LAST.popitem(last=False)

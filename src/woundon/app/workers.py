@@ -31,6 +31,7 @@ __all__ = ["Pool"]
 MEMORY = 4 * 2**30  # of a worker's address space [bytes]
 GRACE = 1.0  # seconds that work under way may go on when a newer request has come
 HEED = 5.0  # seconds until a worker that is interrupted must have heeded
+URGE = 0.1  # seconds from one signal to the next: one before the work has begun is not heard
 DIED = "the process that worked at this died; it has been replaced, send the request again"
 _STARTING = threading.Lock()
 _ON_SIGNAL = hasattr(signal, "SIGUSR1")
@@ -79,6 +80,7 @@ def _work(item: tuple[Callable[..., Any], tuple[Any, ...]]) -> tuple[str, Any]:
         finally:
             _working = False
     except _Interrupted:
+        _working = False  # it may have come before this was said
         return "interrupted", None
     except Exception as fault:
         if _stopped:
@@ -235,16 +237,19 @@ class Pool:
         if worker is None or worker.stopping:
             return
         worker.stopping = True
-        if _ON_SIGNAL:
-            with suppress(ProcessLookupError, OSError):
-                os.kill(worker.process.pid, signal.SIGUSR1)
-            asyncio.get_running_loop().call_later(HEED, self._end, worker, request)
-        else:
-            self._end(worker, request)
+        patience = HEED if _ON_SIGNAL else 0.0
+        self._urge(worker, request, asyncio.get_running_loop().time() + patience)
 
-    def _end(self, worker: _Worker, request: _Request) -> None:
-        if request.worker is worker:
+    def _urge(self, worker: _Worker, request: _Request, until: float) -> None:
+        if request.worker is not worker:
+            return
+        loop = asyncio.get_running_loop()
+        if loop.time() >= until:
             worker.process.kill()
+            return
+        with suppress(ProcessLookupError, OSError):
+            os.kill(worker.process.pid, signal.SIGUSR1)
+        loop.call_later(URGE, self._urge, worker, request, until)
 
     def _hand_out(self) -> None:
         for dead in [w for w in self._idle if not w.process.is_alive()]:

@@ -23,6 +23,8 @@ FARTHEST = 0.1  # of ln(load): beyond, another factorisation pays
 MOST_STEPS = 8
 CONTRACTION = 3.0  # of the chord method, per ln a; 0.01 to 0.8 are seen on random nips
 LEFT = 0.02  # of the imbalance that is allowed
+SETTLED = 1e-12  # imbalance of what is linear
+SHORT = 0.1  # of the imbalance
 
 
 class Followed(NamedTuple):
@@ -60,10 +62,13 @@ def follow(
     if abs(carried / load - 1) <= tolerance.load and apart <= tolerance.balance:
         return None
     at = first = log(state.half_width)
-    miss, along = log(carried / load), (power - 1) * x
-    for _ in range(MOST_STEPS):
-        step = -miss / power
-        moved = equations.moved(exp(at + step))
+    miss, along, moved = log(carried / load), (power - 1) * x, equations
+    for k in range(MOST_STEPS):
+        # what was linearised settles before the width moves, which asks for kernels again
+        missed = abs(miss) > tolerance.load / 4
+        step = -miss / power if missed and (k or apart < SETTLED) else 0.0
+        if step:
+            moved = equations.moved(exp(at + step))
         before = x + along * step
         left = moved.left(before)
         change = joint.step(factors, left)
@@ -71,10 +76,10 @@ def follow(
         carried = moved.load_of(now[:n])
         if not carried > 0:
             return None
-        missed, miss = miss, log(carried / load)
+        last, miss = miss, log(carried / load)
         # a shorter one tells rounding, or what was linearised, not the power
-        if abs(step) > max(1e-9, 10 * apart):
-            power, along = (miss - missed) / step, (now - x) / step
+        if abs(step) > max(1e-9, SHORT * apart):
+            power, along = (miss - last) / step, (now - x) / step
         at, x = at + step, now
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
         error = size * min(1.0, CONTRACTION * abs(at - first) + apart**0.5)

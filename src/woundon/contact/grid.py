@@ -352,14 +352,15 @@ def _gauss(points: int) -> tuple[Array, Array]:
     return part, np.array([w / 2, w / 2 * part]).T
 
 
-def _chebyshev_points(r: int) -> Array:
+def chebyshev_points(r: int) -> Array:
+    """Return the r Chebyshev points of the first kind, increasing."""
     return -np.cos(np.pi * (2 * np.arange(r) + 1) / (2 * r))
 
 
 @lru_cache(maxsize=32)
 def chebyshev_transform(r: int) -> Array:
     """Return coefficients of Chebyshev polynomials by values at r points of the first kind."""
-    transform = np.cos(np.outer(np.arange(r), np.arccos(_chebyshev_points(r)))) * (2 / r)
+    transform = np.cos(np.outer(np.arange(r), np.arccos(chebyshev_points(r)))) * (2 / r)
     transform[0] /= 2
     return np.asarray(transform)
 
@@ -373,7 +374,7 @@ def distances(r: int) -> tuple[Array, Array]:
     i, j = np.divmod(np.arange(r * r), r)
     twin = np.minimum(r * i + j, r * (r - 1 - j) + (r - 1 - i))
     kept, where = np.unique(twin, return_inverse=True)
-    t = _chebyshev_points(r)
+    t = chebyshev_points(r)
     return t[kept // r] - t[kept % r], where.reshape(r, r)
 
 

@@ -281,30 +281,78 @@ class ThesisMesh(Mesh):
         return share * self.grid.weights
 
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
-        """Return a linear body's response by backward differences of nodal displacements."""
-        rank = self.rank(kernels, a)
-        put = partial(self.grid.integrate, rank=rank)
-        dx = a * self.grid.cells[:, None]
+        """Return a linear body's response by backward differences of nodal displacements.
 
-        def with_edge(cells: Array) -> Array:
-            return np.vstack([cells, cells[-1:]])
+        On even nodes all depends on the distance between node and hat alone: matrices are Toeplitz,
+        and their products convolutions.
+        """
+        dx, rank = a * float(self.grid.cells[0]), self.rank(kernels, a)
+        put = partial(self._by_distance, a=a, rank=rank)
 
+        @lru_cache(maxsize=1)
         def gradients() -> tuple[Array, Array, Array, Array]:
-            v_p, v_q = put(kernels.normal_p, a), put(kernels.normal_q, a)
-            u_p, u_q = put(kernels.tangent_p, a), put(kernels.tangent_q, a)
-            strain_p = np.diff(u_p, axis=0) / dx + curvature * v_p[1:]
-            strain_q = np.diff(u_q, axis=0) / dx + curvature * v_q[1:]
-            slope_p, slope_q = np.diff(v_p, axis=0) / dx, np.diff(v_q, axis=0) / dx
-            return tuple(map(with_edge, (slope_p, slope_q, strain_p, strain_q)))  # type: ignore[return-value]
+            v_p, v_q = put(kernels.normal_p), put(kernels.normal_q)
+            alike = kernels.tangent_p is kernels.normal_q  # Betti's reciprocity
+            u_p, u_q = v_q if alike else put(kernels.tangent_p), put(kernels.tangent_q)
+            strain_p = np.diff(u_p) / dx + curvature * v_p[1:]
+            strain_q = np.diff(u_q) / dx + curvature * v_q[1:]
+            return np.diff(v_p) / dx, np.diff(v_q) / dx, strain_p, strain_q
+
+        def act(p: Array, q: Array) -> tuple[Array, Array]:
+            slope_p, slope_q, strain_p, strain_q = gradients()
+            slope = np.convolve(slope_p, p, "valid") + np.convolve(slope_q, q, "valid")
+            strain = np.convolve(strain_p, p, "valid") + np.convolve(strain_q, q, "valid")
+            return np.append(slope, slope[-1]), np.append(strain, strain[-1])
 
         return Response(
-            gradients,
+            lambda: tuple(map(self._rows, gradients())),  # type: ignore[return-value,arg-type]
             partial(self.displaced, kernels.normal_p, kernels.normal_q, rank, a),
             partial(self.displaced, kernels.tangent_p, kernels.tangent_q, rank, a),
-            pressure_slope=lambda: np.diff(put(kernels.normal_p, a), axis=0) / dx,
+            pressure_slope=lambda: self._rows(gradients()[0])[:-1],
+            act=lambda: act,
             terms=kernels.terms,
             truncation_error=kernels.truncation_error,
         )
+
+    def displaced(
+        self, by_p: Any, by_q: Any, rank: int, a: float, points: Array | None
+    ) -> tuple[Array, Array]:
+        """Return a displacement at any points, or at the trailing edge, by influence functions."""
+        grid = Grid(self.nodes, self.nodes[-1:] if points is None else points)
+        v_p, v_q = (
+            grid.integrate(kernel, a, rank=rank if kernel.twice is None else MOST_RANK)
+            for kernel in (by_p, by_q)
+        )
+        return v_p, v_q
+
+    def _by_distance(self, kernel: Any, a: float, rank: int) -> Array:
+        """Integrate a kernel over the hat that is -n to n nodes before a node, (2 n + 1,).
+
+        Exactly where its second integral is known; else by the outermost hats.
+        """
+
+        def outermost(integrals: Array) -> Array:
+            return np.append(integrals[:n, -1], integrals[1:, 0])
+
+        n, h = self.unknowns, a * float(self.grid.cells[0])
+        if kernel.twice is None:
+            return outermost(self.grid.integrate(kernel, a, rank=rank))
+        values: Array = np.diff(kernel.twice(h * np.arange(-n - 1.0, n + 2.0)), 2) / h
+        if kernel.lag is not None:
+            values += outermost(self.grid.lagging(kernel.lag, a)[0])
+        return values
+
+    def _rows(self, values: Array) -> Array:
+        """Return the matrix of what depends on the distance in cells, (M, n).
+
+        Its last row is that of the last cell.
+        """
+        # row k is values[k:k+n] backwards; forwards, in the memory's order, it is copied quicker
+        backwards = np.ascontiguousarray(values[::-1])
+        out = np.empty((self.unknowns + 2, self.unknowns))
+        out[:-1] = np.lib.stride_tricks.sliding_window_view(backwards, self.unknowns)[::-1]
+        out[-1] = out[-2]
+        return out
 
 
 class Scheme(Protocol):

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import factorial, log, pi
+from math import comb, factorial, log, pi
 
 import numpy as np
 
@@ -29,7 +29,7 @@ __all__ = ["POWERS", "HarmonicSum", "HarmonicSums", "polylogarithm", "quintics"]
 
 Array = np.ndarray
 
-KEPT = 1024  # so many angles at a time have their powers kept
+KEPT = 1024  # so many angles at a time share their powers
 POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at its largest angle pi
 
 
@@ -61,12 +61,12 @@ def _power_series(odd: bool, orders: int) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _powers_of_angles(size: int, first: int) -> Array:
+def _powers_of_angles(size: int) -> Array:
     """Return the powers of theta = 2 pi k/size and their two derivatives.
 
-    From k = first on, KEPT of them or up to half the circle, (3, POWERS, k).
+    From k = 0 on, KEPT of them or up to half the circle, (3, POWERS, k).
     """
-    theta = 2 * pi / size * np.arange(first, min(first + KEPT, size // 2 + 1))
+    theta = 2 * pi / size * np.arange(min(KEPT, size // 2 + 1))
     k, found = np.arange(1.0, POWERS)[:, None], np.zeros((3, POWERS, theta.size))
     powers, slopes, bends = found
     powers[0], powers[1:] = 1.0, theta
@@ -74,6 +74,20 @@ def _powers_of_angles(size: int, first: int) -> Array:
     slopes[1:] = k * powers[:-1]
     bends[1:] = k * slopes[:-1]
     return found
+
+
+def _moved(series: Array, to: float) -> Array:
+    """Return power series of theta as such of theta - to, (..., POWERS)."""
+    binomials, less = _binomials()
+    return series @ (binomials * (to ** np.arange(POWERS))[less])
+
+
+@lru_cache(maxsize=1)
+def _binomials() -> tuple[Array, Array]:
+    """Return k over i, and k - i where that is not 0, (k, i)."""
+    k = np.arange(POWERS)
+    found = np.array([[comb(n, i) for i in k.tolist()] for n in k.tolist()], dtype=float)
+    return found, np.maximum(k[:, None] - k, 0)
 
 
 @lru_cache(maxsize=128)
@@ -281,7 +295,11 @@ class HarmonicSums:
         At theta = 2 pi k/size, k = 0 ... size/2, (3, sums, size/2 + 1).
         """
         c = np.array([sum_.series for sum_ in self.sums])
-        parts = [c @ _powers_of_angles(size, first) for first in range(0, size // 2 + 1, KEPT)]
+        near, angles = _powers_of_angles(size), size // 2 + 1
+        parts = [
+            _moved(c, 2 * pi / size * first) @ near[..., : angles - first]
+            for first in range(0, angles, KEPT)
+        ]
         return np.concatenate(parts, axis=-1)
 
     @cached_property

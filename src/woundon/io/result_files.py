@@ -19,7 +19,7 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem, NotConverged
 from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
-from ..results import Result
+from ..results import ACCEPTED_RESIDUAL, Residuals, Result
 from . import results_0_1, seals
 from .files import read_whole, write_whole
 from .records import FORMAT, SCHEMA, Record, from_record, number, plain, saved_fields, to_record
@@ -80,7 +80,9 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
             result = results_0_1.completed(result)
         _check_units(record, result)
         if verify or not sealed:
-            _verify(record, result)
+            residuals = _verify(record, result)
+            if record["schema"] == 1:
+                result = results_0_1.judged(result, residuals)
     except InvalidProblem as fault:
         raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
     return result
@@ -148,7 +150,7 @@ def _check_units(record: Record, result: Result) -> None:
             raise InvalidProblem.at(name, f"is in {unit!r:.40}; must be in {quantity.unit!r}")
 
 
-def _verify(record: Record, result: Result) -> None:
+def _verify(record: Record, result: Result) -> Residuals:
     """Measure the certificate anew, and compare outputs with what the fields give.
 
     Raises
@@ -158,8 +160,12 @@ def _verify(record: Record, result: Result) -> None:
     """
     try:
         with np.errstate(all="ignore"):
-            result.replace(residuals=result.certified()).checked()
+            residuals = result.certified()
+            old = results_0_1.is_of_0_1(record, result)
+            accepted = results_0_1.accepted(result) if old else ACCEPTED_RESIDUAL
+            result.replace(residuals=residuals).checked(accepted)
             _check_scalars(record, result)
+            return residuals
     except NotImplementedError as fault:
         raise InvalidProblem(str(fault)) from None
     except (NotConverged, ArithmeticError, LookupError, TypeError, ValueError) as fault:

@@ -5,6 +5,9 @@ wrapped_nip  the problem was a NipProblem, wraps and force stood on the result; 
              nip, wrap tractions and slip angle are properties now
 rollers      where the slip is taken, and the shift of static ones, were not told
 all          slip ratios in a table of their own; one error, that of the tension
+thesis       its scheme interpolated the kernels, which are integrated exactly now; those of
+             wrapped nips were integrated by other points: by today's the laws hold less closely,
+             which the result says
 """
 
 from __future__ import annotations
@@ -15,12 +18,15 @@ from typing import Any
 import numpy as np
 
 from .. import kinds
+from ..results import ACCEPTED_RESIDUAL, Residuals
 
-__all__ = ["completed", "upgraded"]
+__all__ = ["accepted", "completed", "is_of_0_1", "judged", "upgraded"]
 
 Array = np.ndarray
 Record = dict[str, Any]
 
+INTERPOLATED, INTEGRATED = 1e-4, 1e-5  # of a law: what the other kernels leave, of both kinds
+SAVED_BY_0_1 = "saved by woundon 0.1: by today's kernels its laws hold to"
 _WRAPS = ("roll_wrap", "drum_wrap", "wrap_friction", "winding_force")
 _TOLD = {"nip": "nip_induced_tension", "wrapped_nip": "wound_on_tension"}
 
@@ -99,3 +105,23 @@ def completed(result: Any) -> Any:
     equations = kinds.fetch("woundon.rollers.certificate:matrices_of")(result)
     unshifted = equations.slips(result.pressure[1:-1], result.traction[1:-1], 0.0)
     return result.replace(shift=float(np.median(result.slip[1:-1] - unshifted)))
+
+
+def accepted(result: Any) -> float:
+    """Return the largest residual by which a result, once of 0.1, holds what it says."""
+    if getattr(result, "scheme", "").startswith("thesis"):
+        return INTERPOLATED
+    return INTEGRATED if kinds.of(result.problem).name == "wrapped_nip" else ACCEPTED_RESIDUAL
+
+
+def is_of_0_1(record: Record, result: Any) -> bool:
+    """Tell whether 0.1 saved a result, which later versions may have saved again."""
+    return record["schema"] == 1 or any(text.startswith(SAVED_BY_0_1) for text in result.warnings)
+
+
+def judged(result: Any, residuals: Residuals) -> Any:
+    """Return a result of 0.1 with a warning of what today's equations leave, if it is more."""
+    if residuals.largest <= ACCEPTED_RESIDUAL:
+        return result
+    told = f"{SAVED_BY_0_1} {residuals.largest:.1g}"
+    return result.replace(warnings=(*result.warnings, told))

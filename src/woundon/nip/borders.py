@@ -37,7 +37,7 @@ from ..contact.schemes import ELEMENTS
 from ..results import ACCEPTED_RESIDUAL
 from .layout import Face, Layout, Unsettled, faces_of
 
-__all__ = ["OnElements"]
+__all__ = ["OnElements", "scales"]
 
 Array = np.ndarray
 
@@ -198,7 +198,7 @@ class OnElements(Ladder):
                 continue
             if steps == MOST_STEPS:
                 raise Unsettled("the borders of the zones did not settle")
-            room, before, steps = self._room(), here.left, steps + 1
+            room, before, steps = scales(self._unknowns), here.left, steps + 1
             full, (step, here) = step, self._damped(step, order)
             self._unknowns = self._unknowns + step
             tiny, gain = np.max(np.abs(step) / room), np.max(np.abs(before)) / 2
@@ -209,7 +209,7 @@ class OnElements(Ladder):
 
     def _damped(self, step: Array, order: int) -> tuple[Array, Layout]:
         """Return as much of a step as makes the next shorter (Deuflhard), and where it leads."""
-        room, jacobian, taken = self._room(), self._jacobian, self._bounded(step)
+        room, jacobian, taken = scales(self._unknowns), self._jacobian, self._bounded(step)
         assert jacobian is not None
         for _ in range(MOST_HALVINGS):
             here = self._layout(self._unknowns + taken, order)
@@ -222,7 +222,7 @@ class OnElements(Ladder):
     def _learn(self, step: Array, cut: bool, before: Array, left: Array) -> None:
         """Keep the Jacobian up by what a step did (Broyden), or drop it if it tells too little."""
         assert self._jacobian is not None
-        miss, room = left - before - self._jacobian @ step, self._room()
+        miss, room = left - before - self._jacobian @ step, scales(self._unknowns)
         learnt = self._jacobian + np.outer(miss, step) / (step @ step)
         then = float(np.linalg.norm(np.linalg.solve(learnt, left) / room))
         useless = then > max(LEAST_GAIN * float(np.linalg.norm(step / room)), ROUNDING)
@@ -230,7 +230,7 @@ class OnElements(Ladder):
         self._jacobian = None if useless or stuck else learnt
 
     def _differences(self, order: int) -> Array:
-        made, steps = np.empty((self._unknowns.size,) * 2), STEP * self._room()
+        made, steps = np.empty((self._unknowns.size,) * 2), STEP * scales(self._unknowns)
         left = self._layout(self._unknowns, order).left
         for k in range(made.shape[0]):
             moved = self._unknowns.copy()
@@ -247,14 +247,15 @@ class OnElements(Ladder):
             moves *= np.min(SHRUNK * lengths / np.maximum(lost, SHRUNK * lengths))  # in place
         return made
 
-    def _room(self) -> Array:
-        """Return the scale of each unknown: about half the way to the next border."""
-        borders = self._unknowns[:-1]
-        at = np.argsort(borders)
-        gaps = np.diff(np.concatenate([[-1.0], borders[at], [1.0]]))
-        room = np.full(self._unknowns.size, 0.3)
-        room[at] = 0.45 * np.minimum(gaps[1:], gaps[:-1])
-        return room
+
+def scales(unknowns: Array) -> Array:
+    """Return the scale of borders and ln a: about half the way to the next border."""
+    borders = unknowns[:-1]
+    at = np.argsort(borders)
+    gaps = np.diff(np.concatenate([[-1.0], borders[at], [1.0]]))
+    made = np.full(unknowns.size, 0.3)
+    made[at] = 0.45 * np.minimum(gaps[1:], gaps[:-1])
+    return made
 
 
 def _apart(borders: Array, others: Array) -> Array:

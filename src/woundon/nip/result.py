@@ -135,8 +135,11 @@ class WindingNipResult(Losses, Result):
     @property
     def in_nip(self) -> slice:
         """Which nodes are the nip's."""
-        edges = (-self.half_width, self.half_width)
-        first, last = (int(np.nanargmin(np.abs(self.x - edge))) for edge in edges)
+        apart = np.abs(self.x - [[-self.half_width], [self.half_width]])
+        nearest = apart.argmin(axis=1)
+        if np.isnan(apart[[0, 1], nearest]).any():  # damaged: the others tell
+            nearest = np.nanargmin(apart, axis=1)
+        first, last = nearest.tolist()
         return slice(first, last + 1)
 
     @property

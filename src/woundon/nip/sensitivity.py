@@ -37,12 +37,12 @@ from ..quantities import walk
 from ..results import ReadOnly
 from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
+from .border_sensitivity import BorderDifferential
 from .differential import Differential
 from .equations import NipMatrices
 from .laws import NipLaws
 from .result import RIG_ANGLE, NipResult
 from .roll_surface import Rise
-from .solve import solve_nip
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,7 +51,6 @@ if TYPE_CHECKING:
 __all__ = ["Sensitivity", "continuous_fields", "differentiated", "nip_sensitivity"]
 
 Array = np.ndarray
-GRADED_NODES = 257  # in place of elements: NIT to some 1e-5
 MOST_TOLD = 3  # parameters in one line
 
 
@@ -169,8 +168,7 @@ def nip_sensitivity(
     Parameters
     ----------
     result : NipResult
-        Of :func:`solve_nip`; on its own mesh, in its own state.  Of one on elements, whose borders
-        would have to move too, the same nip's on graded nodes.
+        Of :func:`solve_nip`; on its own mesh, in its own state, or between borders that move.
     parameters : tuple of str
         Dotted names; all continuous fields if empty, without the items of lists.
     outputs : tuple of str
@@ -181,10 +179,8 @@ def nip_sensitivity(
     InvalidProblem
         For a name that is not a continuous field, or not one of these outputs.
     """
-    if result.scheme == ELEMENTS.name:
-        result = solve_nip(result.problem, nodes=GRADED_NODES, start=result)
-    known = continuous_fields(result.problem)
-    return differentiated(_NipDifferential, result, parameters, outputs, known)
+    made = BorderDifferential if result.scheme == ELEMENTS.name else _NipDifferential
+    return differentiated(made, result, parameters, outputs, continuous_fields(result.problem))
 
 
 def differentiated(

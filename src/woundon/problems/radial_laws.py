@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from math import exp, inf, isfinite, log
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -467,10 +467,16 @@ class StackTest(SolidLaw):
 
 
 def _integral(f: Callable[[Array], Array], end: Array) -> Array:
-    """Return the integrals of a smooth f from 0 to ``end``, by Gauss's rule on six panels."""
+    """Return the integrals of a smooth f from 0 to ``end``."""
+    t, weights = _six_panels()
+    return end * (f(end[..., None] * t) @ weights)
+
+
+@cache
+def _six_panels() -> tuple[Array, Array]:
+    """Return points and weights of Gauss's rule on six panels of [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(24)
-    t = ((np.arange(6)[:, None] + (x + 1) / 2) / 6).ravel()
-    return end * (f(end[..., None] * t) @ np.tile(w / 12, 6))
+    return ((np.arange(6)[:, None] + (x + 1) / 2) / 6).ravel(), np.tile(w / 12, 6)
 
 
 def _line(x: Array, y: Array) -> tuple[tuple[float, float], float]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,9 +25,9 @@ from ..errors import InvalidProblem, NotConverged
 from ..quantities import Quantity
 from ..results import ReadOnly
 from . import fitreport
+from .descent import COARSE, FINE, End, descend
 from .predict import Parameter, Predictor
 from .profiles import ProfileLikelihood, profile_of, threshold
-from .slopes import Slopes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,23 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
-SAME_MINIMUM = 1e-3  # relative difference of S
-NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
-# of u, a hundredth of it of S; the coarse one is looked on from
-FINE, COARSE = 1e-8, 1e-3
-
-
-class End(NamedTuple):
-    """Where a descent ended: u, residuals and their derivatives."""
-
-    u: Array
-    r: Array
-    J: Array
-
-    @property
-    def S(self) -> float:
-        """The sum of their squares."""
-        return float(self.r @ self.r)
+SAME_MINIMUM = 1e-3  # relative difference of S, or what descents may leave of it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -214,10 +198,10 @@ def fit_parameters(
             if parameters[j].name in profiles
         )
         lower, there = min((profile.best for profile in made), key=lambda best: best[0])
-        if lower >= S * (1 - SAME_MINIMUM):
+        if lower >= S * (1 - _alike(predictor)):
             break
         # a profile walked into a deeper valley that no start had found
-        deeper = _from(predictor, there, FINE)
+        deeper = descend(predictor, there, FINE)
         found = found if deeper is None else sorted([*found, deeper], key=lambda end: end.S)
     return _result(predictor, found, starts, made, quantities)
 
@@ -241,7 +225,7 @@ def _minima(predictor: Predictor, starts: Sequence[Array]) -> list[End]:
     for end in _descents(coarse, starts, COARSE):
         if id(end) not in ends:
             known = [fine for fine in ends.values() if fine is not None]
-            ends[id(end)] = _from(predictor, end.u, FINE, known)
+            ends[id(end)] = descend(predictor, end.u, FINE, known)
         fine = ends[id(end)]
         found += [] if fine is None else [fine]
     predictor.solves += coarse.solves
@@ -252,50 +236,14 @@ def _descents(predictor: Predictor, starts: Sequence[Array], tolerance: float) -
     """Return where each start ends that can be solved."""
     found: list[End] = []
     for start in starts:
-        end = _from(predictor, start, tolerance, found)
+        end = descend(predictor, start, tolerance, found)
         found += [] if end is None else [end]
     return found
 
 
-class _Arrived(Exception):
-    """A descent has come to where another one ended."""
-
-
-def _from(
-    predictor: Predictor, start: Array, tolerance: float, known: Sequence[End] = ()
-) -> End | None:
-    """Descend from a start, to a minimum that is known maybe; None if it cannot be solved there."""
-    from scipy.optimize import least_squares
-
-    low, high = np.transpose([p.ends for p in predictor.parameters])
-    inside = np.clip(start, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
-    if not np.isfinite(predictor.residuals(inside)).all():
-        return None
-    near: list[End] = []
-    slopes = Slopes(predictor) if tolerance > FINE else predictor.jacobian
-
-    def residuals(u: Array) -> Array:
-        near[:] = [end for end in known if np.all(np.abs(u - end.u) < NEAR * (high - low))]
-        if near:
-            raise _Arrived
-        return predictor.residuals(u)
-
-    try:
-        # no gtol: it is absolute, so that outputs of small numbers (a creep) would stop at once
-        end = least_squares(
-            residuals, inside, slopes, (low, high), x_scale="jac",
-            xtol=tolerance, ftol=1e-2 * tolerance, gtol=None, max_nfev=60,
-        )  # fmt: skip
-    except _Arrived:
-        return near[0]
-    except ValueError:  # a derivative could not be had
-        return None
-    return End(np.asarray(end.x), np.asarray(end.fun), np.asarray(end.jac))
-
-
 def _spreads(predictor: Predictor, J: Array, S: float) -> Array:
     """Return the standard errors of u, kept within what a profile can walk."""
-    low, high = np.transpose([p.ends for p in predictor.parameters])
+    low, high = predictor.low, predictor.high
     error = np.sqrt(np.diag(_covariance(predictor, J, S)))
     width = high - low
     return np.clip(np.nan_to_num(error, nan=np.inf), 1e-4 * width, 0.1 * width)
@@ -337,12 +285,19 @@ def _result(
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
         minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in found),
-        reached=sum(S * (1 + SAME_MINIMUM) + rounding >= end.S for end in found), starts=starts,
+        reached=sum(S * (1 + _alike(predictor)) + rounding >= end.S for end in found),
+        starts=starts,
         solves=predictor.solves, measured=predictor.measured,
         fitted=predictor.measured + predictor.deviation * r,
         row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
         weighted=predictor.weighted, profiles=profiles, quantities=quantities,
     )  # fmt: skip
+
+
+def _alike(predictor: Predictor) -> float:
+    """Return the relative difference of S within which minima are the same."""
+    freedom = predictor.measured.size - len(predictor.parameters)
+    return max(SAME_MINIMUM, COARSE**2 / max(freedom, 1))
 
 
 def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:

@@ -125,9 +125,11 @@ class KindModel:
         """Solve; a start that leads nowhere is put aside."""
         kind = self.kind
         if isinstance(start, kind.result):
-            known = None if kind.neighbour is None else kind.neighbour(problem, start)
-            if known is not None:
-                return known
+            nodes = getattr(start, "nodes", None)  # one on few nodes is no neighbour on many
+            if kind.neighbour is not None and self.options.get("nodes", nodes) == nodes:
+                known = kind.neighbour(problem, start)
+                if known is not None:
+                    return known
             if "start" in _keywords(kind.solver):
                 try:
                     return kind.solver(problem, start=start, **self.options)

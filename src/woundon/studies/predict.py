@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, log
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ Array = np.ndarray
 # central differences of outputs that are smooth but for kinks where a node changes its zone: so
 # long that rounding (1e-9 of the output) does not matter, so short that curvature does not
 STEP = 2e-3
+KEPT, FEWEST_KEPT = 200, 3  # states; places
 
 
 @dataclass(frozen=True)
@@ -76,11 +77,20 @@ class Parameter:
         return self.coordinate(min(max(self.base, self.low), self.high))
 
 
-class Predictor:
-    """Predicts every measured value from the parameters' coordinates u.
+class _Visit(NamedTuple):
+    """A place that was solved: the predictions, and the states of all cases; none if one failed."""
 
-    Each distinct row is solved once, from its own last state; a row that differs from the one
-    before in ``model.free_inputs`` only takes over that one's state, and costs nothing.
+    u: Array
+    values: Array
+    states: list[Any]
+
+
+class Predictor:
+    """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
+
+    Each distinct row is solved once, from its state at the nearest place of those last seen; a row
+    that differs from the one before in ``model.free_inputs`` only takes over that one's state, and
+    costs nothing.
     """
 
     def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
@@ -115,9 +125,9 @@ class Predictor:
         self.deviation = np.array(
             [1.0 if d is None else d[row] for (row, _), d in zip(known, deviations, strict=True)]
         )
-        self.states: list[Any] = [None] * len(self.cases)
+        self.low, self.high = np.transpose([p.ends for p in parameters])
         self.solves, self.fault = 0, ""
-        self._at = self._values = np.empty(0)
+        self._visits: list[_Visit] = []
 
     @cached_property
     def coarse(self) -> Predictor | None:
@@ -127,14 +137,7 @@ class Predictor:
 
     def values(self, u: Array) -> Array:
         """Return the predictions, (m,); nan throughout where a case fails."""
-        if not np.array_equal(u, self._at):
-            self._at = np.array(u)
-            try:
-                self._values = self._solved(u)[self.of_case, self.of_output]
-            except (ValueError, RuntimeError, ArithmeticError) as fault:
-                self._values = np.full(self.of_case.size, np.nan)
-                self.fault = f"{type(fault).__name__}: {fault}"
-        return self._values
+        return self._visited(u).values
 
     def residuals(self, u: Array) -> Array:
         """Return (predicted - measured) / deviation, (m,)."""
@@ -150,23 +153,46 @@ class Predictor:
         """Return the parameters' values by name."""
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
-    def _solved(self, u: Array) -> Array:
-        """Solve all cases; return their outputs, (cases, outputs)."""
+    def _visited(self, u: Array) -> _Visit:
+        """Solve all cases, or return what is known."""
+        known = [visit for visit in self._visits if np.array_equal(visit.u, u)]
+        if known:
+            return known[0]
+        try:
+            visit = self._solved(u)
+        except (ValueError, RuntimeError, ArithmeticError) as fault:
+            visit = _Visit(np.array(u), np.full(self.of_case.size, np.nan), [])
+            self.fault = f"{type(fault).__name__}: {fault}"
+        most = max(FEWEST_KEPT, KEPT // len(self.cases))
+        self._visits = [*self._visits, visit][-most:]
+        return visit
+
+    def _solved(self, u: Array) -> _Visit:
+        """Solve all cases, each from its state at the nearest place."""
+        nearest = self._nearest(u)
         fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
+        states: list[Any] = []
         for k, case in enumerate(self.cases):
-            start = self.states[k - 1] if self.follows[k] else self.states[k]
-            answer = self.model.run({**case, **fitted}, start)
-            out[k], self.states[k] = answer.values, answer.state
+            before = None if nearest is None else nearest.states[k]
+            answer = self.model.run({**case, **fitted}, states[-1] if self.follows[k] else before)
+            out[k] = answer.values
+            states.append(answer.state)
             self.solves += not self.follows[k]
-        return out
+        return _Visit(np.array(u), out[self.of_case, self.of_output], states)
+
+    def _nearest(self, u: Array) -> _Visit | None:
+        """Return the nearest place that was solved, on few nodes where there is none yet."""
+        solved = [visit for visit in self._visits if visit.states]
+        if solved:
+            width = self.high - self.low
+            return min(solved, key=lambda visit: float(np.max(np.abs(visit.u - u) / width)))
+        return None if self.coarse is None else self.coarse._nearest(u)
 
     def _exact(self, u: Array) -> Array | None:
-        if not np.isfinite(self.values(u)).all():
-            return None
         names = tuple(p.name for p in self.parameters)
         slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
         found: list[Array] = []
-        for k, state in enumerate(self.states):
+        for k, state in enumerate(self._visited(u).states):
             if self.follows[k]:
                 found.append(found[-1])
                 continue
@@ -174,7 +200,7 @@ class Predictor:
             if gradient is None:
                 return None
             found.append(gradient * slope)
-        return np.stack(found)[self.of_case, self.of_output]
+        return np.stack(found)[self.of_case, self.of_output] if found else None
 
     def _differences(self, u: Array) -> Array:
         """Return central differences, one-sided at a bound."""

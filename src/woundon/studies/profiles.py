@@ -8,24 +8,26 @@ little, S less that little is the profile.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .predict import Predictor
-from .slopes import mended
+from .slopes import best_step, mended
 
 __all__ = ["ProfileLikelihood", "profile_of", "threshold"]
 
 Array = np.ndarray
 LEVEL = 0.95
 
-MOST = 30  # points of a walk, and steps of the others at one
+MOST, MOST_STEPS = 30, 8  # points of a walk; steps of the others at one
 FARTHEST = 3.0  # standard errors of the first step
 GROWTH = 1.6  # of the steps while nothing tells where the end is
 LEAST = 0.05  # of a step that is halved before what cannot be solved
-CLOSE = 5e-3  # of the way to the end, from where it is told by the chord; bent by a tenth at most
-SETTLED = 2e-2  # of the rise of S: what the others may gain still, known to a tenth of it
+# of the way to the end, from where it is told by a parabola, if that is so little off its chord
+NEAR, BENT = 0.03, 2e-3
+SETTLED = 1e-2  # of the rise of S: what the others may gain still, known to a tenth of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,52 +126,55 @@ class _Walk:
     def __init__(self, predictor: Predictor, j: int, minimum: _Point, limit: float) -> None:
         self.predictor, self.j, self.limit = predictor, j, limit
         self.points = [minimum]
-        self.low, self.high = np.transpose([p.ends for p in predictor.parameters])
+        self.low, self.high = predictor.low, predictor.high
 
     def end(self, step: float) -> float | None:
         """Return where S passes the limit, coming from the minimum; None if a bound comes first."""
-        low, high, minimum = self.low[self.j], self.high[self.j], self.points[0]
-        reach = float(np.sqrt(self.limit - minimum.S))
-        inner: tuple[float, float] = float(minimum.u[self.j]), -reach
-        outer: tuple[float, float] | None = None
-        at = inner[0] + self._foreseen(minimum, step)
+        minimum = self.points[0]
+        begin, reach = float(minimum.u[self.j]), float(np.sqrt(self.limit - minimum.S))
+        low, high = self.low[self.j] - begin, self.high[self.j] - begin
+        # S grows about as the square of the way: its root is nearly straight
+        pace = float(np.copysign(self._pace(minimum), step))
+        risen, ways = [0.0, 0.0], [0.0, 0.0]
+        inner, outer = (0.0, 0.0), None
+        way = float(np.copysign(min(abs(pace) * reach, FARTHEST * abs(step)), step))
         for _ in range(MOST):
-            at = min(max(at, low), high)
-            S = self._refitted(at)
+            way = min(max(way, low), high)
+            S = self._refitted(begin + way)
             if not np.isfinite(S):
-                if abs(at - inner[0]) < LEAST * abs(step):
-                    return at  # beyond lies what cannot be solved
-                at = (at + inner[0]) / 2
+                if abs(way - inner[0]) < LEAST * abs(step):
+                    return begin + way  # beyond lies what cannot be solved
+                way = (way + inner[0]) / 2
                 continue
-            # S grows about as the square of the distance: its root is nearly straight
-            excess = float(np.sqrt(max(S - minimum.S, 0.0))) - reach
-            slope = (excess - inner[1]) / (at - inner[0])
-            if abs(excess) <= CLOSE * reach and slope * step > 0:
-                return min(max(at - excess / slope, low), high)
-            if excess > 0:
-                outer = (at, excess)
-            elif at in (low, high):
+            risen.append(float(np.sqrt(max(S - minimum.S, 0.0))))
+            ways.append(way)
+            there, bend = _inverse(risen[-3:], ways[-3:], pace, reach)
+            near = abs(risen[-1] - reach) <= NEAR * reach and abs(bend) <= BENT * abs(way)
+            if near and there * step > 0:
+                return begin + min(max(there, low), high)
+            if risen[-1] > reach:
+                outer = (way, risen[-1])
+            elif way in (low, high):
                 return None
             else:
-                ahead = -excess / slope if slope * step > 0 else np.inf
-                inner = (at, excess)
+                inner = (way, risen[-1])
             if outer is None:
                 step *= GROWTH
-                at += float(np.copysign(min(abs(ahead), abs(step)), step))
+                ahead = abs(there - way) if (there - way) * step > 0 else np.inf
+                way += float(np.copysign(min(ahead, abs(step)), step))
             else:
-                share = inner[1] / (inner[1] - outer[1])
-                at = inner[0] + min(max(share, 0.05), 0.95) * (outer[0] - inner[0])
-        return at
+                share = (there - inner[0]) / (outer[0] - inner[0])
+                if not 0 < share < 1:
+                    share = (reach - inner[1]) / (outer[1] - inner[1])
+                way = inner[0] + min(max(share, 0.05), 0.95) * (outer[0] - inner[0])
+        return begin + way
 
-    def _foreseen(self, point: _Point, step: float) -> float:
-        """Return the step after which S is about the limit, a few times that given at most."""
-        J, j = point.J, self.j
-        others = np.delete(J, j, axis=1)
-        along = J[:, j] - others @ np.linalg.lstsq(others, J[:, j], rcond=None)[0]
+    def _pace(self, point: _Point) -> float:
+        """Return the way for which the root of the rise of S grows by one, by a point's J."""
+        own, others = point.J[:, self.j], np.delete(point.J, self.j, axis=1)
+        along = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
         size = float(np.linalg.norm(along))
-        most = FARTHEST * abs(step)
-        ahead = np.sqrt(self.limit - point.S) / size if size > 0 else np.inf
-        return float(np.copysign(min(ahead, most), step))
+        return 1 / size if size > 0 else np.inf
 
     def _refitted(self, at: float) -> float:
         """Return the least S over the other parameters, this one held; inf if not solved."""
@@ -184,32 +189,27 @@ class _Walk:
                 break
         else:
             return float("inf")
-        for _ in range(MOST):
-            point = point.reached(self.predictor, u, r)
+        for _ in range(MOST_STEPS):
+            there = point.reached(self.predictor, u, r)
+            worse = point.u[self.j] == at and there.S > point.S
+            # a step that gains nothing still tells of the derivatives
+            point = replace(point, J=there.J) if worse else there
             u, gain = self._best(point, point.u)
             if gain <= SETTLED * (abs(point.S - self.points[0].S) + SETTLED * self.points[0].S):
-                break
+                return self._keep(point, gain)
             r = self.predictor.residuals(u)
-            if not np.isfinite(r).all() or r @ r > point.S:
-                return self._carefully(point)
-        return self._keep(point, gain)
+            if not np.isfinite(r).all():
+                break
+        return self._carefully(point)
 
     def _best(self, point: _Point, start: Array) -> tuple[Array, float]:
         """Return what the others go to by a point's derivatives, and what they gain."""
-        from scipy.optimize import lsq_linear
-
         r, J = point.r + point.J @ (start - point.u), np.delete(point.J, self.j, axis=1)
-        others = np.delete(start, self.j)
-        if not others.size:
+        if not J.shape[1]:
             return start, 0.0
-        low, high = (np.delete(ends, self.j) for ends in (self.low, self.high))
-        step = np.linalg.lstsq(J, -r, rcond=None)[0]
-        if np.any(others + step < low) or np.any(others + step > high):
-            inside = np.clip(others, low, high)
-            step = lsq_linear(J, -r, (low - inside - 1e-12, high - inside + 1e-12)).x
-        moved = np.clip(others + step, low, high)
-        left = r + J @ (moved - others)
-        return np.insert(moved, self.j, start[self.j]), float(r @ r - left @ left)
+        others, low, high = (np.delete(x, self.j) for x in (start, self.low, self.high))
+        moved, gain = best_step(r, J, others, low, high)
+        return np.insert(moved, self.j, start[self.j]), gain
 
     def _carefully(self, point: _Point) -> float:
         """Refit the others from a point where whole steps lead nowhere."""
@@ -234,3 +234,19 @@ class _Walk:
     def _keep(self, point: _Point, gain: float) -> float:
         self.points.append(replace(point, gain=gain))
         return point.S - gain
+
+
+def _inverse(
+    f: Sequence[float], x: Sequence[float], slope: float, at: float
+) -> tuple[float, float]:
+    """Return x where f is ``at`` by the inverse parabola through three points, and off the chord.
+
+    The chord is that of the last two; ``slope`` is dx/df at the first two where they are one.
+    """
+    if f[2] in f[:2]:
+        return x[2], np.inf
+    first = slope if f[1] == f[0] else (x[1] - x[0]) / (f[1] - f[0])
+    last = (x[2] - x[1]) / (f[2] - f[1])
+    bend = (at - f[2]) * (at - f[1]) * (last - first) / (f[2] - f[0])
+    chord = x[2] + (at - f[2]) * last
+    return (chord + bend, bend) if np.isfinite(bend) else (chord, np.inf)

@@ -6,7 +6,7 @@ import numpy as np
 
 from .predict import Predictor
 
-__all__ = ["Slopes", "mended"]
+__all__ = ["ASTRAY", "Slopes", "best_step", "mended"]
 
 Array = np.ndarray
 
@@ -21,20 +21,41 @@ def mended(J: Array, step: Array, rise: Array) -> Array | None:
     return np.asarray(J + np.outer(miss, step) / (step @ step))
 
 
+def best_step(r: Array, J: Array, u: Array, low: Array, high: Array) -> tuple[Array, float]:
+    """Return where the linear model about u has its least S within bounds, and what that gains."""
+    from scipy.optimize import lsq_linear
+
+    step = np.linalg.lstsq(J, -r, rcond=None)[0]
+    if np.any(u + step < low) or np.any(u + step > high):
+        inside = np.clip(u, low, high)
+        step = lsq_linear(J, -r, (low - inside - 1e-12, high - inside + 1e-12)).x
+    there = np.clip(u + step, low, high)
+    left = r + J @ (there - u)
+    return there, float(r @ r - left @ left)
+
+
 class Slopes:
     """u -> derivatives of the residuals, from one place asked for to the next."""
 
     def __init__(self, predictor: Predictor) -> None:
         self.predictor = predictor
         self.last: tuple[Array, Array, Array] | None = None
+        self.are_mended = False
 
     def __call__(self, u: Array) -> Array:
         """Return them, (m, p)."""
-        r, J = self.predictor.residuals(u), None
-        if self.last is not None:
-            before, r_before, J_before = self.last
-            J = mended(J_before, u - before, r - r_before)
+        if self.last is None:
+            return self.anew(u)
+        before, r_before, J_before = self.last
+        r = self.predictor.residuals(u)
+        J = mended(J_before, u - before, r - r_before)
         if J is None:
-            J = self.predictor.jacobian(u)
-        self.last = u.copy(), r, J
+            return self.anew(u)
+        self.last, self.are_mended = (u.copy(), r, J), True
+        return J
+
+    def anew(self, u: Array) -> Array:
+        """Return them as the predictor has them."""
+        J = self.predictor.jacobian(u)
+        self.last, self.are_mended = (u.copy(), self.predictor.residuals(u), J), False
         return J

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import exp, inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..losses import Surface, balance_law
 from ..results import Residuals
 from ..two_bodies import mesh_of, within
 from .equations import Known, WrapEquations
-from .grid import WrapGrid, grid_for
+from .grid import OVERLAP, WrapGrid, grid_for, grid_of_0_1
 from .laws import Along
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ __all__ = ["certificate", "equations_of", "surfaces_of", "unknowns_of"]
 
 Array = np.ndarray
 
+BESIDE = 2 * OVERLAP
 SURE = 1e-9  # of a law: below, nobody asks how much of it is rounding
 
 
@@ -53,11 +55,22 @@ def _grid_of(result: WrappedNipResult) -> WrapGrid:
     """
     first, mesh = result.in_nip.start, mesh_of(result)
     behind = result.x.size - first - mesh.nodes.size
-    grid = grid_for(result.problem, mesh.grid, result.half_width, first, max(behind, 1))
+    a = result.half_width
+    args = result.problem, mesh.grid, a, first, max(behind, 1)
+    grid = grid_for(*args)
     if grid.size != result.x.size or grid.first != first:
-        a = result.half_width
         raise InvalidProblem.at("x", f"its nodes are not those of a nip of half width {a:.6g} m")
-    return grid
+
+    def apart(grid: WrapGrid) -> float:
+        same = grid.size == result.x.size and grid.first == first
+        return float(np.max(np.abs(result.x / a - grid.nodes))) if same else inf
+
+    if apart(grid) < SURE * grid.size:
+        return grid
+    # one that began on the other side of where the arcs' shape changes
+    beside = (grid_for(*args[:2], a * exp(side * BESIDE), *args[3:]) for side in (-1, 1))
+    like_beside = (grid_for(*args, like) for like in beside)
+    return min(grid, *like_beside, grid_of_0_1(*args), key=apart)
 
 
 def unknowns_of(result: WrappedNipResult, equations: WrapEquations) -> tuple[Array, Array, float]:

@@ -79,6 +79,11 @@ class WrapColumns:
         """Nodes of q."""
         return np.concatenate([self.roll_q, self.drum_q])
 
+    def by_q(self, matrix: Array, rows: slice = slice(None)) -> Array:
+        """Return those columns of a matrix by all nodes, (..., N+1), that belong to q."""
+        roll, drum = slice(self.grid.first + 1, -1), slice(1, self.grid.last)
+        return np.concatenate([matrix[rows, roll], matrix[rows, drum]], axis=1)
+
     @cached_property
     def drum_p(self) -> slice:
         """Columns of the drum's matrices that belong to p-."""

@@ -128,7 +128,7 @@ class WrapEquations(WrapColumns):
     @cached_property
     def tension_q(self) -> Array:
         """T at the nodes less T_in, (N+1, m)."""
-        return self.half_width * self.grid.to_nodes[:, self.columns]
+        return self.half_width * self.by_q(self.grid.to_nodes)
 
     @cached_property
     def curvature(self) -> tuple[Array, Array, Array]:
@@ -163,7 +163,7 @@ class WrapEquations(WrapColumns):
         gap = grid.points[cells] * (a / problem.contact_radius)
         gap = gap - self.roll.slope[own] - self.drum.slope[cells]
         by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
-        by_q = web.c12 * grid.value[cells][:, self.columns]
+        by_q = web.c12 * self.by_q(grid.value, cells)
         by_z[:, :n_p] = self.roll.slope_p[own]
         known, nip = self.about.roll, slice(grid.first, grid.last + 1)
         p = np.zeros(gap.size + 1) if known is None else np.maximum(known.pressure[nip], 0.0)
@@ -244,12 +244,14 @@ class WrapEquations(WrapColumns):
         """Return v+ and v- less its creep in all cells of both faces, by z and by q."""
         grid, web, roll, drum = self.grid, self.web, self.roll, self.drum
         n_p, n_q = self.roll_nodes.size, self.roll_q.size
-        cells = np.concatenate([np.arange(grid.first, grid.size - 1), np.arange(grid.last)])
         N = n_p - 1  # of the roll
-        stretch = grid.to_points[:, self.columns] - grid.weights[self.columns]
-        by_q = (self.half_width * web.c11 / self.problem.web.thickness) * stretch[cells]
-        by_z = np.zeros((cells.size, n_p + self.drum_nodes.size + 1))
-        by_z[:, :n_p] = -web.c12 * grid.value[cells][:, self.roll_nodes]
+        on_roll, on_drum = slice(grid.first, None), slice(0, grid.last)
+        stretch = [self.by_q(grid.to_points, rows) for rows in (on_roll, on_drum)]
+        by_q = np.concatenate(stretch) - grid.weights[self.columns]
+        by_q *= self.half_width * web.c11 / self.problem.web.thickness
+        by_z = np.zeros((by_q.shape[0], n_p + self.drum_nodes.size + 1))
+        for own, rows in ((slice(0, N), on_roll), (slice(N, None), on_drum)):
+            np.multiply(grid.value[rows, grid.first :], -web.c12, out=by_z[own, :n_p])
         by_z[:N, n_p - 1] += web.c12  # v+ is referred to the far side
         by_z[:N, :n_p] -= roll.strain_p[:-1] - roll.strain_p[-1]
         by_q[:N, :n_q] -= (roll.strain_q[:-1] - roll.strain_q[-1])[:, 1:-1]
@@ -343,7 +345,8 @@ class WrapEquations(WrapColumns):
     def moved(self, a: float) -> WrapEquations:
         """Return the equations for another half width [m], no matrices made."""
         grid = self.grid
-        other = grid_for(self.problem, grid.nip, a, grid.first, grid.size - 1 - grid.last)
+        drum, roll = grid.first, grid.size - 1 - grid.last
+        other = grid_for(self.problem, grid.nip, a, drum, roll, grid)
         made = WrapEquations(self.problem, other, a, self.about)
         vars(made)["joint"] = self.joint  # for the sizes of its rows
         return made

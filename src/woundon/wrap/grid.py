@@ -5,65 +5,62 @@ In units of the half width a, along the web:
       drum's arc (optional)        nip            roll's arc (optional)
     |--|---|----|----|---|--|-|||--- ... ---|||-|--|---|-----|------|------|
     start                  -1                1                            end
+     moves |        stays                          stays     |     moves
 
 The nip has the nodes and collocation points of the plain nip.  On an arc the cells grow with the
 distance from the nip, and towards the far side stay below a fraction of the arc.  A loaded arc may
 end on a finite traction, so its ends carry half hats; the nip's own hats are kept as they are.
+
+Of how long an arc is in half widths, only a rounded value shapes its cells, and only those at its
+far side move to meet its end: between one half width and another, and from case to case, most of
+the grid stays as it is, and all that belongs to it can be kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import log
+from typing import NamedTuple
 
 import numpy as np
 
-from ..contact.grid import HIGHEST_RANK, Grid, Past
-from ..contact.schemes import interpolation_rank
-from ..elasticity.kernels import Kernel
+from ..contact.grid import Grid
 from ..errors import InvalidProblem
 from ..problems.nip import WrappedNipProblem
 
-__all__ = ["Gauss", "Influence", "OpenGrid", "WrapGrid", "grid_for", "wrap_grid"]
+__all__ = [
+    "GRADING", "GRADING_0_1", "Arc", "Grading", "WrapGrid", "grid_for", "grid_of_0_1", "wrap_grid",
+]  # fmt: skip
 
 Array = np.ndarray
 
-FINE = 0.2  # [a]: farther out cells grow like the distance from the nip, nearer like its root
 SHORTEST_WRAP = 2.0  # half widths
-EVENNESS = 3.0  # a cell at the far side is at most 1/EVENNESS of an even one
-MOST_POINTS = 150  # of a cell; three for each length on which a body responds
+STEP = log(2) / 64  # of ln of an arc's length: what shapes its cells
+OVERLAP = 5e-6  # of it too: so far a shape is kept beyond, or a width there would not settle
 
 
-@dataclass(frozen=True, eq=False)
-class OpenGrid(Grid):
-    """A grid whose ends carry half hats, so that every node is an unknown."""
+class Grading(NamedTuple):
+    """How the cells of an arc grow.
 
-    @property
-    def unknowns(self) -> int:
-        """Number of nodes, ends included."""
-        return self.nodes.size
+    Attributes
+    ----------
+    fine, power : float
+        Beyond ``fine`` [a] cells grow like the distance, nearer like its power 1 - 1/power.
+    evenness : float
+        A cell at the far side is at most 1/evenness of an even one.
+    to_entry : float
+        Share of the cells that is graded to where tractions set in.
+    """
 
-    @cached_property
-    def weights(self) -> Array:
-        """Integrals of the hats and half hats, (N+1,)."""
-        return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
+    fine: float
+    power: float
+    evenness: float
+    to_entry: float
 
-    def _hats(self, zeroth: Array, first: Array) -> Array:
-        out = np.zeros((first.shape[0], first.shape[1] + 1))
-        np.subtract(zeroth, first, out=out[:, :-1])
-        out[:, 1:] += first
-        return out
 
-    def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
-        """Integrate what a viscoelastic surface adds against hats and half hats, (k, K, N+1)."""
-        before, logarithm = (part[rows] for part in self.apart)
-        rise = np.diff(lag.twice(before, logarithm + np.log(scale)), axis=-1) / (scale * self.cells)
-        ends = [
-            -lag.exactly(scale * (self.points[rows] - node), 1)[..., None]
-            for node in self.nodes[[0, -1]]
-        ]
-        return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
+GRADING = Grading(fine=0.1, power=2.5, evenness=0.5, to_entry=1 / 4)
+GRADING_0_1 = Grading(fine=0.2, power=2.0, evenness=3.0, to_entry=1 / 2)  # that of woundon 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +76,8 @@ class WrapGrid:
         Nodes at -1 and 1, where the nip begins and ends.
     nip : Grid
         The plain nip's grid.
+    arcs : (Arc, Arc)
+        Those before it and behind it.
     """
 
     nodes: Array
@@ -86,11 +85,18 @@ class WrapGrid:
     first: int
     last: int
     nip: Grid
+    arcs: tuple[Arc, Arc]
 
     @property
     def size(self) -> int:
         """Number N+1 of nodes."""
         return self.nodes.size
+
+    @property
+    def kept(self) -> tuple[int, int]:
+        """First and last of the nodes that stay where they are in units of a."""
+        before, behind = self.arcs
+        return self.first - before.kept, self.last + behind.kept
 
     @cached_property
     def cells(self) -> Array:
@@ -127,9 +133,53 @@ class WrapGrid:
         return out
 
 
+class Arc(NamedTuple):
+    """An arc beside the nip.
+
+    Attributes
+    ----------
+    rows : (2 cells + 1,) array
+        Nodes (even) and points (odd) by distance from the nip, in units of the half width.
+    kept : int
+        How many cells stay where they are as the length changes a little.
+    shape : float
+        The rounded length that shapes the cells.
+    """
+
+    rows: Array
+    kept: int
+    shape: float
+
+    @classmethod
+    def of(cls, length: float, cells: int, entry: bool, like: float = 0.0) -> Arc:
+        """Return an arc of so many cells, shaped like another where it is nearly as long.
+
+        With ``entry`` the far side is an edge where traction sets in, and is resolved too.
+        """
+        if length == 0:
+            return cls(np.zeros(1), 0, 0.0)
+        shape = float(np.exp(STEP * round(log(length) / STEP)))
+        if like and abs(log(length / like)) < STEP / 2 + OVERLAP:
+            shape = like
+        rows, kept = (_graded_to_entry if entry else _graded)(shape, cells, GRADING)
+        rows, last = rows.copy(), rows[2 * kept]
+        rows[2 * kept :] += (rows[2 * kept :] - last) * ((length - shape) / (shape - last))
+        rows[-1] = length
+        return cls(rows, kept, shape)
+
+    @classmethod
+    def of_0_1(cls, length: float, cells: int, entry: bool) -> Arc:
+        """Return an arc as woundon 0.1 had it, no part of which stays."""
+        if length == 0:
+            return cls(np.zeros(1), 0, 0.0)
+        rows, _ = (_graded_to_entry if entry else _graded)(length, cells, GRADING_0_1)
+        return cls(rows, 0, length)
+
+
 def wrap_grid(
-    nip: Grid, drum_arc: float, drum_cells: int, roll_arc: float, roll_cells: int
-) -> WrapGrid:
+    nip: Grid, drum_arc: float, drum_cells: int, roll_arc: float, roll_cells: int,
+    like: WrapGrid | None = None,
+) -> WrapGrid:  # fmt: skip
     """Join arcs to a nip's grid.
 
     Parameters
@@ -139,24 +189,51 @@ def wrap_grid(
         Lengths of the arcs beyond the nip in units of the half width; 0 for none.
     drum_cells, roll_cells : int
         Their numbers of cells.
+    like : WrapGrid, optional
+        Of nearly the same lengths; most of it is to stay.
     """
-    before, after = _arc(drum_arc, drum_cells, True), _arc(roll_arc, roll_cells, False)
+    shapes = (0.0, 0.0) if like is None else (like.arcs[0].shape, like.arcs[1].shape)
+    drum = Arc.of(drum_arc, drum_cells, True, shapes[0])
+    roll = Arc.of(roll_arc, roll_cells, False, shapes[1])
+    return _joined(nip, drum, roll)
+
+
+def _joined(nip: Grid, drum: Arc, roll: Arc) -> WrapGrid:
+    """Return a nip's grid with arcs before and behind."""
+    before, after = drum.rows, roll.rows
     nodes = np.concatenate([-1 - before[:0:-2], nip.nodes, 1 + after[2::2]])
     points = np.concatenate([-1 - before[-2::-2], nip.points[:-1], 1 + after[1::2]])
     first = before.size // 2
-    return WrapGrid(nodes, points, first, first + nip.nodes.size - 1, nip)
+    return WrapGrid(nodes, points, first, first + nip.nodes.size - 1, nip, (drum, roll))
 
 
 def grid_for(
-    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int
-) -> WrapGrid:
+    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int,
+    like: WrapGrid | None = None,
+) -> WrapGrid:  # fmt: skip
     """Return a problem's grid for the half width a [m]: the arcs' ends stay where they are.
+
+    ``like`` is that of nearly the same half width.
 
     Raises
     ------
     InvalidProblem
         For a wrap on the roll that ends within the nip, or too near behind it.
     """
+    drum, roll = _lengths(problem, a)
+    return wrap_grid(nip, drum, drum_cells, roll, roll_cells, like)
+
+
+def grid_of_0_1(
+    problem: WrappedNipProblem, nip: Grid, a: float, drum_cells: int, roll_cells: int
+) -> WrapGrid:
+    """Return the grid that woundon 0.1 had, whose files hold its nodes; see above."""
+    drum, roll = _lengths(problem, a)
+    return _joined(nip, Arc.of_0_1(drum, drum_cells, True), Arc.of_0_1(roll, roll_cells, False))
+
+
+def _lengths(problem: WrappedNipProblem, a: float) -> tuple[float, float]:
+    """Return the lengths of the arcs of drum and roll beyond the nip, in half widths."""
     radius, wrap = problem.roll.radius, problem.roll_wrap
     drum = problem.drum_wrap * problem.drum.radius / a
     roll = wrap * radius / a - 1 if wrap > 0 else 0.0
@@ -166,196 +243,31 @@ def grid_for(
             f"{wrap:.6g} is out of range; the nip's trailing edge is at {a / radius:.4g}, so it "
             f"must be 0 or >= {SHORTEST_WRAP * a / radius:.4g} [rad]",
         )
-    return wrap_grid(nip, drum, drum_cells, roll, roll_cells)
+    return drum, roll
 
 
-def _arc(length: float, cells: int, entry: bool) -> Array:
-    """Return nodes (even) and points (odd) of an arc by distance from the nip, (2 cells + 1,).
-
-    With ``entry`` the far side is an edge where traction sets in, and is resolved like the nip's.
-    """
-    if length == 0:
-        return np.zeros(1)
-    if entry:
-        half = _arc(length / 2, max(cells // 2, 2), False)
-        return np.concatenate([half, (length - half)[-2::-1]])
-
-    # cells are counted by 2 ln(1 + u) + even u^2, with u the root of the distance over FINE
-    even = EVENNESS * FINE / length
-    most = float(np.sqrt(length / FINE))
-    t = np.linspace(0.0, 1.0, 2 * cells + 1) * (2 * np.log1p(most) + even * most**2)
-    u = np.minimum(np.expm1(t / 2), most)
+@lru_cache(maxsize=128)
+def _graded(length: float, cells: int, by: Grading) -> tuple[Array, int]:
+    """Return nodes and points by distance, and how many cells from the nip on stay."""
+    # cells are counted by m ln(1 + u) + even u^m, with u^m the distance over fine
+    m, even = by.power, by.evenness * by.fine / length
+    most = float((length / by.fine) ** (1 / m))
+    t = np.linspace(0.0, 1.0, 2 * cells + 1) * (m * np.log1p(most) + even * most**m)
+    u = np.minimum(np.expm1(t / m), most)
     for _ in range(50):  # Newton's method from above, on a growing function
-        step = (2 * np.log1p(u) + even * u**2 - t) / (2 / (1 + u) + 2 * even * u)
+        step = (m * np.log1p(u) + even * u**m - t) / (m / (1 + u) + m * even * u ** (m - 1))
         u = np.clip(u - step, 0.0, most)
         if np.max(np.abs(step)) < 1e-14 * most:
             break
-    distance = FINE * u**2
+    distance = by.fine * u**m
     distance[0], distance[-1] = 0.0, length
-    return distance
+    return distance, cells - max(1, cells // 8)
 
 
-class Gauss:
-    """Gauss's rule along a row of nodes, few points a cell, more where a kernel varies in it.
-
-    Parameters
-    ----------
-    nodes : (N+1,) array
-        In units of the half width.
-    scale : float
-        a [m].
-    length : float
-        On which the kernels vary [m].
-    """
-
-    def __init__(self, nodes: Array, scale: float, length: float) -> None:
-        cells = np.diff(nodes)
-        share = scale * cells / length
-        orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
-        self.cell = cell = np.repeat(np.arange(cells.size), orders)
-        rules = [_gauss(order) for order in orders.tolist()]
-        part = (np.concatenate([g for g, _ in rules]) + 1) / 2
-        weight = np.concatenate([w for _, w in rules]) / 2 * cells[cell] * scale
-        self.points = nodes[cell] + cells[cell] * part
-        # hats and half hats times weights, (Q, N+1)
-        self.hats = np.zeros((part.size, nodes.size))
-        k = np.arange(part.size)
-        self.hats[k, cell], self.hats[k, cell + 1] = weight * (1 - part), weight * part
-
-
-class Influence:
-    """Integrates kernels of a closed circle against all hats of a grid scaled by a half width.
-
-    What is singular is integrated in closed form, the smooth rest by Gauss's rule, few points a
-    cell, for it varies on the radius.  Points and hats inside the nip keep the plain nip's
-    integrals, so that without arcs nothing changes.
-
-    Parameters
-    ----------
-    grid : OpenGrid
-        Nodes of a face and the points where kernels are asked for.
-    nip : Grid
-    rows, columns : int array, slice
-        Which points are the nip's, in its order, and which hats lie wholly inside it.
-    scale : float
-        a [m].
-    length : float
-        Length on which the smooth parts vary [m].
-    period : float
-        Circumference [m]; inf for a half-plane.
-    gauss : Gauss, optional
-        Of the grid's nodes, where it is at hand.
-    """
-
-    def __init__(
-        self, grid: OpenGrid, nip: Grid | None, rows: Array, columns: slice,
-        scale: float, length: float, period: float, gauss: Gauss | None = None,
-    ) -> None:  # fmt: skip
-        self.grid, self.nip, self.rows, self.columns = grid, nip, rows, columns
-        self.scale, self.length, self.period = scale, length, period
-        self.gauss = gauss or Gauss(grid.nodes, scale, length)
-
-    def __call__(self, kernel: Kernel) -> Array:
-        """Return the integrals of one kernel at each point, (K, N+1)."""
-        smooth = None if kernel.smooth is None else _stacked(kernel.smooth)
-        found: Array = self.together((kernel,), smooth, kernel.lag)[0]
-        return found
-
-    def together(
-        self, kernels: Sequence[Kernel], smooth: Callable[[Array], Array] | None,
-        lag: Past | None = None,
-    ) -> Array:  # fmt: skip
-        """Return the integrals of kernels whose smooth parts and lags are at hand together.
-
-        Returns
-        -------
-        (kernels, K, N+1) array
-            See :meth:`woundon.contact.grid.Grid.integrate_together`.
-        """
-        out = self._closed(kernels)
-        if smooth is not None:
-            for rows, points in self.blocks:
-                out[:, rows] += self._smooth(kernels, smooth, rows, points)
-        rank = interpolation_rank(self.length, self.scale)
-        most = HIGHEST_RANK if self.nip is None else self.nip.highest_rank
-        twice = [kernel.twice for kernel in kernels if kernel.twice is not None]
-        if rank > most and len(twice) == len(kernels):  # too short for Gauss's rule
-            for part, one in zip(out, twice, strict=True):
-                part[:, 1:-1] = self.grid.by_second_integral(one, self.scale)
-        elif self.nip is not None:
-            own = self.nip.integrate_together(kernels, smooth, self.scale, rank)
-            out[:, self.rows, self.columns] = own[:, : self.rows.size]
-        return out if lag is None else out + self.grid.lagging(lag, self.scale)
-
-    def at_end(self, kernels: Sequence[Kernel]) -> Array:
-        """Return the integrals at the last point alone, (kernels, 1, N+1)."""
-        end, out = slice(-1, None), self._closed(kernels, slice(-1, None))
-        rank, every = interpolation_rank(self.length, self.scale), slice(None)
-        for part, kernel in zip(out, kernels, strict=True):
-            if rank > HIGHEST_RANK and kernel.twice is not None:
-                part[:, 1:-1] = self.grid.by_second_integral(kernel.twice, self.scale, end)
-            elif kernel.smooth is not None:
-                part += self._smooth((kernel,), _stacked(kernel.smooth), end, every)[0]
-            if kernel.lag is not None:
-                part += self.grid.lagging(kernel.lag, self.scale, end)[0]
-        return out
-
-    def _closed(self, kernels: Sequence[Kernel], rows: slice = slice(None)) -> Array:
-        """Return the integrals of the singular parts, (kernels, rows, N+1)."""
-        a, grid = self.scale, self.grid
-        factors = np.array([[k.inverse, k.delta, k.log * a, k.sign * a] for k in kernels])
-        singular = grid.singular.reshape(4, grid.points.size, -1)[:, rows]
-        out: Array = (factors @ singular.reshape(4, -1)).reshape(-1, *singular.shape[1:])
-        for part, kernel in zip(out, kernels, strict=True):
-            if kernel.log:
-                part += kernel.log * a * np.log(a) * grid.weights
-        return out
-
-    @cached_property
-    def blocks(self) -> list[tuple[Array, Array]]:
-        """Return for which points smooth parts are integrated by which of Gauss's points."""
-        points, every = np.arange(self.grid.points.size), np.arange(self.gauss.points.size)
-        if self.nip is None:
-            return [(points, every)]
-        cell = self.gauss.cell
-        inner = (cell >= self.columns.start) & (cell < self.columns.stop - 1)
-        return [(np.delete(points, self.rows), every), (self.rows, every[~inner])]
-
-    def _smooth(
-        self, kernels: Sequence[Kernel], smooth: Callable[[Array], Array],
-        rows: Array | slice, points: Array | slice,
-    ) -> Array:  # fmt: skip
-        """Return the integrals of smooth parts by some of Gauss's points, (kernels, rows, N+1)."""
-        return self.between(kernels, smooth, rows, points) @ self.gauss.hats[points]
-
-    def between(
-        self, kernels: Sequence[Kernel], smooth: Callable[[Array], Array],
-        rows: Array | slice, points: Array | slice,
-    ) -> Array:  # fmt: skip
-        """Return smooth parts between points and some of Gauss's, (kernels, rows, points).
-
-        Beyond half the circumference a smooth part is continued by periodicity of the whole kernel:
-        the singular parts are exchanged there.
-        """
-        t = self.scale * (self.grid.points[rows, None] - self.gauss.points[points])
-        far = np.abs(t) > self.period / 2
-        straight = t[far]
-        if straight.size:
-            t[far] = round_ = straight - np.sign(straight) * self.period
-        values = smooth(t)
-        if straight.size:
-            for value, kernel in zip(values, kernels, strict=True):
-                value[far] += kernel.singular(round_) - kernel.singular(straight)
-        return values
-
-
-def _stacked(smooth: Callable[[Array], Array]) -> Callable[[Array], Array]:
-    """Return one smooth part as if it were several together."""
-    return lambda t: smooth(t)[None]
-
-
-@lru_cache
-def _gauss(order: int) -> tuple[Array, Array]:
-    """Return Gauss's points and weights on [-1, 1]."""
-    g, w = np.polynomial.legendre.leggauss(order)
-    return g, w
+@lru_cache(maxsize=128)
+def _graded_to_entry(length: float, cells: int, by: Grading) -> tuple[Array, int]:
+    """Return the same with an entry at the far side, to which some of the cells are graded."""
+    fine = max(int(by.to_entry * cells), 2)
+    near, kept = _graded(length / 2, cells - fine, by)
+    far, _ = _graded(length / 2, fine, by)
+    return np.concatenate([near, (length - far)[-2::-1]]), kept

@@ -155,5 +155,7 @@ class WrappedNipResult(WindingNipResult):
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:
         """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
-        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.wrap.solve:recomputed")(self)
+        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.wrap.outcome:recomputed")(
+            self
+        )
         return told

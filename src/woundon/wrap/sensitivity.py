@@ -159,7 +159,7 @@ class _WrapDifferential(Differential):
         here = self.here
         own, first = here.grid, here.grid.first
         nip = mesh_of(self.result).grid
-        grid = grid_for(problem, nip, a, first, own.size - first - nip.nodes.size)
+        grid = grid_for(problem, nip, a, first, own.size - first - nip.nodes.size, own)
         made = WrapEquations(problem, grid, a, here.about)
         if a == self.half_width and np.array_equal(grid.nodes, own.nodes):
             # what a body answers is most of the work; that of the others have not changed

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import inf, nan
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -25,25 +25,23 @@ from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
 from ..contact.told import Foreseen
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
-from ..losses import Surface, lost
-from ..nip.solve import slip_ratios, told_by
-from ..nip.validity import nip_warnings, web_far_outside
+from ..losses import Surface
+from ..nip.validity import web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
-from ..results import Residuals
 from ..threads import one_thread
 from ..two_bodies import PairContact
-from .certificate import certificate, equations_of, roll_strain, surfaces_of, unknowns_of
 from .equations import Known, WrapEquations, WrapState
 from .grid import WrapGrid, grid_for
-from .laws import Along
+from .outcome import creep, ratios, result_of
 from .result import WrappedNipResult
 
-__all__ = ["check_options", "recomputed", "solve_wrapped_nip"]
+__all__ = ["check_options", "solve_wrapped_nip"]
 
 Array = np.ndarray
 
 FINE = Tolerance(load=8e-9, balance=1e-9)  # the certificate allows 1e-8
 NODES = 65
+ROLL_CELLS, DRUM_CELLS, RIGID_CELLS = 1 / 2, 3 / 4, 1 / 4  # on the arcs, of those in the nip
 # where neither nodes nor rtol are given: the error of WOT below which, and the nodes up to which
 # meshes are doubled; bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
@@ -75,7 +73,8 @@ def solve_wrapped_nip(
         Number of nodes in the nip, 17 to 1025.  By default 65, doubled up to 257 until the
         estimated error of the wound-on tension is below 0.1 %.
     wrap_nodes : int, optional
-        Number of cells on each arc, 12 to 2048; by default 3/4 of those in the nip.
+        Number of cells on each arc, 12 to 2048; by default half of those in the nip, on the drum
+        three quarters, or a quarter where it is rigid.
     rtol : float, optional
         In place of nodes: double them until the estimated error of the wound-on tension is below
         rtol of it, 1e-6 to 0.1.
@@ -116,7 +115,7 @@ def solve_wrapped_nip(
         ladder.double(rtol, MOST_NODES)
     elif chooses:
         ladder.double(*asked)
-    result = _result(ladder, problem).checked()
+    result = result_of(ladder, problem).checked()
     if rtol is not None and not ladder.reached(rtol):
         raise ladder.not_reached(rtol, "the wound-on tension", result)
     return result.warned()
@@ -168,8 +167,10 @@ def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
     load = problem.nip_load / was.nip_load
     known: Widths = (start.widths or Widths(2.0, {})).at(load)
     zones = np.concatenate([start.roll_zone[on_roll], start.drum_zone[on_drum]])
-    # what the nip adds goes like its load; the web bends with the other radii
-    tension = problem.web_tension + load * (start.web_tension - was.web_tension)
+    # what the nip adds goes like its load, what comes to it like T_in; the web bends with the radii
+    T, T_in = start.web_tension, problem.web_tension
+    coming = T[np.minimum(np.arange(T.size), start.in_nip.start)]
+    tension = T_in * (coming / was.web_tension if was.web_tension else 1.0) + load * (T - coming)
     drum, roll = (1 / getattr(problem, name).radius - 1 / getattr(was, name).radius
                   for name in ("drum", "roll"))  # fmt: skip
     loads = Known(
@@ -185,8 +186,10 @@ def _started(start: WrappedNipResult, problem: WrappedNipProblem) -> Start:
 
 def check_options(
     *, nodes: Any = None, wrap_nodes: Any = None, rtol: Any = None
-) -> tuple[int, int]:
+) -> tuple[int, int | None]:
     """Check the options of :func:`solve_wrapped_nip`; return the nodes and the cells on an arc.
+
+    None where these are not told.
 
     Raises
     ------
@@ -197,19 +200,20 @@ def check_options(
     if rtol is not None:
         tolerance("rtol", rtol, 1e-6, 0.1)
     nodes_or_rtol(nodes, rtol)
-    if wrap_nodes is None:
-        return count, 3 * (count - 1) // 4
-    return count, whole_number("wrap_nodes", wrap_nodes, 12, 2048)
+    cells = None if wrap_nodes is None else whole_number("wrap_nodes", wrap_nodes, 12, 2048)
+    return count, cells
 
 
 @dataclass(frozen=True, eq=False)
 class WrapContact(PairContact):
-    """A wrapped nip as the loop sees it; ``cells`` on each arc belong to ``nodes`` in the nip.
+    """A wrapped nip as the loop sees it.
+
+    ``cells`` on each arc belong to ``nodes`` in the nip; None: as many as each arc needs.
 
     ``near`` is what a neighbouring case hands over.
     """
 
-    cells: int
+    cells: int | None
     nodes: int
     near: Start | None = None
 
@@ -226,10 +230,18 @@ class WrapContact(PairContact):
         few = before is None or before.places.size < grid.size
         return few and near is not None and near.places.size >= grid.size
 
-    def grid(self, mesh: Mesh, a: float) -> WrapGrid:
-        """Return the grid for a half width: the arcs' ends stay where they are in space."""
-        cells = max(8, self.cells * (mesh.nodes.size - 1) // (self.nodes - 1))
-        return grid_for(self.problem, mesh.grid, a, cells, cells)
+    def grid(self, mesh: Mesh, a: float, like: WrapGrid | None = None) -> WrapGrid:
+        """Return the grid for a half width: the arcs' ends stay where they are in space.
+
+        A rigid drum's arc carries the web's tension alone; a soft one bends beside the nip.
+        """
+        count = mesh.nodes.size - 1
+        if self.cells is not None:
+            drum = roll = self.cells * count // (self.nodes - 1)
+        else:
+            drum = int((RIGID_CELLS if self.problem.drum.rigid else DRUM_CELLS) * count)
+            roll = int(ROLL_CELLS * count)
+        return grid_for(self.problem, mesh.grid, a, max(8, drum), max(8, roll), like)
 
     def about(self, mesh: Mesh, a: float, before: Before | None) -> Known:
         """Return tension and curvature to begin with: guessed, or those of the mesh before."""
@@ -258,7 +270,8 @@ class WrapContact(PairContact):
         """Return the equations for the half width a [m]; for the same, with the last matrices."""
         if last is not None and last.half_width == a:
             return last.linearised(about)
-        return WrapEquations(self.problem, self.grid(mesh, a), a, about)
+        like = None if last is None else last.grid
+        return WrapEquations(self.problem, self.grid(mesh, a, like), a, about)
 
     def refuse(self, equations: WrapEquations, state: WrapState) -> None:
         """Raise where the web is slack on a wrap: then nothing presses it on."""
@@ -298,8 +311,8 @@ class WrapContact(PairContact):
             "wound_on_tension": far,
             "nip_induced_tension": behind - before,
             "tension_behind_nip": behind,
-            "drum_creep": _creep(level.equations, state),
-            **slip_ratios(self.problem, _in_nip(along_web(level), grid)),
+            "drum_creep": creep(level.equations, state),
+            **ratios(level),
         }
 
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
@@ -322,106 +335,3 @@ class WrapContact(PairContact):
         own = problem.web.compliance.c11 / problem.web.thickness * problem.web_tension
         entry = ENTRY / (level.mesh.nodes.size - 1) ** 2
         return float(entry * hoop + ROUNDING * own)
-
-
-# ---- from a solved mesh to a result -------------------------------------------------------------
-
-
-def _result(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
-    """Return the result of the last mesh, its certificate measured on what it reports."""
-    level = ladder.level
-    equations, state = level.equations, level.state
-    along = state.along
-    if not problem.linear:
-        equations = equations.anew(state)
-        along = equations.laws.at(equations.unknowns(state), state.solution.traction)
-    arrays, grid = along_web(level), equations.grid
-    responses = [face.response for face in equations.laws.both if face.response]
-    result = WrappedNipResult(
-        problem=problem,
-        half_width=state.half_width,
-        approach=_approach(equations, along, state.shift),
-        offset=state.shift * problem.contact_radius,
-        drum_creep=_creep(equations, state),
-        **slip_ratios(problem, _in_nip(arrays, grid)),
-        **arrays,
-        roll_strain=roll_strain(equations, along),
-        residuals=Residuals(),
-        iterations=ladder.solves,
-        series_terms=max((r.terms for r in responses), default=0),
-        series_error=max((r.truncation_error for r in responses), default=0.0),
-        mesh=level.mesh,
-        widths=ladder.widths,
-        rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
-    )
-    return result.replace(
-        errors=ladder.errors_of(result),
-        residuals=certificate(result, equations),
-        warnings=nip_warnings(result),
-    )
-
-
-def along_web(level: Level) -> dict[str, Any]:
-    """Return what a solved mesh has along the web, by the names of the result, (N,) each."""
-    equations, state, along = level.equations, level.state, level.state.along
-    grid, a = equations.grid, state.half_width
-    slip_x = a * np.append(grid.points[:1], grid.points)
-    slip_x[grid.first] = slip_x[grid.first + 1]
-    zones = _zones(equations, state.solution.state)
-    return {
-        "x": a * grid.nodes,
-        "slip_x": slip_x,
-        "pressure": along.drum_loads.pressure,
-        "roll_pressure": along.roll_loads.pressure,
-        "hoop_pressure": along.tension * along.bend * equations.weighs,
-        "curvature": along.bend,
-        "roll_traction": along.roll_loads.traction,
-        "drum_traction": along.drum_loads.traction,
-        "roll_slip": state.roll_slip,
-        "drum_slip": state.drum_slip,
-        "roll_zone": zones[0],
-        "drum_zone": zones[1],
-        "web_tension": along.tension,
-    }
-
-
-def _in_nip(arrays: Mapping[str, Array], grid: WrapGrid) -> dict[str, Array]:
-    return {name: values[grid.first : grid.last + 1] for name, values in arrays.items()}
-
-
-def _zones(equations: WrapEquations, states: Array) -> Array:
-    """Place the states of both faces along all nodes, (2, N+1); the ends copy their neighbours."""
-    n_q, grid = equations.roll_q.size, equations.grid
-    out = np.zeros((2, grid.size), dtype=states.dtype)
-    out[0, equations.roll_q], out[1, equations.drum_q] = states[:n_q], states[n_q:]
-    out[0, grid.first], out[0, -1] = out[0, grid.first + 1], out[0, -2]
-    out[1, 0], out[1, grid.last] = out[1, 1], out[1, grid.last - 1]
-    return out
-
-
-def _creep(equations: WrapEquations, state: WrapState) -> float:
-    """Return xi-, unstrained web and drum as reference: the solved one is referred to T(end)."""
-    web, thickness = equations.web, equations.problem.web.thickness
-    return float(state.solution.creep - web.c11 / thickness * float(state.along.tension[-1]))
-
-
-def _approach(equations: WrapEquations, along: Along, shift: float) -> float:
-    """Return the mutual approach, from the indentation at the trailing edge [m]."""
-    problem, a, edge = equations.problem, equations.half_width, equations.grid.last
-    v = equations.web.c12 * along.tension[edge] + along.roll.normal + along.drum.normal
-    v -= float(problem.web.thinned(along.roll_loads.pressure[edge:][:1])[0][0])
-    return -float(v + shift * a - a**2 / (2 * problem.contact_radius))
-
-
-def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
-    """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
-    equations, problem = equations_of(result), result.problem
-    z, q, _ = unknowns_of(result, equations)
-    approach = _approach(equations, equations.laws.at(z, q), float(z[-1]))
-    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
-    own = _in_nip(arrays, equations.grid)
-    told = told_by(approach, slip_ratios(problem, own), own["x"])
-    if problem.viscoelastic:
-        resistance = lost(problem, surfaces_of(result, equations))
-        told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
-    return told

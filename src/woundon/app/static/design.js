@@ -28,18 +28,19 @@ export function Design({ store }) {
   const ends = endsOf(state.solved);
   const points = (wanted ?? []).map(([share, P]) => [ends[0] + share * (ends[1] - ends[0]), P]);
   const { [TENSION]: own, ...roll } = state.solved;
+  const asked = JSON.stringify([roll, points]);
   useEffect(() => {
     if (!open) return;
     const tables = state.solved;
     const pressure = { radius: points.map(([r]) => r), value: points.map(([, P]) => P) };
     newest.current.ask(async (signal) => {
       try {
-        setFound({ told: await api.design(tables, pressure, signal), tables, points });
+        setFound({ told: await api.design(tables, pressure, signal), asked });
       } catch (fault) {
         if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault: fault.message }));
       }
     });
-  }, [open, JSON.stringify([roll, points])]);
+  }, [open, asked]);
   useEffect(() => () => newest.current.drop(), []);
   const toggle = (event) => { setWanted(wanted ?? startOf(state.result, ends)); setOpen(event.target.open); };
   const put = (next) => setWanted(next.map(([r, P]) => [(r - ends[0]) / (ends[1] - ends[0]), Number(P.toPrecision(4))]));
@@ -53,7 +54,7 @@ export function Design({ store }) {
       <${Points} ...${{ store, quantity: store.output("pressure"), points, ends, put, name: T.design.wanted }} />
       ${found.fault && html`<p class="fault" role="alert">${found.fault}</p>`}
       ${found.told && html`<${Found} store=${store} found=${found} own=${own} />
-        <button type="button" class="primary" disabled=${!!found.fault} onClick=${take}>${T.design.take}</button>
+        <button type="button" class="primary" disabled=${!!found.fault || found.asked !== asked} onClick=${take}>${T.design.take}</button>
         <span class="quiet"> ${store.full ? T.design.full : T.design.pins}</span>`}`}
   </details>`;
 }

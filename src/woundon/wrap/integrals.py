@@ -1,0 +1,124 @@
+"""Integrals over rows of cells whose ends carry half hats: in closed form, and Gauss's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from ..contact.grid import Grid, Past
+
+__all__ = ["OpenGrid", "closed", "gauss"]
+
+Array = np.ndarray
+
+MOST_POINTS = 150  # of a cell; three for each length on which a body responds
+FAR = 0.1  # half a cell over the distance to its middle: beyond, logarithms cancel
+
+
+@dataclass(frozen=True, eq=False)
+class OpenGrid(Grid):
+    """A grid whose ends carry half hats, so that every node is an unknown."""
+
+    @property
+    def unknowns(self) -> int:
+        """Number of nodes, ends included."""
+        return self.nodes.size
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrals of the hats and half hats, (N+1,)."""
+        return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
+
+    def _hats(self, zeroth: Array, first: Array) -> Array:
+        out = np.zeros((first.shape[0], first.shape[1] + 1))
+        np.subtract(zeroth, first, out=out[:, :-1])
+        out[:, 1:] += first
+        return out
+
+    def lagging(self, lag: Past, scale: float, rows: slice = slice(None)) -> Array:
+        """Integrate what a viscoelastic surface adds against hats and half hats, (k, K, N+1)."""
+        before, logarithm = (part[rows] for part in self.apart)
+        rise = np.diff(lag.twice(before, logarithm + np.log(scale)), axis=-1) / (scale * self.cells)
+        ends = [
+            -lag.exactly(scale * (self.points[rows] - node), 1)[..., None]
+            for node in self.nodes[[0, -1]]
+        ]
+        return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
+
+
+def closed(points: Array, nodes: Array) -> Array:
+    """Integrate 1/t, the pulse, ln|t| and sgn(t), t = y - s, against hats and half hats.
+
+    Parameters
+    ----------
+    points : (K,) array
+        y; on a node what is singular there is large, but finite.
+    nodes : (M+1,) array
+
+    Returns
+    -------
+    (4, K, M+1) array
+        As :data:`woundon.contact.grid.SINGULAR` has them.
+    """
+    h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
+    # over each cell, and times the distance from its middle
+    zeroth, first = np.zeros((2, 4, *d.shape))
+    logarithm = np.log(np.maximum(np.abs(points[:, None] - nodes), 1e-300))
+    left, right = logarithm[:, :-1], logarithm[:, 1:]
+    inverse = np.subtract(left, right, out=zeroth[0])
+    far = np.abs(d) * FAR > h / 2
+    inverse[far] = 2 * np.arctanh((h / (2 * d))[far])
+    inside = np.minimum(np.maximum(d, -h / 2), h / 2)
+    own = inside == d
+    zeroth[1], first[1] = own, np.where(own, d, 0.0)
+    np.multiply(d, inverse, out=zeroth[2])
+    np.subtract(zeroth[2], h, out=first[0])
+    zeroth[2] += h / 2 * (left + right) - h
+    first[2] = d / 2 * first[0] - h**2 / 8 * inverse
+    np.multiply(inside, 2.0, out=zeroth[3])
+    first[3] = inside**2 - h**2 / 4
+    zeroth /= 2
+    first /= h
+    out = np.zeros((4, points.size, nodes.size))
+    np.subtract(zeroth, first, out=out[..., :-1])
+    zeroth += first
+    out[..., 1:] += zeroth
+    return out
+
+
+def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
+    """Return Gauss's points along a row of nodes, and the hats there times weights.
+
+    Parameters
+    ----------
+    nodes : (N+1,) array
+        In units of the half width.
+    scale : float
+        a [m].
+    length : float
+        On which the kernels vary [m]: the longer a cell beside it, the more points.
+
+    Returns
+    -------
+    (Q,), (Q, N+1) arrays
+        Weights in metres; half hats at the ends.
+    """
+    cells = np.diff(nodes)
+    share = scale * cells / length
+    orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
+    cell = np.repeat(np.arange(cells.size), orders)
+    rules = [_gauss(order) for order in orders.tolist()]
+    part = (np.concatenate([g for g, _ in rules]) + 1) / 2
+    weight = np.concatenate([w for _, w in rules]) / 2 * cells[cell] * scale
+    hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
+    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
+    return nodes[cell] + cells[cell] * part, hats
+
+
+@lru_cache
+def _gauss(order: int) -> tuple[Array, Array]:
+    """Return Gauss's points and weights on [-1, 1]."""
+    g, w = np.polynomial.legendre.leggauss(order)
+    return g, w
