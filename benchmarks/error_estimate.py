@@ -47,6 +47,7 @@ LOOSE = 5.0  # the told error over the true one, asked of the median
 KNOWN = 1 / 3  # of a told error, which the better answer's own must be below
 BEST = 1e-6
 EXACT = 1e-7  # relative
+REFUSED = ("InvalidProblem", "NoSteadyState")
 FINE = 700  # nodes from which a graded mesh is a better answer
 
 MAIN = ("nip_induced_tension", "wound_on_tension", "half_width", "drum_creep", "peak_pressure",
@@ -135,7 +136,7 @@ def _finest(problem: Any, nodes: int) -> Any:
 def report(rows: Sequence[Row], of: str = "nips") -> tuple[str, bool]:
     """Return the summary as Markdown, and whether the main outputs' errors are as asked."""
     good = [row for row in rows if not row["failure"]]
-    refused = [row for row in rows if str(row["failure"]).startswith("InvalidProblem")]
+    refused = [row for row in rows if str(row["failure"]).startswith(REFUSED)]
     failed = [row for row in rows if row["failure"] and row not in refused]
     counts = np.unique([int(str(row["nodes"])) for row in good], return_counts=True)
     by_elements = sum(str(row["reference"]).startswith("elements") for row in good)

@@ -24,7 +24,7 @@ from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns, padded
 from .contact.schemes import Graded, Mesh, scheme_of
 from .contact.stick_slip import StickSlip, StickSlipSolution
-from .contact.told import ORDER
+from .contact.told import ORDER, Foreseen
 from .contact.width import WidthNotFound, width_for_load
 from .errors import InvalidProblem
 from .losses import Surface, lost, surfaces
@@ -45,12 +45,16 @@ SHARE = (
 SLACK = 0.5  # of the load that flattens a thin tube, from which a contact's is looked at
 PARTED = 0.05  # of the largest pressure: less of it in the middle, friction may take away
 GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
-# half of what outputs of 300 random nips scatter by in the middle; errors fall from mesh to mesh by
-# order two in the middle of these, by 1.3 to 1.6 in the worst twentieth of those with rigid drums
+# what outputs of random nips scatter by in the middle, relative and on one cell, and as how many
+# changes that counts: widths and pressures err much alike, what borders of zones matter to does not
 USUAL = {
-    "nip_induced_tension": 1.0, "tension_behind_nip": 1.0, "half_width": 0.05, "nip_width": 0.05,
-    "peak_pressure": 0.4, "offset": 2.0, "drum_creep": 0.35,
+    "nip_induced_tension": Foreseen(1.0, 0.5), "tension_behind_nip": Foreseen(1.0, 0.5),
+    "drum_creep": Foreseen(0.35, 0.5), "offset": Foreseen(2.0, 0.5),
+    "wound_on_tension": Foreseen(0.3, 1.0), "half_width": Foreseen(0.15, 2.0),
+    "nip_width": Foreseen(0.15, 2.0), "peak_pressure": Foreseen(0.8, 2.0),
 }  # fmt: skip
+# errors fall from mesh to mesh by order two in the middle of random nips, by 1.3 to 1.6 in the
+# worst twentieth of those with rigid drums
 JUMPING = 1.5
 
 
@@ -420,9 +424,14 @@ class PairContact:
         """By which power of the cells errors fall: less where tractions jump, on rigid bodies."""
         return JUMPING if any(body.rigid for body in self.problem.bodies) else ORDER
 
-    def usual_scatter(self, name: str) -> float:
-        """Return by how much an output scatters usually, relative and as of one cell."""
-        return USUAL.get(name, 0.0)
+    def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
+        """Return by how much outputs scatter usually on such a mesh."""
+        cells = level.mesh.nodes.size - 1
+        return {
+            name: usual._replace(size=usual.size * self.scale(name, scalars[name]) / cells**ORDER)
+            for name, usual in USUAL.items()
+            if name in scalars
+        }
 
     def grain(self, name: str, level: Level) -> float:
         """Return what a mesh leaves of an output that changes between meshes need not show.

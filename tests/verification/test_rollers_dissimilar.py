@@ -11,6 +11,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from random_nips import random_rollers
 
 import woundon as wo
 from woundon import theories
@@ -75,3 +76,14 @@ def test_full_stick_converges() -> None:
 def test_between_the_limits_the_creepage_falls_with_friction() -> None:
     creepages = [abs(wo.solve_rollers(pair(mu)).creepage) for mu in (1e-4, 0.02, 0.05, 0.2, 10.0)]
     assert creepages == sorted(creepages, reverse=True)
+
+
+@pytest.mark.parametrize(("seed", "nodes"), [(110007, 201), (72026, 201), (72041, 401)])
+def test_strong_coupling_is_reached_from_none(seed: int, nodes: int) -> None:
+    """Rolls far softer one way than the other, on which pivots alone go round in a circle."""
+    problem = random_rollers(seed)
+    fine, coarse = (wo.solve_rollers(problem, nodes=count) for count in (nodes, 101))
+    # both are told to better than a thousandth
+    assert fine.half_width == pytest.approx(coarse.half_width, rel=1e-3)
+    assert sorted(set(fine.zone)) == sorted(set(coarse.zone))
+    assert fine.residuals.largest < 1e-8

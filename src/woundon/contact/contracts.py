@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from .schemes import Mesh
 from .stick_slip import StickSlip, StickSlipSolution
+from .told import Foreseen
 
 if TYPE_CHECKING:
     from .levels import Before, Level, Scalars, Start
@@ -143,8 +144,8 @@ class Contact(Protocol):
         """By which power of the cells errors fall from mesh to mesh, those that fall least."""
         ...
 
-    def usual_scatter(self, name: str) -> float:
-        """Return by how much a scalar scatters usually, relative and as of one cell; 0: unknown."""
+    def foreseen(self, level: Level, scalars: Scalars) -> Mapping[str, Foreseen]:
+        """Return what a solved mesh lets foresee of how its scalars scatter, where it does."""
         ...
 
     def grain(self, name: str, level: Level) -> float:

@@ -163,17 +163,22 @@ class Joint:
 
     def _turned(self, base: Base, state: Array, nodes: Array) -> Turned | None:
         """Return what follows from the turning of nodes; None where they have no such state."""
-        n, before = self.unknowns, base.state.take(nodes)
-        stuck, slid = (before == 0).nonzero()[0], before.nonzero()[0]
-        # unit slips where there was stick, unit tractions beside s mu p where there was slip
-        right = np.zeros((nodes.size, base.rows.size))  # LAPACK is handed the transpose
-        right[stuck, np.searchsorted(base.rows, nodes[stuck] + (n + 2))] = 1.0
-        right[slid] = -self.matrix.take(nodes[slid] + (n + 1), axis=1).take(base.rows, axis=0).T
-        effects = self._unfolded(base, base.solved(right.T).T)
-        effects[slid, nodes[slid] + (n + 1)] += 1.0
-        laws = self._laws(nodes, state.take(nodes))
+        effects = self.effects(Factors(base.state, base), nodes)
+        laws = self.laws(nodes, state.take(nodes))
         lu, pivots, info = lapack.dgetrf(laws @ effects.T)
         return Turned(nodes, laws, effects, lu, pivots) if info == 0 else None
+
+    def effects(self, factors: Factors, nodes: Array) -> Array:
+        """Return the unknowns by a unit miss of each of some nodes' laws, (k, n + m + 2)."""
+        n, ways = self.unknowns, factors.state.take(nodes)
+        stuck, slid = (ways == 0).nonzero()[0], ways.nonzero()[0]
+        # unit slips where there is stick, unit tractions beside s mu p where there is slip
+        right = np.zeros((nodes.size, len(self.matrix)))
+        right[stuck, nodes[stuck] + (n + 2)] = 1.0
+        right[slid] = -self.matrix.take(nodes[slid] + (n + 1), axis=1).T
+        effects = self.step(factors, right)
+        effects[slid, nodes[slid] + (n + 1)] += 1.0
+        return effects
 
     def _unfolded(self, base: Base, found: Array) -> Array:
         """Return all unknowns by those of a base's system, (..., n + m + 2)."""
@@ -182,7 +187,7 @@ class Joint:
         out[..., base.columns] = found
         return out
 
-    def _laws(self, nodes: Array, ways: Array) -> Array:
+    def laws(self, nodes: Array, ways: Array) -> Array:
         """Return the rows of nodes that stick, their slips, or go one way: q - s mu p, (k, ...)."""
         rows, k = np.zeros((nodes.size, self.matrix.shape[1])), np.arange(nodes.size)
         rows[k, self.own.take(nodes)] = -ways * self.friction.take(nodes)
@@ -192,19 +197,19 @@ class Joint:
         return rows
 
     def step(self, factors: Factors, right: Array) -> Array:
-        """Return the unknowns that give right sides by a state's laws, (n + m + 2,).
+        """Return the unknowns that give right sides by a state's laws, (..., n + m + 2).
 
         What the slips of slipping nodes are is not asked.
         """
         state, base, turned = factors
-        found = self._unfolded(base, base.solved(right.take(base.rows)))
+        found = self._unfolded(base, base.solved(right.take(base.rows, axis=-1).T).T)
         if turned is None:
             return found
-        asked = right.take(turned.nodes + (self.unknowns + 2))
-        asked[state.take(turned.nodes) != 0] = 0.0
-        left = turned.laws @ found - asked
-        misses, _ = lapack.dgetrs(turned.lu, turned.pivots, left, overwrite_b=1)
-        return np.asarray(found - misses @ turned.effects)
+        asked = right.take(turned.nodes + (self.unknowns + 2), axis=-1)
+        asked[..., state.take(turned.nodes) != 0] = 0.0
+        left = found @ turned.laws.T - asked
+        misses, _ = lapack.dgetrs(turned.lu, turned.pivots, left.T, overwrite_b=1)
+        return np.asarray(found - misses.T @ turned.effects)
 
     def slips(self, found: Array) -> Array:
         """Return all slips by unknowns, less c0."""

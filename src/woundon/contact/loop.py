@@ -23,7 +23,16 @@ from .levels import Before, Level, Scalars, Start, Widths
 from .one_mesh import ALGORITHMS, COARSE, COARSEST, FINE, FindZones, OneMesh, Tolerance
 from .schemes import Graded, Mesh, Scheme
 from .stick_slip import solve_stick_slip
-from .told import CHANCE, CHANGE_WEIGHT, ERROR_WEIGHTS, REMEMBERED, Scatter, by_changes
+from .told import (
+    CHANCE,
+    CHANGE_WEIGHT,
+    ERROR_WEIGHTS,
+    NOTHING,
+    REMEMBERED,
+    Foreseen,
+    Scatter,
+    by_changes,
+)
 
 __all__ = [
     "ALGORITHMS", "COARSE", "FINE", "Before", "Contact", "Equations", "Ladder", "Level",
@@ -208,8 +217,7 @@ class Ladder:
         if told is None:
             return counts[0]
         told = told._replace(changes=REMEMBERED + 1)  # as it would be known after a check
-        usual = self.contact.usual_scatter(self.target)
-        return next((n for n in counts if told.error(n - 1, 1.0, usual) <= rtol), counts[-1])
+        return next((n for n in counts if told.error(n - 1, 1.0) <= rtol), counts[-1])
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
@@ -244,18 +252,23 @@ class Ladder:
         if not self.scheme.refines:
             self.errors = dict.fromkeys(self.values, nan)
             return
+        foreseen: Mapping[str, Foreseen] = {}
+        # beside a neighbour of like zones, that one has told it
+        if self.scatters and not (self._scattered and len(self.history) == 1 and self._alike()):
+            foreseen = self.contact.foreseen(self.level, self.values)
         for name in self.values:
-            self.errors[name] = self._told(name, [scalars[name] for scalars in self.history])
+            values = [scalars[name] for scalars in self.history]
+            self.errors[name] = self._told(name, values, foreseen.get(name, NOTHING))
 
-    def _told(self, name: str, values: Sequence[float]) -> float:
+    def _told(self, name: str, values: Sequence[float], foreseen: Foreseen) -> float:
         cells = self.level.mesh.nodes.size - 1
         if self.scatters:
             largest = max(self.contact.scale(name, value) for value in values)
             order = self.contact.order
-            known = Scatter.of(values, cells, largest, order).after(self._scattered.get(name))
-            self._scatters[name] = known
-            if known.changes > 1:
-                return known.error(cells, largest, self.contact.usual_scatter(name))
+            known = Scatter.of(values, cells, largest, order, foreseen)
+            known = self._scatters[name] = known.after(self._scattered.get(name))
+            if known.changes and known.freedom >= 2:
+                return known.error(cells, largest)
         if len(values) == 2:
             chance, scale = CHANCE * (64 / cells) ** 1.6, self.contact.scale(name, values[-1])
             return CHANGE_WEIGHT * abs(values[1] - values[0]) + chance * scale

@@ -23,10 +23,11 @@ so that, for a given state, everything is one linear system
 This is a mixed complementarity problem.  With one face and the interlacing collocation points of
 :mod:`.grid` its matrix for given xi is a P-matrix (docs, theory), for which block pivoting with a
 single-pivot safeguard ends at the unique solution after finitely many steps (Judice and Pires 1994;
-the single pivots are Murty's).  The resultant grows with xi.  So two steps suffice:
+the single pivots are Murty's).  The resultant grows with xi.  So three steps suffice:
 
     1. block pivoting on the whole system, xi among the unknowns: 1 to 10 systems nearly always;
-    2. where that wanders, regula falsi on xi with block pivoting inside: slower, and safe.
+    2. where that wanders, from K = 0, where the theory holds, to the whole of K by large steps;
+    3. where that fails, regula falsi on xi with block pivoting inside: slower, and safe.
 """
 
 from __future__ import annotations
@@ -49,6 +50,7 @@ Array = np.ndarray
 
 # a law counts as kept when violated by less than this, relative to the largest bound or slip
 TOLERANCE = 1e-11
+LEAST_STEP = 1 / 64  # of the coupling, to which no state is followed further
 
 
 class Ending(Enum):
@@ -290,10 +292,34 @@ def solve_stick_slip(problem: StickSlip | Joint, start: Array | None = None) -> 
     if not isinstance(problem, StickSlip):  # nearer to rounding, and then the safe way
         apart = solve_stick_slip(problem.condensed(), start)
         return apart._replace(solves=apart.solves + solves)
-    if problem.creep is None:
-        return direct._replace(solves=solves)
+    coupled = _couple(problem)
+    solves += coupled.solves
+    if coupled.ending is Ending.SOLVED or problem.creep is None:
+        return coupled._replace(solves=solves)
     bracketed = _bracket_creep(problem, direct.state, direct.creep)
     return bracketed._replace(solves=bracketed.solves + solves)
+
+
+def _couple(problem: StickSlip) -> StickSlipSolution:
+    """Solve without what tractions change of the pressure, then with ever more of it.
+
+    Where it is large, of bodies far softer one way than the other, pivots may go round in a circle
+    of states that all lie far from the answer; the one without it is near.
+    """
+    whole, part, step = problem.pressure_response, 0.0, 1.0
+    without = replace(problem, pressure_response=np.zeros_like(whole))
+    last = _pivot(without, np.zeros(problem.friction.size, dtype=np.int8), limit=60)
+    solves = last.solves
+    while part < 1 and last.ending is Ending.SOLVED and step >= LEAST_STEP:
+        more = min(1.0, part + step)
+        coupled = problem if more == 1 else replace(problem, pressure_response=more * whole)
+        found = _pivot(coupled, last.state, limit=60)
+        solves += found.solves
+        if found.ending is Ending.SOLVED:
+            part, last = more, found
+        else:
+            step /= 2
+    return last._replace(ending=last.ending if part == 1 else Ending.LIMIT, solves=solves)
 
 
 def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSolution:

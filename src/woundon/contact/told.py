@@ -11,8 +11,8 @@ one: there f is in between.)  A change d_k = v_k - v_{k-1} then has the variance
 more, and the last error over what n changes tell is distributed as Student's t with n degrees of
 freedom.  The told error is the one that is exceeded :data:`WITHIN` times in :data:`OUTSIDE` of
 cases.  (Smooth errors of second order, d/3, are within.)  A neighbouring case scatters as much,
-though not alike: what its changes told counts too.  All changes may be small by chance; so what an
-output scatters by usually counts as half a change more.
+though not alike: what its changes told counts too.  All changes may be small by chance, as borders
+fall alike on two meshes; so what the last mesh lets foresee of s counts as a few changes more.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from itertools import pairwise
 from math import nan, sqrt
 from typing import NamedTuple
 
-__all__ = ["CHANCE", "CHANGE_WEIGHT", "ERROR_WEIGHTS", "Scatter", "by_changes"]
+__all__ = ["CHANCE", "CHANGE_WEIGHT", "ERROR_WEIGHTS", "Foreseen", "Scatter", "by_changes"]
 
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -39,51 +39,76 @@ COUNTED = 3  # changes of a case: of coarser meshes the order is not two yet
 REMEMBERED = 3  # changes of neighbouring cases
 # Student's t exceeded, either way, in OUTSIDE of cases: of 1, 1.5, 2, ... degrees of freedom
 STUDENT = (42.433, 13.583, 8.073, 6.047, 5.047, 4.465, 4.088, 3.826, 3.634, 3.487, 3.372, 3.279,
-           3.203, 3.139)  # fmt: skip
+           3.203, 3.139, 3.085, 3.037)  # fmt: skip
+
+
+class Foreseen(NamedTuple):
+    """The scatter that a mesh lets foresee, and as how many changes it counts, in halves."""
+
+    size: float = 0.0
+    changes: float = 0.0
+
+
+NOTHING = Foreseen()
 
 
 class Scatter(NamedTuple):
     """The scatter s of an output, as of a mesh of one cell and over the output's scale.
 
-    ``changes`` tell it: the degrees of freedom.  It falls with the cells to the power ``order``.
+    ``changes`` tell it, and ``foreseen``, on the same terms, counts beside them: together the
+    degrees of ``freedom``.  It falls with the cells to the power ``order``.
     """
 
     size: float
     changes: int
     order: float = ORDER
+    foreseen: Foreseen = NOTHING
 
     @classmethod
-    def of(cls, values: Sequence[float], cells: int, scale: float, order: float = ORDER) -> Scatter:
-        """Return that of the values of one mesh after another, the last of so many cells."""
+    def of(
+        cls, values: Sequence[float], cells: int, scale: float, order: float = ORDER,
+        foreseen: Foreseen = NOTHING,
+    ) -> Scatter:  # fmt: skip
+        """Return that of the values of one mesh after another, the last of so many cells.
+
+        ``foreseen`` is of the last mesh and of the values' unit.
+        """
         changes, falls = [b - a for a, b in pairwise(values)][::-1][:COUNTED], 2**order
         squares = sum((change / falls**k) ** 2 for k, change in enumerate(changes))
         count = len(changes)
-        if count == 0 or scale == 0:
+        if scale == 0:
             return cls(0.0, count, order)
-        return cls(sqrt(squares / (count * (1 + falls**2))) * cells**order / scale, count, order)
+        unit = cells**order / scale
+        size = sqrt(squares / (count * (1 + falls**2))) * unit if count else 0.0
+        return cls(size, count, order, foreseen._replace(size=foreseen.size * unit))
+
+    @property
+    def freedom(self) -> float:
+        """The degrees of freedom."""
+        return self.changes + self.foreseen.changes
 
     def after(self, before: Scatter | None) -> Scatter:
-        """Return what is known with what a neighbouring case told, the last of it at most."""
+        """Return what is known with what a neighbouring case told, the last of it at most.
+
+        What that one foresaw counts only where nothing is foreseen.
+        """
         if before is None:
             return self
+        foreseen = self.foreseen if self.foreseen.changes else before.foreseen
         known = min(before.changes, REMEMBERED)
         count = self.changes + known
         squares = self.changes * self.size**2 + known * before.size**2
-        return self._replace(size=sqrt(squares / count), changes=count) if count else self
+        size = sqrt(squares / count) if count else 0.0
+        return self._replace(size=size, changes=count, foreseen=foreseen)
 
-    def error(self, cells: int, scale: float, usual: float = 0.0) -> float:
-        """Return the told error on a mesh of so many cells; nan where nothing is known.
-
-        ``usual`` is what such outputs scatter by in the middle of many cases, on the same terms as
-        ``size`` but of order two; 0 where that is not known.
-        """
+    def error(self, cells: int, scale: float) -> float:
+        """Return the told error on a mesh of so many cells; nan where no change tells it."""
         if self.changes == 0:
             return nan
-        size, half = self.size / cells**self.order, int(usual > 0)
-        known = self.changes + half / 2
-        squares = self.changes * size**2 + half / 2 * (usual / cells**ORDER) ** 2
-        student = STUDENT[min(2 * self.changes + half - 1, len(STUDENT)) - 1]
-        return student / WITHIN * sqrt(squares / known) * scale
+        size, usual, weight = self.size, *self.foreseen
+        squares = self.changes * size**2 + weight * usual**2
+        student = STUDENT[min(round(2 * self.freedom) - 2, len(STUDENT) - 1)]
+        return student / WITHIN * sqrt(squares / self.freedom) / cells**self.order * scale
 
 
 def by_changes(values: Sequence[float], weights: tuple[float, float] = ERROR_WEIGHTS) -> float:

@@ -199,7 +199,7 @@ class NipEquations(PairEquations):
     def moved(self, a: float) -> Self:
         """Return the equations for another half width [m], as laws without matrices."""
         other = type(self)(self.problem, self.mesh, NipLaws.at(self.problem, self.mesh, a))
-        other.__dict__["_size"] = self._size
+        vars(other).update(_size=self._size, joint=self.joint)  # the factors stay
         return other
 
     def left(self, found: Array) -> Array:

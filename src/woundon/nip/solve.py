@@ -25,6 +25,7 @@ from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import ELEMENTS, Scheme, scheme_of
+from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
@@ -35,6 +36,7 @@ from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
+from .scatter import by_borders, unseen_stick
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
@@ -243,6 +245,17 @@ class NipContact(PairContact):
             "drum_creep": _drum_creep(self.problem, level.state, whole),
             **_ratios(_runs_of(self.problem, level)),
         }
+
+    def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
+        """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
+        return by_borders(self.problem, level, super().foreseen(level, scalars))
+
+    def grain(self, name: str, level: Level) -> float:
+        """Return what a mesh leaves of an output that changes between meshes need not show."""
+        grain = super().grain(name, level)
+        if grain and name in SLIP_RATIOS:
+            grain += unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
+        return grain
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------
