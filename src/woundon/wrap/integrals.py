@@ -69,7 +69,7 @@ def closed(points: Array, nodes: Array) -> Array:
     left, right = logarithm[:, :-1], logarithm[:, 1:]
     inverse = np.subtract(left, right, out=zeroth[0])
     far = np.abs(d) * FAR > h / 2
-    inverse[far] = 2 * np.arctanh((h / (2 * d))[far])
+    inverse[far] = 2 * np.arctanh(np.broadcast_to(h, d.shape)[far] / (2 * d[far]))
     inside = np.minimum(np.maximum(d, -h / 2), h / 2)
     own = inside == d
     zeroth[1], first[1] = own, np.where(own, d, 0.0)
