@@ -170,14 +170,19 @@ class Ladder:
         self._weights = FITTED_WEIGHTS
         self._tell()
 
-    def double(self, rtol: float, most: int) -> None:
-        """Double the mesh until the target's told error is below rtol, up to so many nodes."""
-        while self.level.mesh.nodes.size < most and not self.reached(rtol):
-            nodes = 2 * self.level.mesh.nodes.size - 1
-            if nodes > most:  # of no doubled cells: what is known of the scatter tells its errors
-                nodes, self._scattered = most, dict(self._scatters)
+    def double(self, rtol: float, most: int, between: Sequence[int] = ()) -> None:
+        """Double the mesh until the target's told error is below rtol, up to so many nodes.
+
+        Or take the first number of nodes ``between`` that does, by what is known of the scatter.
+        """
+        while (nodes := self.level.mesh.nodes.size) < most and not self.reached(rtol):
+            finer = min(2 * nodes - 1, most)
+            told, less = self._scatters.get(self.target), (n for n in between if nodes < n < finer)
+            finer = next((n for n in less if told and told.error(n - 1, 1.0) <= rtol), finer)
+            if finer < 2 * nodes - 1:  # of no doubled cells: what is known tells its errors
+                self._scattered = dict(self._scatters)
                 self.history.clear()
-            self._step(self.scheme.mesh(nodes), self.level.start)
+            self._step(self.scheme.mesh(finer), self.level.start)
             self._tell()
 
     def fit(self, rtol: float, most: int) -> None:

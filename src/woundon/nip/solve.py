@@ -126,7 +126,7 @@ def solve_nip(
             if found is not None:
                 return found.warned()
     if chooses:
-        ladder.double(*asked)
+        ladder.double(*asked, between=() if begun is None else BESIDE)
     if rtol is not None:
         ladder.fit(rtol, MOST_NODES)
     result = _result(ladder, problem, algorithm).checked()
