@@ -100,6 +100,17 @@ def test_a_neighbour_begins_on_about_the_mesh_that_the_last_one_needed(meshes: l
     assert near.nip_induced_tension_error <= 1e-3 * abs(near.nip_induced_tension)
 
 
+def test_where_a_mesh_is_not_enough_the_next_that_is_follows(meshes: list[int]) -> None:
+    """97 nodes tell too much; 129 do, as what is known of the scatter says, and not 193."""
+    cover = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
+    result = wo.solve_nip(paper_nip(drum=cover))
+    meshes.clear()
+    near = result.problem.replace(nip_load=1.003 * result.problem.nip_load)
+    near_result = wo.solve_nip(near, start=result)
+    assert meshes == [97, 49, 129]
+    assert near_result.nip_induced_tension_error <= 1e-3 * near_result.nip_induced_tension
+
+
 def test_from_a_mesh_between_it_goes_on_to_the_finest() -> None:
     """97 nodes are not doubled beyond 129; the error there is told by the scatter so far."""
     ladder = loop.Ladder(

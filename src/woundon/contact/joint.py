@@ -232,7 +232,7 @@ class Joint:
         slip = self.slips(found) - self.right[self.unknowns + 2 :]
         if factors.turned is not None:
             size = np.abs(slip[: self.friction.size])
-            if size[factors.state == 0].max() > ROUNDING * size.max():
+            if size[factors.state == 0].max(initial=0.0) > ROUNDING * size.max():
                 return None
         return self.solution(factors, found, slip)
 

@@ -1,8 +1,8 @@
 """A contact on one mesh: stick and slip for a half width, inside the iteration on the half width.
 
 for a half width a: equations                                    Contact.equations
-stick and slip                               stick_slip
-on to the width that carries the load        follow
+                    stick and slip                               stick_slip
+                    on to the width that carries the load        follow
 secant on a, where that does not get there                       width
 again about what was found, until nothing moves (where something was linearised)
 """

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,6 +67,15 @@ class BorderDifferential(Differential):
 
     def jacobian(self) -> Array:
         """Return C_y."""
+        return self._by_unknowns[0]
+
+    def output_gradients(self) -> Array:
+        """Return J_y of the outputs, (outputs, unknowns)."""
+        return self._by_unknowns[1]
+
+    @cached_property
+    def _by_unknowns(self) -> tuple[Array, Array]:
+        """C_y and J_y, from the same layouts."""
         steps = STEP * scales(self.y)
         columns, slopes = [], []
         for k, step in enumerate(steps):
@@ -74,12 +84,7 @@ class BorderDifferential(Differential):
             columns.append((ahead.left - back.left) / (2 * step))
             told = [self.output_values(self.problem, at) for at in (ahead, back)]
             slopes.append((told[0] - told[1]) / (2 * step))
-        self._slopes_by_y = np.array(slopes).T
-        return np.array(columns).T
-
-    def output_gradients(self) -> Array:
-        """Return J_y of the outputs, (outputs, unknowns); after :meth:`jacobian`."""
-        return self._slopes_by_y
+        return np.array(columns).T, np.array(slopes).T
 
     def residual(self, problem: NipProblem, made: Layout) -> Array:
         """Return C of another problem between the fixed borders."""
