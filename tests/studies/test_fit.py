@@ -36,6 +36,15 @@ def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True):
 LINE = (Parameter("a", -10.0, 10.0, 0.0), Parameter("b", -10.0, 10.0, 0.0))
 
 
+def test_an_estimate_that_the_data_push_onto_a_bound_is_told_to_be_there():
+    """However little of a standard error is left: what lies beyond is then far off."""
+    base = wo.NipProblem.example()
+    data = {"nip_load": [1e3, 2e3], "nip_induced_tension": [0.0, 0.0]}
+    fit = wo.fit(base, data, {"roll_friction": (0.05, 0.6)}, starts=1, options={"nodes": 17})
+    assert fit.at_bound == ("roll_friction",)
+    assert fit.estimate("roll_friction") in (pytest.approx(0.05), pytest.approx(0.6))
+
+
 def test_a_line_by_linear_regression():
     """Estimates, errors, covariance and profile intervals have closed forms."""
     y = 2 + 0.5 * X + NOISE

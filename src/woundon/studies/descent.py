@@ -29,6 +29,7 @@ FINE, COARSE = 0.03, 0.3
 ROUGH = 0.1  # of them: shorter steps may gain nothing, and are the last where one is left at most
 NEAR = 0.01  # of the bounds' distance: there a minimum that is known is gone to
 HALF = 0.5  # of the change of residuals on the way to a known minimum, by slopes at both ends
+ON_BOUND = 1e-5  # of the bounds' distance; a fit tells which parameters are within 1e-4
 STALLED = 1e-8  # steps of u, where nothing else has ended a descent
 MOST = 60  # evaluations of a beginning, and beginnings
 
@@ -103,7 +104,7 @@ def descend(
     way = _Way(predictor, tolerance, known)
     for _ in range(MOST):
         try:
-            return way.ended(_least_squares(way, inside))
+            return way.ended(way.exact(_least_squares(way, inside)))
         except _Ended as stop:
             return stop.end
         except _Misled:
@@ -146,7 +147,7 @@ class _Way:
         if self.here is not None and not self.misled and r @ r >= self.here.S:
             step = self._errors(self.here.J @ (u - self.here.u), self.here)
             if step <= ROUGH and self.left <= 1:
-                raise _Ended(self.ended(self.here))
+                raise _Ended(self.ended(self.exact(self.here)))
             if self.slopes.are_mended:
                 self.misled = True
                 raise _Misled
@@ -162,15 +163,25 @@ class _Way:
                 raise _Ended(end)
         enough = COARSE if self.misled else self.tolerance
         if left <= enough:
-            here = self.ended(here)
+            here = self.exact(here)
             _, left = self._foreseen(here)
             if left <= COARSE:
-                raise _Ended(here)
+                raise _Ended(self.ended(here))
         self.here, self.left, self.misled = here, left, False
         return here.J
 
     def ended(self, here: End) -> End:
-        """Return an end; of a fine descent with derivatives of its own, not those mended."""
+        """Return an end; on the bounds that the next step leads onto, for a fit tells of them."""
+        there, _ = self._foreseen(here)
+        off = np.minimum(there - self.low, self.high - there)
+        u = np.where(off < ON_BOUND * (self.high - self.low), there, here.u)
+        if np.array_equal(u, here.u):
+            return here
+        r = self.predictor.residuals(u)
+        return here._replace(u=u, r=r) if r @ r <= here.S else here
+
+    def exact(self, here: End) -> End:
+        """Return a place; in a fine descent with derivatives of its own, not those mended."""
         if self.tolerance == FINE and self.slopes.are_mended:
             return here._replace(J=self.slopes.anew(here.u))
         return here
