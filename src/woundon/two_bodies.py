@@ -55,7 +55,7 @@ USUAL = {
 }  # fmt: skip
 # errors fall from mesh to mesh by order two in the middle of random nips, by 1.3 to 1.6 in the
 # worst twentieth of those with rigid drums
-JUMPING = 1.5
+JUMPING = 1.75
 
 
 @dataclass(frozen=True, eq=False)

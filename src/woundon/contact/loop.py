@@ -28,6 +28,7 @@ from .told import (
     CHANGE_WEIGHT,
     ERROR_WEIGHTS,
     NOTHING,
+    ORDER,
     REMEMBERED,
     Foreseen,
     Scatter,
@@ -42,6 +43,7 @@ __all__ = [
 Array = np.ndarray
 
 MOST_UNCHECKED = 3  # neighbours in a row whose errors are told by other cases alone
+LIKELY = 2.5  # times the scatter that a coarse mesh foresees is what a finer one then tells, mostly
 NEAR = 0.03  # of the nodes change their zone from one case to the next: it scatters alike
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
 # there errors are regular: by order two a third of the last change, a twelfth of the one before
@@ -51,8 +53,8 @@ FITTED_WEIGHTS = (0.5, 0.1)
 class Ladder:
     """Solves a contact on one mesh after another, and tells the errors from their changes.
 
-    ``level`` is the last mesh, ``before`` the one before it, ``history`` the scalars of all,
-    ``values`` and ``errors`` the best values and their told errors, ``solves`` the linear systems,
+    ``level`` is the last mesh, ``before`` the one before it, ``history`` the scalars of all and
+    ``cells`` their numbers of cells, ``values`` and ``errors`` the best values and their told errors, ``solves`` the linear systems,
     ``widths`` the half widths of all meshes.
 
     Parameters
@@ -86,6 +88,7 @@ class Ladder:
         self.level: Level
         self.before: Level | None = None
         self.history: list[Scalars] = []
+        self.cells: list[int] = []
         self.values: dict[str, float] = {}
         self.errors: dict[str, float] = {}
         self._weights = ERROR_WEIGHTS
@@ -98,7 +101,7 @@ class Ladder:
 
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
         """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
-        self.history.clear()
+        self._forget()
         self._take_over(start)
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
@@ -106,8 +109,26 @@ class Ladder:
             if count != counts[-1]:
                 start = self.level.start
         if self.contact.settles_apart:  # there the coarsest mesh is but a start
-            del self.history[:-2]
+            self._forget(2)
         self._tell()
+
+    def choose(self, first: int, counts: Sequence[int], rtol: float) -> None:
+        """Solve on a mesh of ``first`` nodes, then on the first of others likely to be enough.
+
+        That is where what the first one foresees of the target falls below rtol.
+        """
+        self._forget()
+        self._step(self.scheme.mesh(first), None, COARSE)
+        self._tell()
+        told = self._scatters[self.target]
+        size = LIKELY * told.foreseen.size * (first - 1) ** (ORDER - told.order)
+        likely = (n for n in counts if size <= rtol * (n - 1) ** ORDER)
+        self._step(self.scheme.mesh(next(likely, counts[-1])), self.level.start)
+        self._tell()
+
+    def _forget(self, kept: int = 0) -> None:
+        """Leave out all meshes but the last ones."""
+        del self.history[: len(self.history) - kept], self.cells[: len(self.cells) - kept]
 
     def beside(self, counts: Sequence[int], start: Start, rtol: float = inf, most: int = 0) -> None:
         """Solve near a neighbouring case, on the last mesh; tell errors by how that one scatters.
@@ -142,10 +163,10 @@ class Ladder:
 
     def _check(self, nodes: int) -> None:
         """Solve on a coarser mesh than the last one, for its change alone."""
-        fine, found = self.level, self.history.pop()
+        fine = self.level
         self._step(self.scheme.mesh(nodes), fine.start, COARSE)
         self.level, self.before = fine, self.level
-        self.history.append(found)
+        self.history[-2:], self.cells[-2:] = self.history[:-3:-1], self.cells[:-3:-1]
         self._unchecked, self._missed = 0, 0.0
         self._tell()
 
@@ -179,9 +200,6 @@ class Ladder:
             finer = min(2 * nodes - 1, most)
             told, less = self._scatters.get(self.target), (n for n in between if nodes < n < finer)
             finer = next((n for n in less if told and told.error(n - 1, 1.0) <= rtol), finer)
-            if finer < 2 * nodes - 1:  # of no doubled cells: what is known tells its errors
-                self._scattered = dict(self._scatters)
-                self.history.clear()
             self._step(self.scheme.mesh(finer), self.level.start)
             self._tell()
 
@@ -270,7 +288,7 @@ class Ladder:
         if self.scatters:
             largest = max(self.contact.scale(name, value) for value in values)
             order = self.contact.order
-            known = Scatter.of(values, cells, largest, order, foreseen)
+            known = Scatter.of(values, self.cells, largest, order, foreseen)
             known = self._scatters[name] = known.after(self._scattered.get(name))
             if known.changes and known.freedom >= 2:
                 return known.error(cells, largest)
@@ -300,6 +318,7 @@ class Ladder:
         self.level = solved
         self._by_nodes.setdefault(mesh.nodes.size, solved.half_width)
         self.history.append(self.contact.scalars(self.level))
+        self.cells.append(mesh.nodes.size - 1)
 
     def _solved(self, mesh: Mesh, start: Start | None, tolerance: Tolerance) -> Level:
         """Solve on one mesh, from a half width carried over."""

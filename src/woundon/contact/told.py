@@ -1,15 +1,14 @@
 r"""Told discretisation errors, by the changes of an output from mesh to mesh.
 
-On the program's own meshes, each of twice the cells of the one before, an output is
+On the program's own meshes of N_0 < N_1 < ... cells an output is
 
-    v_k = v + s f^{-k} z_k,    z_k independent, of variance 1,  f = 4:
+    v_k = v + s z_k / N_k^2,    z_k independent, of variance 1:
 
 second order, but erratic, because the borders of the zones fall anywhere between the nodes.  (On a
 rigid body tractions may jump at a border, which leaves errors of first order beside those of second
-one: there f is in between.)  A change d_k = v_k - v_{k-1} then has the variance
-(1 + f^2) s^2 f^{-2k}, so that each change, taken to the last mesh, tells the scatter s there once
-more, and the last error over what n changes tell is distributed as Student's t with n degrees of
-freedom.  The told error is the one that is exceeded :data:`WITHIN` times in :data:`OUTSIDE` of
+one: there the order is in between.)  A change v_k - v_{k-1} then has the variance
+s^2 (N_k^-4 + N_{k-1}^-4), so that each change tells the scatter s once more, and the last error
+over what n changes tell is distributed as Student's t with n degrees of freedom.  The told error is the one that is exceeded :data:`WITHIN` times in :data:`OUTSIDE` of
 cases.  (Smooth errors of second order, d/3, are within.)  A neighbouring case scatters as much,
 though not alike: what its changes told counts too.  All changes may be small by chance, as borders
 fall alike on two meshes; so what the last mesh lets foresee of s counts as a few changes more.
@@ -22,7 +21,7 @@ from itertools import pairwise
 from math import nan, sqrt
 from typing import NamedTuple
 
-__all__ = ["CHANCE", "CHANGE_WEIGHT", "ERROR_WEIGHTS", "Foreseen", "Scatter", "by_changes"]
+__all__ = ["CHANCE", "CHANGE_WEIGHT", "ERROR_WEIGHTS", "ORDER", "Foreseen", "Scatter", "by_changes"]
 
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,
@@ -66,21 +65,23 @@ class Scatter(NamedTuple):
 
     @classmethod
     def of(
-        cls, values: Sequence[float], cells: int, scale: float, order: float = ORDER,
+        cls, values: Sequence[float], cells: Sequence[int], scale: float, order: float = ORDER,
         foreseen: Foreseen = NOTHING,
     ) -> Scatter:  # fmt: skip
-        """Return that of the values of one mesh after another, the last of so many cells.
+        """Return that of the values of one mesh after another, each of so many cells.
 
         ``foreseen`` is of the last mesh and of the values' unit.
         """
-        changes, falls = [b - a for a, b in pairwise(values)][::-1][:COUNTED], 2**order
-        squares = sum((change / falls**k) ** 2 for k, change in enumerate(changes))
-        count = len(changes)
         if scale == 0:
-            return cls(0.0, count, order)
-        unit = cells**order / scale
-        size = sqrt(squares / (count * (1 + falls**2))) * unit if count else 0.0
-        return cls(size, count, order, foreseen._replace(size=foreseen.size * unit))
+            return cls(0.0, min(len(values) - 1, COUNTED), order)
+        shares = [float(n) ** (-2 * order) for n in cells]  # of s^2, that a mesh has
+        told = [
+            (b - a) ** 2 / (one + two)
+            for (a, b), (one, two) in zip(pairwise(values), pairwise(shares), strict=True)
+        ][-COUNTED:]
+        size = sqrt(sum(told) / len(told)) / scale if told else 0.0
+        foreseen = foreseen._replace(size=foreseen.size * cells[-1] ** order / scale)
+        return cls(size, len(told), order, foreseen)
 
     @property
     def freedom(self) -> float:

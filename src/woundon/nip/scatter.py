@@ -5,60 +5,93 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from math import hypot
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.borders import by_turning
+from ..contact.borders import at_rest, by_turning
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
 
-__all__ = ["by_borders", "unseen_stick"]
+__all__ = ["by_borders", "rest_of_borders", "unseen_stick"]
 
 Array = np.ndarray
 
-# what outputs err by in the middle of random nips, of their changes by nodes that turn at borders,
-# and of what is usual where that is mostly these borders' doing; as how many changes this counts
-BORDERS, REST, KNOWN = 0.08, 0.3, 2.0
+# of what is usual where that is mostly the borders' doing; and as how many changes a mesh alone counts
+REST, KNOWN = 0.3, 2.0
+OUTPUTS = ("nip_induced_tension", "half_width", "peak_pressure", "offset", "drum_creep")
+ALIKE = {"tension_behind_nip": "nip_induced_tension"}
+RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
+
+
+class _AtBorders(NamedTuple):
+    """What outputs change by as borders come to rest, and by how much they may be off, (5,)."""
+
+    rest: Array
+    scatter: Array
 
 
 def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dict[str, Foreseen]:
     """Return by how much outputs scatter on a mesh, by its borders and by what is usual."""
-    found = dict(usual)
-    for name, change in _by_turning(problem, level).items():
+    found, at = dict(usual), _at_borders(problem, level)
+    if at is None:
+        return found
+    scatter = dict(zip(OUTPUTS, at.scatter.tolist(), strict=True))
+    scatter |= {
+        "tension_behind_nip": scatter["nip_induced_tension"],
+        "nip_width": 2 * scatter["half_width"],
+    }
+    for name, size in scatter.items():
         rest = usual[name].size * (1.0 if usual[name].changes == KNOWN else REST)
-        found[name] = Foreseen(hypot(BORDERS * change, rest), KNOWN)
+        found[name] = Foreseen(hypot(size, rest), KNOWN)
     return found
 
 
-def _by_turning(problem: Any, level: Level) -> dict[str, float]:
-    """Return the changes of outputs by each node that turns beside a border, as a root sum square.
-
-    At the load asked, to first order; nothing where stick and slip were not solved for jointly.
-    """
-    solution, joint = level.state.solution, level.equations.joint
-    if joint is None or solution.joint is None:
+def rest_of_borders(problem: Any, level: Level) -> dict[str, float]:
+    """Return what outputs change by as the borders of a solved mesh come to rest; {} if unknown."""
+    at = _at_borders(problem, level)
+    if at is None:
         return {}
-    changes, n = by_turning(joint, solution, faces=2), joint.unknowns
-    weights, p = level.equations.matrices.weights, level.state.pressure
-    by_p, by_q = changes[:, :n], changes[:, n + 1 : -1].reshape(-1, 2, n).sum(axis=1)
-    load, gain = by_p @ weights / level.load, by_q @ weights
-    whole = float(weights @ solution.traction.reshape(2, n).sum(axis=0))
-    top, wider = int(np.argmax(p)), load / level.power
+    rest = dict(zip(OUTPUTS, at.rest.tolist(), strict=True))
+    return {name: rest[name] for name in RESTS}
+
+
+def _at_borders(problem: Any, level: Level) -> _AtBorders | None:
+    """Return what a mesh's borders tell; None where stick and slip were not solved for jointly."""
+    if "borders" not in level.kept:
+        solution, joint = level.state.solution, level.equations.joint
+        jointly = joint is not None and solution.joint is not None
+        level.kept["borders"] = _found(problem, level) if jointly else None
+    found: _AtBorders | None = level.kept["borders"]
+    return found
+
+
+def _found(problem: Any, level: Level) -> _AtBorders:
+    solution, joint = level.state.solution, level.equations.joint
+    rest, scatter = at_rest(by_turning(joint, solution, 2, _gradients(problem, level)))
+    return _AtBorders(rest, scatter)
+
+
+def _gradients(problem: Any, level: Level) -> Array:
+    """Return those of the outputs by the joint system's unknowns, at the load asked, to first order.
+
+    (n + m + 2, outputs), m = 2n.
+    """
+    weights, state = level.equations.matrices.weights, level.state
+    n, p, load = weights.size, state.pressure, level.load
+    whole = float(weights @ state.traction.reshape(2, n).sum(axis=0))
+    top, wider = int(np.argmax(p)), weights / (load * level.power)
     stretch = problem.web.compliance.c11 / problem.web.thickness
-    changed = np.array([
-        gain - load * whole,
-        wider * level.half_width,
-        by_p[:, top] - (load - wider) * p[top],
-        changes[:, n] * problem.contact_radius,
-        changes[:, -1] - stretch * gain,
-    ])  # fmt: skip
-    tension, width, peak, offset, creep = np.sqrt((changed**2).sum(axis=1)).tolist()
-    return {
-        "nip_induced_tension": tension, "tension_behind_nip": tension, "half_width": width,
-        "nip_width": 2 * width, "peak_pressure": peak, "offset": offset, "drum_creep": creep,
-    }  # fmt: skip
+    by_unknowns = np.zeros((len(OUTPUTS), 3 * n + 2))
+    tension, width, peak, offset, creep = by_unknowns
+    tension[:n], tension[n + 1 : -1] = weights * (-whole / load), np.tile(weights, 2)
+    width[:n] = wider * level.half_width
+    peak[:n] = (wider - weights / load) * p[top]
+    peak[top] += 1.0
+    offset[n] = problem.contact_radius
+    creep[n + 1 : -1], creep[-1] = -stretch * tension[n + 1 : -1], 1.0
+    return by_unknowns.T
 
 
 def unseen_stick(nodes: Array, faces: Iterable[Runs]) -> float:

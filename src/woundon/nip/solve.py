@@ -36,7 +36,7 @@ from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
-from .scatter import by_borders, unseen_stick
+from .scatter import by_borders, rest_of_borders, unseen_stick
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
@@ -46,7 +46,8 @@ Array = np.ndarray
 # where neither nodes nor rtol are given: 65 nodes are doubled until the error of NIT is below so
 # much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
-BESIDE = (65, 97, 129, 193, 257)  # nodes for a neighbour of a solved case
+CHOSEN = (49, 65, 97, 129, 193, 257)  # nodes that it is solved on
+COARSE_NODES = 25  # of the mesh that tells how many
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 # rtol from which elements are tried, with a rigid drum and an elastic one: from there they cost
 # less than meshes on half of random nips and more
@@ -115,8 +116,10 @@ def solve_nip(
     chooses = chosen.refines and nodes is None and rtol is None
     if begun is not None and chosen.refines and rtol is None:
         if chooses:
-            M = ladder.enough([n for n in BESIDE if n <= asked[1]], begun, asked[0])
+            M = ladder.enough([n for n in CHOSEN if n <= asked[1]], begun, asked[0])
         ladder.beside(halved(M, chosen.coarsest)[-2:], begun, *asked if chooses else ())
+    elif chooses and problem.linear:
+        ladder.choose(COARSE_NODES, [n for n in CHOSEN if n <= asked[1]], asked[0])
     else:
         counts = [M] if cold else halved(M, chosen.coarsest)[-2 if start else 0 :]
         # elements ask for borders alone, which the mesh before the last tells well enough mostly
@@ -126,7 +129,7 @@ def solve_nip(
             if found is not None:
                 return found.warned()
     if chooses:
-        ladder.double(*asked, between=() if begun is None else BESIDE)
+        ladder.double(*asked, between=CHOSEN)
     if rtol is not None:
         ladder.fit(rtol, MOST_NODES)
     result = _result(ladder, problem, algorithm).checked()
@@ -238,13 +241,16 @@ class NipContact(PairContact):
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
         whole = _whole(level)
-        return {
+        found = {
             **super().scalars(level),
             "nip_induced_tension": whole,
-            "tension_behind_nip": self.problem.web_tension + whole,
             "drum_creep": _drum_creep(self.problem, level.state, whole),
             **_ratios(_runs_of(self.problem, level)),
         }
+        for name, change in rest_of_borders(self.problem, level).items():
+            found[name] += change
+        found["tension_behind_nip"] = self.problem.web_tension + found["nip_induced_tension"]
+        return found
 
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
         """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
@@ -271,7 +277,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
     )
     whole, T_in = _whole(level), problem.web_tension
     NIT = ladder.values["nip_induced_tension"]
-    told: dict[str, Any] = {name: ladder.history[-1][name] for name in ("drum_creep", *SLIP_RATIOS)}
+    ratios: dict[str, Any] = {name: ladder.history[-1][name] for name in SLIP_RATIOS}
     result = NipResult(
         problem=problem,
         nip_induced_tension=NIT,
@@ -281,7 +287,8 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
             problem, made, state, problem.web.compliance.c12 * (T_in + whole)
         ),
         offset=state.shift * problem.contact_radius,
-        **told,
+        drum_creep=_drum_creep(problem, state, whole),
+        **ratios,
         **arrays,
         web_tension=T_in + gain,
         residuals=Residuals(),
