@@ -75,25 +75,32 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int, gradients:
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
     changes = effects @ gradients
+    last = 4 * len(borders)
+    near = [*(k + j for k in range(0, last, 4) for j in (1, 2)), *range(last, len(turns))]
+    far = [(k + j, k) for k in range(0, last, 4) for k, j in ((k, 1), (k + 3, -1))]
+    beside = list(_pairs(near, nodes.tolist(), size))
+    with np.errstate(all="ignore"):  # states that have no solution
+        alone = (misses / -laws.diagonal())[:, None] * changes
+        one, two = np.array(far + beside, dtype=np.intp).reshape(-1, 2).T
+        both = _together(laws, misses, changes, one, two)
+    by_nodes = alone[:last].reshape(-1, 4, gradients.shape[1])
+    short = nodes[one[: len(far)]] == nodes[two[: len(far)]]  # zones of one node
+    both[: len(far)][short] = np.nan
+    by_nodes[:, ::3] = both[: len(far)].reshape(-1, 2, gradients.shape[1])
+    one, two = one[len(far) :], two[len(far) :]
+    return Moved(by_nodes, alone[last:], both[len(far) :] - alone[one] - alone[two])
 
-    def together(one: Array, two: Array) -> Array:
-        both = laws[one, one] * laws[two, two] - laws[one, two] * laws[two, one]
-        first = (misses[two] * laws[one, two] - misses[one] * laws[two, two]) / both
-        second = (misses[one] * laws[two, one] - misses[two] * laws[one, one]) / both
-        return np.asarray(first[:, None] * changes[one] + second[:, None] * changes[two])
 
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # states without solution
-        alone = (-misses / np.diag(laws))[:, None] * changes
-        far, near = 4 * np.arange(len(borders))[:, None] + [[0, 3]], [1, 2]
-        by_nodes = alone[: 4 * len(borders)].reshape(len(borders), 4, -1)
-        twice = together(far.ravel(), (far + [[1, -1]]).ravel()).reshape(len(borders), 2, -1)
-        reach = nodes[far] != nodes[far + [[1, -1]]]
-        by_nodes[:, [0, 3]] = np.where(reach[:, :, None], twice, np.nan)
-        asked = [4 * k + j for k in range(len(borders)) for j in near]
-        asked += range(4 * len(borders), len(turns))
-        one, two = np.array(list(_pairs(asked, nodes.tolist(), size)), np.intp).reshape(-1, 2).T
-        beyond = together(one, two) - alone[one] - alone[two]
-    return Moved(by_nodes, alone[4 * len(borders) :], beyond)
+def _together(laws: Array, misses: Array, changes: Array, one: Array, two: Array) -> Array:
+    """Return what outputs change by where two nodes turn at once, (k, outputs)."""
+    one_one, one_two, two_one, two_two = (
+        laws[i, j] for i, j in ((one, one), (one, two), (two, one), (two, two))
+    )
+    miss, other = misses[one], misses[two]
+    both = one_one * two_two - one_two * two_one
+    first = (other * one_two - miss * two_two) / both
+    second = (miss * two_one - other * one_one) / both
+    return np.asarray(first[:, None] * changes[one] + second[:, None] * changes[two])
 
 
 def at_rest(moved: Moved) -> tuple[Array, Array]:
@@ -104,44 +111,47 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
     (outputs,) array, (outputs,) array
         Borders whose changes are not alike on both sides are left where they are.
     """
-    rest, known, unlike = _rests(moved.by_nodes)
-    near = np.hypot(moved.by_nodes[:, 1], moved.by_nodes[:, 2])
-    size = np.where(known, np.hypot(RESTING * near, UNLIKE * unlike), RESTLESS * near)
-    parts = size, UNSEEN * moved.unseen, HELD * moved.held
-    squares = [np.square(part)[np.isfinite(part).all(axis=1)].sum(axis=0) for part in parts]
-    return rest.sum(axis=0), np.sqrt(np.sum(squares, axis=0))
+    by_nodes = moved.by_nodes
+    with np.errstate(all="ignore"):
+        rest, known, unlike = _rests(by_nodes)
+        near = by_nodes[:, 1] ** 2 + by_nodes[:, 2] ** 2
+        squares = np.where(known, RESTING**2 * near + UNLIKE**2 * unlike, RESTLESS**2 * near)
+        every = [squares, UNSEEN**2 * moved.unseen**2, HELD**2 * moved.held**2]
+        parts = np.concatenate(every)
+        total = np.sqrt(parts[np.isfinite(parts.sum(axis=1))].sum(axis=0))
+    return rest.sum(axis=0), total
+
+
+# the quartic's coefficients by its values at -2, -1, 1 and 2, above 0 at 0
+QUARTIC = np.array([[2, -16, 16, -2], [-1, 16, 16, -1], [-2, 4, -4, 2], [1, -4, -4, 1]]) / 24
 
 
 def _rests(by_nodes: Array) -> tuple[Array, Array, Array]:
-    """Return changes to rest, where they are known, and by how much both sides differ."""
-    two_back, back, on, two_on = by_nodes.transpose(1, 0, 2)
-    with np.errstate(all="ignore"):
-        bend = back + on
-        # a side that is too short continues the other one's cubic, and both the parabola
-        flat = 2 * bend
-        bends = (two_back - 2 * back) / bend, (two_on - 2 * on) / bend
-        alike = [np.isnan(part) | ((part * ALIKE >= 1) & (part <= ALIKE)) for part in bends]
-        unlike = bend * np.sqrt(np.nanmean((np.array(bends) - 1) ** 2, axis=0))
-        cubic_back, cubic_on = 2 * flat - two_on, 2 * flat - two_back
-        two_back, two_on = (
-            np.where(np.isnan(own), np.where(np.isnan(other), flat + sign * (on - back), cubic), own)
-            for own, other, cubic, sign in (
-                (two_back, two_on, cubic_back, -2), (two_on, two_back, cubic_on, 2),
-            )
-        )  # fmt: skip
-        slope = (two_back - 8 * back + 8 * on - two_on) / 12
-        second = (16 * bend - two_back - two_on) / 24
-        third = (2 * back - two_back - 2 * on + two_on) / 12
-        fourth = (two_back - 4 * bend + two_on) / 24
-        u = (back - on) / (2 * bend)
-        for _ in range(2):  # from the parabola's vertex to the quartic's, by Newton's method
-            steep = slope + u * (2 * second + u * (3 * third + u * 4 * fourth))
-            u = u - steep / (2 * second + u * (6 * third + u * 12 * fourth))
-        rest = u * (slope + u * (second + u * (third + u * fourth)))
-        told = ~np.isnan(by_nodes[:, 0]) | ~np.isnan(by_nodes[:, 3])
-        known = told & alike[0] & alike[1] & (back * on >= 0) & (np.abs(u) <= FARTHEST)
+    """Return changes to rest, where they are known, and the squares of what both sides differ by.
+
+    The vertex of the parabola is followed to the quartic's by one step of Newton's method, whose
+    error is of fourth order there.
+    """
+    back, on = by_nodes[:, 1], by_nodes[:, 2]
+    bend = back + on
+    unlike = (by_nodes[:, ::3] - 2 * by_nodes[:, 1:3]) / bend[:, None]
+    alike = (unlike * ALIKE >= 1) & (unlike <= ALIKE)
+    short = np.isnan(by_nodes[:, ::3])
+    if short.any():  # goes on as a cubic of what there is
+        by_nodes = by_nodes.copy()
+        by_nodes[:, ::3] = np.where(short, 4 * bend[:, None] - by_nodes[:, ::-3], by_nodes[:, ::3])
+        alike |= short & ~short[:, ::-1]
+        unlike = np.where(short, unlike[:, ::-1], unlike)
+    first, second, third, fourth = (QUARTIC @ by_nodes).swapaxes(0, 1)
+    u = (back - on) / (2 * bend)
+    value = u * (first + u * (second + u * (third + u * fourth)))
+    slope = first + u * (2 * second + u * (3 * third + 4 * u * fourth))
+    curvature = 2 * second + u * (6 * third + 12 * u * fourth)
+    rest = value - slope**2 / (2 * curvature)
+    known = alike.all(axis=1) & (back * on >= 0) & (np.abs(u - slope / curvature) <= FARTHEST)
     known &= np.isfinite(rest)
-    return np.where(known, rest, 0.0), known, unlike
+    differ = np.square(unlike - 1).sum(axis=1) * bend**2 / 2
+    return np.where(known, rest, 0.0), known, differ
 
 
 Turn = tuple[int, int]  # a node, and the state that it turns to
