@@ -55,6 +55,8 @@ class Mesh:
     border_share: ClassVar[float | None] = None
     # whether tractions are linear between the nodes
     hats: ClassVar[bool] = True
+    # whether nodes lie where they do whatever the zones, and their distance changes evenly
+    regardless: ClassVar[bool] = False
 
     @property
     def unknowns(self) -> int:
@@ -151,6 +153,8 @@ class Mesh:
 class GradedMesh(Mesh):
     """Nodes graded towards edges or zone borders, points at the middle of each cell."""
 
+    regardless: ClassVar[bool] = True
+
     @property
     def points(self) -> Array:
         """One point in each cell, then the trailing edge, (M,)."""
@@ -198,6 +202,13 @@ class GradedMesh(Mesh):
 
 
 @dataclass(frozen=True, eq=False)
+class FittedMesh(GradedMesh):
+    """Nodes graded towards zone borders too."""
+
+    regardless: ClassVar[bool] = False
+
+
+@dataclass(frozen=True, eq=False)
 class ElementMesh(GradedMesh):
     """Chebyshev elements between zone borders (:mod:`.elements`)."""
 
@@ -205,6 +216,7 @@ class ElementMesh(GradedMesh):
 
     border_share: ClassVar[float | None] = 0.0
     hats: ClassVar[bool] = False
+    regardless: ClassVar[bool] = False
 
     @property
     def slope(self) -> Array:
@@ -406,7 +418,7 @@ class Graded:
 
     def fitted(self, borders: Array, nodes: int) -> Mesh:
         """Return a mesh of about so many nodes graded towards zone borders too."""
-        return GradedMesh(segmented_grid(borders, nodes)) if borders.size else self.mesh(nodes)
+        return FittedMesh(segmented_grid(borders, nodes)) if borders.size else self.mesh(nodes)
 
     def restored(self, nodes: Array, points: Array) -> Mesh:
         """Return the mesh of given nodes and points."""

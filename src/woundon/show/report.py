@@ -123,7 +123,8 @@ BRACKETS = (
 
 def nip_report(result: NipResult) -> list[Part]:
     """Return the report of a nip whose web is held at its trailing edge."""
-    extrapolated = ["extrapolation"] if result.extrapolation else []
+    told = abs(result.extrapolation) > result.errors.get("nip_induced_tension", 0.0)
+    extrapolated = ["extrapolation"] if told else []
     names = ["nip_induced_tension", *extrapolated, "tension_behind_nip",
              "wound_on_tension_estimate"]  # fmt: skip
     return [
