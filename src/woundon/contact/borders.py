@@ -30,7 +30,9 @@ __all__ = ["Moved", "at_rest", "by_turning"]
 Array = np.ndarray
 
 BESIDE = 2  # nodes between two borders that hold each other, at most
-ALIKE = 2.0  # times the curvature one node on: beyond, the changes are no parabola's
+# times the curvature one node on: up to the one the changes count as a parabola's, from the other on
+# no more, and in between by a share, lest outputs jump
+ALIKE, OTHERWISE = 1.5, 2.5
 FARTHEST = 0.75  # nodes that a border may be from its place of rest; half a node and a margin
 
 # what outputs of random nips err by, once borders rest, of their changes: by borders at rest, by how
@@ -113,13 +115,14 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
     """
     by_nodes = moved.by_nodes
     with np.errstate(all="ignore"):
-        rest, known, unlike = _rests(by_nodes)
+        rest, share, unlike = _rests(by_nodes)
         near = by_nodes[:, 1] ** 2 + by_nodes[:, 2] ** 2
-        squares = np.where(known, RESTING**2 * near + UNLIKE**2 * unlike, RESTLESS**2 * near)
+        left = RESTLESS**2 * near
+        squares = left + share * (RESTING**2 * near + UNLIKE**2 * unlike - left)
         every = [squares, UNSEEN**2 * moved.unseen**2, HELD**2 * moved.held**2]
         parts = np.concatenate(every)
         total = np.sqrt(parts[np.isfinite(parts.sum(axis=1))].sum(axis=0))
-    return rest.sum(axis=0), total
+    return (share * rest).sum(axis=0), total
 
 
 # the quartic's coefficients by its values at -2, -1, 1 and 2, above 0 at 0
@@ -127,31 +130,31 @@ QUARTIC = np.array([[2, -16, 16, -2], [-1, 16, 16, -1], [-2, 4, -4, 2], [1, -4, 
 
 
 def _rests(by_nodes: Array) -> tuple[Array, Array, Array]:
-    """Return changes to rest, where they are known, and the squares of what both sides differ by.
+    """Return changes to rest, which share of them counts, and squares of how both sides differ.
 
     The vertex of the parabola is followed to the quartic's by one step of Newton's method, whose
     error is of fourth order there.
     """
     back, on = by_nodes[:, 1], by_nodes[:, 2]
     bend = back + on
-    unlike = (by_nodes[:, ::3] - 2 * by_nodes[:, 1:3]) / bend[:, None]
-    alike = (unlike * ALIKE >= 1) & (unlike <= ALIKE)
+    bends = (by_nodes[:, ::3] - 2 * by_nodes[:, 1:3]) / bend[:, None]
     short = np.isnan(by_nodes[:, ::3])
     if short.any():  # goes on as a cubic of what there is
         by_nodes = by_nodes.copy()
         by_nodes[:, ::3] = np.where(short, 4 * bend[:, None] - by_nodes[:, ::-3], by_nodes[:, ::3])
-        alike |= short & ~short[:, ::-1]
-        unlike = np.where(short, unlike[:, ::-1], unlike)
+        bends = np.where(short, bends[:, ::-1], bends)
     first, second, third, fourth = (QUARTIC @ by_nodes).swapaxes(0, 1)
     u = (back - on) / (2 * bend)
     value = u * (first + u * (second + u * (third + u * fourth)))
     slope = first + u * (2 * second + u * (3 * third + 4 * u * fourth))
     curvature = 2 * second + u * (6 * third + 12 * u * fourth)
     rest = value - slope**2 / (2 * curvature)
-    known = alike.all(axis=1) & (back * on >= 0) & (np.abs(u - slope / curvature) <= FARTHEST)
-    known &= np.isfinite(rest)
-    differ = np.square(unlike - 1).sum(axis=1) * bend**2 / 2
-    return np.where(known, rest, 0.0), known, differ
+    off = np.maximum(bends, 1 / bends).max(axis=1)
+    share = np.clip((OTHERWISE - off) / (OTHERWISE - ALIKE), 0.0, 1.0)
+    known = (bends.min(axis=1) > 0) & (back * on >= 0) & np.isfinite(rest)
+    known &= np.abs(u - slope / curvature) <= FARTHEST
+    differ = np.square(bends - 1).sum(axis=1) * bend**2 / 2
+    return np.where(known, rest, 0.0), np.where(known, share, 0.0), np.where(known, differ, 0.0)
 
 
 Turn = tuple[int, int]  # a node, and the state that it turns to
