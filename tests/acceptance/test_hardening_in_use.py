@@ -55,7 +55,7 @@ def test_a_case_file_has_it(tmp_path: Path) -> None:
     assert again.certified().largest <= 1e-8
 
 
-@pytest.mark.parametrize("wrapped", [False, True])
+@pytest.mark.parametrize("wrapped", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
     problem: Any = nip(roll())
     if wrapped:

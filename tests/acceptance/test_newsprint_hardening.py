@@ -24,15 +24,24 @@ OTHERS = ~((DATA["nip_load"] == FITTED[0]) & (DATA["web_tension"] == FITTED[1]))
 
 
 @cache
-def misses(K2: float, Q: float) -> Any:
+def misses(K2: float, Q: float, first: int = 0, last: int = 14) -> Any:
+    points = slice(first, last + 1)
     told: list[float] = []
     before: Any = None
-    for P, T in CASES:
+    for P, T in CASES[points]:
         before = wo.solve(nip(P, T, K2, Q), nodes=25, start=before)
         told.append(before.wound_on_tension)
-    return np.array(told) - MEASURED
+    return np.array(told) - MEASURED[points]
 
 
+def test_the_fitted_point_is_met_and_the_lightest_missed() -> None:
+    """What holds of all fifteen at its two ends; the next test takes them all."""
+    (fitted,) = np.flatnonzero(~OTHERS)
+    assert abs(misses(126.7, 100e3, fitted, fitted)[0]) < 1.5
+    assert misses(126.7, 100e3, 0, 0)[0] == pytest.approx(-26.5, abs=1.5)
+
+
+@pytest.mark.slow
 def test_one_number_fitted_predicts_the_fourteen_other_points() -> None:
     """K2 is fitted to (3502, 350); an independent program has 10.3 N/m where this has 10.5."""
     rest = misses(126.7, 100e3)
@@ -46,6 +55,7 @@ def test_one_number_fitted_predicts_the_fourteen_other_points() -> None:
     assert rest[0] == pytest.approx(-26.5, abs=1.5)
 
 
+@pytest.mark.slow
 def test_a_linear_roll_is_told_from_the_data_and_a_hardening_one_is_not() -> None:
     """The linear roll, wrapped, meets the fitted point too; its curve over the load is another."""
     problem = linear_nip("linear")

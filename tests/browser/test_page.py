@@ -179,7 +179,8 @@ def test_pinned_states_are_drawn_over_each_other_and_compared(look):
     assert seen.page.locator("[data-difference=wound_on_tension] td").count() == 8
 
 
-def test_pictures_that_follow_are_those_of_a_new_page(look):
+def test_a_link_restores_case_units_and_pins_and_pictures_that_followed_are_its(look):
+    """A page that drew each change over what it had shows what one shows that was opened anew."""
     seen = look()
     seen.page.hover("[data-panel=tractions] .u-over")
     seen.page.click(".pin")
@@ -190,10 +191,14 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
     seen.page.click(".pin")
     seen.page.click("[aria-label='Remove state A']")
     seen.put("nip_load", "5000")
+    seen.page.click(".segmented >> text=mill")
     seen.from_menu("Copy a link")
     seen.page.wait_for_function("() => location.hash.length > 10")
-    other = look(seen.page.evaluate("() => location.hash"))
+    fragment = seen.page.evaluate("() => location.hash")
+    other = look(fragment)
     other.page.wait_for_selector(".chip.pin-B")
+    assert other.output("wound_on_tension") == seen.output("wound_on_tension")
+    assert other.card("wound_on_tension") == seen.card("wound_on_tension")
     for panel in ("tractions", "zones", "slips", "pressure", "wrap_tension"):
         pictures = []
         for one in (seen, other):
@@ -203,6 +208,8 @@ def test_pictures_that_follow_are_those_of_a_new_page(look):
             one.rest()  # what was out of sight is drawn now
             pictures.append(one.drawn(place))
         assert pictures[0] == pictures[1], panel
+    other.open("#" + fragment[9:50])  # a broken one
+    assert other.box("nip_load") == "3502"
 
 
 def test_a_layered_drum_made_by_clicks(look, example):
@@ -254,7 +261,7 @@ def test_bad_files_are_refused_in_words_and_change_nothing(look):
         assert (seen.output("wound_on_tension"), seen.box("nip_load")) == (numbers, load)
 
 
-def test_a_case_goes_down_is_solved_by_the_command_line_and_comes_up_again(look, tmp_path, capsys):
+def test_a_case_is_solved_by_the_command_line_and_python_and_comes_up_again(look, tmp_path, capsys):
     seen = look()
     seen.put("nip_load", "4200")
     seen.put("web.material.shear", "12.5")
@@ -265,6 +272,13 @@ def test_a_case_goes_down_is_solved_by_the_command_line_and_comes_up_again(look,
     solved = json.loads(capsys.readouterr().out)["outputs"]["wound_on_tension"]
     value = solved["value"] if isinstance(solved, dict) else solved
     assert value == pytest.approx(number, rel=CLOSE)
+    seen.from_menu("Python that computes this")
+    space = {}
+    exec(seen.page.inner_text(".snippet"), space)
+    results = [thing for thing in space.values() if isinstance(thing, wo.WrappedNipResult)]
+    result = results[0] if results else wo.solve(next(
+        thing for thing in space.values() if isinstance(thing, wo.WrappedNipProblem)))  # fmt: skip
+    assert result.wound_on_tension == pytest.approx(number, rel=CLOSE)
     other = look()
     other.offer("case.toml", case.read_bytes())
     box = "() => document.querySelector('[data-path=nip_load] .box').value"
@@ -273,35 +287,7 @@ def test_a_case_goes_down_is_solved_by_the_command_line_and_comes_up_again(look,
     assert other.output("wound_on_tension") == pytest.approx(number, rel=CLOSE)
 
 
-def test_a_link_restores_case_units_and_pins(look):
-    seen = look()
-    seen.page.click(".pin")
-    seen.put("nip_load", "4200")
-    seen.page.click(".segmented >> text=mill")
-    seen.from_menu("Copy a link")
-    seen.page.wait_for_function("() => location.hash.length > 10")
-    fragment = seen.page.evaluate("() => location.hash")
-    other = look(fragment)
-    other.page.wait_for_selector(".chip.pin-A")
-    assert other.output("wound_on_tension") == seen.output("wound_on_tension")
-    assert other.card("wound_on_tension") == seen.card("wound_on_tension")
-    other.open("#" + fragment[9:50])  # a broken one
-    assert other.box("nip_load") == "3502"
-
-
-def test_the_python_of_a_case_computes_the_same(look):
-    seen = look()
-    seen.put("nip_load", "4200")
-    seen.from_menu("Python that computes this")
-    code = seen.page.inner_text(".snippet")
-    space = {}
-    exec(code, space)
-    results = [thing for thing in space.values() if isinstance(thing, wo.WrappedNipResult)]
-    result = results[0] if results else wo.solve(next(
-        thing for thing in space.values() if isinstance(thing, wo.WrappedNipProblem)))  # fmt: skip
-    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
-
-
+@pytest.mark.slow
 def test_pictures_and_report(look, browser, tmp_path):
     seen = look()
     assert seen.saved("Picture (PNG)").startswith(b"\x89PNG")
@@ -381,6 +367,7 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-5)  # 6 digits
 
 
+@pytest.mark.slow
 def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
     seen = look(height=1200)  # with the panels in sight: elsewhere they are not drawn again
     page = seen.page

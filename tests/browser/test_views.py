@@ -5,11 +5,23 @@ from __future__ import annotations
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
+SLOW = pytest.mark.slow
 VIEWS = [
-    (1280, 800, "light"), (390, 844, "dark"),
-    pytest.param(1280, 800, "dark", marks=pytest.mark.slow),
-    pytest.param(390, 844, "light", marks=pytest.mark.slow),
+    (1280, 800, "light"), *(pytest.param(*view, marks=SLOW)
+    for view in [(390, 844, "dark"), (1280, 800, "dark"), (390, 844, "light")]),
 ]  # fmt: skip
+
+
+def each_tab_fits(page, width, scheme):
+    """Yield the tabs, each seen in turn, after a look at colours and width."""
+    background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
+    light = sum(map(int, background.removeprefix("rgb(").rstrip(")").split(","))) > 3 * 128
+    assert light == (scheme == "light")
+    for tab in page.eval_on_selector_all("[role=tab]", "tabs => tabs.map(tab => tab.id)"):
+        page.click(f"#{tab}")
+        yield tab
+        wide = page.evaluate("() => document.scrollingElement.scrollWidth")
+        assert wide <= width, tab
 
 
 @pytest.mark.parametrize(("width", "height", "scheme"), VIEWS)
@@ -17,14 +29,8 @@ def test_a_view_fits_and_is_open_to_all(look, width, height, scheme):
     seen = look(width=width, height=height, color_scheme=scheme)
     page = seen.page
     page.click(".pin")
-    background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
-    light = sum(map(int, background.removeprefix("rgb(").rstrip(")").split(","))) > 3 * 128
-    assert light == (scheme == "light")
-    for tab in page.eval_on_selector_all("[role=tab]", "tabs => tabs.map(tab => tab.id)"):
-        page.click(f"#{tab}")
+    for tab in each_tab_fits(page, width, scheme):
         seen.rest()
-        wide = page.evaluate("() => document.scrollingElement.scrollWidth")
-        assert wide <= width, tab
         found = Axe().run(page).response["violations"]
         serious = [one for one in found if one["impact"] in ("serious", "critical")]
         told = [f"{tab}: {one['id']}: {node['html']}" for one in serious for node in one["nodes"]]
@@ -59,27 +65,25 @@ def test_all_can_be_done_with_the_keyboard(look):
     assert page.evaluate("() => document.activeElement.id") == "tab-study"  # arrows go on from it
 
 
-def test_what_panels_show_stands_in_tables_too(look):
-    seen = look()
-    seen.page.click("button.tables")
-    zones = seen.page.inner_text(".cell-zones table")
-    assert "stick" in zones
-    assert "roll" in zones
-    assert seen.page.locator(".cell-tractions tbody tr").count() > 20
-
-
-def test_zones_are_told_apart_without_colour(look):
-    seen = look()
+def test_it_fits_without_width_light_colour_and_motion(look):
+    """A narrow dark screen; zones by patterns, curves as tables, nothing that moves."""
+    seen = look(width=390, height=844, color_scheme="dark", reduced_motion="reduce")
+    page = seen.page
     pattern = "() => getComputedStyle(document.querySelector('.zone.zone1')).fill"
-    assert "hatch-faster" in seen.page.evaluate(pattern)
-
-
-def test_motion_is_reduced_where_asked(look):
-    seen = look(reduced_motion="reduce")
+    assert "hatch-faster" in page.evaluate(pattern)
     moving = """() => [...document.querySelectorAll('*')].filter(e => {
         const style = getComputedStyle(e)
         return style.animationName !== 'none' || style.transitionDuration !== '0s'
     }).length"""
-    assert seen.page.evaluate(moving) == 0
-    seen.page.evaluate("() => document.querySelector('.working').classList.add('busy')")
-    assert seen.page.evaluate(moving) == 0
+    assert page.evaluate(moving) == 0
+    page.evaluate("() => document.querySelector('.working').classList.add('busy')")
+    assert page.evaluate(moving) == 0
+    page.evaluate("() => document.querySelector('.working').classList.remove('busy')")
+    page.click("button.tables")
+    zones = page.inner_text(".cell-zones table")
+    assert "stick" in zones
+    assert "roll" in zones
+    assert page.locator(".cell-tractions tbody tr").count() > 20
+    page.click("button.tables")
+    for _ in each_tab_fits(page, 390, "dark"):
+        seen.rest()

@@ -87,6 +87,7 @@ def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path, monkeypatch):
     assert len(laid_out) == 1
 
 
+@pytest.mark.slow
 def test_two_processes_do_the_same(tmp_path, capsys: Capture):
     names = ["table4", "fig5"]
     for jobs in ("1", "2"):
@@ -202,6 +203,7 @@ def _read(terminal: int) -> Iterator[bytes]:
         yield block
 
 
+@pytest.mark.slow
 @posix
 def test_a_bar_shows_on_a_terminal_and_leaves_the_output_alone(tmp_path):
     (parent, child), seen = pty.openpty(), list[bytes]()

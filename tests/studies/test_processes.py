@@ -106,8 +106,8 @@ import woundon as wo
 from thesis_cases import paper_nip
 
 print("the script runs")
-over = {"nip_load": np.linspace(1000, 4000, 200)}
-data = wo.sweep(paper_nip(), over, nodes=17, chunk=5, workers=2)
+over = {"nip_load": np.linspace(1000, 4000, 80)}
+data = wo.sweep(paper_nip(), over, nodes=17, chunk=2, workers=2)
 print(int(np.isfinite(data.nip_induced_tension).sum()), "solved")
 """
 
@@ -117,7 +117,7 @@ def test_a_study_in_a_script_without_a_guard(tmp_path: Path):
     """40 chunks, of which the workers hold two at a time."""
     (tmp_path / "study.py").write_text(STUDY, encoding="utf-8")
     said, complained = _start(str(tmp_path / "study.py")).communicate(timeout=60)
-    assert said.splitlines() == ["the script runs", "200 solved"]
+    assert said.splitlines() == ["the script runs", "80 solved"]
     assert complained == ""
 
 
@@ -192,7 +192,7 @@ def _gone(pids: list[int]) -> bool:
 
 
 @posix
-@pytest.mark.parametrize("send", [os.kill, os.killpg])
+@pytest.mark.parametrize("send", [pytest.param(os.kill, marks=pytest.mark.slow), os.killpg])
 def test_ctrl_c_stops_at_once_and_leaves_no_worker(tmp_path: Path, send):
     """To the parent alone, and to the whole group as a terminal does; its work takes a minute."""
     script, pids = _asleep(tmp_path, "", 60)

@@ -61,25 +61,40 @@ def test_long_studies_move_to_a_pool_and_short_ones_do_not(monkeypatch: pytest.M
     assert long.chunks > 50
 
 
+def dask_cluster(workers: int, *, processes: bool):
+    """Return a cluster of this machine, whose parts talk as those of several do."""
+    distributed = pytest.importorskip("distributed")
+    return distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=1, processes=processes, host="127.0.0.1",
+        protocol="tcp", dashboard_address=None,
+    )  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def cluster():
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
-    ) as made:
+    """A cluster whose two workers are processes, which take seconds to start."""
+    with dask_cluster(2, processes=True) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def thread():
+    """A cluster whose worker is a thread."""
+    with dask_cluster(1, processes=False) as made:
         yield made
 
 
 @pytest.mark.filterwarnings("ignore")  # of Dask's own event loops
-def test_dask_gives_the_same_numbers(cluster):
+@pytest.mark.parametrize("kind", ["thread", pytest.param("cluster", marks=pytest.mark.slow)])
+def test_dask_gives_the_same_numbers(kind: str, request: pytest.FixtureRequest):
     over = {"nip_load": np.linspace(1000, 3000, 12)}
+    address = request.getfixturevalue(kind).scheduler_address
     here = wo.sweep(paper_nip(), over, nodes=17, workers=1, chunk=3)
-    there = wo.sweep(
-        paper_nip(), over, nodes=17, chunk=3, scheduler=cluster.scheduler_address
-    )  # fmt: skip
+    there = wo.sweep(paper_nip(), over, nodes=17, chunk=3, scheduler=address)
     assert here.identical(there)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
     pids = [worker.pid for worker in cluster.workers.values()]
@@ -102,6 +117,7 @@ def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
     assert np.array_equal(table.outputs["y"], 2.0 * np.arange(30))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys):
@@ -214,7 +230,7 @@ def test_kill_9_loses_no_finished_part_and_changes_no_number(
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.slow)])
 def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     out = tmp_path / "out"
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)

@@ -87,6 +87,7 @@ def test_friction_and_stack_are_told_apart_by_two_pressures():
     np.testing.assert_allclose(found.estimates, [MU, K2], rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_a_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     case = CASE.replace(tension_law="friction", radius=0.055)
     file, table = tmp_path / "winding.toml", tmp_path / "cores.csv"

@@ -27,7 +27,7 @@ assert np.allclose(scipy.linalg.solve(A, b), [0.8, 1.4], rtol=1e-15)
     ("first", "loaded"),
     [
         ("", False),
-        ("import scipy.linalg", True),
+        pytest.param("import scipy.linalg", True, marks=pytest.mark.slow),
         # a SciPy that keeps it elsewhere
         ("from importlib.machinery import PathFinder as P; find = P.find_spec\n"
          "P.find_spec = lambda name, *a: None if name == 'scipy.linalg._flapack' and "

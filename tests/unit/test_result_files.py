@@ -318,7 +318,8 @@ def test_static_rollers_of_0_1_are_told_their_shift():
 def test_results_of_0_1_are_drawn_and_told(tmp_path):
     for name in ("nip", "wrapped_drum", "rollers_static"):
         result = wo.load_result(OLD / f"{name}.json")
-        result.plot(tmp_path / f"{name}.png")
+        (panel,) = result.plot(tmp_path / f"{name}.png", panels="tractions").axes
+        assert panel.has_data()
         assert (tmp_path / f"{name}.png").stat().st_size > 1000
         assert "Certificate" in str(result)
 
