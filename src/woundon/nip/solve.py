@@ -216,8 +216,8 @@ class NipContact(PairContact):
     def zones(self, start: Start, equations: NipEquations) -> Array:
         """Return the zones to begin with, their borders found within the cells before.
 
-        From mesh to mesh a rigid body's are those of the nearest nodes: its tractions may jump, so
-        that the laws hardly tell where in a cell, and a short zone that is lost is not found again.
+        From mesh to mesh a rigid body's end where slips are taken: its tractions may jump, so that
+        the laws hardly tell where in a cell, and a short zone that is lost is not found again.
         """
         mesh, before, told = equations.mesh, start.level, start.runs
         if told is not None:
@@ -227,12 +227,11 @@ class NipContact(PairContact):
         else:
             return super().zones(start, equations)
         found = [run.on(mesh.columns, mesh.middle[:-1]) for run in runs]
-        if told is None and any(body.rigid for body in self.problem.bodies):
-            nearest = start.zones_on(equations.faces)
-            found = [
-                near if body.rigid else own
-                for own, near, body in zip(found, nearest, self.problem.bodies, strict=True)
-            ]
+        if told is None and before is not None:
+            nodes = np.searchsorted(before.mesh.middle[1:-1], mesh.columns, side="right")
+            for face, body in enumerate(self.problem.bodies):
+                if body.rigid:
+                    found[face] = start.zones[face * before.mesh.unknowns :].take(nodes)
         return np.concatenate(found)
 
     def scalars(self, level: Level) -> Mapping[str, float]:
