@@ -45,9 +45,8 @@ class Action:
     def __call__(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return slope and strain."""
         grid, loads, singular = self.grid, np.array([p, q]), self._singular
-        parts = singular.shape[1] // 2  # by p and by q
-        hats = grid.singular[:parts].reshape(-1, grid.unknowns)
-        found = singular @ (loads @ hats.T).reshape(2 * parts, -1)
+        hats = grid.poles if self._logs is None else grid.singular
+        found = singular @ (loads @ hats.reshape(-1, grid.unknowns).T).reshape(2 * len(hats), -1)
         if self._logs is not None:
             found += (self._logs @ (loads @ grid.weights))[:, None]
         if self.smooth is not None:

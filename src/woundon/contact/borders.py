@@ -37,23 +37,25 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int) -> Array:
         Of as many nodes each.
     """
     size = solution.state.size // faces
-    turns = list(_turns(solution, size))
+    held = joint.held[solution.state.take(joint.held) == 0].tolist()
+    alone = held if len(held) == 1 else []  # without it nothing holds the creep
+    turns = [turn for turn in _turns(solution, size) if turn[0] not in alone]
     nodes, ways = np.array(turns, dtype=np.intp).reshape(-1, 2).T
     effects = joint.effects(solution.joint[0], nodes)
     laws = joint.laws(nodes, ways) @ effects.T  # of each turn, by each effect
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
     with np.errstate(divide="ignore", invalid="ignore"):  # states that have no solution
-        alone = -misses / np.diag(laws)
-        changes = alone[:, None] * effects
+        single = -misses / np.diag(laws)
+        changes = single[:, None] * effects
         pairs = list(_pairs([node for node, _ in turns], size))
         if pairs:
             one, two = np.array(pairs).T
             both = laws[one, one] * laws[two, two] - laws[one, two] * laws[two, one]
             first = (misses[two] * laws[one, two] - misses[one] * laws[two, two]) / both
             second = (misses[one] * laws[two, one] - misses[two] * laws[one, one]) / both
-            beyond = (first - alone[one])[:, None] * effects[one]
-            beyond += (second - alone[two])[:, None] * effects[two]
+            beyond = (first - single[one])[:, None] * effects[one]
+            beyond += (second - single[two])[:, None] * effects[two]
             changes = np.concatenate([changes, beyond])
         return np.asarray(changes[np.isfinite(changes.sum(axis=1))])
 
