@@ -148,6 +148,6 @@ class Contact(Protocol):
         """Return what a solved mesh lets foresee of how its scalars scatter, where it does."""
         ...
 
-    def grain(self, name: str, level: Level) -> float:
-        """Return what a solved mesh leaves of a scalar, which changes need not show."""
+    def grains(self, level: Level) -> Scalars:
+        """Return what a solved mesh leaves of scalars that changes need not show."""
         ...

@@ -31,7 +31,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
-from ..two_bodies import PairContact, PairEquations, PairState, approach, mesh_of
+from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
 from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
@@ -47,7 +47,6 @@ Array = np.ndarray
 # much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 BESIDE = (65, 97, 129, 193, 257)  # nodes for a neighbour of a solved case
-SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 # rtol from which elements are tried, with a rigid drum and an elastic one: from there they cost
 # less than meshes on half of random nips and more
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
@@ -249,12 +248,13 @@ class NipContact(PairContact):
         """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
         return by_borders(self.problem, level, super().foreseen(level, scalars))
 
-    def grain(self, name: str, level: Level) -> float:
-        """Return what a mesh leaves of an output that changes between meshes need not show."""
-        grain = super().grain(name, level)
-        if grain and name in SLIP_RATIOS:
-            grain += unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
-        return grain
+    def grains(self, level: Level) -> dict[str, float]:
+        """Return what a mesh leaves of outputs that changes between meshes need not show."""
+        grains = super().grains(level)
+        if grains:
+            unseen = unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
+            grains.update((name, grains[name] + unseen) for name in SLIP_RATIOS)
+        return grains
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------
