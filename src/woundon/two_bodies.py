@@ -385,6 +385,10 @@ class PairContact:
         """Return the zones to begin with: each node takes that of the nearest one before."""
         return np.concatenate(start.zones_on(equations.faces))
 
+    def first_zones(self, equations: Any) -> Array | None:
+        """Return the zones to begin with where nothing is known: all in stick."""
+        return None
+
     def refuse(self, equations: Any, state: Any) -> None:
         """Refuse nothing: whatever has no steady state was refused with the problem."""
 

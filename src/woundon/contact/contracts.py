@@ -127,6 +127,10 @@ class Contact(Protocol):
         """Return the zones to begin with, after another mesh or a neighbouring case."""
         ...
 
+    def first_zones(self, equations: Any) -> Array | None:
+        """Return the zones to begin with where nothing is known; None for all in stick."""
+        ...
+
     def refuse(self, equations: Any, state: Any) -> None:
         """Raise for a state that shows that there is no steady state."""
         ...

@@ -52,6 +52,7 @@ BESIDE = (65, 97, 129, 193, 257)  # nodes for a neighbour of a solved case
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
 CAREFUL = 3e-6  # rtol from which they are tried twice: for a larger one, meshes cost less than that
 MOST_NODES = 1100  # of the meshes that rtol asks for
+EDGE = 4  # of so many nodes one at either edge is supposed to slip first; 5 does as well
 
 
 @one_thread
@@ -232,6 +233,20 @@ class NipContact(PairContact):
                 if body.rigid:
                     found[face] = start.zones[face * before.mesh.unknowns :].take(nodes)
         return np.concatenate(found)
+
+    def first_zones(self, equations: NipEquations) -> Array:
+        """Return the zones to begin with where nothing is known: slip at the edges of the nip.
+
+        Pressure slides a body that deforms and the web apart, most in the middle.  Held back there,
+        they slip that way behind it and the other way before it.
+        """
+        n, slips = equations.mesh.unknowns, equations.matrices.through_pressure
+        zones, edge = np.zeros((2, n), dtype=np.int8), n // EDGE
+        for face, body in enumerate(self.problem.bodies):
+            if not body.rigid:
+                way = 1 if slips[face * n + n // 2].sum() > 0 else -1
+                zones[face, :edge], zones[face, n - edge :] = -way, way
+        return zones.ravel()
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
