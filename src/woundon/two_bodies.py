@@ -45,6 +45,7 @@ SHARE = (
 SLACK = 0.5  # of the load that flattens a thin tube, from which a contact's is looked at
 PARTED = 0.05  # of the largest pressure: less of it in the middle, friction may take away
 GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
+SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 # what outputs of random nips scatter by in the middle, relative and on one cell, and as how many
 # changes that counts: widths and pressures err much alike, what borders of zones matter to does not
 USUAL = {
@@ -384,6 +385,10 @@ class PairContact:
         """Return the zones to begin with: each node takes that of the nearest one before."""
         return np.concatenate(start.zones_on(equations.faces))
 
+    def first_zones(self, equations: Any) -> Array | None:
+        """Return the zones to begin with where nothing is known: all in stick."""
+        return None
+
     def refuse(self, equations: Any, state: Any) -> None:
         """Refuse nothing: whatever has no steady state was refused with the problem."""
 
@@ -433,20 +438,18 @@ class PairContact:
             if name in scalars
         }
 
-    def grain(self, name: str, level: Level) -> float:
-        """Return what a mesh leaves of an output that changes between meshes need not show.
+    def grains(self, level: Level) -> dict[str, float]:
+        """Return what a mesh leaves of outputs that changes between meshes need not show.
 
         A zone may be shorter than the cells at the edge, and borders may fall alike between the
         nodes of two meshes: without this a tenth of slip ratios is off by more than 1.5 estimates.
         Pressure has a cusp at a border of stick, from which it falls like the root of the distance.
         """
         if level.mesh.border_share == 0:  # nodes lie on the borders of an element mesh
-            return 0.0
-        if name == "peak_pressure":
-            return level.at_load(_above_nodes(padded(level.state.pressure)))
-        if name in ("leading_roll", "trailing_roll", "dual"):
-            return GRAIN * float(np.max(level.mesh.grid.cells)) / 2
-        return 0.0
+            return {}
+        peak = level.at_load(_above_nodes(padded(level.state.pressure)))
+        ends = GRAIN * float(np.max(level.mesh.grid.cells)) / 2
+        return {"peak_pressure": peak, **dict.fromkeys(SLIP_RATIOS, ends)}
 
 
 def _above_nodes(p: Array) -> float:

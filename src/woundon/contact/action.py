@@ -44,10 +44,9 @@ class Action:
 
     def __call__(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return slope and strain."""
-        grid, loads = self.grid, np.array([p, q])
-        parts = self._singular @ loads
-        hats = grid.singular[: len(parts)].reshape(len(parts), -1, grid.unknowns)
-        found = np.add.reduce(parts @ hats.transpose(0, 2, 1))
+        grid, loads, singular = self.grid, np.array([p, q]), self._singular
+        hats = grid.poles if self._logs is None else grid.singular
+        found = singular @ (loads @ hats.reshape(-1, grid.unknowns).T).reshape(2 * len(hats), -1)
         if self._logs is not None:
             found += (self._logs @ (loads @ grid.weights))[:, None]
         if self.smooth is not None:
@@ -58,19 +57,18 @@ class Action:
 
     @cached_property
     def _singular(self) -> Array:
-        """Coefficients of the singular parts that there are, (parts, slope and strain, p and q)."""
-        of, a = self.kernels, self.scale
-        each = [[k.inverse for k in of], [k.delta for k in of]]
-        logs, signs = [k.log * a for k in of], [k.sign * a for k in of]
-        if any(logs) or any(signs):
-            each += [logs, signs]
-        return np.array(each).reshape(-1, 2, 2)
+        """Coefficients of the singular parts that there are, (slope and strain, parts by p and q)."""
+        a, each = self.scale, [[k.inverse, k.delta, k.log, k.sign] for k in self.kernels]
+        factors = np.array(each) * [1.0, 1.0, a, a]
+        if not factors[:, 2:].any():
+            factors = factors[:, :2]
+        return factors.reshape(2, -1)
 
     @cached_property
     def _logs(self) -> Array | None:
         """What ln(a) adds, by the loads of p and of q."""
         singular = self._singular
-        return singular[2] * log(self.scale) if len(singular) > 2 else None
+        return singular[:, 2::4] * log(self.scale) if singular.shape[1] == 8 else None
 
     @cached_property
     def _core(self) -> Array:

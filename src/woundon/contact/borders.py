@@ -76,6 +76,9 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int, gradients:
     laws = joint.laws(nodes, ways) @ effects.T  # of each turn, by each effect
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
+    held = joint.held[solution.state.take(joint.held) == 0]
+    if held.size == 1:  # without it nothing holds the creep
+        misses[nodes == held] = np.nan
     changes = effects @ gradients
     last = 4 * len(borders)
     near = [*(k + j for k in range(0, last, 4) for j in (1, 2)), *range(last, len(turns))]

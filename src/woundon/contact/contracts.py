@@ -127,6 +127,10 @@ class Contact(Protocol):
         """Return the zones to begin with, after another mesh or a neighbouring case."""
         ...
 
+    def first_zones(self, equations: Any) -> Array | None:
+        """Return the zones to begin with where nothing is known; None for all in stick."""
+        ...
+
     def refuse(self, equations: Any, state: Any) -> None:
         """Raise for a state that shows that there is no steady state."""
         ...
@@ -148,6 +152,6 @@ class Contact(Protocol):
         """Return what a solved mesh lets foresee of how its scalars scatter, where it does."""
         ...
 
-    def grain(self, name: str, level: Level) -> float:
-        """Return what a solved mesh leaves of a scalar, which changes need not show."""
+    def grains(self, level: Level) -> Scalars:
+        """Return what a solved mesh leaves of scalars that changes need not show."""
         ...

@@ -40,7 +40,6 @@ Array = np.ndarray
 
 HIGHEST_RANK = 600
 BLOCK = 12000  # entries: small arrays stay in the cache, and cost little more than their call
-SINGULAR = ("inverse", "value", "log", "sign")  # what integrates each singular part of a kernel
 
 
 class Past(Protocol):
@@ -319,21 +318,20 @@ class Grid:
             return np.array([self.integrate(k, scale, rank=rank) for k in kernels])
         rank = min(rank, HIGHEST_RANK)
         factors = np.array([[k.inverse, k.delta, k.log * scale, k.sign * scale] for k in kernels])
+        logs = factors[:, 2:].any()
+        singular = self.singular if logs else self.poles
+        factors = factors[:, : len(singular)]
         if smooth is None:
-            out: Array = np.zeros((len(kernels), self.points.size, self.unknowns))
-            for k, part in zip(*np.nonzero(factors), strict=True):  # few of them
-                out[k] += factors[k, part] * getattr(self, SINGULAR[part])
+            out: Array = (factors @ singular).reshape(len(kernels), -1, self.unknowns)
         else:
-            singular = self.singular
             at_points, moments = self.interpolation(rank)
             distance, where = distances(rank)
             core = smooth(scale * distance).take(where, axis=1)
             out = at_points @ (core @ (scale * moments))
             for part, own in zip(out, factors, strict=True):  # small arrays stay in the cache
                 part += (own @ singular).reshape(part.shape)
-        for part, log in zip(out, factors[:, 2].tolist(), strict=True):
-            if log:
-                part += log * np.log(scale) * self.weights
+        if logs:
+            out += (factors[:, 2] * np.log(scale))[:, None, None] * self.weights
         if lag is not None:
             out += self.lagging(lag, scale)
         return out
@@ -341,7 +339,12 @@ class Grid:
     @cached_property
     def singular(self) -> Array:
         """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K n)."""
-        return np.array([getattr(self, name) for name in SINGULAR]).reshape(4, -1)
+        return np.array([self.inverse, self.value, self.log, self.sign]).reshape(4, -1)
+
+    @cached_property
+    def poles(self) -> Array:
+        """The integrals of the inverse and the pulse, all that a half-plane has, (2, K n)."""
+        return np.array([self.inverse, self.value]).reshape(2, -1)
 
 
 @lru_cache(maxsize=32)

@@ -110,9 +110,17 @@ class Joint:
         return self.matrix.shape[1] - 2 - self.friction.size
 
     @cached_property
-    def _ends(self) -> tuple[Array, Array]:
-        """The rows that every state has, and the last column."""
-        return np.arange(self.unknowns + 2), np.array([self.matrix.shape[1] - 1])
+    def _first(self) -> Array:
+        """The rows that every state has."""
+        return np.arange(self.unknowns + 2)
+
+    @cached_property
+    def _own_column(self) -> Array:
+        """The column of each row: p and shift, xi for the resultant, the nodes' tractions."""
+        columns = np.arange(-1, self.matrix.shape[1] - 1)
+        columns[: self.unknowns + 1] += 1
+        columns[self.unknowns + 1] = self.matrix.shape[1] - 1
+        return columns
 
     @property
     def creep(self) -> Array:
@@ -126,7 +134,9 @@ class Joint:
 
     def bounds(self, p: Array) -> Array:
         """Return mu p of each node, (..., m)."""
-        return np.asarray(self.friction * p.take(self.own, axis=-1))
+        bounds = p.take(self.own, axis=-1)
+        bounds *= self.friction
+        return bounds
 
     def _by_last(self, state: Array) -> Factors | None:
         """Return a state by the factors at hand; None where they do not serve."""
@@ -142,9 +152,8 @@ class Joint:
     def _by_own(self, state: Array) -> Factors | None:
         """Return a state by its own factors; None where it is singular."""
         n, stuck = self.unknowns, (state == 0).nonzero()[0]
-        first, last = self._ends
-        rows = np.concatenate([first, stuck + (n + 2)])
-        columns = np.concatenate([first[:-1], stuck + (n + 1), last])
+        rows = np.concatenate([self._first, stuck + (n + 2)])
+        columns = self._own_column.take(rows)
         law = self.matrix.take(rows, axis=0)
         A = law.take(columns, axis=1)
         self._bring(law[:, n + 1 : -1], self.friction * state, A)

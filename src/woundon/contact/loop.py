@@ -252,10 +252,9 @@ class Ladder:
 
         One that is not itself extrapolated is farther off by what the extrapolation would add.
         """
+        grains = self.contact.grains(self.level)
         return {
-            name: error
-            + abs(getattr(result, name) - self.values[name])
-            + self.contact.grain(name, self.level)
+            name: error + abs(getattr(result, name) - self.values[name]) + grains.get(name, 0.0)
             for name, error in self.errors.items()
         }
 
@@ -279,15 +278,17 @@ class Ladder:
         # beside a neighbour of like zones, that one has told it
         if self.scatters and not (self._scattered and len(self.history) == 1 and self._alike()):
             foreseen = self.contact.foreseen(self.level, self.values)
+        order = self.contact.order
         for name in self.values:
             values = [scalars[name] for scalars in self.history]
-            self.errors[name] = self._told(name, values, foreseen.get(name, NOTHING))
+            self.errors[name] = self._told(name, values, order, foreseen.get(name, NOTHING))
 
-    def _told(self, name: str, values: Sequence[float], foreseen: Foreseen) -> float:
+    def _told(
+        self, name: str, values: Sequence[float], order: float, foreseen: Foreseen
+    ) -> float:
         cells = self.level.mesh.nodes.size - 1
         if self.scatters:
-            largest = max(self.contact.scale(name, value) for value in values)
-            order = self.contact.order
+            largest = max([self.contact.scale(name, value) for value in values])
             known = Scatter.of(values, self.cells, largest, order, foreseen)
             known = self._scatters[name] = known.after(self._scattered.get(name))
             if known.changes and known.freedom >= 2:

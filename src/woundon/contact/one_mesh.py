@@ -243,13 +243,15 @@ class _Step:
     def _solved(self, a: float) -> tuple[Any, Any, StickSlipSolution]:
         last = self.latest[0] if self.latest else None
         equations = self.solver.contact.equations(self.mesh, a, self.known.about, last)
+        joint = getattr(equations, "joint", None)
+        by_pivots = self.solver.find_zones is solve_stick_slip and joint is not None
+        problem: Any = joint if by_pivots else equations.stick_slip()
         zones = self.known.zones
         if self.start is not None:
             self.begun = zones = self.solver.contact.zones(self.start, equations)
             self.start = None
-        joint = getattr(equations, "joint", None)
-        by_pivots = self.solver.find_zones is solve_stick_slip and joint is not None
-        problem: Any = joint if by_pivots else equations.stick_slip()
+        elif zones is None and by_pivots:
+            zones = self.solver.contact.first_zones(equations)
         solution = self.solver.find_zones(problem, zones)
         self.solver.solves += solution.solves
         return equations, equations.state(solution), solution

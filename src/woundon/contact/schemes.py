@@ -106,6 +106,11 @@ class Mesh:
         """Less the integral of the traction from each cell to the trailing edge, (N, n)."""
         return self.upstream - self.grid.weights
 
+    @cached_property
+    def web(self) -> Array:
+        """What a web feels of a traction in the cells: slope, value and behind, (3N, n)."""
+        return np.concatenate([self.slope[:-1], self.value[:-1], self.behind])
+
     def facing(self, rigid: bool) -> Mesh:
         """Return the mesh of the tractions on a body, which may jump on a rigid one."""
         return self

@@ -77,10 +77,12 @@ class NipMatrices(Matrices):
         np.multiply(mesh.slope[:-1], thinning / a, out=slope_p)
         # the web: its tension between the point and the trailing edge, and its squeezing
         value = web.c12 * mesh.value[:-1]
+        stretched = a * web.c11 / thickness
+        behind = stretched * mesh.behind
         for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
             own, last = slice(face * n, (face + 1) * n), 2 * n + face
             other, facing = slice((1 - face) * n, (2 - face) * n), mesh.facing(body.rigid)
-            stretch = (a * web.c11 / thickness) * facing.behind
+            stretch = behind if facing is mesh else stretched * facing.behind
             direct[other, own], direct[2 * n + 1 - face, own] = stretch[:-1], stretch[-1]
             if body.rigid:
                 slope_q[:, own] = web.c12 * facing.value[:-1]

@@ -57,15 +57,16 @@ class NipLaws:
 
     def laws(self, p: Array, q: Array, shift: float, creep: float) -> tuple[Array, Array]:
         """Return what the surfaces leave of the gap's slope, (N,), and all slips, (2n + 2,)."""
-        problem, mesh, a = self.problem, self.mesh, self.half_width
-        n, web = p.size, problem.web.compliance
-        both = q[:n] + q[n:]
-        miss = mesh.slope[:-1] @ (p * (problem.thinning / a))
-        miss += web.c12 * (mesh.value[:-1] @ both) + shift - self.gap
-        strain = (a * web.c11 / problem.web.thickness) * (mesh.behind @ both)
-        strain -= web.c12 * (mesh.value[:-1] @ p)
+        n, a, web = p.size, self.half_width, self.problem.web
+        c12, stretch = web.compliance.c12, a * web.compliance.c11 / web.thickness
+        # slope, value and behind of the pressure, then of the tractions together
+        felt = (np.array([p, q[:n] + q[n:]]) @ self.mesh.web.T).reshape(6, -1)
+        thinner = self.problem.thinning / a
+        coefficients = [[thinner, 0.0, 0.0, 0.0, c12, 0.0], [0.0, -c12, 0.0, 0.0, 0.0, stretch]]
+        miss, strain = np.array(coefficients) @ felt
+        miss += shift - self.gap
         slips = np.empty(2 * n + 2)
-        for face, (body, response) in enumerate(zip(problem.bodies, self.responses, strict=True)):
+        for face, (body, response) in enumerate(zip(self.problem.bodies, self.responses, strict=True)):
             v = strain
             if not body.rigid:
                 slope, own = response.act(p, q[face * n : (face + 1) * n])

@@ -74,9 +74,9 @@ def _found(problem: Any, level: Level) -> _AtBorders:
 
 
 def _gradients(problem: Any, level: Level) -> Array:
-    """Return those of the outputs by the joint system's unknowns, at the load asked, to first order.
+    """Return those of the outputs by the joint system's unknowns, (n + m + 2, outputs).
 
-    (n + m + 2, outputs), m = 2n.
+    At the load asked, to first order.
     """
     weights, state = level.equations.matrices.weights, level.state
     n, p, load = weights.size, state.pressure, level.load

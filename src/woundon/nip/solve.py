@@ -31,7 +31,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals
 from ..threads import one_thread
-from ..two_bodies import PairContact, PairEquations, PairState, approach, mesh_of
+from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
 from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
@@ -48,12 +48,12 @@ Array = np.ndarray
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 CHOSEN = (49, 65, 97, 129, 193, 257)  # nodes that it is solved on
 COARSE_NODES = 25  # of the mesh that tells how many
-SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 # rtol from which elements are tried, with a rigid drum and an elastic one: from there they cost
 # less than meshes on half of random nips and more
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
 CAREFUL = 3e-6  # rtol from which they are tried twice: for a larger one, meshes cost less than that
 MOST_NODES = 1100  # of the meshes that rtol asks for
+EDGE = 4  # of so many nodes one at either edge is supposed to slip first; 5 does as well
 
 
 @one_thread
@@ -219,8 +219,8 @@ class NipContact(PairContact):
     def zones(self, start: Start, equations: NipEquations) -> Array:
         """Return the zones to begin with, their borders found within the cells before.
 
-        From mesh to mesh a rigid body's are those of the nearest nodes: its tractions may jump, so
-        that the laws hardly tell where in a cell, and a short zone that is lost is not found again.
+        From mesh to mesh a rigid body's end where slips are taken: its tractions may jump, so that
+        the laws hardly tell where in a cell, and a short zone that is lost is not found again.
         """
         mesh, before, told = equations.mesh, start.level, start.runs
         if told is not None:
@@ -230,13 +230,26 @@ class NipContact(PairContact):
         else:
             return super().zones(start, equations)
         found = [run.on(mesh.columns, mesh.middle[:-1]) for run in runs]
-        if told is None and any(body.rigid for body in self.problem.bodies):
-            nearest = start.zones_on(equations.faces)
-            found = [
-                near if body.rigid else own
-                for own, near, body in zip(found, nearest, self.problem.bodies, strict=True)
-            ]
+        if told is None and before is not None:
+            nodes = np.searchsorted(before.mesh.middle[1:-1], mesh.columns, side="right")
+            for face, body in enumerate(self.problem.bodies):
+                if body.rigid:
+                    found[face] = start.zones[face * before.mesh.unknowns :].take(nodes)
         return np.concatenate(found)
+
+    def first_zones(self, equations: NipEquations) -> Array:
+        """Return the zones to begin with where nothing is known: slip at the edges of the nip.
+
+        Pressure slides a body that deforms and the web apart, most in the middle.  Held back there,
+        they slip that way behind it and the other way before it.
+        """
+        n, slips = equations.mesh.unknowns, equations.matrices.through_pressure
+        zones, edge = np.zeros((2, n), dtype=np.int8), n // EDGE
+        for face, body in enumerate(self.problem.bodies):
+            if not body.rigid:
+                way = 1 if slips[face * n + n // 2].sum() > 0 else -1
+                zones[face, :edge], zones[face, n - edge :] = -way, way
+        return zones.ravel()
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
@@ -256,12 +269,13 @@ class NipContact(PairContact):
         """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
         return by_borders(self.problem, level, super().foreseen(level, scalars))
 
-    def grain(self, name: str, level: Level) -> float:
-        """Return what a mesh leaves of an output that changes between meshes need not show."""
-        grain = super().grain(name, level)
-        if grain and name in SLIP_RATIOS:
-            grain += unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
-        return grain
+    def grains(self, level: Level) -> dict[str, float]:
+        """Return what a mesh leaves of outputs that changes between meshes need not show."""
+        grains = super().grains(level)
+        if grains:
+            unseen = unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
+            grains.update((name, grains[name] + unseen) for name in SLIP_RATIOS)
+        return grains
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------

@@ -60,7 +60,7 @@ def closed(points: Array, nodes: Array) -> Array:
     Returns
     -------
     (4, K, M+1) array
-        As :data:`woundon.contact.grid.SINGULAR` has them.
+        As :attr:`woundon.contact.grid.Grid.singular` has them.
     """
     h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
     # over each cell, and times the distance from its middle

@@ -328,16 +328,16 @@ class WrapContact(PairContact):
             del usual["drum_creep"]
         return usual
 
-    def grain(self, name: str, level: Level) -> float:
-        """Return what a mesh leaves of an output that changes between meshes need not show.
+    def grains(self, level: Level) -> dict[str, float]:
+        """Return what a mesh leaves of outputs that changes between meshes need not show.
 
         The drum's creep is fixed where the web comes onto the drum: there its hoop pressure and
         traction set in at once, on the drum's strain by which the cells there leave a little.
         """
-        problem = self.problem
-        if name != "drum_creep" or not problem.drum_wrap:
-            return super().grain(name, level)
+        problem, grains = self.problem, super().grains(level)
+        if not problem.drum_wrap:
+            return grains
         hoop = problem.drum.compliance * problem.web_tension / problem.drum.radius
         own = problem.web.compliance.c11 / problem.web.thickness * problem.web_tension
         entry = ENTRY / (level.mesh.nodes.size - 1) ** 2
-        return float(entry * hoop + ROUNDING * own)
+        return {**grains, "drum_creep": float(entry * hoop + ROUNDING * own)}
