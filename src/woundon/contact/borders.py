@@ -30,15 +30,15 @@ __all__ = ["Moved", "at_rest", "by_turning"]
 Array = np.ndarray
 
 BESIDE = 2  # nodes between two borders that hold each other, at most
-# times the curvature one node on: up to the one the changes count as a parabola's, from the other on
-# no more, and in between by a share, lest outputs jump
+# times the curvature one node on: up to the one the changes count as a parabola's, from the other
+# on no more, and in between by a share, lest outputs jump
 ALIKE, OTHERWISE = 1.5, 2.5
 FARTHEST = 0.75  # nodes that a border may be from its place of rest; half a node and a margin
 
-# what outputs of random nips err by, once borders rest, of their changes: by borders at rest, by how
-# unlike these are on both sides, by borders that come to no rest, by stick that is not seen, and by
-# borders that hold each other (the most likely ones for errors of 600 nips on 33 to 129 nodes, as
-# Student's t of 2 degrees of freedom)
+# what outputs of random nips err by, once borders rest, of their changes: by borders at rest, by
+# how unlike these are on both sides, by borders that come to no rest, by stick that is not seen,
+# and by borders that hold each other (about the most likely ones for the errors of 600 nips on 33
+# to 129 nodes, as Student's t of 2 degrees of freedom)
 RESTING, UNLIKE, RESTLESS, UNSEEN, HELD = 0.025, 0.12, 0.08, 0.2, 0.05
 
 

@@ -54,8 +54,8 @@ class Ladder:
     """Solves a contact on one mesh after another, and tells the errors from their changes.
 
     ``level`` is the last mesh, ``before`` the one before it, ``history`` the scalars of all and
-    ``cells`` their numbers of cells, ``values`` and ``errors`` the best values and their told errors, ``solves`` the linear systems,
-    ``widths`` the half widths of all meshes.
+    ``cells`` their numbers of cells, ``values`` and ``errors`` the best values and their told
+    errors, ``solves`` the linear systems, ``widths`` the half widths of all meshes.
 
     Parameters
     ----------
@@ -283,9 +283,7 @@ class Ladder:
             values = [scalars[name] for scalars in self.history]
             self.errors[name] = self._told(name, values, order, foreseen.get(name, NOTHING))
 
-    def _told(
-        self, name: str, values: Sequence[float], order: float, foreseen: Foreseen
-    ) -> float:
+    def _told(self, name: str, values: Sequence[float], order: float, foreseen: Foreseen) -> float:
         cells = self.level.mesh.nodes.size - 1
         if self.scatters:
             largest = max([self.contact.scale(name, value) for value in values])

@@ -8,10 +8,12 @@ second order, but erratic, because the borders of the zones fall anywhere betwee
 rigid body tractions may jump at a border, which leaves errors of first order beside those of second
 one: there the order is in between.)  A change v_k - v_{k-1} then has the variance
 s^2 (N_k^-4 + N_{k-1}^-4), so that each change tells the scatter s once more, and the last error
-over what n changes tell is distributed as Student's t with n degrees of freedom.  The told error is the one that is exceeded :data:`WITHIN` times in :data:`OUTSIDE` of
-cases.  (Smooth errors of second order, d/3, are within.)  A neighbouring case scatters as much,
-though not alike: what its changes told counts too.  All changes may be small by chance, as borders
-fall alike on two meshes; so what the last mesh lets foresee of s counts as a few changes more.
+over what n changes tell is distributed as Student's t with n degrees of freedom.  The told error is
+the one that is exceeded :data:`WITHIN` times in :data:`OUTSIDE` of cases.  (Smooth errors of second
+order, a third of the change from half the cells, are within.)  A neighbouring case scatters as
+much, though not alike: what its changes told counts too.  All changes may be small by chance, as
+borders fall alike on two meshes; so what the last mesh lets foresee of s counts as a few changes
+more.
 """
 
 from __future__ import annotations

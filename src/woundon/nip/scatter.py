@@ -18,10 +18,9 @@ __all__ = ["by_borders", "rest_of_borders", "unseen_stick"]
 
 Array = np.ndarray
 
-# of what is usual where that is mostly the borders' doing; and as how many changes a mesh alone counts
+# of what is usual where that is mostly the borders' doing; as how many changes a mesh alone counts
 REST, KNOWN = 0.3, 2.0
 OUTPUTS = ("nip_induced_tension", "half_width", "peak_pressure", "offset", "drum_creep")
-ALIKE = {"tension_behind_nip": "nip_induced_tension"}
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
 
 
