@@ -275,8 +275,7 @@ class Ladder:
             self.errors = dict.fromkeys(self.values, nan)
             return
         foreseen: Mapping[str, Foreseen] = {}
-        # beside a neighbour of like zones, that one has told it
-        if self.scatters and not (self._scattered and len(self.history) == 1 and self._alike()):
+        if self.scatters:
             foreseen = self.contact.foreseen(self.level, self.values)
         order = self.contact.order
         for name in self.values:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from math import hypot
 from typing import Any, NamedTuple
@@ -13,13 +13,15 @@ from ..contact.borders import at_rest, by_turning
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
+from ..two_bodies import SLIP_RATIOS
 
-__all__ = ["by_borders", "rest_of_borders", "unseen_stick"]
+__all__ = ["by_borders", "by_cells", "rest_of_borders", "unseen_stick"]
 
 Array = np.ndarray
 
 # of what is usual where that is mostly the borders' doing; as how many changes a mesh alone counts
 REST, KNOWN = 0.3, 2.0
+WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
 OUTPUTS = ("nip_induced_tension", "half_width", "peak_pressure", "offset", "drum_creep")
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
 
@@ -91,6 +93,21 @@ def _gradients(problem: Any, level: Level) -> Array:
     offset[n] = problem.contact_radius
     creep[n + 1 : -1], creep[-1] = -stretch * tension[n + 1 : -1], 1.0
     return by_unknowns.T
+
+
+def by_cells(nodes: Array, faces: Sequence[Runs]) -> dict[str, Foreseen]:
+    """Return by how much slip ratios scatter, by the cells in which the zones end; in units of a."""
+    (leading, trailing), (_, drum) = (
+        [
+            float(nodes[node] - nodes[node - 1]) / 2
+            for node in np.searchsorted(nodes[1:-1], [face.borders[0][0], face.borders[-1][0]]) + 1
+        ]
+        if face.borders
+        else (0.0, 0.0)
+        for face in faces
+    )
+    cells = dict(zip(SLIP_RATIOS, (leading, trailing, max(trailing, drum)), strict=True))
+    return {name: Foreseen(WITHIN_CELL * cell, KNOWN) for name, cell in cells.items()}
 
 
 def unseen_stick(nodes: Array, faces: Iterable[Runs]) -> float:

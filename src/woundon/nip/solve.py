@@ -36,7 +36,7 @@ from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained
 from .result import NipResult
-from .scatter import by_borders, rest_of_borders, unseen_stick
+from .scatter import by_borders, by_cells, rest_of_borders, unseen_stick
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
@@ -267,7 +267,8 @@ class NipContact(PairContact):
 
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
         """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
-        return by_borders(self.problem, level, super().foreseen(level, scalars))
+        found = by_borders(self.problem, level, super().foreseen(level, scalars))
+        return found | by_cells(level.mesh.nodes, _runs_of(self.problem, level))
 
     def grains(self, level: Level) -> dict[str, float]:
         """Return what a mesh leaves of outputs that changes between meshes need not show."""
