@@ -116,48 +116,50 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
     (outputs,) array, (outputs,) array
         Borders whose changes are not alike on both sides are left where they are.
     """
-    by_nodes = moved.by_nodes
     with np.errstate(all="ignore"):
-        rest, share, unlike = _rests(by_nodes)
-        near = by_nodes[:, 1] ** 2 + by_nodes[:, 2] ** 2
-        left = RESTLESS**2 * near
-        squares = left + share * (RESTING**2 * near + UNLIKE**2 * unlike - left)
-        every = [squares, UNSEEN**2 * moved.unseen**2, HELD**2 * moved.held**2]
-        parts = np.concatenate(every)
-        total = np.sqrt(parts[np.isfinite(parts.sum(axis=1))].sum(axis=0))
-    return (share * rest).sum(axis=0), total
+        rest, squares = _rests(moved.by_nodes)
+    parts = [squares]
+    if len(moved.unseen):
+        parts.append(UNSEEN**2 * moved.unseen**2)
+    if len(moved.held):
+        parts.append(HELD**2 * moved.held**2)
+    found = np.concatenate(parts)
+    return rest.sum(axis=0), np.sqrt(found[np.isfinite(found.sum(axis=1))].sum(axis=0))
 
 
 # the quartic's coefficients by its values at -2, -1, 1 and 2, above 0 at 0
 QUARTIC = np.array([[2, -16, 16, -2], [-1, 16, 16, -1], [-2, 4, -4, 2], [1, -4, -4, 1]]) / 24
 
 
-def _rests(by_nodes: Array) -> tuple[Array, Array, Array]:
-    """Return changes to rest, which share of them counts, and squares of how both sides differ.
+def _rests(by_nodes: Array) -> tuple[Array, Array]:
+    """Return what outputs change by as each border comes to rest, and the squares of errors left.
 
-    The vertex of the parabola is followed to the quartic's by one step of Newton's method, whose
-    error is of fourth order there.
+    (borders, outputs) each.  The quartic's vertex is sought from that of its parabola by one step
+    of Newton's method, whose error is of fourth order there.
     """
-    back, on = by_nodes[:, 1], by_nodes[:, 2]
+    ends, back, on = by_nodes[:, ::3], by_nodes[:, 1], by_nodes[:, 2]
     bend = back + on
-    bends = (by_nodes[:, ::3] - 2 * by_nodes[:, 1:3]) / bend[:, None]
-    short = np.isnan(by_nodes[:, ::3])
+    bends = (ends - 2 * by_nodes[:, 1:3]) / bend[:, None]
+    short = np.isnan(ends)
     if short.any():  # goes on as a cubic of what there is
         by_nodes = by_nodes.copy()
-        by_nodes[:, ::3] = np.where(short, 4 * bend[:, None] - by_nodes[:, ::-3], by_nodes[:, ::3])
+        by_nodes[:, ::3] = np.where(short, 4 * bend[:, None] - ends[:, ::-1], ends)
         bends = np.where(short, bends[:, ::-1], bends)
     first, second, third, fourth = (QUARTIC @ by_nodes).swapaxes(0, 1)
-    u = (back - on) / (2 * bend)
-    value = u * (first + u * (second + u * (third + u * fourth)))
-    slope = first + u * (2 * second + u * (3 * third + 4 * u * fourth))
-    curvature = 2 * second + u * (6 * third + 12 * u * fourth)
-    rest = value - slope**2 / (2 * curvature)
-    off = np.maximum(bends, 1 / bends).max(axis=1)
-    share = np.clip((OTHERWISE - off) / (OTHERWISE - ALIKE), 0.0, 1.0)
-    known = (bends.min(axis=1) > 0) & (back * on >= 0) & np.isfinite(rest)
-    known &= np.abs(u - slope / curvature) <= FARTHEST
-    differ = np.square(bends - 1).sum(axis=1) * bend**2 / 2
-    return np.where(known, rest, 0.0), np.where(known, share, 0.0), np.where(known, differ, 0.0)
+    u = first / (-2 * second)
+    slope = u * u * (3 * third + 4 * u * fourth)
+    curvature = 2 * second + 6 * u * (third + 2 * u * fourth)
+    value = u * (first / 2 + u * u * (third + u * fourth))
+    rest = value - slope * slope / (2 * curvature)
+    least = bends.min(axis=1)
+    share = (OTHERWISE - np.maximum(bends.max(axis=1), 1 / least)) / (OTHERWISE - ALIKE)
+    known = (share > 0) & (least > 0) & (back * on >= 0) & (np.abs(u) <= FARTHEST)
+    share = np.where(known, np.minimum(share, 1.0), 0.0)
+    near = back * back + on * on
+    resting = RESTING**2 * near + UNLIKE**2 / 2 * np.square((bends - 1) * bend[:, None]).sum(axis=1)
+    left = RESTLESS**2 * near
+    errors = np.where(known, left + share * (resting - left), left)
+    return np.where(known, share * rest, 0.0), errors
 
 
 Turn = tuple[int, int]  # a node, and the state that it turns to

@@ -96,7 +96,7 @@ def _gradients(problem: Any, level: Level) -> Array:
 
 
 def by_cells(nodes: Array, faces: Sequence[Runs]) -> dict[str, Foreseen]:
-    """Return by how much slip ratios scatter, by the cells in which the zones end; in units of a."""
+    """Return by how much slip ratios scatter, by the cells in which zones end; in units of a."""
     (leading, trailing), (_, drum) = (
         [
             float(nodes[node] - nodes[node - 1]) / 2
