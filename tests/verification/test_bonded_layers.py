@@ -122,7 +122,7 @@ def press_thin(nu: float, a_h: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize(
     "nu",
-    [pytest.param(0.0, marks=pytest.mark.slow), 0.3, pytest.param(0.45, marks=pytest.mark.slow)],
+    [seldom(0.0), 0.3, seldom(0.45)],
 )
 def test_a_thin_compressible_layer_is_a_bed_of_springs(nu: float) -> None:
     """As a/h -> infinity; the edges take up a fixed share of h, so the error falls like h/a.
