@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hardening import random_nip  # of benchmarks/
 from hardening_cases import NEWSPRINT, linear, nip, roll
+from seldom import seldom
 
 import woundon as wo
 from woundon.elasticity import hardening_ring
@@ -55,7 +56,7 @@ def test_a_case_file_has_it(tmp_path: Path) -> None:
     assert again.certified().largest <= 1e-8
 
 
-@pytest.mark.parametrize("wrapped", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("wrapped", [False, seldom(True)])
 def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
     problem: Any = nip(roll())
     if wrapped:
@@ -137,7 +138,7 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
 FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
 
 
-@pytest.mark.parametrize("where", [pytest.param("roll", marks=pytest.mark.slow), "web"])
+@pytest.mark.parametrize("where", [seldom("roll"), "web"])
 def test_a_modulus_that_turns_negative_is_refused(where: str) -> None:
     """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
     body = roll().replace(**{"stack.radial": FALLS})

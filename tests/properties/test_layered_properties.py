@@ -7,6 +7,7 @@ from functools import cache
 import pytest
 from layered import ending as _ending
 from layered import random_layered
+from seldom import seldom
 
 import woundon as wo
 
@@ -17,9 +18,7 @@ ending = cache(_ending)
 SEEDS = [0, 1, 3, 4, 5, 6, 13, 17, 24, 34, 42, 219]
 
 
-@pytest.mark.parametrize(
-    "seed", [pytest.param(5, marks=pytest.mark.slow) if seed == 5 else seed for seed in SEEDS]
-)
+@pytest.mark.parametrize("seed", [seldom(seed) if seed in (5, 34, 42) else seed for seed in SEEDS])
 def test_solved_or_refused(seed: int) -> None:
     how, residual = ending(seed)
     if how == "solved":

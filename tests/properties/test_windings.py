@@ -43,6 +43,7 @@ def test_a_softer_nip_adds_less_tension():
     assert soft.mid_pressure < 0.9 * wound().mid_pressure
 
 
+@pytest.mark.slow
 def test_a_larger_drum_adds_less_tension():
     """A flatter contact is wider and presses less for the same load."""
     large = changed(**{"drum.radius": 0.75})

@@ -19,7 +19,17 @@ from jorkama2001.publication import known_counts
 from jorkama2001.verdicts import Outcome
 
 # a second and more
-SLOW = ("fig16_18", "fig19", "fig21_22", "fig23_24", "fig26", "fig28_29", "fig33", "table3")
+SLOW = (
+    "fig16_18",
+    "fig19",
+    "fig21_22",
+    "fig23_24",
+    "fig26",
+    "fig27",
+    "fig28_29",
+    "fig33",
+    "table3",
+)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 import toys
+from seldom import seldom
 
 from woundon.studies.processes import WORKER_SETTINGS, WorkerDied, _serve, in_processes
 
@@ -192,7 +193,7 @@ def _gone(pids: list[int]) -> bool:
 
 
 @posix
-@pytest.mark.parametrize("send", [pytest.param(os.kill, marks=pytest.mark.slow), os.killpg])
+@pytest.mark.parametrize("send", [seldom(os.kill), os.killpg])
 def test_ctrl_c_stops_at_once_and_leaves_no_worker(tmp_path: Path, send):
     """To the parent alone, and to the whole group as a terminal does; its work takes a minute."""
     script, pids = _asleep(tmp_path, "", 60)

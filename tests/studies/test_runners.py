@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import toys
+from seldom import seldom
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -85,7 +86,7 @@ def thread():
 
 
 @pytest.mark.filterwarnings("ignore")  # of Dask's own event loops
-@pytest.mark.parametrize("kind", ["thread", pytest.param("cluster", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", ["thread", seldom("cluster")])
 def test_dask_gives_the_same_numbers(kind: str, request: pytest.FixtureRequest):
     over = {"nip_load": np.linspace(1000, 3000, 12)}
     address = request.getfixturevalue(kind).scheduler_address
@@ -230,7 +231,7 @@ def test_kill_9_loses_no_finished_part_and_changes_no_number(
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("workers", ["1", seldom("2")])
 def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     out = tmp_path / "out"
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)

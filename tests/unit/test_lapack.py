@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 import scipy.linalg.lapack
+from seldom import seldom
 
 from woundon.contact import lapack
 
@@ -27,7 +28,7 @@ assert np.allclose(scipy.linalg.solve(A, b), [0.8, 1.4], rtol=1e-15)
     ("first", "loaded"),
     [
         ("", False),
-        pytest.param("import scipy.linalg", True, marks=pytest.mark.slow),
+        seldom("import scipy.linalg", True),
         # a SciPy that keeps it elsewhere
         ("from importlib.machinery import PathFinder as P; find = P.find_spec\n"
          "P.find_spec = lambda name, *a: None if name == 'scipy.linalg._flapack' and "

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from seldom import seldom
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -93,7 +94,7 @@ def test_a_thin_cover_becomes_incompressible_smoothly(thickness: float) -> None:
     assert max(result.iterations for result in results) <= 30
 
 
-@pytest.mark.parametrize("part", ["web", "drum", "roll"])
+@pytest.mark.parametrize("part", ["web", seldom("drum"), "roll"])
 def test_incompressible_bodies_and_webs_are_the_limit_of_nearly_incompressible_ones(
     part: str,
 ) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from seldom import seldom
 
 import woundon as wo
 from woundon import theories
@@ -76,7 +77,7 @@ def test_a_layer_without_friction_is_the_limit_of_little() -> None:
     assert none.peak_pressure == pytest.approx(little.peak_pressure, rel=1e-3)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", ["rolling", "static", seldom("no load along"), seldom("creepage")])
 def test_it_is_told_drawn_kept_and_certified_anew(way: str, tmp_path: Path) -> None:
     result = wo.solve_rollers(pair(SOFTER, **WAYS[way]))
     text = str(result)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hardening_cases import OtherReference, linear, linear_of, nip, roll
 from scipy.optimize import brentq
+from seldom import seldom
 
 import woundon as wo
 from woundon.contact.response import Tractions
@@ -27,7 +28,7 @@ Array = np.ndarray
 # ---- linear rolls -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("reference", [18e6, pytest.param(40e6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("reference", [18e6, seldom(40e6)])
 def test_elements_of_a_constant_law_make_the_linear_cylinder(reference: float) -> None:
     """Against a reference that is a third off they do a third of the work: 0.07 % at 65 nodes.
 
@@ -181,9 +182,9 @@ def second_moment_width(result: Any) -> float:
     ("K2", "P0", "load", "ratio", "thetas"),
     [
         (127.0, 90e3, 40.0, 0.9, (0.437, 0.494, 0.342)),
-        pytest.param(60.0, 390e3, 3502.0, 2.7, (0.402, 0.455, 0.311), marks=pytest.mark.slow),
-        pytest.param(60.0, 190e3, 3502.0, 5.0, (0.379, 0.431, 0.291), marks=pytest.mark.slow),
-        pytest.param(127.0, 90e3, 3502.0, 12.0, (0.354, 0.403, 0.268), marks=pytest.mark.slow),
+        seldom(60.0, 390e3, 3502.0, 2.7, (0.402, 0.455, 0.311)),
+        seldom(60.0, 190e3, 3502.0, 5.0, (0.379, 0.431, 0.291)),
+        seldom(127.0, 90e3, 3502.0, 12.0, (0.354, 0.403, 0.268)),
     ],
 )
 def test_frictionless_widths_are_those_of_a_linear_roll_under_part_of_the_pressure(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from refusals import refused_in_one_line
+from seldom import seldom
 
 import woundon as wo
 
@@ -42,9 +43,7 @@ def test_what_is_wanted_of_the_surface_is_missed_in_a_layer_that_is_told(wanted:
     assert np.max(np.abs(off - told)) < 2e-4
 
 
-@pytest.mark.parametrize(
-    "schedule", [pytest.param(350.0, marks=pytest.mark.slow), wo.Taper(start=350.0, taper=0.4)]
-)
+@pytest.mark.parametrize("schedule", [seldom(350.0), wo.Taper(start=350.0, taper=0.4)])
 def test_forward_then_inverse_finds_the_tension_again(schedule: Any):
     problem = ROLL.replace(wound_on_tension=schedule)
     wound = wo.solve(problem, rtol=1e-5)
