@@ -15,7 +15,7 @@ bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -77,6 +77,8 @@ class SurfaceKernels:
         Number of Fourier terms summed; 0 where there is no series.
     together : callable, optional
         t -> the smooth parts of ``gradients``, (4, *t.shape), where quicker than one by one.
+    normal_together : callable, optional
+        t -> those of ``normal_p`` and ``normal_q``, (2, *t.shape), alike.
     lag : Lag, optional
         The lags of ``gradients`` together.
     """
@@ -94,6 +96,7 @@ class SurfaceKernels:
     terms: int = 0
     together: Callable[[Array], Array] | None = None
     lag: Lag | None = None
+    normal_together: Callable[[Array], Array] | None = None
 
     @property
     def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:
@@ -105,7 +108,17 @@ class SurfaceKernels:
         """The smooth parts of ``gradients``, t -> (4, *t.shape); None where there are none."""
         if self.together is not None:
             return self.together
-        parts = [kernel.smooth for kernel in self.gradients]
-        if parts == [None] * 4:
-            return None
-        return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])
+        return _together(self.gradients)
+
+    @property
+    def normal_smooth(self) -> Callable[[Array], Array] | None:
+        """Those of ``normal_p`` and ``normal_q``, t -> (2, *t.shape)."""
+        return self.normal_together or _together((self.normal_p, self.normal_q))
+
+
+def _together(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:
+    """Return the smooth parts of some kernels as one function; None where there are none."""
+    parts = [kernel.smooth for kernel in kernels]
+    if not any(parts):
+        return None
+    return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])

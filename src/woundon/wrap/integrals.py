@@ -14,7 +14,7 @@ __all__ = ["OpenGrid", "closed", "gauss"]
 Array = np.ndarray
 
 MOST_POINTS = 150  # of a cell; three for each length on which a body responds
-FAR = 0.1  # half a cell over the distance to its middle: beyond, logarithms cancel
+FAR = 0.2  # a cell over the distance to its end: beyond, logarithms cancel
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,27 +62,30 @@ def closed(points: Array, nodes: Array) -> Array:
     (4, K, M+1) array
         As :attr:`woundon.contact.grid.Grid.singular` has them.
     """
-    h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
+    h, t = nodes[1:] - nodes[:-1], points[:, None] - nodes
+    half, d = h / 2, (t[:, 1:] + t[:, :-1]) / 2
     # over each cell, and times the distance from its middle
-    zeroth, first = np.zeros((2, 4, *d.shape))
-    logarithm = np.log(np.maximum(np.abs(points[:, None] - nodes), 1e-300))
+    zeroth, first = np.empty((2, 4, *d.shape))
+    logarithm = np.log(np.maximum(np.abs(t), 1e-300))
     left, right = logarithm[:, :-1], logarithm[:, 1:]
     inverse = np.subtract(left, right, out=zeroth[0])
-    far = np.abs(d) * FAR > h / 2
-    inverse[far] = 2 * np.arctanh(np.broadcast_to(h, d.shape)[far] / (2 * d[far]))
-    inside = np.minimum(np.maximum(d, -h / 2), h / 2)
-    own = inside == d
-    zeroth[1], first[1] = own, np.where(own, d, 0.0)
+    with np.errstate(divide="ignore"):
+        share = h / t[:, 1:]
+    np.log1p(share, out=inverse, where=np.abs(share) < FAR)
+    inside = np.minimum(np.maximum(d, -half), half)
+    own = zeroth[1] = inside == d
+    np.multiply(own, d, out=first[1])
     np.multiply(d, inverse, out=zeroth[2])
     np.subtract(zeroth[2], h, out=first[0])
-    zeroth[2] += h / 2 * (left + right) - h
-    first[2] = d / 2 * first[0] - h**2 / 8 * inverse
+    zeroth[2] += half * (left + right) - h
+    first[2] = d / 2 * first[0] - half**2 / 2 * inverse
     np.multiply(inside, 2.0, out=zeroth[3])
-    first[3] = inside**2 - h**2 / 4
+    first[3] = inside**2 - half**2
     zeroth /= 2
     first /= h
-    out = np.zeros((4, points.size, nodes.size))
+    out = np.empty((4, points.size, nodes.size))
     np.subtract(zeroth, first, out=out[..., :-1])
+    out[..., -1] = 0.0
     zeroth += first
     out[..., 1:] += zeroth
     return out
