@@ -24,7 +24,7 @@ import numpy as np
 if TYPE_CHECKING:
     from .lag import Lag
 
-__all__ = ["Kernel", "SurfaceKernels"]
+__all__ = ["Kernel", "SurfaceKernels", "singular"]
 
 Array = np.ndarray
 
@@ -47,8 +47,7 @@ class Kernel:
 
     def singular(self, t: Array) -> Array:
         """Return the singular parts and the lag at t (k,), t != 0."""
-        values = self.inverse / t + self.log * np.log(np.abs(t)) + self.sign * np.sign(t)
-        return values if self.lag is None else values + self.lag.exactly(t, 2)[0]
+        return np.asarray(singular((self,), t)[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +113,16 @@ class SurfaceKernels:
     def normal_smooth(self) -> Callable[[Array], Array] | None:
         """Those of ``normal_p`` and ``normal_q``, t -> (2, *t.shape)."""
         return self.normal_together or _together((self.normal_p, self.normal_q))
+
+
+def singular(kernels: Sequence[Kernel], t: Array) -> Array:
+    """Return the singular parts and the lags of some kernels at t (k,), t != 0, (kernels, k)."""
+    factors = np.array([[kernel.inverse, kernel.log, kernel.sign] for kernel in kernels])
+    values: Array = factors @ np.array([1 / t, np.log(np.abs(t)), np.sign(t)])
+    for value, kernel in zip(values, kernels, strict=True):
+        if kernel.lag is not None:
+            value += kernel.lag.exactly(t, 2)[0]
+    return values
 
 
 def _together(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:

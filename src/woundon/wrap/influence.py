@@ -25,8 +25,8 @@ import numpy as np
 
 from ..contact.grid import HIGHEST_RANK, Grid, Past, chebyshev_points
 from ..contact.schemes import interpolation_rank
-from ..elasticity.kernels import Kernel
-from .integrals import OpenGrid, closed, gauss
+from ..elasticity.kernels import Kernel, singular
+from .integrals import OpenGrid, closed, closed_blocks, gauss
 
 __all__ = ["Influence", "Within"]
 
@@ -182,14 +182,15 @@ class Influence:
         own = within._replace(
             first=within.first - stays.start, rows=np.searchsorted(rows, within.rows)
         )
-        found = [Block(rows, stays, _around(own, points[rows], nodes[stays]))]
         ahead, behind = slice(0, stays.start + 1), slice(stays.stop - 1, nodes.size)
-        for part in (ahead, behind):
-            if part.stop - part.start > 1:
-                found.append(Block(rows, part, closed(points[rows], nodes[part])))
+        moved = [(rows, part) for part in (ahead, behind) if part.stop - part.start > 1]
         if moving.size:
-            found.append(Block(moving, all_nodes, closed(points[moving], nodes)))
-        return found
+            moved.append((moving, all_nodes))
+        kept = Block(rows, stays, _around(own, points[rows], nodes[stays]))
+        if not moved:
+            return [kept]
+        values = closed_blocks(*((points[at], nodes[part]) for at, part in moved))
+        return [kept, *(Block(*where, made) for where, made in zip(moved, values, strict=True))]
 
     @property
     def singular(self) -> Array:
@@ -237,8 +238,7 @@ class Influence:
         t[rows] = short
         values = smooth(t)
         k, source = far.nonzero()
-        for value, kernel in zip(values, kernels, strict=True):
-            value[rows[k], source] += kernel.singular(round_) - kernel.singular(straight)
+        values[:, rows[k], source] += singular(kernels, round_) - singular(kernels, straight)
         return values
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..contact.grid import Grid, Past
 
-__all__ = ["OpenGrid", "closed", "gauss"]
+__all__ = ["OpenGrid", "closed", "closed_blocks", "gauss"]
 
 Array = np.ndarray
 
@@ -62,15 +62,21 @@ def closed(points: Array, nodes: Array) -> Array:
     (4, K, M+1) array
         As :attr:`woundon.contact.grid.Grid.singular` has them.
     """
-    h, t = nodes[1:] - nodes[:-1], points[:, None] - nodes
-    half, d = h / 2, (t[:, 1:] + t[:, :-1]) / 2
+    return closed_blocks((points, nodes))[0]
+
+
+def closed_blocks(*blocks: tuple[Array, Array]) -> list[Array]:
+    """Return :func:`closed` of several points and nodes, at hardly more than the cost of one."""
+    ts = [points[:, None] - nodes for points, nodes in blocks]
+    ends = np.concatenate([t[:, :-1].ravel() for t in ts] + [t[:, 1:].ravel() for t in ts])
+    logarithms = np.log(np.maximum(np.abs(ends), 1e-300))
+    (left, right), (t, after) = logarithms.reshape(2, -1), ends.reshape(2, -1)
+    h, d, half = t - after, (t + after) / 2, (t - after) / 2
     # over each cell, and times the distance from its middle
-    zeroth, first = np.empty((2, 4, *d.shape))
-    logarithm = np.log(np.maximum(np.abs(t), 1e-300))
-    left, right = logarithm[:, :-1], logarithm[:, 1:]
+    zeroth, first = np.empty((2, 4, d.size))
     inverse = np.subtract(left, right, out=zeroth[0])
     with np.errstate(divide="ignore"):
-        share = h / t[:, 1:]
+        share = h / after
     np.log1p(share, out=inverse, where=np.abs(share) < FAR)
     inside = np.minimum(np.maximum(d, -half), half)
     own = zeroth[1] = inside == d
@@ -83,12 +89,15 @@ def closed(points: Array, nodes: Array) -> Array:
     first[3] = inside**2 - half**2
     zeroth /= 2
     first /= h
-    out = np.empty((4, points.size, nodes.size))
-    np.subtract(zeroth, first, out=out[..., :-1])
-    out[..., -1] = 0.0
-    zeroth += first
-    out[..., 1:] += zeroth
-    return out
+    downward, upward, found, k = zeroth - first, zeroth + first, [], 0
+    for t in ts:
+        cells = slice(k, k := k + t[:, 1:].size)
+        out = np.empty((4, *t.shape))
+        out[..., :-1] = downward[:, cells].reshape(4, *t[:, 1:].shape)
+        out[..., -1] = 0.0
+        out[..., 1:] += upward[:, cells].reshape(4, *t[:, 1:].shape)
+        found.append(out)
+    return found
 
 
 def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
