@@ -120,13 +120,22 @@ def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
     cells = np.diff(nodes)
     share = scale * cells / length
     orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
-    cell = np.repeat(np.arange(cells.size), orders)
-    rules = [_gauss(order) for order in orders.tolist()]
-    part = (np.concatenate([g for g, _ in rules]) + 1) / 2
-    weight = np.concatenate([w for _, w in rules]) / 2 * cells[cell] * scale
+    cell, part, weight = _in_cells(orders.tobytes())
+    lengths = cells[cell]
+    weight = weight * (lengths * scale)
     hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
-    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
-    return nodes[cell] + cells[cell] * part, hats
+    after = weight * part
+    hats[k, cell], hats[k, cell + 1] = weight - after, after
+    return nodes[cell] + lengths * part, hats
+
+
+@lru_cache(maxsize=64)
+def _in_cells(orders: bytes) -> tuple[Array, Array, Array]:
+    """Return which cell Gauss's points of so many each lie in, where, from 0 to 1, and weights."""
+    counts = np.frombuffer(orders, dtype=int)
+    rules = [_gauss(order) for order in counts.tolist()]
+    points, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
+    return np.repeat(np.arange(counts.size), counts), (points + 1) / 2, weights / 2
 
 
 @lru_cache
