@@ -6,9 +6,9 @@
 
 The seed makes the case.  Nips are held against Chebyshev elements told to 1e-6, or where these are
 not found against meshes of a thousand nodes fitted to the zones; all else against meshes of four
-times the nodes and more.  ``neighbours`` are the last of four nips, each solved from the one before
-it, 1 to 5 % away.  An output is not judged where the better answer's own told error is more than a
-third of what is judged.
+times the nodes and more.  ``neighbours``, plain or wrapped, are the last of four nips,
+each solved from the one before it, 1 to 5 % away.  An output is not judged where the better
+answer's own told error is more than a third of what is judged.
 Stopped and called again it goes on.
 """
 
@@ -31,7 +31,13 @@ from typing import Any
 import hardening
 import numpy as np
 from layered import random_layered
-from random_nips import random_neighbours, random_nip, random_rollers, random_wrapped_nip
+from random_nips import (
+    random_neighbours,
+    random_nip,
+    random_rollers,
+    random_wrapped_neighbours,
+    random_wrapped_nip,
+)
 from table_run import Row, run_table
 
 import woundon as wo
@@ -67,6 +73,7 @@ FAMILIES: dict[str, tuple[Callable[[int], Any], int, int]] = {
     "layered": (random_layered, 16, 1025),
     "hardening": (_hardening, 4, 257),
     "wrapped": (random_wrapped_nip, 4, 513),
+    "wrapped_neighbours": (random_wrapped_neighbours, 4, 513),
     "rollers": (random_rollers, 4, 401),
 }
 COLUMNS = ("bodies", "nodes", "reference", *OUTPUTS, *(f"{name}_true" for name in OUTPUTS),

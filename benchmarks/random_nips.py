@@ -23,7 +23,8 @@ import woundon as wo
 from woundon.problems.bodies import half_width_guess
 
 __all__ = [
-    "flat_fields", "random_neighbours", "random_nip", "random_rollers", "random_wrapped_nip"
+    "flat_fields", "random_neighbours", "random_nip", "random_rollers",
+    "random_wrapped_neighbours", "random_wrapped_nip",
 ]  # fmt: skip
 
 
@@ -74,7 +75,16 @@ def _drum(draw: _Draw, radius: float) -> wo.Rigid | wo.HalfPlane | wo.Cylinder:
 
 def random_neighbours(seed: int) -> list[wo.NipProblem]:
     """Return a seed's nip and three more, load and friction each 1 to 5 % from those before."""
-    draw, nips = _Draw(3_000_000 + seed), [random_nip(seed)]
+    return _neighbours(seed, random_nip(seed))
+
+
+def random_wrapped_neighbours(seed: int) -> list[wo.WrappedNipProblem]:
+    """Return a seed's wrapped nip and three more, alike."""
+    return _neighbours(seed, random_wrapped_nip(seed))
+
+
+def _neighbours(seed: int, first: Any) -> list[Any]:
+    draw, nips = _Draw(3_000_000 + seed), [first]
     load, friction = (1 + draw.even(0.01, 0.05) * draw.random.choice([-1, 1]) for _ in range(2))
     for k in (1, 2, 3):
         at = load**k

@@ -55,12 +55,15 @@ def test_laws_are_those_of_the_matrices(result):
     made, bare = equations_of(result), equations_of(result)
     z, q = random_unknowns(made)
     gap, by_z, by_q = made.indentation
-    bend, bend_z, bend_q = made.curvature
+    constant, balance_z, balance_q = made.balance()
     slip_z, slip_q = made.slips
     along = bare.laws.at(z, q)
     assert all("matrices" not in vars(of) for of in bare.laws.both)
     assert_alike(along.gap, by_z @ z + by_q @ q - gap)
-    assert_alike(along.bend, bend + bend_z @ z + bend_q @ q)
+    T, bend = made.about.tension, made.about.bend
+    weight = np.where(made.weighs, T * along.bend + bend * (along.tension - T), 0.0)
+    on_web = along.roll_loads.pressure - along.drum_loads.pressure - weight
+    assert_alike(on_web, constant + balance_z @ z + balance_q @ q)
     assert_alike(along.tension, result.problem.web_tension + made.tension_q @ q)
     slips = slip_z @ z + slip_q @ q + made.slip_offset
     assert_alike(np.concatenate([along.roll_slip, along.drum_slip]), slips)

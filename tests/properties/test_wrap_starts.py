@@ -46,11 +46,13 @@ def assert_same(one: wo.WrappedNipResult, other: wo.WrappedNipResult) -> None:
     """Assert that two answers are one, as well as the load is carried.
 
     It is carried to 8e-9, and pressure and tractions go with a power of it between 0 and 1; the
-    last Newton step on tension and curvature leaves 1e-9.
+    last Newton step on tension and curvature leaves 1e-9.  What is extrapolated goes by the factors
+    of a half width up to some hundredths away.
     """
     top = float(np.max(one.pressure))
     size = one.problem.web_tension + one.problem.roll_friction * one.problem.nip_load
-    assert other.wound_on_tension == pytest.approx(one.wound_on_tension, abs=3e-8 * size)
+    assert other.web_tension[-1] == pytest.approx(one.web_tension[-1], abs=3e-8 * size)
+    assert other.extrapolation == pytest.approx(one.extrapolation, rel=0.05, abs=3e-8 * size)
     assert other.half_width == pytest.approx(one.half_width, rel=1e-8)
     np.testing.assert_array_equal(one.roll_zone, other.roll_zone)
     np.testing.assert_array_equal(one.drum_zone, other.drum_zone)
@@ -132,4 +134,4 @@ def test_the_page_and_studies_start_from_the_case_before() -> None:
     near = {"nip_load": 1.02 * HARD.nip_load}
     warm, afresh = model.run(near, first.state), model.run(near, None)
     assert warm.state.iterations < afresh.state.iterations
-    assert warm.values == pytest.approx(afresh.values, rel=1e-8)
+    assert warm.values == pytest.approx(afresh.values, rel=1e-6)  # extrapolated by other factors

@@ -300,7 +300,7 @@ def test_every_array_and_every_told_number_is_under_some_law(case: str) -> None:
         "approach",  # by the displacements, which enter no law
         "leading_roll", "trailing_roll", "dual",  # measures of the zones
         "slip_x", "series_terms", "series_error", "iterations", "extrapolation",
-        "traction_error", "shift",
+        "extrapolation_behind", "extrapolation_of_nip", "traction_error", "shift",
     }  # fmt: skip
     from dataclasses import fields
 

@@ -36,6 +36,16 @@ CASES: dict[str, tuple[Any, list[str], int, float]] = {
 }  # fmt: skip
 
 
+def solved(result: wo.WrappedNipResult, output: str) -> float:
+    """Return an output as the equations have it, not extrapolated."""
+    beyond = {
+        "wound_on_tension": result.extrapolation,
+        "tension_behind_nip": result.extrapolation_behind,
+        "nip_induced_tension": result.extrapolation_of_nip,
+    }
+    return float(getattr(result, output)) - beyond.get(output, 0.0)
+
+
 @pytest.mark.parametrize(
     "case",
     [pytest.param(c, marks=pytest.mark.slow) if c == "hardening, more" else c for c in CASES],
@@ -69,7 +79,7 @@ def test_derivatives_are_those_of_the_solved_equations(
         for end in (less, more):
             np.testing.assert_array_equal(end.roll_zone, result.roll_zone)
             np.testing.assert_array_equal(end.drum_zone, result.drum_zone)
-        ends = [np.array([getattr(end, output) for output in told.outputs]) for end in (less, more)]
+        ends = [np.array([solved(end, output) for output in told.outputs]) for end in (less, more)]
         by_difference = (ends[1] - ends[0]) / (2 * step * scale)
         np.testing.assert_allclose(
             told.derivatives[:, k] * size / scale, by_difference, rtol=1e-3, atol=2e-5, err_msg=name
@@ -89,7 +99,8 @@ def test_random_nips_with_wraps_too(seed: int, monkeypatch: pytest.MonkeyPatch) 
             wo.solve(problem.replace(**{name: float(value * (1 + step))}), nodes=33, start=result)
             for step in (-1e-4, 1e-4)
         )
-        change = np.log(more.wound_on_tension / less.wound_on_tension)
+        change = solved(more, "wound_on_tension") - solved(less, "wound_on_tension")
+        change /= result.wound_on_tension
         assert slope == pytest.approx(change / 2e-4, abs=1e-4), name
 
 

@@ -55,7 +55,10 @@ class Moved(NamedTuple):
     held: Array
 
 
-def by_turning(joint: Joint, solution: StickSlipSolution, faces: int, gradients: Array) -> Moved:
+def by_turning(
+    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array,
+    open_ends: Sequence[int] = (),
+) -> Moved:  # fmt: skip
     """Return the changes of outputs as each border moves.
 
     Parameters
@@ -63,13 +66,14 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int, gradients:
     joint : Joint
         The system that the solution is of.
     solution : StickSlipSolution
-    faces : int
-        Of as many nodes each.
+    faces : sequence of int arrays
+        The numbers of the nodes of each, in one row for all.
     gradients : (n + m + 2, outputs) array
         Of outputs by unknowns.
+    open_ends : sequence of int
+        Outermost nodes at which no edge is, so that they may stick.
     """
-    size = solution.state.size // faces
-    borders, others = list(_borders(solution, size)), list(_others(solution, size))
+    borders, others = list(_borders(solution, faces)), list(_others(solution, faces, open_ends))
     turns = [turn for border in borders for turn in border] + others
     nodes, ways = np.array(turns, dtype=np.intp).reshape(-1, 2).T
     effects = joint.effects(solution.joint[0], nodes)
@@ -83,7 +87,7 @@ def by_turning(joint: Joint, solution: StickSlipSolution, faces: int, gradients:
     last = 4 * len(borders)
     near = [*(k + j for k in range(0, last, 4) for j in (1, 2)), *range(last, len(turns))]
     far = [(k + j, k) for k in range(0, last, 4) for k, j in ((k, 1), (k + 3, -1))]
-    beside = list(_pairs(near, nodes.tolist(), size))
+    beside = list(_pairs(near, nodes.tolist(), faces))
     with np.errstate(all="ignore"):  # states that have no solution
         alone = (misses / -laws.diagonal())[:, None] * changes
         one, two = np.array(far + beside, dtype=np.intp).reshape(-1, 2).T
@@ -165,14 +169,21 @@ def _rests(by_nodes: Array) -> tuple[Array, Array]:
 Turn = tuple[int, int]  # a node, and the state that it turns to
 
 
-def _borders(solution: StickSlipSolution, size: int) -> Iterator[list[Turn]]:
+def _ends(faces: Sequence[Array]) -> Iterator[tuple[int, int]]:
+    """Yield the first and the last node of each face."""
+    first = 0
+    for face in faces:
+        yield first, first + face.size - 1
+        first += face.size
+
+
+def _borders(solution: StickSlipSolution, faces: Sequence[Array]) -> Iterator[list[Turn]]:
     """Yield, of each border of stick, the turns of the two nodes before and the two behind it.
 
-    The outer one of a zone that has but one is that one again.  Faces are of one size.
+    The outer one of a zone that has but one is that one again.
     """
     states = solution.state.tolist()
-    for first in range(0, len(states), size):
-        last = first + size - 1
+    for first, last in _ends(faces):
         for node in range(first, last):
             before, behind = states[node], states[node + 1]
             if before == behind or before * behind:
@@ -182,23 +193,25 @@ def _borders(solution: StickSlipSolution, size: int) -> Iterator[list[Turn]]:
             yield [(back, behind), (node, behind), (node + 1, before), (on, before)]
 
 
-def _others(solution: StickSlipSolution, size: int) -> Iterator[Turn]:
+def _others(
+    solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
+) -> Iterator[Turn]:
     """Yield turns of nodes beside stick that is not seen, and of those that stick at an edge."""
     states = solution.state.tolist()
-    for first in range(0, len(states), size):
-        last = first + size - 1
+    for first, last in _ends(faces):
         for node in range(first, last):
             if states[node] * states[node + 1] < 0:
                 yield node, 0
                 yield node + 1, 0
         for node in (first, last):
-            if states[node] == 0:
+            if states[node] == 0 and node not in open_ends:
                 yield node, 1 if solution.traction[node] > 0 else -1
 
 
-def _pairs(asked: Sequence[int], nodes: Sequence[int], size: int) -> Iterator[Turn]:
+def _pairs(asked: Sequence[int], nodes: Sequence[int], faces: Sequence[Array]) -> Iterator[Turn]:
     """Yield which turns are side by side, of two faces."""
-    places = [divmod(nodes[k], size) for k in asked]
+    rows = [(k, number) for k, face in enumerate(faces) for number in face.tolist()]
+    places = [rows[nodes[k]] for k in asked]
     for (i, one), (j, two) in combinations(zip(asked, places, strict=True), 2):
         if one[0] != two[0] and abs(one[1] - two[1]) <= BESIDE:
             yield i, j

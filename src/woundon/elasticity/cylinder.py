@@ -188,10 +188,11 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
         return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n))
 
-    normal_p, coupling = HarmonicSums((
+    normal = HarmonicSums((
         harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
         harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]),
-    )).kernels()  # fmt: skip
+    ))  # fmt: skip
+    normal_p, coupling = normal.kernels()
     slope = 1 / (pi * R)
     gradients = HarmonicSums((
         harmonics(True, slope, moved[:, 0, 0], n * Y[0, 0]),
@@ -210,6 +211,7 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
         strain_p=strain_p,
         strain_q=strain_q,
         together=gradients,
+        normal_together=normal,
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
         terms=n.size,

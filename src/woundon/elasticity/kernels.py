@@ -15,7 +15,7 @@ bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ import numpy as np
 if TYPE_CHECKING:
     from .lag import Lag
 
-__all__ = ["Kernel", "SurfaceKernels"]
+__all__ = ["Kernel", "SurfaceKernels", "singular"]
 
 Array = np.ndarray
 
@@ -47,8 +47,7 @@ class Kernel:
 
     def singular(self, t: Array) -> Array:
         """Return the singular parts and the lag at t (k,), t != 0."""
-        values = self.inverse / t + self.log * np.log(np.abs(t)) + self.sign * np.sign(t)
-        return values if self.lag is None else values + self.lag.exactly(t, 2)[0]
+        return np.asarray(singular((self,), t)[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +76,8 @@ class SurfaceKernels:
         Number of Fourier terms summed; 0 where there is no series.
     together : callable, optional
         t -> the smooth parts of ``gradients``, (4, *t.shape), where quicker than one by one.
+    normal_together : callable, optional
+        t -> those of ``normal_p`` and ``normal_q``, (2, *t.shape), alike.
     lag : Lag, optional
         The lags of ``gradients`` together.
     """
@@ -94,6 +95,7 @@ class SurfaceKernels:
     terms: int = 0
     together: Callable[[Array], Array] | None = None
     lag: Lag | None = None
+    normal_together: Callable[[Array], Array] | None = None
 
     @property
     def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:
@@ -105,7 +107,27 @@ class SurfaceKernels:
         """The smooth parts of ``gradients``, t -> (4, *t.shape); None where there are none."""
         if self.together is not None:
             return self.together
-        parts = [kernel.smooth for kernel in self.gradients]
-        if parts == [None] * 4:
-            return None
-        return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])
+        return _together(self.gradients)
+
+    @property
+    def normal_smooth(self) -> Callable[[Array], Array] | None:
+        """Those of ``normal_p`` and ``normal_q``, t -> (2, *t.shape)."""
+        return self.normal_together or _together((self.normal_p, self.normal_q))
+
+
+def singular(kernels: Sequence[Kernel], t: Array) -> Array:
+    """Return the singular parts and the lags of some kernels at t (k,), t != 0, (kernels, k)."""
+    factors = np.array([[kernel.inverse, kernel.log, kernel.sign] for kernel in kernels])
+    values: Array = factors @ np.array([1 / t, np.log(np.abs(t)), np.sign(t)])
+    for value, kernel in zip(values, kernels, strict=True):
+        if kernel.lag is not None:
+            value += kernel.lag.exactly(t, 2)[0]
+    return values
+
+
+def _together(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:
+    """Return the smooth parts of some kernels as one function; None where there are none."""
+    parts = [kernel.smooth for kernel in kernels]
+    if not any(parts):
+        return None
+    return lambda t: np.array([np.zeros(t.shape) if f is None else f(t) for f in parts])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
@@ -132,7 +133,7 @@ class WindingNipResult(Losses, Result):
         """The three signed slip lengths over the nip width (thesis eq. 172)."""
         return SlipRatios(self.leading_roll, self.trailing_roll, self.dual)
 
-    @property
+    @cached_property
     def in_nip(self) -> slice:
         """Which nodes are the nip's."""
         apart = np.abs(self.x - [[-self.half_width], [self.half_width]])

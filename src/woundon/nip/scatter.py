@@ -15,7 +15,7 @@ from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..two_bodies import SLIP_RATIOS
 
-__all__ = ["by_borders", "by_cells", "rest_of_borders", "unseen_stick"]
+__all__ = ["by_borders", "by_cells", "rest_of_borders", "unseen_stick", "with_borders"]
 
 Array = np.ndarray
 
@@ -35,14 +35,22 @@ class _AtBorders(NamedTuple):
 
 def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dict[str, Foreseen]:
     """Return by how much outputs scatter on a mesh, by its borders and by what is usual."""
-    found, at = dict(usual), _at_borders(problem, level)
+    at = _at_borders(problem, level)
     if at is None:
-        return found
+        return dict(usual)
     scatter = dict(zip(OUTPUTS, at.scatter.tolist(), strict=True))
     scatter |= {
         "tension_behind_nip": scatter["nip_induced_tension"],
         "nip_width": 2 * scatter["half_width"],
     }
+    return with_borders(usual, scatter)
+
+
+def with_borders(
+    usual: Mapping[str, Foreseen], scatter: Mapping[str, float]
+) -> dict[str, Foreseen]:
+    """Return by how much outputs scatter that do so usually, and by what their borders leave."""
+    found = dict(usual)
     for name, size in scatter.items():
         rest = usual[name].size * (1.0 if usual[name].changes == KNOWN else REST)
         found[name] = Foreseen(hypot(size, rest), KNOWN)
@@ -70,8 +78,8 @@ def _at_borders(problem: Any, level: Level) -> _AtBorders | None:
 
 def _found(problem: Any, level: Level) -> _AtBorders:
     solution, joint = level.state.solution, level.equations.joint
-    rest, scatter = at_rest(by_turning(joint, solution, 2, _gradients(problem, level)))
-    return _AtBorders(rest, scatter)
+    faces = (np.arange(joint.unknowns),) * 2
+    return _AtBorders(*at_rest(by_turning(joint, solution, faces, _gradients(problem, level))))
 
 
 def _gradients(problem: Any, level: Level) -> Array:

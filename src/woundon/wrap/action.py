@@ -37,8 +37,7 @@ class FaceAction:
         """Return slope and strain."""
         put, loads = self.put, np.array([p, q]).T
         K = put.grid.points.size
-        parts = put.singular.reshape(4 * K, -1) @ loads
-        found = self._singular @ parts.reshape(4, K, 2).transpose(0, 2, 1).reshape(8, K)
+        found = self._singular @ put.singular_under(loads).transpose(0, 2, 1).reshape(8, K)
         found += (self._logs @ (put.grid.weights @ loads))[:, None]
         if self._smooth is not None:
             apart, within = put.apart, put.within

@@ -8,7 +8,8 @@ q- on the same nodes less the outermost ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,24 @@ from .grid import WrapGrid
 __all__ = ["WrapColumns"]
 
 Array = np.ndarray
+
+
+class Numbers(NamedTuple):
+    """The nodes of p+, p-, q+ and q-, the last two in one row, their entries of z, and faces.
+
+    Which tractions are upstream of each node, (N+1, m), and downstream of each cell of both faces,
+    (m+2, m), as zeros and ones.  All are kept: the same are asked for at all half widths.
+    """
+
+    roll_nodes: Array
+    drum_nodes: Array
+    roll_q: Array
+    drum_q: Array
+    columns: Array
+    own_pressure: Array
+    on_drum: Array
+    upstream_of_nodes: Array
+    downstream_of_cells: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,39 +74,54 @@ class WrapColumns:
         return self.grid.nodes
 
     @cached_property
+    def numbers(self) -> Numbers:
+        """The numbers of the nodes that its unknowns are of."""
+        return _numbers(self.grid.first, self.grid.last, self.grid.size, self.drum_arc)
+
+    @property
     def roll_nodes(self) -> Array:
         """Nodes of p+."""
-        return np.arange(self.grid.first, self.grid.size)
+        return self.numbers.roll_nodes
 
-    @cached_property
+    @property
     def drum_nodes(self) -> Array:
         """Nodes of p-."""
-        return np.arange(0 if self.drum_arc else 1, self.grid.last)
+        return self.numbers.drum_nodes
 
-    @cached_property
+    @property
     def roll_q(self) -> Array:
         """Nodes of q+."""
-        return np.arange(self.grid.first + 1, self.grid.size - 1)
+        return self.numbers.roll_q
 
-    @cached_property
+    @property
     def drum_q(self) -> Array:
         """Nodes of q-."""
-        return np.arange(1, self.grid.last)
+        return self.numbers.drum_q
 
-    @cached_property
+    @property
     def columns(self) -> Array:
         """Nodes of q."""
-        return np.concatenate([self.roll_q, self.drum_q])
+        return self.numbers.columns
+
+    @property
+    def own_pressure(self) -> Array:
+        """Entries of z that bound each traction, (m,)."""
+        return self.numbers.own_pressure
+
+    @property
+    def on_drum(self) -> Array:
+        """Which tractions act on the drum, (m,) bool."""
+        return self.numbers.on_drum
 
     def by_q(self, matrix: Array, rows: slice = slice(None)) -> Array:
         """Return those columns of a matrix by all nodes, (..., N+1), that belong to q."""
         roll, drum = slice(self.grid.first + 1, -1), slice(1, self.grid.last)
         return np.concatenate([matrix[rows, roll], matrix[rows, drum]], axis=1)
 
-    @cached_property
+    @property
     def drum_p(self) -> slice:
         """Columns of the drum's matrices that belong to p-."""
-        return slice(self.drum_nodes[0], self.grid.last)
+        return slice(0 if self.drum_arc else 1, self.grid.last)
 
     @cached_property
     def weighs(self) -> Array:
@@ -98,11 +132,6 @@ class WrapColumns:
         weighs[: grid.first + 1] = self.drum_arc
         weighs[grid.first] |= self.roll_arc and self.problem.roll.rigid
         return weighs
-
-    @cached_property
-    def on_drum(self) -> Array:
-        """Which tractions act on the drum, (m,) bool."""
-        return np.arange(self.columns.size) >= self.roll_q.size
 
     @cached_property
     def friction(self) -> Array:
@@ -117,14 +146,6 @@ class WrapColumns:
         return self.on_drum * (self.half_width * self.grid.weights[self.columns])
 
     @cached_property
-    def own_pressure(self) -> Array:
-        """Entries of z that bound each traction, (m,)."""
-        n_p = self.roll_nodes.size
-        return np.concatenate(
-            [self.roll_q - self.roll_nodes[0], n_p + self.drum_q - self.drum_nodes[0]]
-        )
-
-    @cached_property
     def load_weights(self) -> Array:
         """What integrates p- over the nip, by z, (k,)."""
         grid = self.grid
@@ -133,3 +154,22 @@ class WrapColumns:
         out = np.zeros(self.roll_nodes.size + self.drum_nodes.size + 1)
         out[self.roll_nodes.size : -1] = self.half_width * hats[self.drum_nodes]
         return out
+
+
+@lru_cache(maxsize=64)
+def _numbers(first: int, last: int, size: int, drum_arc: bool) -> Numbers:
+    """Return the numbers of the nodes of a grid's unknowns, see :class:`Numbers`."""
+    roll_nodes, roll_q = np.arange(first, size), np.arange(first + 1, size - 1)
+    drum_nodes, drum_q = np.arange(0 if drum_arc else 1, last), np.arange(1, last)
+    columns = np.concatenate([roll_q, drum_q])
+    own = np.concatenate([roll_q - roll_nodes[0], roll_nodes.size + drum_q - drum_nodes[0]])
+    on_drum = np.arange(columns.size) >= roll_q.size
+    cells = np.concatenate([roll_nodes[:-1], np.arange(last)])
+    upstream, downstream = (columns < np.arange(size)[:, None], columns > cells[:, None])
+    made = Numbers(
+        roll_nodes, drum_nodes, roll_q, drum_q, columns, own, on_drum, upstream.astype(float),
+        downstream.astype(float),
+    )  # fmt: skip
+    for part in made:
+        part.setflags(write=False)
+    return made

@@ -51,9 +51,8 @@ LEAST_FRICTION = 0.01
 
 # matrices of linear bodies and of the web that do not depend on what is known
 UNMOVED = frozenset({
-    "curvature", "friction", "force_weights", "indentation", "laws", "load_weights",
-    "node_slips",
-    "own_pressure", "slip_offset", "slips", "tension_q", "web", "weighs", "_closing",
+    "friction", "force_weights", "indentation", "laws", "load_weights",
+    "node_slips", "slip_offset", "slips", "tension_q", "web", "weighs",
 })  # fmt: skip
 
 
@@ -128,81 +127,82 @@ class WrapEquations(WrapColumns):
     @cached_property
     def tension_q(self) -> Array:
         """T at the nodes less T_in, (N+1, m)."""
-        return self.half_width * self.by_q(self.grid.to_nodes)
-
-    @cached_property
-    def curvature(self) -> tuple[Array, Array, Array]:
-        """kappa at the nodes as constant (N+1,), by z (N+1, k) and by q (N+1, m).
-
-        The web bends with the roll behind the nip, with the drum before it and inside it.  There
-        the surfaces differ by the web's change of thickness; that they share the drum's curvature
-        is exact for a rigid drum.  Inside a nip of a rigid roll the web bends with the roll.
-        """
-        grid, roll, drum = self.grid, self.roll, self.drum
-        n_p, n_q, first = self.roll_nodes.size, self.roll_q.size, grid.first
-        constant = np.empty(grid.size)
-        by_z = np.zeros((grid.size, n_p + self.drum_nodes.size + 1))
-        by_q = np.zeros((grid.size, self.columns.size))
-        turn = first + 1 if self.problem.roll.rigid else grid.last
-        behind, before, own = slice(turn, None), slice(0, turn), slice(turn - first, None)
-        constant[behind] = roll.bend[own]
-        by_z[behind, :n_p] = roll.bend_p[own]
-        by_q[behind, :n_q] = roll.bend_q[own, 1:-1]
-        constant[before] = -drum.bend[before]
-        by_z[before, n_p:-1] = -drum.bend_p[before, self.drum_p]
-        by_q[before, n_q:] = -drum.bend_q[before, 1:-1]
-        return constant, by_z, by_q
+        grid, columns, weights = self.grid, self.columns, self.half_width * self.grid.weights
+        out = self.numbers.upstream_of_nodes * weights[columns]
+        # a node's traction belongs half to the cell before it
+        out[columns, np.arange(columns.size)] = (self.half_width / 2) * grid.cells[columns - 1]
+        return out
 
     @cached_property
     def indentation(self) -> tuple[Array, Array, Array]:
         """The gap's slope in the nip's cells (M,) and what closes it, by z and by q."""
+        cells = self.grid.last - self.grid.first
+        by_z, by_q = self._none(cells)
+        return self.put_indentation(by_z, by_q), by_z, by_q
+
+    def _none(self, rows: int) -> tuple[Array, Array]:
+        """Return zeros by z and by q."""
+        return np.zeros((rows, self.load_weights.size)), np.zeros((rows, self.columns.size))
+
+    def put_indentation(self, by_z: Array, by_q: Array) -> Array:
+        """Put what closes the gap's slope into rows of zeros; return the slope, (M,)."""
         problem, grid, web, a = self.problem, self.grid, self.web, self.half_width
         n_p, n_q = self.roll_nodes.size, self.roll_q.size
         cells = slice(grid.first, grid.last)  # in the row of all cells
         own = slice(0, grid.last - grid.first)  # among the roll's
         gap = grid.points[cells] * (a / problem.contact_radius)
         gap = gap - self.roll.slope[own] - self.drum.slope[cells]
-        by_z = np.zeros((gap.size, n_p + self.drum_nodes.size + 1))
-        by_q = web.c12 * self.by_q(grid.value, cells)
-        by_z[:, :n_p] = self.roll.slope_p[own]
+        by_q[:] = web.c12 * self.by_q(grid.value, cells)
         known, nip = self.about.roll, slice(grid.first, grid.last + 1)
         p = np.zeros(gap.size + 1) if known is None else np.maximum(known.pressure[nip], 0.0)
         thinned, by_p = problem.web.thinned(p)
         length, k = a * grid.cells[cells], np.arange(gap.size)
-        by_z[k, k] += by_p[:-1] / length
-        by_z[k, k + 1] -= by_p[1:] / length
+        by_z[k, k] = by_p[:-1] / length
+        by_z[k, k + 1] = by_p[1:] / -length
         if not problem.web.linear:
             gap = gap + np.diff(thinned - by_p * p) / length
-        by_z[:, n_p:-1] += self.drum.slope_p[cells, self.drum_p]
         by_z[:, -1] = 1.0
-        by_q[:, :n_q] += self.roll.slope_q[own, 1:-1]
-        by_q[:, n_q:] += self.drum.slope_q[cells, 1:-1]
-        return gap, by_z, by_q
-
-    def weight(self) -> tuple[Array, Array, Array]:
-        """Return T kappa at the nodes, linearised: constant, by z and by q."""
-        constant, by_z, by_q = self.curvature
-        T, bend = self.about.tension, self.about.bend
-        by_q = T[:, None] * by_q + bend[:, None] * self.tension_q
-        constant = T * constant + bend * (self.problem.web_tension - T)
-        return constant, T[:, None] * by_z, by_q
+        if not problem.roll.rigid:
+            by_z[:, :n_p] += self.roll.slope_p[own]
+            by_q[:, :n_q] += self.roll.slope_q[own, 1:-1]
+        if not problem.drum.rigid:
+            by_z[:, n_p:-1] = self.drum.slope_p[cells, self.drum_p]
+            by_q[:, n_q:] += self.drum.slope_q[cells, 1:-1]
+        return gap
 
     def balance(self) -> tuple[Array, Array, Array]:
         """Return the web's normal balance p+ - p- - T kappa = 0, one row a node: constant, z, q."""
-        grid = self.grid
-        n_p, k = self.roll_nodes.size, self.roll_nodes.size + self.drum_nodes.size + 1
-        pressures = np.zeros((grid.size, k))
-        pressures[self.roll_nodes, np.arange(n_p)] = 1.0
-        pressures[self.drum_nodes, n_p + np.arange(self.drum_nodes.size)] = -1.0
-        weighs = self.weighs
-        if not weighs.any():
-            return np.zeros(grid.size), pressures, np.zeros((grid.size, self.columns.size))
-        constant, by_z, by_q = self.weight()
-        return (
-            -constant * weighs,
-            pressures - by_z * weighs[:, None],
-            -by_q * weighs[:, None],
-        )
+        by_z, by_q = self._none(self.grid.size)
+        return self.put_balance(by_z, by_q), by_z, by_q
+
+    def put_balance(self, by_z: Array, by_q: Array, size: float = 1.0) -> Array:
+        """Put the web's normal balance, times a size, into rows of zeros; return the constant.
+
+        T kappa is linearised.  The web bends with the roll behind the nip, with the drum before it
+        and inside it.  There the surfaces differ by the web's change of thickness; that they share
+        the drum's curvature is exact for a rigid drum.  Inside a nip of a rigid roll the web bends
+        with the roll.
+        """
+        grid, roll, drum, problem = self.grid, self.roll, self.drum, self.problem
+        n_p, n_q, first = self.roll_nodes.size, self.roll_q.size, grid.first
+        by_z[self.roll_nodes, np.arange(n_p)] = size
+        by_z[self.drum_nodes, n_p + np.arange(self.drum_nodes.size)] = -size
+        if not self.weighs.any():
+            return np.zeros(grid.size)
+        T, bend = (np.where(self.weighs, -size * part, 0.0)
+                   for part in (self.about.tension, self.about.bend))  # fmt: skip
+        turn = first + 1 if problem.roll.rigid else grid.last
+        behind, before, own = slice(turn, None), slice(0, turn), slice(turn - first, None)
+        constant = np.empty(grid.size)
+        constant[behind], constant[before] = roll.bend[own], -drum.bend[before]
+        by_q += bend[:, None] * self.tension_q
+        if not problem.roll.rigid:
+            by_z[behind, :n_p] += T[behind, None] * roll.bend_p[own]
+            by_q[behind, :n_q] += T[behind, None] * roll.bend_q[own, 1:-1]
+        if not problem.drum.rigid:
+            by_z[before, n_p:-1] -= T[before, None] * drum.bend_p[before, self.drum_p]
+            by_q[before, n_q:] -= T[before, None] * drum.bend_q[before, 1:-1]
+        return T * constant + bend * (problem.web_tension - self.about.tension)
 
     # ---- the two problems ----------------------------------------------------------------------
 
@@ -246,17 +246,19 @@ class WrapEquations(WrapColumns):
         n_p, n_q = self.roll_nodes.size, self.roll_q.size
         N = n_p - 1  # of the roll
         on_roll, on_drum = slice(grid.first, None), slice(0, grid.last)
-        stretch = [self.by_q(grid.to_points, rows) for rows in (on_roll, on_drum)]
-        by_q = np.concatenate(stretch) - grid.weights[self.columns]
-        by_q *= self.half_width * web.c11 / self.problem.web.thickness
+        # referred to the far side, where the web has taken up what lies downstream as well
+        stretch = self.half_width * web.c11 / self.problem.web.thickness
+        by_q = self.numbers.downstream_of_cells * (-stretch * grid.weights[self.columns])
         by_z = np.zeros((by_q.shape[0], n_p + self.drum_nodes.size + 1))
         for own, rows in ((slice(0, N), on_roll), (slice(N, None), on_drum)):
             np.multiply(grid.value[rows, grid.first :], -web.c12, out=by_z[own, :n_p])
-        by_z[:N, n_p - 1] += web.c12  # v+ is referred to the far side
-        by_z[:N, :n_p] -= roll.strain_p[:-1] - roll.strain_p[-1]
-        by_q[:N, :n_q] -= (roll.strain_q[:-1] - roll.strain_q[-1])[:, 1:-1]
-        by_z[N:, n_p:-1] -= drum.strain_p[:-1, self.drum_p]
-        by_q[N:, n_q:] -= drum.strain_q[:-1, 1:-1]
+        by_z[:N, n_p - 1] += web.c12
+        if not self.problem.roll.rigid:
+            by_z[:N, :n_p] -= roll.strain_p[:-1] - roll.strain_p[-1]
+            by_q[:N, :n_q] -= (roll.strain_q[:-1] - roll.strain_q[-1])[:, 1:-1]
+        if not self.problem.drum.rigid:
+            by_z[N:, n_p:-1] -= drum.strain_p[:-1, self.drum_p]
+            by_q[N:, n_q:] -= drum.strain_q[:-1, 1:-1]
         return by_z, by_q
 
     @cached_property

@@ -114,12 +114,6 @@ class WrapGrid:
         return (np.append(self.cells, 0.0) + np.append(0.0, self.cells)) / 2
 
     @cached_property
-    def to_nodes(self) -> Array:
-        """Integrals of the hats from the start to each node, (N+1, N+1)."""
-        before = np.append(0.0, self.cells) / 2
-        return np.tril(np.broadcast_to(self.weights, (self.size,) * 2), -1) + np.diag(before)
-
-    @cached_property
     def to_points(self) -> Array:
         """Integrals from the start to each cell, what lies upstream counted whole, (N, N+1)."""
         return np.tril(np.broadcast_to(self.weights, (self.size,) * 2))[:-1]

@@ -25,8 +25,8 @@ import numpy as np
 
 from ..contact.grid import HIGHEST_RANK, Grid, Past, chebyshev_points
 from ..contact.schemes import interpolation_rank
-from ..elasticity.kernels import Kernel
-from .integrals import OpenGrid, closed, gauss
+from ..elasticity.kernels import Kernel, singular
+from .integrals import OpenGrid, closed, closed_blocks, gauss
 
 __all__ = ["Influence", "Within"]
 
@@ -67,6 +67,23 @@ class Within(NamedTuple):
     def own(self) -> Array:
         """Which of the nip's points those are: the last may stand twice."""
         return np.minimum(np.arange(self.rows.size), self.nip.points.size - 1)
+
+
+class Block(NamedTuple):
+    """Integrals at some points over some nodes; what several have in common is their sum.
+
+    Attributes
+    ----------
+    rows : (k,) int array
+        The points, ascending.
+    columns : slice
+        The nodes.
+    values : (4, k, columns) array
+    """
+
+    rows: Array
+    columns: slice
+    values: Array
 
 
 class Influence:
@@ -121,23 +138,22 @@ class Influence:
             values = apart.integrated(self.between(kernels, smooth, apart.points))
             out[:, apart.rows] += values[:, apart.interpolated :]
             if self.within is not None:
-                out[:, self.within.rows] += apart.at_nip @ values[:, : apart.interpolated]
+                out[:, _run(self.within.rows)] += apart.at_nip @ values[:, : apart.interpolated]
         if self.short and all(kernel.twice for kernel in kernels):
             for part, kernel in zip(out, kernels, strict=True):
                 part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale)  # type: ignore[arg-type]
         return out if lag is None else out + grid.lagging(lag, self.scale)
 
-    def at_end(self, kernels: Sequence[Kernel]) -> Array:
+    def at_end(self, kernels: Sequence[Kernel], smooth: Smooth | None) -> Array:
         """Return the integrals at the last point alone, (kernels, 1, N+1)."""
         grid, end = self.grid, slice(-1, None)
-        out = np.tensordot(self.factors(kernels), self.singular[:, end], 1)
+        out: Array = (self.factors(kernels) @ self._singular_at_end)[:, None]
         self._add_logs(out, kernels)
+        if smooth is not None:
+            out += self.apart.integrated(self.between(kernels, smooth, grid.points[end]))
         for part, kernel in zip(out, kernels, strict=True):
             if self.short and kernel.twice is not None:
                 part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale, end)
-            elif kernel.smooth is not None:
-                values = self.between((kernel,), _stacked(kernel.smooth), grid.points[end])
-                part += self.apart.integrated(values)[0]
             if kernel.lag is not None:
                 part += grid.lagging(kernel.lag, self.scale, end)[0]
         return out
@@ -155,29 +171,51 @@ class Influence:
                 part += kernel.log * a * log(a) * self.grid.weights
 
     @cached_property
-    def singular(self) -> Array:
-        """The integrals of the inverse, the pulse, the logarithm and the sign, (4, K, N+1)."""
+    def blocks(self) -> list[Block]:
+        """The integrals of the inverse, the pulse, the logarithm and the sign, block by block."""
         points, nodes, within = self.grid.points, self.grid.nodes, self.within
+        every, all_nodes = np.arange(points.size), slice(0, nodes.size)
         if within is None:
-            return closed(points, nodes)
+            return [Block(every, all_nodes, closed(points, nodes))]
         stays, moving = within.stays, within.moving
-        if not moving.size:
-            return _around(within, points, nodes)
-        out, rows = (
-            np.empty((4, points.size, nodes.size)),
-            np.delete(np.arange(points.size), moving),
-        )
+        rows = np.delete(every, moving)
         own = within._replace(
             first=within.first - stays.start, rows=np.searchsorted(rows, within.rows)
         )
-        out[:, rows, stays] = _around(own, points[rows], nodes[stays])
-        ahead, behind = slice(0, stays.start), slice(stays.stop, None)
-        out[:, rows, ahead] = out[:, rows, behind] = 0.0
-        if stays.start:
-            out[:, rows, : stays.start + 1] += closed(points[rows], nodes[: stays.start + 1])
-        if stays.stop < nodes.size:
-            out[:, rows, stays.stop - 1 :] += closed(points[rows], nodes[stays.stop - 1 :])
-        out[:, moving] = closed(points[moving], nodes)
+        ahead, behind = slice(0, stays.start + 1), slice(stays.stop - 1, nodes.size)
+        moved = [(rows, part) for part in (ahead, behind) if part.stop - part.start > 1]
+        if moving.size:
+            moved.append((moving, all_nodes))
+        kept = Block(rows, stays, _around(own, points[rows], nodes[stays]))
+        if not moved:
+            return [kept]
+        values = closed_blocks(*((points[at], nodes[part]) for at, part in moved))
+        return [kept, *(Block(*where, made) for where, made in zip(moved, values, strict=True))]
+
+    @property
+    def singular(self) -> Array:
+        """Them in one, (4, K, N+1)."""
+        (rows, columns, values), *others = self.blocks
+        out = np.zeros((4, self.grid.points.size, self.grid.nodes.size))
+        out[:, rows, columns] = values
+        for rows, columns, values in others:
+            out[:, rows, columns] += values
+        return out
+
+    def singular_under(self, loads: Array) -> Array:
+        """Return them times loads on the nodes, (N+1, k) -> (4, K, k)."""
+        out = np.zeros((4, self.grid.points.size, loads.shape[1]))
+        for rows, columns, values in self.blocks:
+            out[:, rows] += values @ loads[columns]
+        return out
+
+    @property
+    def _singular_at_end(self) -> Array:
+        """Them at the last point, (4, N+1)."""
+        out, last = np.zeros((4, self.grid.nodes.size)), self.grid.points.size - 1
+        for rows, columns, values in self.blocks:
+            if rows[-1] == last:
+                out[:, columns] += values[:, -1]
         return out
 
     @cached_property
@@ -200,8 +238,7 @@ class Influence:
         t[rows] = short
         values = smooth(t)
         k, source = far.nonzero()
-        for value, kernel in zip(values, kernels, strict=True):
-            value[rows[k], source] += kernel.singular(round_) - kernel.singular(straight)
+        values[:, rows[k], source] += singular(kernels, round_) - singular(kernels, straight)
         return values
 
 
@@ -210,7 +247,7 @@ class Apart:
 
     Attributes
     ----------
-    rows : (k,) int array
+    rows : (k,) int array or slice
         Which of the face's points are not the nip's.
     arc : slice
         The nodes of the arc's cells.
@@ -225,20 +262,22 @@ class Apart:
     ) -> None:
         every, nodes = np.arange(grid.points.size), grid.nodes
         self.scale, self.nodes = scale, nodes.size
+        self.rows: Array | slice = slice(None)
         if within is None:
-            self.rows, self.arc, self.interpolated = every, slice(None), 0
+            self.arc, self.interpolated = slice(None), 0
             self.sources, self.hats = gauss(nodes, scale, length)
             self.points = grid.points
             return
         self.interpolated, self.inside = rank, within.columns
-        self.rows = np.delete(every, within.rows)
+        self.rows = _run(np.delete(every, within.rows))
         behind = within.first == 0
         self.arc = slice(self.inside.stop - 1, None) if behind else slice(0, within.first + 1)
         at_points, self.moments = _opened(within.nip).interpolation(rank)
         self.at_nip = at_points[within.own]
         self.sources = chebyshev = chebyshev_points(rank)
-        self.points = np.append(chebyshev, grid.points[self.rows])
-        if self.rows.size:
+        outside = grid.points[self.rows]
+        self.points = np.append(chebyshev, outside)
+        if outside.size:
             outer, self.hats = gauss(nodes[self.arc], scale, length)
             self.sources = np.append(chebyshev, outer)
 
@@ -260,6 +299,13 @@ class Apart:
         if self.sources.size > self.interpolated:
             parts.append(self.hats @ loads[self.arc])
         return np.concatenate(parts)
+
+
+def _run(rows: Array) -> Array | slice:
+    """Return ascending rows as a slice where none is left out: they are reached many times."""
+    if rows.size and rows[-1] - rows[0] + 1 == rows.size:
+        return slice(int(rows[0]), int(rows[-1]) + 1)
+    return rows
 
 
 def _stacked(smooth: Smooth) -> Smooth:

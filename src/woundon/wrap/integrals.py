@@ -9,12 +9,12 @@ import numpy as np
 
 from ..contact.grid import Grid, Past
 
-__all__ = ["OpenGrid", "closed", "gauss"]
+__all__ = ["OpenGrid", "closed", "closed_blocks", "gauss"]
 
 Array = np.ndarray
 
 MOST_POINTS = 150  # of a cell; three for each length on which a body responds
-FAR = 0.1  # half a cell over the distance to its middle: beyond, logarithms cancel
+FAR = 0.2  # a cell over the distance to its end: beyond, logarithms cancel
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,30 +62,42 @@ def closed(points: Array, nodes: Array) -> Array:
     (4, K, M+1) array
         As :attr:`woundon.contact.grid.Grid.singular` has them.
     """
-    h, d = np.diff(nodes), points[:, None] - (nodes[1:] + nodes[:-1]) / 2
+    return closed_blocks((points, nodes))[0]
+
+
+def closed_blocks(*blocks: tuple[Array, Array]) -> list[Array]:
+    """Return :func:`closed` of several points and nodes, at hardly more than the cost of one."""
+    ts = [points[:, None] - nodes for points, nodes in blocks]
+    ends = np.concatenate([t[:, :-1].ravel() for t in ts] + [t[:, 1:].ravel() for t in ts])
+    logarithms = np.log(np.maximum(np.abs(ends), 1e-300))
+    (left, right), (t, after) = logarithms.reshape(2, -1), ends.reshape(2, -1)
+    h, d, half = t - after, (t + after) / 2, (t - after) / 2
     # over each cell, and times the distance from its middle
-    zeroth, first = np.zeros((2, 4, *d.shape))
-    logarithm = np.log(np.maximum(np.abs(points[:, None] - nodes), 1e-300))
-    left, right = logarithm[:, :-1], logarithm[:, 1:]
+    zeroth, first = np.empty((2, 4, d.size))
     inverse = np.subtract(left, right, out=zeroth[0])
-    far = np.abs(d) * FAR > h / 2
-    inverse[far] = 2 * np.arctanh(np.broadcast_to(h, d.shape)[far] / (2 * d[far]))
-    inside = np.minimum(np.maximum(d, -h / 2), h / 2)
-    own = inside == d
-    zeroth[1], first[1] = own, np.where(own, d, 0.0)
+    with np.errstate(divide="ignore"):
+        share = h / after
+    np.log1p(share, out=inverse, where=np.abs(share) < FAR)
+    inside = np.minimum(np.maximum(d, -half), half)
+    own = zeroth[1] = inside == d
+    np.multiply(own, d, out=first[1])
     np.multiply(d, inverse, out=zeroth[2])
     np.subtract(zeroth[2], h, out=first[0])
-    zeroth[2] += h / 2 * (left + right) - h
-    first[2] = d / 2 * first[0] - h**2 / 8 * inverse
+    zeroth[2] += half * (left + right) - h
+    first[2] = d / 2 * first[0] - half**2 / 2 * inverse
     np.multiply(inside, 2.0, out=zeroth[3])
-    first[3] = inside**2 - h**2 / 4
+    first[3] = inside**2 - half**2
     zeroth /= 2
     first /= h
-    out = np.zeros((4, points.size, nodes.size))
-    np.subtract(zeroth, first, out=out[..., :-1])
-    zeroth += first
-    out[..., 1:] += zeroth
-    return out
+    downward, upward, found, k = zeroth - first, zeroth + first, [], 0
+    for t in ts:
+        cells = slice(k, k := k + t[:, 1:].size)
+        out = np.empty((4, *t.shape))
+        out[..., :-1] = downward[:, cells].reshape(4, *t[:, 1:].shape)
+        out[..., -1] = 0.0
+        out[..., 1:] += upward[:, cells].reshape(4, *t[:, 1:].shape)
+        found.append(out)
+    return found
 
 
 def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
@@ -108,13 +120,22 @@ def gauss(nodes: Array, scale: float, length: float) -> tuple[Array, Array]:
     cells = np.diff(nodes)
     share = scale * cells / length
     orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
-    cell = np.repeat(np.arange(cells.size), orders)
-    rules = [_gauss(order) for order in orders.tolist()]
-    part = (np.concatenate([g for g, _ in rules]) + 1) / 2
-    weight = np.concatenate([w for _, w in rules]) / 2 * cells[cell] * scale
+    cell, part, weight = _in_cells(orders.tobytes())
+    lengths = cells[cell]
+    weight = weight * (lengths * scale)
     hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
-    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
-    return nodes[cell] + cells[cell] * part, hats
+    after = weight * part
+    hats[k, cell], hats[k, cell + 1] = weight - after, after
+    return nodes[cell] + lengths * part, hats
+
+
+@lru_cache(maxsize=64)
+def _in_cells(orders: bytes) -> tuple[Array, Array, Array]:
+    """Return which cell Gauss's points of so many each lie in, where, from 0 to 1, and weights."""
+    counts = np.frombuffer(orders, dtype=int)
+    rules = [_gauss(order) for order in counts.tolist()]
+    points, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
+    return np.repeat(np.arange(counts.size), counts), (points + 1) / 2, weights / 2
 
 
 @lru_cache

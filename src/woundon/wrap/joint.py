@@ -45,26 +45,24 @@ class WrapJoint(Joint):
     @classmethod
     def of(cls, equations: WrapEquations) -> Self:
         """Return the system of equations that are linearised about a tension and a curvature."""
-        gap, closing_z, closing_q = equations.indentation
-        constant, weight_z, weight_q = equations.balance()
-        slip_z, slip_q = equations.slips
-        n_q, m, k = equations.roll_q.size, equations.columns.size, closing_z.shape[1]
-        last = [n_q, m + 1]
+        n_q, m, k = equations.roll_q.size, equations.columns.size, equations.load_weights.size
+        M = equations.grid.last - equations.grid.first
+        N, last = M + equations.grid.size, [n_q, m + 1]
         order = np.concatenate([np.delete(np.arange(m + 2), last), last])
-        size = float(np.abs(closing_z[:, :-1]).max())
-        force_size = size / float(equations.load_weights.max())
         matrix, right = np.zeros((k + m + 3, k + m + 1)), np.zeros(k + m + 3)
-        M, N = gap.size, gap.size + constant.size
-        matrix[:M, :k], matrix[:M, k:-1], right[:M] = closing_z, closing_q, gap
-        np.multiply(weight_z, size, out=matrix[M:N, :k])
-        np.multiply(weight_q, size, out=matrix[M:N, k:-1])
-        right[M:N] = -size * constant
+        by_z, by_q = matrix[:, :k], matrix[:, k:-1]
+        right[:M] = equations.put_indentation(by_z[:M], by_q[:M])
+        closing = by_z[:M, :-1]
+        size = float(max(closing.max(), -closing.min()))
+        force_size = size / float(equations.load_weights.max())
+        right[M:N] = -equations.put_balance(by_z[M:N], by_q[M:N], size)
         if equations.drum_arc:
             matrix[N, 0] = size  # p+ begins with zero where the web comes off the drum's arc
-        matrix[k, :k] = -force_size * equations.share * equations.load_weights
-        matrix[k, k:-1] = force_size * equations.force_weights
+        np.multiply(equations.load_weights, -force_size * equations.share, out=by_z[k])
+        np.multiply(equations.force_weights, force_size, out=by_q[k])
         right[k] = force_size * equations.force
-        matrix[k + 1 :, :k], matrix[k + 1 :, k:-1] = slip_z[order], slip_q[order]
+        slip_z, slip_q = equations.slips
+        by_z[k + 1 :], by_q[k + 1 :] = slip_z[order], slip_q[order]
         matrix[k + 1 :, -1] = order > n_q
         right[k + 1 :] = -equations.slip_offset[order]
         return cls(
@@ -73,4 +71,5 @@ class WrapJoint(Joint):
         )  # fmt: skip
 
     def _bring(self, columns: Array, shares: Array, to: Array) -> None:
-        to[:, self.own] += columns * shares
+        slid = shares.nonzero()[0]
+        to[:, self.own[slid]] += columns[:, slid] * shares[slid]

@@ -81,15 +81,24 @@ class WrapLaws(WrapColumns):
 
     def at(self, z: Array, q: Array) -> Along:
         """Return what belongs to given z and q."""
+        p, shift = z[:-1], float(z[-1])
+        known = vars(self).get("_latest")  # of the step before, and for the certificate
+        if known is None or not (np.array_equal(known[0], p) and np.array_equal(known[1], q)):
+            known = vars(self)["_latest"] = p, q, self._unshifted(p, q)
+        along: Along = known[2]
+        return along._replace(gap=along.gap + shift)
+
+    def _unshifted(self, p: Array, q: Array) -> Along:
+        """Return the same without the shift."""
         problem, grid, web, a = self.problem, self.grid, self.web, self.half_width
-        on_roll, on_drum = self.spread(z, q)
+        on_roll, on_drum = self.spread(p, q)
         roll, drum = self.roll.under(*on_roll), self.drum.under(*on_drum)
         both = on_roll.traction + on_drum.traction
         share = grid.share
         # a node's traction belongs half to the cell before it
         upto = np.cumsum(grid.weights * both)
         tension = problem.web_tension + a * (upto - both * np.append(grid.cells, 0.0) / 2)
-        gap = self._closing(on_roll.pressure, float(z[-1]))
+        gap = self._closing(on_roll.pressure)
         nip = slice(grid.first, grid.last)
         gap += roll.slope[: gap.size] + drum.slope[nip]
         gap += web.c12 * (both[:-1] * (1 - share) + both[1:] * share)[nip]
@@ -108,10 +117,10 @@ class WrapLaws(WrapColumns):
         """Return the surfaces under loads, as the losses take them."""
         return self.roll.surface(*on_roll), self.drum.surface(*on_drum)
 
-    def spread(self, z: Array, q: Array) -> tuple[Tractions, Tractions]:
+    def spread(self, p: Array, q: Array) -> tuple[Tractions, Tractions]:
         """Return the loads of roll and drum on all nodes, zero where a face has none."""
         fields, n_p, n_q = np.zeros((4, self.grid.size)), self.roll_nodes.size, self.roll_q.size
-        fields[0, self.roll_nodes], fields[1, self.drum_nodes] = z[:n_p], z[n_p:-1]
+        fields[0, self.roll_nodes], fields[1, self.drum_nodes] = p[:n_p], p[n_p:]
         fields[2, self.roll_q], fields[3, self.drum_q] = q[:n_q], q[n_q:]
         return Tractions(fields[0], fields[2]), Tractions(fields[1], fields[3])
 
@@ -120,12 +129,12 @@ class WrapLaws(WrapColumns):
         weight = np.where(self.weighs, along.tension * along.bend, 0.0)
         return np.asarray(along.roll_loads.pressure - along.drum_loads.pressure - weight)
 
-    def _closing(self, p: Array, shift: float) -> Array:
-        """Return what web and shift leave of the gap's slope in the nip's cells."""
+    def _closing(self, p: Array) -> Array:
+        """Return what the web leaves of the gap's slope in the nip's cells."""
         problem, grid, a = self.problem, self.grid, self.half_width
         cells, nip = slice(grid.first, grid.last), slice(grid.first, grid.last + 1)
         known = np.zeros(1) if self.about_roll is None else self.about_roll.pressure[nip]
         thinned, by_p = problem.web.thinned(np.maximum(known, 0.0))
         thinner = thinned + by_p * (p[nip] - np.maximum(known, 0.0))
-        miss = shift - grid.points[cells] * (a / problem.contact_radius)
+        miss = -grid.points[cells] * (a / problem.contact_radius)
         return np.asarray(miss - np.diff(thinner) / (a * grid.cells[cells]))

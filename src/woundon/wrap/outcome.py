@@ -19,10 +19,17 @@ from .equations import WrapEquations, WrapState
 from .grid import WrapGrid
 from .laws import Along
 from .result import WrappedNipResult
+from .scatter import rest_of_borders
 
 __all__ = ["along_web", "creep", "ratios", "recomputed", "result_of"]
 
 Array = np.ndarray
+
+EXTRAPOLATED = {
+    "extrapolation": "wound_on_tension",
+    "extrapolation_behind": "tension_behind_nip",
+    "extrapolation_of_nip": "nip_induced_tension",
+}
 
 
 def result_of(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
@@ -43,6 +50,7 @@ def result_of(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         **ratios(level),
         **along_web(level),
         roll_strain=roll_strain(equations, along),
+        **_extrapolated(level),
         residuals=Residuals(),
         iterations=ladder.solves,
         series_terms=max((r.terms for r in responses), default=0),
@@ -56,6 +64,12 @@ def result_of(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         residuals=certificate(result, equations),
         warnings=nip_warnings(result),
     )
+
+
+def _extrapolated(level: Level) -> dict[str, Any]:
+    """Return what tensions change by as borders come to rest, by the fields that tell it."""
+    rest = rest_of_borders(level)
+    return {field: rest[name] for field, name in EXTRAPOLATED.items() if name in rest}
 
 
 def along_web(level: Level) -> dict[str, Any]:
@@ -135,6 +149,9 @@ def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     own = _in_nip(arrays, equations.grid)
     told = told_by(indented, slip_ratios(problem, own), own["x"])
+    # where borders lie within their cells leaves thousandths at most
+    beyond = 0.02 * problem.roll_friction * problem.nip_load
+    told |= dict.fromkeys(EXTRAPOLATED, (0.0, beyond))
     if problem.viscoelastic:
         resistance = lost(problem, surfaces_of(result, equations))
         told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)

@@ -36,6 +36,10 @@ class WrappedNipResult(WindingNipResult):
         kappa of the web, centre on the roll's side > 0 [1/m].
     roll_strain : (N,) array
         eps_theta1 of the roll's surface where the slips are taken; nan before the nip.
+    extrapolation, extrapolation_behind, extrapolation_of_nip : float
+        What ``wound_on_tension``, ``tension_behind_nip`` and ``nip_induced_tension`` have beyond
+        what ``web_tension`` tells: zones end between nodes, and what where they do is worth to
+        these is known [N/m].
 
     The others as of :class:`~woundon.nip.result.WindingNipResult`; slips are nan where the web does
     not touch the body.
@@ -59,13 +63,22 @@ class WrappedNipResult(WindingNipResult):
         Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
     ]
     roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
+    extrapolation: Annotated[
+        float, line_load("dWOT", "part of WOT that extrapolates the web tension")
+    ] = 0.0
+    extrapolation_behind: Annotated[
+        float, line_load("dT_out", "part of T_out that extrapolates the web tension")
+    ] = 0.0
+    extrapolation_of_nip: Annotated[
+        float, line_load("dNIT", "part of NIT that extrapolates the web tension")
+    ] = 0.0
 
     @property
     def wound_on_tension(
         self,
     ) -> Annotated[float, line_load("WOT", "wound-on tension, far behind the nip")]:
         """WOT, the tension at the far side of the roll [N/m]: what the roll keeps."""
-        return float(self.web_tension[-1])
+        return float(self.web_tension[-1]) + self.extrapolation
 
     @property
     def wound_on_tension_error(
@@ -81,21 +94,22 @@ class WrappedNipResult(WindingNipResult):
         self,
     ) -> Annotated[float, line_load("T_n", "web tension at the leading edge of the nip")]:
         """T at x = -a [N/m]."""
-        return float(self.web_tension[self.in_nip.start])
+        return self.tension_behind_nip - self.nip_induced_tension
 
     @property
     def tension_behind_nip(
         self,
     ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
         """T_out at x = a [N/m]."""
-        return float(self.web_tension[self.in_nip.stop - 1])
+        return float(self.web_tension[self.in_nip.stop - 1]) + self.extrapolation_behind
 
     @property
     def nip_induced_tension(
         self,
     ) -> Annotated[float, line_load("NIT", "nip-induced tension, of the nip between its edges")]:
         """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
-        return self.tension_behind_nip - self.tension_before_nip
+        own = self.web_tension[self.in_nip]
+        return float(own[-1] - own[0]) + self.extrapolation_of_nip
 
     @property
     def roll_wrap_traction(
