@@ -283,9 +283,7 @@ class Ladder:
             values = [scalars[name] for scalars in self.history]
             self.errors[name] = self._told(name, values, order, foreseen.get(name, NOTHING))
 
-    def _told(
-        self, name: str, values: Sequence[float], order: float, foreseen: Foreseen
-    ) -> float:
+    def _told(self, name: str, values: Sequence[float], order: float, foreseen: Foreseen) -> float:
         cells = self.level.mesh.nodes.size - 1
         if self.scatters:
             largest = max([self.contact.scale(name, value) for value in values])
