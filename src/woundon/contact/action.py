@@ -57,7 +57,7 @@ class Action:
 
     @cached_property
     def _singular(self) -> Array:
-        """Coefficients of the singular parts, (slope and strain, parts by p and q)."""
+        """Coefficients of the singular parts that there are, (2, p's parts then q's)."""
         a, each = self.scale, [[k.inverse, k.delta, k.log, k.sign] for k in self.kernels]
         factors = np.array(each) * [1.0, 1.0, a, a]
         if not factors[:, 2:].any():

@@ -66,9 +66,8 @@ class NipLaws:
         miss, strain = np.array(coefficients) @ felt
         miss += shift - self.gap
         slips = np.empty(2 * n + 2)
-        for face, (body, response) in enumerate(
-            zip(self.problem.bodies, self.responses, strict=True)
-        ):
+        bodies = zip(self.problem.bodies, self.responses, strict=True)
+        for face, (body, response) in enumerate(bodies):
             v = strain
             if not body.rigid:
                 slope, own = response.act(p, q[face * n : (face + 1) * n])
