@@ -60,11 +60,11 @@ def stick_ends(face: _Face, node: int, ahead: int, power: float, share: float) -
     stuck, near = (node - 1, node) if ahead == 1 else (node, node - 1)
     far, deep = near + ahead, stuck - ahead
     # at the leading edge the slip of the first cell stands twice
+    begins, ends = (slip_x[k] + share * (x[k] - slip_x[k]) for k in (near, stuck))
     if min(far, deep) < 0 or max(far, deep) >= len(x) or slip_x[far] == slip_x[near]:
-        return 0.5 * (x[node] + x[node - 1])
+        return 0.5 * (begins + ends)
     past = _steps_from_nil(abs(slip[near]), abs(slip[far]), power)
     left = _steps_from_nil(max(slack[stuck], 0.0), slack[deep], power)
-    begins, ends = (slip_x[k] + share * (x[k] - slip_x[k]) for k in (near, stuck))
     return begins - (begins - ends) * (past / (past + left) if past + left else 0.5)
 
 
@@ -83,7 +83,7 @@ def _on_rigid(face: _Face, node: int, ahead: int) -> float:
     x, slip_x, slip, _ = face
     near = node if ahead == 1 else node - 1
     far = near + ahead
-    border = 0.5 * (x[node] + x[node - 1])
+    border = 0.5 * (slip_x[node] + slip_x[node - 1])
     if not 0 < far < len(x) - 1:
         return border
     v, w = abs(slip[near]), abs(slip[far])
