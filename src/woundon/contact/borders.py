@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
+from math import isfinite, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -120,50 +121,66 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
     (outputs,) array, (outputs,) array
         Borders whose changes are not alike on both sides are left where they are.
     """
-    with np.errstate(all="ignore"):
-        rest, squares = _rests(moved.by_nodes)
-    parts = [squares]
-    if len(moved.unseen):
-        parts.append(UNSEEN**2 * moved.unseen**2)
-    if len(moved.held):
-        parts.append(HELD**2 * moved.held**2)
-    found = np.concatenate(parts)
-    return rest.sum(axis=0), np.sqrt(found[np.isfinite(found.sum(axis=1))].sum(axis=0))
+    outputs = moved.by_nodes.shape[2]
+    rests, squares = [0.0] * outputs, [0.0] * outputs
+    for border in moved.by_nodes.transpose(0, 2, 1).tolist():  # few, and numbers are the quicker
+        found = [_rest(*changes) for changes in border]
+        if all(isfinite(square) for _, square in found):  # else of states without a solution
+            for k, (rest, square) in enumerate(found):
+                rests[k] += rest
+                squares[k] += square
+    total = np.array(squares)
+    for share, changes in ((UNSEEN, moved.unseen), (HELD, moved.held)):
+        if len(changes):
+            known = changes[np.isfinite(changes.sum(axis=1))]
+            total += share**2 * np.square(known).sum(axis=0)
+    return np.array(rests), np.sqrt(total)
 
 
-# the quartic's coefficients by its values at -2, -1, 1 and 2, above 0 at 0
-QUARTIC = np.array([[2, -16, 16, -2], [-1, 16, 16, -1], [-2, 4, -4, 2], [1, -4, -4, 1]]) / 24
+def _rest(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
+    """Return what an output changes by as a border comes to rest, and the square of its error then.
 
+    Parameters
+    ----------
+    two_back, back, on, two_on : float
+        Its changes by -2, -1, 1 and 2 nodes, nan where there are no two.
 
-def _rests(by_nodes: Array) -> tuple[Array, Array]:
-    """Return what outputs change by as each border comes to rest, and the squares of errors left.
-
-    (borders, outputs) each.  The quartic's vertex is sought from that of its parabola by one step
-    of Newton's method, whose error is of fourth order there.
+    Returns
+    -------
+    (float, float)
+        From the vertex of a parabola that of the quartic is sought by one step of Newton's method,
+        whose error is of fourth order there.
     """
-    ends, back, on = by_nodes[:, ::3], by_nodes[:, 1], by_nodes[:, 2]
-    bend = back + on
-    bends = (ends - 2 * by_nodes[:, 1:3]) / bend[:, None]
-    short = np.isnan(ends)
-    if short.any():  # goes on as a cubic of what there is
-        by_nodes = by_nodes.copy()
-        by_nodes[:, ::3] = np.where(short, 4 * bend[:, None] - ends[:, ::-1], ends)
-        bends = np.where(short, bends[:, ::-1], bends)
-    first, second, third, fourth = (QUARTIC @ by_nodes).swapaxes(0, 1)
-    u = first / (-2 * second)
+    near, bend = back * back + on * on, back + on
+    unmoved = 0.0, RESTLESS**2 * near
+    if not back * on >= 0 or bend == 0:
+        return unmoved
+    if isnan(two_back):  # goes on as a cubic of what there is
+        two_back = 4 * bend - two_on
+        behind = before = (two_on - 2 * on) / bend
+    else:
+        before = (two_back - 2 * back) / bend
+        behind = before if isnan(two_on) else (two_on - 2 * on) / bend
+        two_on = 4 * bend - two_back if isnan(two_on) else two_on
+    least = min(before, behind)
+    if not least > 0:
+        return unmoved
+    share = (OTHERWISE - max(before, behind, 1 / least)) / (OTHERWISE - ALIKE)
+    # the quartic's coefficients
+    first = (two_back - two_on - 8 * (back - on)) / 12
+    second = (16 * bend - two_back - two_on) / 24
+    third = (two_on - two_back + 2 * (back - on)) / 12
+    fourth = (two_back + two_on - 4 * bend) / 24
+    u = first / (-2 * second) if second else FARTHEST
+    if not (share > 0 and abs(u) < FARTHEST):
+        return unmoved
+    share = min(share, 1.0)
     slope = u * u * (3 * third + 4 * u * fourth)
     curvature = 2 * second + 6 * u * (third + 2 * u * fourth)
-    value = u * (first / 2 + u * u * (third + u * fourth))
-    rest = value - slope * slope / (2 * curvature)
-    least = bends.min(axis=1)
-    share = (OTHERWISE - np.maximum(bends.max(axis=1), 1 / least)) / (OTHERWISE - ALIKE)
-    known = (share > 0) & (least > 0) & (back * on >= 0) & (np.abs(u) <= FARTHEST)
-    share = np.where(known, np.minimum(share, 1.0), 0.0)
-    near = back * back + on * on
-    resting = RESTING**2 * near + UNLIKE**2 / 2 * np.square((bends - 1) * bend[:, None]).sum(axis=1)
-    left = RESTLESS**2 * near
-    errors = np.where(known, left + share * (resting - left), left)
-    return np.where(known, share * rest, 0.0), errors
+    rest = u * (first / 2 + u * u * (third + u * fourth)) - slope * slope / (2 * curvature)
+    unlike = ((before - 1) ** 2 + (behind - 1) ** 2) / 2 * bend * bend
+    resting = RESTING**2 * near + UNLIKE**2 * unlike
+    return share * rest, unmoved[1] + share * (resting - unmoved[1])
 
 
 Turn = tuple[int, int]  # a node, and the state that it turns to
