@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from math import isfinite, isnan
+from math import isfinite, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -81,36 +81,56 @@ def by_turning(
     laws = joint.laws(nodes, ways) @ effects.T  # of each turn, by each effect
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
-    held = joint.held[solution.state.take(joint.held) == 0]
-    if held.size == 1:  # without it nothing holds the creep
-        misses[nodes == held] = np.nan
-    changes = effects @ gradients
+    holding = joint.held[solution.state.take(joint.held) == 0]
+    if holding.size == 1:  # without it nothing holds the creep
+        misses[nodes == holding] = np.nan
+    steps = _Steps(laws.tolist(), misses.tolist())
     last = 4 * len(borders)
     near = [*(k + j for k in range(0, last, 4) for j in (1, 2)), *range(last, len(turns))]
-    far = [(k + j, k) for k in range(0, last, 4) for k, j in ((k, 1), (k + 3, -1))]
-    beside = list(_pairs(near, nodes.tolist(), faces))
-    with np.errstate(all="ignore"):  # states that have no solution
-        alone = (misses / -laws.diagonal())[:, None] * changes
-        one, two = np.array(far + beside, dtype=np.intp).reshape(-1, 2).T
-        both = _together(laws, misses, changes, one, two)
-    by_nodes = alone[:last].reshape(-1, 4, gradients.shape[1])
-    short = nodes[one[: len(far)]] == nodes[two[: len(far)]]  # zones of one node
-    both[: len(far)][short] = np.nan
-    by_nodes[:, ::3] = both[: len(far)].reshape(-1, 2, gradients.shape[1])
-    one, two = one[len(far) :], two[len(far) :]
-    return Moved(by_nodes, alone[last:], both[len(far) :] - alone[one] - alone[two])
+    rows = []
+    for k, border in zip(range(0, last, 4), borders, strict=True):
+        back, on = (border[j] != border[j + 1] for j in (0, 2))  # no zones of one node
+        rows.append(steps.of_two(k, k + 1) if back else steps.unknown)
+        rows += [steps.of_one(k + 1), steps.of_one(k + 2)]
+        rows.append(steps.of_two(k + 2, k + 3) if on else steps.unknown)
+    rows += map(steps.of_one, near[2 * len(borders) :])
+    for one, two in _pairs(near, nodes.tolist(), faces):
+        each = steps.of_one(one), steps.of_one(two), steps.of_two(one, two)
+        rows.append([both - first - second for first, second, both in zip(*each, strict=True)])
+    changes = np.array(rows).reshape(-1, nodes.size) @ (effects @ gradients)
+    by_nodes = changes[:last].reshape(-1, 4, gradients.shape[1])
+    return Moved(by_nodes, changes[last : len(turns)], changes[len(turns) :])
 
 
-def _together(laws: Array, misses: Array, changes: Array, one: Array, two: Array) -> Array:
-    """Return what outputs change by where two nodes turn at once, (k, outputs)."""
-    one_one, one_two, two_one, two_two = (
-        laws[i, j] for i, j in ((one, one), (one, two), (two, one), (two, two))
-    )
-    miss, other = misses[one], misses[two]
-    both = one_one * two_two - one_two * two_one
-    first = (other * one_two - miss * two_two) / both
-    second = (miss * two_one - other * one_one) / both
-    return np.asarray(first[:, None] * changes[one] + second[:, None] * changes[two])
+class _Steps:
+    """How far each turned node misses the law that it obeyed, so that it obeys its new one.
+
+    By the new ``laws`` of each turn by each effect, and their ``misses`` as yet.  Plain numbers:
+    there are few.
+    """
+
+    def __init__(self, laws: list[list[float]], misses: list[float]) -> None:
+        self.laws, self.misses = laws, misses
+        self.none, self.unknown = [0.0] * len(misses), [nan] * len(misses)
+
+    def of_one(self, node: int) -> list[float]:
+        """Return the misses where one node turns."""
+        law, steps = self.laws[node][node], self.none.copy()
+        steps[node] = -self.misses[node] / law if law else nan
+        return steps
+
+    def of_two(self, one: int, two: int) -> list[float]:
+        """Return the misses where two nodes turn at once."""
+        (own, other), (another, second) = (
+            (self.laws[k][one], self.laws[k][two]) for k in (one, two)
+        )
+        both = own * second - other * another
+        if not both:  # no such state
+            return self.unknown
+        steps = self.none.copy()
+        steps[one] = (self.misses[two] * other - self.misses[one] * second) / both
+        steps[two] = (self.misses[one] * another - self.misses[two] * own) / both
+        return steps
 
 
 def at_rest(moved: Moved) -> tuple[Array, Array]:
