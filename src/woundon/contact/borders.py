@@ -84,53 +84,65 @@ def by_turning(
     holding = joint.held[solution.state.take(joint.held) == 0]
     if holding.size == 1:  # without it nothing holds the creep
         misses[nodes == holding] = np.nan
-    steps = _Steps(laws.tolist(), misses.tolist())
-    last = 4 * len(borders)
-    near = [*(k + j for k in range(0, last, 4) for j in (1, 2)), *range(last, len(turns))]
-    rows = []
-    for k, border in zip(range(0, last, 4), borders, strict=True):
+    changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
+    by_nodes = []
+    for k, border in zip(range(0, len(turns), 4), borders, strict=False):
         back, on = (border[j] != border[j + 1] for j in (0, 2))  # no zones of one node
-        rows.append(steps.of_two(k, k + 1) if back else steps.unknown)
-        rows += [steps.of_one(k + 1), steps.of_one(k + 2)]
-        rows.append(steps.of_two(k + 2, k + 3) if on else steps.unknown)
-    rows += map(steps.of_one, near[2 * len(borders) :])
-    for one, two in _pairs(near, nodes.tolist(), faces):
-        each = steps.of_one(one), steps.of_one(two), steps.of_two(one, two)
-        rows.append([both - first - second for first, second, both in zip(*each, strict=True)])
-    changes = np.array(rows).reshape(-1, nodes.size) @ (effects @ gradients)
-    by_nodes = changes[:last].reshape(-1, 4, gradients.shape[1])
-    return Moved(by_nodes, changes[last : len(turns)], changes[len(turns) :])
+        by_nodes.append([
+            changes.of_two(k, k + 1) if back else changes.unknown,
+            changes.of_one(k + 1), changes.of_one(k + 2),
+            changes.of_two(k + 2, k + 3) if on else changes.unknown,
+        ])  # fmt: skip
+    first = 4 * len(borders)
+    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, len(turns))]
+    unseen = [changes.of_one(k) for k in range(first, len(turns))]
+    held = [changes.of_pair(*pair) for pair in _pairs(near, nodes.tolist(), faces)]
+    outputs = gradients.shape[1]
+    return Moved(
+        np.array(by_nodes).reshape(-1, 4, outputs),
+        *(np.array(found).reshape(-1, outputs) for found in (unseen, held)),
+    )
 
 
-class _Steps:
-    """How far each turned node misses the law that it obeyed, so that it obeys its new one.
+class _Changes:
+    """Changes of outputs by turned nodes, as plain numbers: there are few.
 
-    By the new ``laws`` of each turn by each effect, and their ``misses`` as yet.  Plain numbers:
-    there are few.
+    Parameters
+    ----------
+    laws : (k, k) numbers
+        The new laws of each turn, by each effect.
+    misses : (k,) numbers
+        What they miss as yet.
+    by_effects : (k, outputs) numbers
     """
 
-    def __init__(self, laws: list[list[float]], misses: list[float]) -> None:
-        self.laws, self.misses = laws, misses
-        self.none, self.unknown = [0.0] * len(misses), [nan] * len(misses)
+    def __init__(
+        self, laws: list[list[float]], misses: list[float], by_effects: list[list[float]]
+    ) -> None:
+        self.laws, self.misses, self.by_effects = laws, misses, by_effects
+        self.unknown = [nan] * len(by_effects[0]) if by_effects else []
 
     def of_one(self, node: int) -> list[float]:
-        """Return the misses where one node turns."""
-        law, steps = self.laws[node][node], self.none.copy()
-        steps[node] = -self.misses[node] / law if law else nan
-        return steps
+        """Return them where one node turns."""
+        law = self.laws[node][node]
+        step = -self.misses[node] / law if law else nan
+        return [step * change for change in self.by_effects[node]]
 
     def of_two(self, one: int, two: int) -> list[float]:
-        """Return the misses where two nodes turn at once."""
-        (own, other), (another, second) = (
-            (self.laws[k][one], self.laws[k][two]) for k in (one, two)
-        )
-        both = own * second - other * another
+        """Return them where two nodes turn at once."""
+        (a, b), (c, d) = ((self.laws[k][one], self.laws[k][two]) for k in (one, two))
+        both = a * d - b * c
         if not both:  # no such state
             return self.unknown
-        steps = self.none.copy()
-        steps[one] = (self.misses[two] * other - self.misses[one] * second) / both
-        steps[two] = (self.misses[one] * another - self.misses[two] * own) / both
-        return steps
+        miss, other = self.misses[one], self.misses[two]
+        step, further = (other * b - miss * d) / both, (miss * c - other * a) / both
+        pairs = zip(self.by_effects[one], self.by_effects[two], strict=True)
+        return [step * change + further * second for change, second in pairs]
+
+    def of_pair(self, one: int, two: int) -> list[float]:
+        """Return what two nodes that turn at once change beyond what each does alone."""
+        each = self.of_two(one, two), self.of_one(one), self.of_one(two)
+        return [both - first - second for both, first, second in zip(*each, strict=True)]
 
 
 def at_rest(moved: Moved) -> tuple[Array, Array]:
@@ -143,8 +155,8 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
     """
     outputs = moved.by_nodes.shape[2]
     rests, squares = [0.0] * outputs, [0.0] * outputs
-    for border in moved.by_nodes.transpose(0, 2, 1).tolist():  # few, and numbers are the quicker
-        found = [_rest(*changes) for changes in border]
+    for border in moved.by_nodes.tolist():  # few, and plain numbers are the quicker
+        found = [_rest(*changes) for changes in zip(*border, strict=True)]
         if all(isfinite(square) for _, square in found):  # else of states without a solution
             for k, (rest, square) in enumerate(found):
                 rests[k] += rest
