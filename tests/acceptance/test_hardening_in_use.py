@@ -77,22 +77,24 @@ def test_sweeps_go_from_neighbour_to_neighbour() -> None:
     assert np.all(np.diff(widths) < 0)  # the harder wound, the narrower
 
 
-def test_sensitivities_are_the_derivatives() -> None:
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("roll.stack.radial.K2", 127.0), seldom("roll.pressure", 90e3),
+     seldom("roll.stack.shear", 10e6)],
+)  # fmt: skip
+def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
     """Of the implicit function, against central differences over 2 parts in 1000."""
     problem = nip(roll(shear_exponent=0.5))
     result = wo.solve_nip(problem, nodes=17)
-    names = {"roll.stack.radial.K2": 127.0, "roll.pressure": 90e3, "roll.stack.shear": 10e6}
-    told = result.sensitivity(*names)
-    for name, value in names.items():
-        step = 2e-3 * value
-        less, more = (
-            wo.solve_nip(problem.replace(**{name: value + s}), nodes=17, start=result)
-            for s in (-step, step)
-        )
-        for output in ("nip_induced_tension", "half_width"):
-            difference = (getattr(more, output) - getattr(less, output)) / (2 * step)
-            # a tangent may be one part in ten thousand old
-            assert told.derivative(output, name) == pytest.approx(difference, rel=1e-3)
+    told, step = result.sensitivity(name), 2e-3 * value
+    less, more = (
+        wo.solve_nip(problem.replace(**{name: value + s}), nodes=17, start=result)
+        for s in (-step, step)
+    )
+    for output in ("nip_induced_tension", "half_width"):
+        difference = (getattr(more, output) - getattr(less, output)) / (2 * step)
+        # a tangent may be one part in ten thousand old
+        assert told.derivative(output, name) == pytest.approx(difference, rel=1e-3)
 
 
 # ---- the certificate ----------------------------------------------------------------------------
@@ -175,6 +177,7 @@ def test_bad_input(fields: dict[str, Any], text: str) -> None:
         roll().replace(**fields)
 
 
+@pytest.mark.slow
 def test_random_hardening_nips_are_certified_or_refused() -> None:
     """A sample of benchmarks/hardening.py."""
     rng, solved = np.random.default_rng(5), 0

@@ -1,6 +1,5 @@
 """Who may ask, how much and how slowly."""
 
-import signal
 import socket
 import subprocess
 import sys
@@ -12,7 +11,9 @@ import httpx
 import pytest
 from loops import run
 
+from woundon.app import serving
 from woundon.app.server import application
+from woundon.cli import main
 
 JSON = {"content-type": "application/json"}
 
@@ -222,12 +223,19 @@ def test_without_the_extra_the_command_names_it():
     assert done.stderr.count("\n") == 1
 
 
-def test_a_port_that_is_taken_is_told(server):
+@pytest.fixture
+def served(monkeypatch):
+    """Whom the command would serve: nobody is, for that would not end."""
+    called = []
+    monkeypatch.setattr(serving, "serve", lambda at, names, *rest, **more: called.append(names))
+    return called
+
+
+def test_a_port_that_is_taken_is_told(server, served, capsys):
     port = str(urlsplit(server).port)
-    command = [sys.executable, "-m", "woundon", "app", "--no-browser", "--port", port]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 2
-    assert done.stderr.startswith(f"error: port {port}: cannot listen at 127.0.0.1")
+    assert main(["app", "--no-browser", "--port", port]) == 2
+    assert capsys.readouterr().err.startswith(f"error: port {port}: cannot listen at 127.0.0.1")
+    assert served == []
 
 
 INTERRUPTED = """
@@ -260,13 +268,10 @@ def test_ctrl_c_while_the_server_is_made_is_not_lost():
     assert done.stdout == "ended\n", done.stderr
 
 
-def test_who_serves_others_is_told_the_token_and_the_proxy():
-    command = [sys.executable, "-m", "woundon", "app", "--no-browser", "--port", "0",
-               "--name", "winder.example"]  # fmt: skip
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    lines = [process.stdout.readline() for _ in range(4)]
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=120)
+def test_who_serves_others_is_told_the_token_and_the_proxy(served, capsys):
+    assert main(["app", "--no-browser", "--port", "0", "--name", "winder.example"]) == 0
+    lines = capsys.readouterr().out.splitlines()
     assert "http://winder.example" in lines[0]
     assert "?token=" in lines[0]
     assert "reverse proxy" in "".join(lines)
+    assert served == [("127.0.0.1", "winder.example")]

@@ -8,13 +8,15 @@ import time
 import hostile_requests
 import httpx
 import pytest
+from seldom import seldom
 
 
-def test_hostile_requests_end_in_no_fault_of_the_server(process):
-    judge = hostile_requests.run(process, requests=40, seed=3)
+@pytest.mark.parametrize("requests", [20, seldom(40)])
+def test_hostile_requests_end_in_no_fault_of_the_server(process, requests):
+    judge = hostile_requests.run(process, requests=requests, seed=3)
     judge.client.close()
     assert judge.faults == []
-    assert sum(judge.statuses.values()) >= 40
+    assert sum(judge.statuses.values()) >= requests
 
 
 def test_the_judge_sees_a_fault():

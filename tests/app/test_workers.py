@@ -7,6 +7,7 @@ import threading
 import time
 from contextlib import asynccontextmanager
 
+import chores
 import loops
 import pytest
 
@@ -16,13 +17,9 @@ from woundon.app.refusals import Refusal
 from woundon.app.workers import Pool
 
 
-def nothing():
-    """What a worker of these tests imports."""
-
-
 @asynccontextmanager
 async def pool(**more):
-    made = Pool(1, nothing, **more)
+    made = Pool(1, chores.nothing, **more)
     await made.open()
     try:
         yield made
@@ -45,7 +42,7 @@ def with_pool():
     def run(test):
         return asyncio.run_coroutine_threadsafe(asyncio.wait_for(test, 60), loop).result()
 
-    shared = Pool(1, nothing)
+    shared = Pool(1, chores.nothing)
     run(shared.open())
     yield lambda test: run(test(shared))
     loop.call_soon_threadsafe(shared.close)
@@ -86,18 +83,12 @@ def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error(with_pool):
     with_pool(test)
 
 
-def turns_every_fault_into_its_own():
-    """As serialisers do that call back."""
-    try:
-        time.sleep(30)
-    except BaseException as fault:
-        raise ValueError("in a callback") from fault
-
-
 def test_an_interrupt_that_a_library_made_a_fault_of_is_no_fault(capfd):
     async def test():
         async with pool() as own:
-            older = asyncio.create_task(own.run(turns_every_fault_into_its_own, key="slider"))
+            older = asyncio.create_task(
+                own.run(chores.turns_every_fault_into_its_own, key="slider")
+            )
             await asyncio.sleep(0.2)
             assert await own.run(pow, 2, 10, key="slider") == 1024
             with pytest.raises(Refusal) as raised:
@@ -157,12 +148,6 @@ def test_what_takes_too_long_is_ended():
     run(test())
 
 
-def is_deaf():
-    """As what runs in C, but without work."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])
-    time.sleep(30)
-
-
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
 def test_a_worker_deaf_to_interruption_is_replaced(monkeypatch, with_pool):
     monkeypatch.setattr(workers, "HEED", 1.0)
@@ -170,7 +155,7 @@ def test_a_worker_deaf_to_interruption_is_replaced(monkeypatch, with_pool):
     async def test(own):
         pid = await own.run(os.getpid)
         with pytest.raises(Refusal):
-            await own.run(is_deaf, seconds=0.5)
+            await own.run(chores.is_deaf, seconds=0.5)
         assert await own.run(os.getpid) != pid
 
     with_pool(test)

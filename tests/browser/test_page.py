@@ -417,6 +417,7 @@ def test_a_pressure_that_no_tension_leaves_is_told(look):
     assert page.locator(".design .primary:enabled").count() == 0
 
 
+@pytest.mark.slow
 def test_a_winding_tells_its_margins(look):
     seen = look()
     page = seen.page

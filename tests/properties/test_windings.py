@@ -80,6 +80,7 @@ def test_a_soft_core_gives_way():
     assert soft.mid_pressure == pytest.approx(wound().mid_pressure, rel=0.02)  # far from it
 
 
+@pytest.mark.slow
 def test_surface_winding_winds_softer_than_centre_winding():
     """With F = -T_in the nip must carry the whole web tension; what is left is about mu+ P."""
     surface, half = changed(torque_split=1.0), changed(torque_split=0.5)

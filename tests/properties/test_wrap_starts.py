@@ -75,6 +75,7 @@ def factors(most: float) -> Any:
     return st.floats(-1.0, 1.0).map(lambda share: most**share)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(
     name=st.sampled_from(sorted(BASES)), load=factors(10), tension=factors(4), roll=factors(3),

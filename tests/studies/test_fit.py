@@ -362,9 +362,8 @@ BY_LAST_DIGITS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "output", ["rig_tension", pytest.param("wound_on_tension", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("output", ["rig_tension", "wound_on_tension"])
 def test_the_measured_tensions_tell_as_much_by_half_the_solves(output):
     """To what meshes of 57 to 257 nodes differ by: estimates by 0.07 standard errors, with wraps
     by 0.2, standard errors by 5 and 18 %."""

@@ -11,8 +11,8 @@ import time
 from functools import partial
 from pathlib import Path
 
+import chores
 import pytest
-import toys
 from seldom import seldom
 
 from woundon.studies.processes import WORKER_SETTINGS, WorkerDied, _serve, in_processes
@@ -22,8 +22,8 @@ posix = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 
 
 def test_every_item_comes_with_its_answer():
-    assert sorted(in_processes(toys.square, range(8), 2)) == SQUARES
-    assert list(in_processes(toys.square, [], 2)) == []
+    assert sorted(in_processes(chores.square, range(8), 2)) == SQUARES
+    assert list(in_processes(chores.square, [], 2)) == []
     assert multiprocessing.active_children() == []
 
 
@@ -31,35 +31,35 @@ def test_workers_have_one_blas_thread_and_this_process_what_it_had(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
     monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
     before = dict(os.environ)
-    assert dict(in_processes(toys.setting, list(WORKER_SETTINGS), 1)) == WORKER_SETTINGS
+    assert dict(in_processes(chores.setting, list(WORKER_SETTINGS), 1)) == WORKER_SETTINGS
     assert dict(os.environ) == before
 
 
 def test_what_work_raises_has_the_worker_s_traceback():
     with pytest.raises(ZeroDivisionError) as fault:
-        list(in_processes(toys.raises, range(8), 2))
+        list(in_processes(chores.raises, range(8), 2))
     assert "return 1 // (x - 3)" in fault.value.__notes__[0]
     assert multiprocessing.active_children() == []
 
 
 @posix
 def test_a_worker_that_dies_loses_nothing(tmp_path: Path):
-    work = partial(toys.dies_at_three, once=str(tmp_path / "died"))
+    work = partial(chores.dies_at_three, once=str(tmp_path / "died"))
     assert sorted(in_processes(work, range(8), 2)) == SQUARES
     assert (tmp_path / "died").exists()
 
 
 @posix
 def test_an_item_that_kills_is_told_apart():
-    found = dict(in_processes(toys.dies_at_three, range(8), 2, died=lambda x: -x))
+    found = dict(in_processes(chores.dies_at_three, range(8), 2, died=lambda x: -x))
     assert found == {**dict(SQUARES), 3: -3}
     with pytest.raises(WorkerDied, match="two worker processes died over this item"):
-        list(in_processes(toys.dies_at_three, range(8), 2))
+        list(in_processes(chores.dies_at_three, range(8), 2))
 
 
 @posix
 def test_workers_killed_while_they_wait_are_replaced():
-    found = in_processes(toys.square, range(8), 2)
+    found = in_processes(chores.square, range(8), 2)
     first = next(found)
     for process in multiprocessing.active_children():
         os.kill(process.pid, signal.SIGKILL)
@@ -68,7 +68,7 @@ def test_workers_killed_while_they_wait_are_replaced():
 
 
 def test_who_goes_away_leaves_no_process():
-    found = in_processes(toys.square, range(8), 2)
+    found = in_processes(chores.square, range(8), 2)
     next(found)
     assert len(multiprocessing.active_children()) == 2
     found.close()
@@ -76,13 +76,13 @@ def test_who_goes_away_leaves_no_process():
 
 
 def test_a_worker_starts_no_pool_of_its_own():
-    assert list(in_processes(toys.squares_by_a_pool, [4], 1)) == [(4, [0, 1, 4, 9])]
+    assert list(in_processes(chores.squares_by_a_pool, [4], 1)) == [(4, [0, 1, 4, 9])]
 
 
 def test_a_worker_whose_parent_has_gone_ends_without_a_word():
     spawn = multiprocessing.get_context("spawn")
     ours, theirs = spawn.Pipe()
-    worker = spawn.Process(target=_serve, args=(theirs, toys.square))
+    worker = spawn.Process(target=_serve, args=(theirs, chores.square))
     worker.start()
     theirs.close()
     assert ours.recv() == "ready"
@@ -151,11 +151,11 @@ def test_work_defined_in_the_script(tmp_path: Path):
 SLEEPERS = """
 import sys
 from functools import partial
-import toys
+import chores
 from woundon.studies.processes import in_processes
 
 folder, finishing, seconds = sys.argv[1:]
-work = partial(toys.sleeps, folder=folder, seconds=float(seconds))
+work = partial(chores.sleeps, folder=folder, seconds=float(seconds))
 for item, _ in in_processes(work, range(50), 2, finishing=finishing):
     print(item, flush=True)
 """

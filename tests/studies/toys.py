@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import exp, pi, sin
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from chores import dies_at_three
 
 from woundon.quantities import Quantity, pure
 from woundon.studies.model import Answer
-from woundon.studies.processes import in_processes
 
 
 @dataclass(frozen=True)
@@ -64,10 +61,7 @@ class Deadly(Toy):
     once: str = ""
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
-        if inputs["a"] == 3 and not (self.once and Path(self.once).exists()):
-            if self.once:
-                Path(self.once).touch()
-            os.kill(os.getpid(), signal.SIGKILL)
+        dies_at_three(inputs["a"], self.once)
         return super().run(inputs, start)
 
 
@@ -154,35 +148,6 @@ class Waves(Toy):
 
     def value(self, inputs: Mapping[str, Any]) -> float:
         return inputs["x"] + sin(3 * inputs["a"]) + inputs["a"] / 4
-
-
-def square(x: int) -> int:
-    return x * x
-
-
-def raises(x: int) -> int:
-    return 1 // (x - 3)
-
-
-def setting(name: str) -> str:
-    return os.environ[name]
-
-
-def dies_at_three(x: int, once: str = "") -> int:
-    """Kill its process at 3: the first time only if ``once`` names a file, else always."""
-    Deadly(once=once).run({"a": x}, None)
-    return x * x
-
-
-def squares_by_a_pool(x: int) -> list[int]:
-    return sorted(answer for _, answer in in_processes(square, range(x), 2))
-
-
-def sleeps(x: int, folder: str, seconds: float = 60.0) -> int:
-    """Leave a file named for its process, and sleep."""
-    (Path(folder) / str(os.getpid())).touch()
-    time.sleep(seconds)
-    return x
 
 
 def table_of(problem: Any, over: Any, outputs: Any = None, **how: Any) -> Any:

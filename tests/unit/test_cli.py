@@ -99,7 +99,7 @@ def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
     assert wo.load_result(saved).problem == wo.load_case(EXAMPLE, ["wrap=none"])
 
 
-@pytest.mark.parametrize("kind", ["nip", seldom("wrapped-nip"), "rollers"])
+@pytest.mark.parametrize("kind", ["nip", seldom("wrapped-nip"), seldom("rollers")])
 def test_every_kind_is_made_solved_saved_and_drawn(kind, tmp_path, capsys: Capture):
     assert cli.main(["new", kind]) == 0
     case, saved, drawn = (tmp_path / name for name in ("case.toml", "case.nc", "case.png"))
@@ -123,9 +123,7 @@ def test_a_new_case_is_a_wrapped_nip(capsys: Capture):
 @pytest.mark.parametrize(
     "kind",
     [  # whose sweeps take long
-        pytest.param(kind, marks=pytest.mark.slow)
-        if kind.name in ("wound_roll", "air_nip")
-        else kind
+        seldom(kind) if kind.name in ("wrapped_nip", "wound_roll", "air_nip") else kind
         for kind in kinds.every()
     ],
     ids=lambda kind: kind.name,

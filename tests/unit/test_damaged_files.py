@@ -27,6 +27,7 @@ def test_hostile_cases_are_refused_in_plain_words(tmp_path):
     assert [(seed, outcome) for seed, outcome in enumerate(outcomes) if outcome.finding] == []
 
 
+@pytest.mark.slow
 def test_damage_is_found_by_the_seal_alone(tmp_path, monkeypatch):
     """The campaign can fail: without the seals a fifth of the files is taken for what it is not."""
     monkeypatch.setattr(result_files.seals, "check_bytes", lambda content: True)

@@ -11,6 +11,7 @@ import pytest
 from coarse import coarse, coarse_anew
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from seldom import seldom
 
 import woundon as wo
 from woundon import kinds, quantities
@@ -263,6 +264,7 @@ FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     "by default": lambda r: plot_outputs(r["nip"]),
     "two": lambda r: wo.plot([r["nip"], r["wrapped_nip"]]),
 }
+LIKE_OTHERS = ("nip", "winding")  # panels of wrapped nips, and of rolls
 MORE_FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     **{
         name: lambda r, name=name: r[name].plot()
@@ -280,7 +282,10 @@ MORE_FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
 @pytest.mark.parametrize(
     "draw",
     [
-        *(pytest.param(draw, id=name) for name, draw in FIGURES.items()),
+        *(
+            (seldom if name in LIKE_OTHERS else pytest.param)(draw, id=name)
+            for name, draw in FIGURES.items()
+        ),
         *(pytest.param(draw, id=name, marks=SLOW) for name, draw in MORE_FIGURES.items()),
     ],
 )

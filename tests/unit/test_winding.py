@@ -274,7 +274,9 @@ def test_progress_is_told():
     seen: list[tuple[int, int]] = []
     rough = {**COARSE, "nodes": 25, "rtol": 0.05}
     run = wo.solve(
-        CASE.replace(roll_body="linear"), **rough, progress=lambda *told: seen.append(told)
+        CASE.replace(roll_body="linear", radius=0.06),
+        **rough,
+        progress=lambda *told: seen.append(told),
     )
     assert [done for done, _ in seen] == list(range(1, run.nips_solved + 1))
     assert all(done <= expected for done, expected in seen)

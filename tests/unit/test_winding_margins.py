@@ -111,12 +111,14 @@ def test_every_panel_is_drawn(wound: wo.WindingResult) -> None:
     figure = wound.plot(panels=names)
     assert len(figure.axes) >= len(names)
     figure.set_dpi(50)
+    figure.set_layout_engine("none")  # which takes longer than all the panels
     figure.canvas.draw()
     assert all(axes.has_data() for axes in figure.axes)
     two = wo.plot([wound, wo.solve(winding(torque_split=0.5))])
     assert len(two.axes) == 4
 
 
+@pytest.mark.slow
 def test_a_schedule_is_sought_over_what_a_winder_sets() -> None:
     problem = winding(torque_split=0.2, web_tension=wo.Taper(start=300.0, taper=0.1))
     found = wo.optimise_schedule(problem, evaluations=5, options={"rtol": 1e-2})

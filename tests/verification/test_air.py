@@ -95,7 +95,9 @@ def test_a_web_that_comes_wrapped_on_the_drum(film_nip, stack, tension, speed):
     assert tension * drum / length > 0.05
 
 
-@pytest.mark.parametrize(("tau", "speed"), [(1e-3, 1.0), (1e-4, 1.0), (1e-5, 1.0), (1e-6, 10.0)])
+@pytest.mark.parametrize(
+    ("tau", "speed"), [(1e-3, 1.0), seldom(1e-4, 1.0), (1e-5, 1.0), seldom(1e-6, 10.0)]
+)
 def test_a_film_on_a_viscoelastic_drum(film_nip, tau, speed):
     """Retardation lengths from far longer than the nip to far shorter than its inlet."""
     E = 3e6

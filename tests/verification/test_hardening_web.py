@@ -258,7 +258,7 @@ def test_case_file_result_file_and_sweep(tmp_path: Path) -> None:
     assert warm.residuals.largest <= 1e-8
 
 
-@pytest.mark.parametrize("wrapped", [False, True])
+@pytest.mark.parametrize("wrapped", [False, seldom(True)])
 def test_the_report_says_whether_it_hardens(wrapped: bool) -> None:
     def told(problem: Any) -> str:
         around = problem.wrapped(**WRAPS["wrapped"]) if wrapped else problem
@@ -287,5 +287,5 @@ def test_a_pressure_beyond_its_law_is_refused(wrapped: bool) -> None:
 def test_only_a_web_may_be_of_a_stack() -> None:
     with pytest.raises(wo.InvalidProblem, match=r"roll.material: .* LossAngle or DynamicTest"):
         LINEAR.replace(**{"roll.material": stack(E_R)})
-    with pytest.raises(wo.InvalidProblem, match=r"web.material: .* DynamicTest or Stack"):
+    with pytest.raises(wo.InvalidProblem, match=r"web.material: .*\bStack\b"):
         LINEAR.replace(**{"web.material": 3.0})

@@ -30,7 +30,7 @@ def test_derivatives_are_those_of_the_solved_equations(seed: int) -> None:
     assert row["largest_difference"] <= ACCEPTED, row
 
 
-@pytest.mark.parametrize("name", ["hard drum", "hybrid", seldom("20 mm cover")])
+@pytest.mark.parametrize("name", ["hard drum", seldom("hybrid"), seldom("20 mm cover")])
 def test_derivatives_on_elements_are_those_of_the_continuous_nip(name: str) -> None:
     """On 257 graded nodes they were 1e-4 to 6e-2 off; differences over h leave 1e-8 / h."""
     problem = {

@@ -1,0 +1,60 @@
+"""Work for worker processes, which import nothing but this: each start counts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+from woundon.studies.processes import in_processes
+
+
+def square(x: int) -> int:
+    return x * x
+
+
+def raises(x: int) -> int:
+    return 1 // (x - 3)
+
+
+def setting(name: str) -> str:
+    return os.environ[name]
+
+
+def dies_at_three(x: int, once: str = "") -> int:
+    """Kill its process at 3: the first time only if ``once`` names a file, else always."""
+    if x == 3 and not (once and Path(once).exists()):
+        if once:
+            Path(once).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return x * x
+
+
+def squares_by_a_pool(x: int) -> list[int]:
+    return sorted(answer for _, answer in in_processes(square, range(x), 2))
+
+
+def sleeps(x: int, folder: str, seconds: float = 60.0) -> int:
+    """Leave a file named for its process, and sleep."""
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(seconds)
+    return x
+
+
+def nothing() -> None:
+    """What a worker gets ready."""
+
+
+def turns_every_fault_into_its_own() -> None:
+    """As serialisers do that call back."""
+    try:
+        time.sleep(30)
+    except BaseException as fault:
+        raise ValueError("in a callback") from fault
+
+
+def is_deaf() -> None:
+    """As what runs in C, but without work."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])
+    time.sleep(30)
