@@ -23,10 +23,9 @@ from ..contact.certificate import ROUNDING
 from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
-from ..contact.told import Foreseen
+from ..contact.told import NOTHING, Foreseen
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..losses import Surface
-from ..nip.scatter import KNOWN
 from ..nip.solve import CHOSEN, COARSE_NODES
 from ..nip.validity import web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
@@ -337,7 +336,7 @@ class WrapContact(PairContact):
         usual = dict(super().foreseen(level, scalars))
         usual["offset"] = Foreseen(OFFSET * usual["offset"].size, 1.0)
         if self.problem.drum_wrap:
-            usual["drum_creep"] = Foreseen(0.0, KNOWN)
+            usual["drum_creep"] = NOTHING
         return by_borders(level, usual)
 
     def grains(self, level: Level) -> dict[str, float]:
