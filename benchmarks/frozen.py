@@ -103,8 +103,11 @@ def borders_of_0_1() -> Iterator[None]:
     def climb(ladder: Any, *_: Any) -> None:
         ladder.climb(halved(65, ladder.scheme.coarsest))
 
-    solve = "woundon.nip.solve"
+    solve, wrap = "woundon.nip.solve", "woundon.wrap"
     with (
+        patch(f"{wrap}.solve.rest_of_borders", lambda *_: {}),
+        patch(f"{wrap}.outcome.rest_of_borders", lambda *_: {}),
+        patch(f"{wrap}.solve.CHOSEN", (65, 129, 257)),
         patch(f"{solve}.rest_of_borders", lambda *_: {}),
         patch(f"{solve}.CHOSEN", ()),
         patch.object(Ladder, "choose", climb),

@@ -127,7 +127,7 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
     """A new output needs no line of its own in the reports."""
     otherwise = {
         "residual", "half_width", "iterations", "series_terms", "series_error", "extrapolation",
-        "rig_tension", "tension_before_nip", "drum_wrap_traction", "shift", "tangential_load",
+        "extrapolation_behind", "extrapolation_of_nip", "rig_tension", "tension_before_nip", "drum_wrap_traction", "shift", "tangential_load",
         "steps", "compressed_share",
         # of windings: at the top, beside others, or by the margins
         "nodes", "nips_solved", "roll_rtol", "agreed", "air_film", "torque_share",
@@ -215,6 +215,7 @@ def test_theories_are_left_out_where_they_do_not_apply():
 def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
     parts = sections(wrapped_report(wrapped))
     said = parts["Winding nip, the web wrapped on the roll"]
+    assert not any("extrapolates" in str(row) for row in said)
     WOT, error = wrapped.wound_on_tension, wrapped.wound_on_tension_error
     assert said[0] == f"wound-on tension, far behind the nip WOT {WOT:.5g} N/m ± {error:.2g}"
     angle = np.degrees(wrapped.slip_angle)

@@ -23,7 +23,16 @@ from itertools import pairwise
 from math import nan, sqrt
 from typing import NamedTuple
 
-__all__ = ["CHANCE", "CHANGE_WEIGHT", "ERROR_WEIGHTS", "ORDER", "Foreseen", "Scatter", "by_changes"]
+__all__ = [
+    "CHANCE",
+    "CHANGE_WEIGHT",
+    "ERROR_WEIGHTS",
+    "NOTHING",
+    "ORDER",
+    "Foreseen",
+    "Scatter",
+    "by_changes",
+]
 
 # An error is estimated as a weighted sum of the last two changes under doubling of the mesh.
 # Smooth errors of order two would leave a third of the last change; zone borders make it erratic,

@@ -81,8 +81,9 @@ def print_report(result: Result, console: Console) -> None:
 
 # told by another name, at the end, where they say something, or not at all
 LEFT_OUT = frozenset({
-    "residual", "half_width", "rig_tension", "extrapolation", "tension_before_nip",
-    "drum_wrap_traction", "creepage", "shift", "tangential_load", "traction_error",
+    "residual", "half_width", "rig_tension", "extrapolation",
+    "extrapolation_behind", "extrapolation_of_nip", "tension_before_nip", "drum_wrap_traction",
+    "creepage", "shift", "tangential_load", "traction_error",
     "iterations", "series_terms", "series_error",
 })  # fmt: skip
 

@@ -23,10 +23,9 @@ from ..contact.certificate import ROUNDING
 from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.response import Tractions
 from ..contact.schemes import Graded, Mesh
-from ..contact.told import Foreseen
+from ..contact.told import NOTHING, Foreseen
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..losses import Surface
-from ..nip.scatter import KNOWN
 from ..nip.solve import CHOSEN, COARSE_NODES
 from ..nip.validity import web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
@@ -52,7 +51,8 @@ MOST_NODES = 1025
 # of the drum's strain by the hoop pressure, over the square of the cells: 99 % of 80 random creeps
 # are within 1.5 errors, which are 4.5 times the true ones in the middle
 ENTRY = 40.0
-OFFSET = 2.5  # times what it scatters by without wraps, in the middle of 80 random nips
+# times what outputs scatter by without wraps, in the middle of 80 random nips with them
+WITH_WRAPS = {"offset": 2.5, "half_width": 0.7, "nip_width": 0.7}
 
 
 @one_thread
@@ -335,9 +335,11 @@ class WrapContact(PairContact):
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
         """Return by how much outputs scatter usually; with a wrap on the drum the grain tells."""
         usual = dict(super().foreseen(level, scalars))
-        usual["offset"] = Foreseen(OFFSET * usual["offset"].size, 1.0)
+        for name, times in WITH_WRAPS.items():
+            size, changes = usual[name]
+            usual[name] = Foreseen(times * size, max(changes, 1.0))
         if self.problem.drum_wrap:
-            usual["drum_creep"] = Foreseen(0.0, KNOWN)
+            usual["drum_creep"] = NOTHING
         return by_borders(level, usual)
 
     def grains(self, level: Level) -> dict[str, float]:
