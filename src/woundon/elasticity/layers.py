@@ -235,18 +235,19 @@ def star(lower: Matrices, upper: Matrices) -> Matrices:
     E_a, Q_a, H_a = lower
     E_b, Q_b, H_b = upper
     A_a, A_b = _one_plus(E_a), _one_plus(E_b)
-    QH = _mul(Q_a, H_b)
-    S = _inverse_of_one_plus(QH)
-    SA = _mul(S, A_a)
-    # A S A - I with I - S = Q H S: small changes stay accurate
-    E = E_a + E_b + _mul(E_b, E_a) - _mul(A_b, _mul(QH, SA))
-    Q = Q_b + _mul(A_b, _mul(_mul(S, Q_a), A_b.swapaxes(0, 1)))
-    return E, Q, H_a + _mul(A_a.swapaxes(0, 1), _mul(H_b, SA))
+    S = _inverse_of_one_plus(_mul(Q_a, H_b))
+    AQ, HSA = _mul(A_b, Q_a), _mul(H_b, _mul(S, A_a))
+    # A S A - I with I - S = Q H S: small changes stay accurate; S Q = Q S' by symmetry
+    E = E_a + E_b + _mul(E_b, E_a) - _mul(AQ, HSA)
+    Q = Q_b + _mul(AQ, _mul(A_b, S).swapaxes(0, 1))
+    return E, Q, H_a + _mul(A_a.swapaxes(0, 1), HSA)
 
 
 def _mul(X: Array, Y: Array) -> Array:
     """Multiply 2 x 2 matrices, shape (2, 2, ...)."""
-    return X[:, :1] * Y[:1] + X[:, 1:] * Y[1:]
+    product: Array = X[:, :1] * Y[:1]
+    product += X[:, 1:] * Y[1:]
+    return product
 
 
 def _one_plus(E: Array) -> Array:
