@@ -203,8 +203,8 @@ def test_a_coarse_mesh_goes_on_the_way_that_led_to_a_near_load(
     found = follow(equations, state, load, COARSE, 1.9)  # misses by a thousandth
     assert found is not None
     assert len(asked) == 1
-    # by what the power changes on the way, 1e-3 of 1e-3
-    assert found.equations.carried(found.state) == pytest.approx(load, rel=1e-5)
+    # what is left is of second order, a way of 5e-3 times one of 5e-4 and the square of the power
+    assert found.equations.carried(found.state) == pytest.approx(load, rel=3e-5)
     anew = NipEquations.at(nip, equations.mesh, found.state.half_width)
     solution = anew.joint.solve(state.solution.state)
     for name in ("traction", "slip"):
