@@ -192,6 +192,26 @@ def test_of_a_mesh_one_state_is_factorised(monkeypatch: pytest.MonkeyPatch) -> N
     assert max(size for size in sizes if size < 30) > 1  # nodes that turned
 
 
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_a_coarse_mesh_goes_on_the_way_that_led_to_a_near_load(
+    nip: wo.NipProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    equations = NipEquations.at(nip, Graded().mesh(33), A)
+    state = equations.state(solve_stick_slip(equations.joint))
+    load, left, asked = 1.01 * equations.carried(state), NipEquations.left, []
+    monkeypatch.setattr(NipEquations, "left", lambda self, x: asked.append(x) or left(self, x))
+    found = follow(equations, state, load, COARSE, 1.9)  # misses by a thousandth
+    assert found is not None
+    assert len(asked) == 1
+    # what is left is of second order, a way of 5e-3 times one of 5e-4 and the square of the power
+    assert found.equations.carried(found.state) == pytest.approx(load, rel=3e-5)
+    anew = NipEquations.at(nip, equations.mesh, found.state.half_width)
+    solution = anew.joint.solve(state.solution.state)
+    for name in ("traction", "slip"):
+        own, known = (getattr(s, name) for s in (found.state.solution, solution))
+        np.testing.assert_allclose(own, known, rtol=0, atol=1e-4 * np.abs(known).max())
+
+
 def test_a_far_load_is_not_followed() -> None:
     equations = NipEquations.at(HARD, Graded().mesh(33), A)
     solution = solve_stick_slip(equations.joint)

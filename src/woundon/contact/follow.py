@@ -83,8 +83,15 @@ def follow(
         at, x = at + step, now
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
         error = size * min(1.0, CONTRACTION * abs(at - first) + apart**0.5)
-        if abs(miss) <= tolerance.load and error <= max(LEFT * tolerance.balance, 1e-15):
-            found = joint.solution(factors, x, joint.slips(change) - left[n + 2 :])
+        rest = 0.0 if abs(miss) <= tolerance.load else -miss / power
+        straight = not rest or (k == 0 and apart < SETTLED and abs(rest * step) <= tolerance.load)
+        if straight and error <= max(LEFT * tolerance.balance, 1e-15):
+            slips = joint.slips(change) - left[n + 2 :]
+            if rest:  # on, the way that led here
+                begun = np.concatenate([state.solution.slip, state.solution.joint[2]])
+                slips += (slips - begun) * (rest / step)
+                moved, x = equations.moved(exp(at + rest)), x + along * rest
+            found = joint.solution(factors, x, slips)
             kept = not found.violated().any()
             return Followed(moved, moved.state(found), power, kept)
         if not 0.5 < power < 15.0:

@@ -186,7 +186,7 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
     stretch, sums = still[:, 0] + moved[:, 1], Y[0] + n * Y[1]
 
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
-        return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n))
+        return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n.size))
 
     normal = HarmonicSums((
         harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
@@ -269,7 +269,8 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
         decay = max(decay, 6.0 / (1 + np.max(np.nonzero(left > 1e-5)[0], initial=0)))
         N = max(32, 1 + int(np.max(np.nonzero(left > ROUNDING)[0], initial=0)))
         Y = Y[..., : min(N, n.size - 1) + 1]
-    rest = Y[..., 1:] * np.arange(1.0, Y.shape[-1]) - _powers(tail[1 : J + 2], n[1 : Y.shape[-1]])
+    n = np.arange(1.0, Y.shape[-1])
+    rest = n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size)
     return Spectrum(Y, tail, J, decay, _truncation_error(rest, tail, depth, stiffness, J))
 
 
@@ -316,7 +317,7 @@ def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -
 def _left(Y: Array, tail: Array, J: int) -> Array:
     """Return what the powers leave of n Y_n, n = 1 ... N, relative to their first."""
     n = np.arange(1.0, Y.shape[-1])
-    rest = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n))
+    rest = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
     return np.array(rest.max(axis=(0, 1)) / np.abs(tail[1]).max())
 
 
@@ -332,12 +333,17 @@ def _cut(Y: Array, tail: Array, depth: float) -> Spectrum:
     return Spectrum(Y, end, 1, max(20 / N, depth), float(error) / N)
 
 
-def _powers(a: Array, n: Array) -> Array:
-    """Sum a_j/n^j, a of shape (J+1, ...), to shape (..., n)."""
-    total = np.zeros(a.shape[1:] + n.shape)
-    for value in a[::-1]:
-        total = total / n + value[..., None]
-    return total
+def _powers(a: Array, terms: int) -> Array:
+    """Sum a_j/n^j, a of shape (J+1, ...), for n = 1 ... terms, to shape (..., terms)."""
+    return np.asarray(np.moveaxis(a, 0, -1) @ _inverse_powers(len(a), terms))
+
+
+@lru_cache(maxsize=2)
+def _inverse_powers(count: int, terms: int) -> Array:
+    """Return 1, 1/n, 1/n^2, ... of n = 1 ... terms, (count, terms)."""
+    found = np.ones((count, terms))
+    found[1:] = 1 / np.arange(1.0, terms + 1)
+    return np.cumprod(found, axis=0)
 
 
 def _closed_powers(tail: Array) -> int:

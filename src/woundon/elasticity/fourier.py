@@ -30,6 +30,8 @@ __all__ = ["POWERS", "HarmonicSum", "HarmonicSums", "polylogarithm", "quintics"]
 Array = np.ndarray
 
 KEPT = 1024  # so many angles at a time share their powers
+NEAR = 16  # steps of a table that are made first; of coarse tables contacts see no more
+MOST_WAVES = 4096  # steps around the circle, of which waves near 0 are kept: half a megabyte
 POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at its largest angle pi
 
 
@@ -80,6 +82,13 @@ def _moved(series: Array, to: float) -> Array:
     """Return power series of theta as such of theta - to, (..., POWERS)."""
     binomials, less = _binomials()
     return series @ (binomials * (to ** np.arange(POWERS))[less])
+
+
+@lru_cache(maxsize=8)
+def _waves(size: int, terms: int) -> Array:
+    """Return 2 cos and -2 sin of n theta at the first angles 2 pi k/size, (2 terms, NEAR + 1)."""
+    angles = 2 * pi / size * (np.outer(np.arange(1, terms + 1), np.arange(NEAR + 1)) % size)
+    return np.concatenate([2 * np.cos(angles), -2 * np.sin(angles)])
 
 
 @lru_cache(maxsize=1)
@@ -233,14 +242,15 @@ class HarmonicSums:
         t = np.asarray(t, dtype=float)
         flat = t.ravel()
         theta = np.abs(flat) * (1 / self.sums[0].radius)
-        coefficients, per_step = self._table
-        x = theta * per_step
+        x = theta * (self._size / (2 * pi))
+        near = x.max(initial=0.0) < NEAR and self._size <= MOST_WAVES
+        coefficients = self._near if near else self._whole
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[-1] - 1, out=i)
         x -= i
-        near = coefficients.take(i, axis=-1, mode="clip")
-        y = near[5]
-        for c in near[4::-1]:
+        here = coefficients.take(i, axis=-1, mode="clip")
+        y = here[5]
+        for c in here[4::-1]:
             y *= x
             y += c
         y += self._weak(theta)
@@ -265,41 +275,55 @@ class HarmonicSums:
         return np.array([[sum_.odd] for sum_ in self.sums])
 
     @cached_property
-    def _table(self) -> tuple[Array, float]:
-        """Quintics on equal steps of [0, pi], (6, sums, steps), and the steps per radian."""
-        if self.some_of is not None:
-            others, which = self.some_of
-            table, per_step = others._table
-            return np.ascontiguousarray(table[:, which]), per_step
-        # 4 points per shortest wave: there the coefficients have died out already
-        size = max(256, 1 << (4 * self.sums[0].rest.size - 1).bit_length())
-        step = 2 * pi / size
-        values = self._rest_on_circle(size) + self._powers(size)
-        values *= np.array([1.0, step, step * step])[:, None, None]
-        return np.ascontiguousarray(np.moveaxis(quintics(values), -1, 0)), 1 / step
+    def _size(self) -> int:
+        """Steps around the circle: 4 a shortest wave, where coefficients have died out already."""
+        return max(256, 1 << (4 * self.sums[0].rest.size - 1).bit_length())
 
-    def _rest_on_circle(self, size: int) -> Array:
-        """Sum the rests and their two derivatives at theta = 2 pi k/size, k = 0 ... size/2."""
-        once = np.array([sum_.spectrum for sum_ in self.sums]) * size
+    @cached_property
+    def _near(self) -> Array:
+        """Quintics on the first steps, all that a contact sees mostly, (6, sums, NEAR)."""
+        if self.some_of is not None:
+            return np.ascontiguousarray(self.some_of[0]._near[:, self.some_of[1]])
+        return self._quintics(NEAR + 1)
+
+    @cached_property
+    def _whole(self) -> Array:
+        """Quintics on equal steps of [0, pi], (6, sums, steps)."""
+        if self.some_of is not None:
+            return np.ascontiguousarray(self.some_of[0]._whole[:, self.some_of[1]])
+        return self._quintics(self._size // 2 + 1)
+
+    def _quintics(self, angles: int) -> Array:
+        step = 2 * pi / self._size
+        values = self._rest_on_circle(angles) + self._powers(angles)
+        values *= np.array([1.0, step, step * step])[:, None, None]
+        return np.ascontiguousarray(np.moveaxis(quintics(values), -1, 0))
+
+    def _rest_on_circle(self, angles: int) -> Array:
+        """Sum the rests and their two derivatives at the first of the angles, (3, sums, angles)."""
+        once = np.array([sum_.spectrum for sum_ in self.sums])
         n = 1j * np.arange(1, once.shape[-1] + 1)
-        spectrum = np.zeros((3, len(once), size // 2 + 1), dtype=complex)
+        if angles == NEAR + 1:
+            waves = np.array([once, once * n, once * (n * n)])
+            parts = np.concatenate([waves.real, waves.imag], axis=-1)
+            return np.asarray(parts @ _waves(self._size, n.size))
+        spectrum = np.zeros((3, len(once), self._size // 2 + 1), dtype=complex)
         inner = spectrum[..., 1 : n.size + 1]
-        inner[0] = once
+        inner[0] = once * self._size
         np.multiply(inner[0], n, out=inner[1])
         np.multiply(inner[1], n, out=inner[2])
-        return np.fft.irfft(spectrum, size)[..., : size // 2 + 1]
+        return np.fft.irfft(spectrum, self._size)[..., :angles]
 
-    def _powers(self, size: int) -> Array:
+    def _powers(self, angles: int) -> Array:
         """Sum the regular parts of the powers n^-j and their two derivatives where they are kept.
 
-        At theta = 2 pi k/size, k = 0 ... size/2, (3, sums, size/2 + 1).
+        At the first of the angles, (3, sums, angles).
         """
         c = np.array([sum_.series for sum_ in self.sums])
-        near, angles = _powers_of_angles(size), size // 2 + 1
-        parts = [
-            _moved(c, 2 * pi / size * first) @ near[..., : angles - first]
-            for first in range(0, angles, KEPT)
-        ]
+        near = _powers_of_angles(self._size)
+        parts = [c @ near[..., :angles]]
+        for first in range(KEPT, angles, KEPT):
+            parts.append(_moved(c, 2 * pi / self._size * first) @ near[..., : angles - first])
         return np.concatenate(parts, axis=-1)
 
     @cached_property
