@@ -103,12 +103,12 @@ def borders_of_0_1() -> Iterator[None]:
     def climb(ladder: Any, *_: Any) -> None:
         ladder.climb(halved(65, ladder.scheme.coarsest))
 
-    solve = "woundon.nip.solve"
-    with (
-        patch(f"{solve}.rest_of_borders", lambda *_: {}),
-        patch(f"{solve}.CHOSEN", ()),
-        patch.object(Ladder, "choose", climb),
-    ):
+    with ExitStack() as changed:
+        for module in ("nip.solve", "wrap.solve", "wrap.outcome"):
+            changed.enter_context(patch(f"woundon.{module}.rest_of_borders", lambda *_: {}))
+        for module in ("nip.solve", "wrap.solve"):
+            changed.enter_context(patch(f"woundon.{module}.CHOSEN", ()))
+        changed.enter_context(patch.object(Ladder, "choose", climb))
         yield
 
 
