@@ -306,7 +306,11 @@ def windings(winding):
 def test_a_winding_at_rest_has_no_air(winding, windings):
     dry, still = wo.solve(winding, **COARSE), windings[0.0]
     within = dry.agreed  # of nips and roll, which a last turn for the film's sake may better
-    np.testing.assert_allclose(still.wound_on_tension, dry.wound_on_tension, rtol=within)
+    # by how much nips are extrapolated is known to a hundredth of it
+    rest = 0.01 * max(abs(nip.result.extrapolation) for nip in dry.nips)
+    np.testing.assert_allclose(
+        still.wound_on_tension, dry.wound_on_tension, rtol=within, atol=rest
+    )
     largest = dry.roll.pressure.max()
     np.testing.assert_allclose(still.roll.pressure, dry.roll.pressure, atol=within * largest)
     assert still.margins["slip"].value == pytest.approx(dry.margins["slip"].value, rel=within)

@@ -186,8 +186,9 @@ def test_by_the_thesis_scheme_too() -> None:
 def test_without_wraps_it_is_the_plain_nip() -> None:
     plain = hardened(LINEAR)
     found, wanted = wo.solve(plain.wrapped(roll_wrap=0.0), nodes=33), wo.solve(plain, nodes=33)
+    T_out, plain_T_out = (of_mesh(one, "tension_behind_nip") for one in (found, wanted))
     # their least interpolation differs: 1.1e-7, as with a linear web
-    assert found.tension_behind_nip == pytest.approx(wanted.tension_behind_nip, rel=2e-7)
+    assert T_out == pytest.approx(plain_T_out, rel=2e-7)
     assert found.approach == pytest.approx(wanted.approach, rel=1e-6)
 
 
