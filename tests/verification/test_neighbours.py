@@ -37,22 +37,24 @@ def meshes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return seen
 
 
-def along(problem: wo.NipProblem, step: float, **options: Any) -> Iterator[wo.NipResult]:
+def along(
+    problem: wo.NipProblem, step: float, steps: int = STEPS, **options: Any
+) -> Iterator[wo.NipResult]:
     """Yield the neighbours of a problem, each from the one before, its load a step larger."""
     last = wo.solve_nip(problem, **options)
-    for _ in range(STEPS):
+    for _ in range(steps):
         last = wo.solve_nip(
             last.problem.replace(nip_load=(1 + step) * last.problem.nip_load), start=last, **options
         )
         yield last
 
 
-def test_three_of_four_neighbours_take_one_mesh_and_the_fourth_a_coarser_one(
+def test_seven_of_eight_neighbours_take_one_mesh_and_the_eighth_a_coarser_one(
     meshes: list[int],
 ) -> None:
-    for _ in along(newsprint_nip(), 0.01, nodes=65):
+    for _ in along(newsprint_nip(), 0.005, steps=9, nodes=65):
         pass
-    assert meshes == [17, 33, 65] + [65] * 3 + [65, 33] + [65]
+    assert meshes == [17, 33, 65] + [65] * 7 + [65, 33] + [65]
 
 
 def test_on_one_mesh_a_neighbour_is_what_it_is_from_the_coarsest_on() -> None:
@@ -92,22 +94,21 @@ def test_neighbours_tell_errors_that_hold() -> None:
 
 def test_a_neighbour_begins_on_about_the_mesh_that_the_last_one_needed(meshes: list[int]) -> None:
     result = wo.solve_nip(random_nip(50030))
-    assert result.nodes == 129  # 65 tell more than 0.1 %
+    assert result.nodes == 193  # 97 tell more than 0.1 %
     meshes.clear()
     P = result.problem.nip_load
     near = wo.solve_nip(result.problem.replace(nip_load=1.01 * P), start=result)
-    assert meshes[0] > 65
+    assert meshes[0] in (129, 193)
     assert near.nip_induced_tension_error <= 1e-3 * abs(near.nip_induced_tension)
 
 
 def test_where_a_mesh_is_not_enough_the_next_that_is_follows(meshes: list[int]) -> None:
-    """97 nodes tell too much; 129 do, as what is known of the scatter says, and not 193."""
-    cover = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
-    result = wo.solve_nip(paper_nip(drum=cover))
+    """65 nodes tell too much; 97 do, as what is known of the scatter says, and not 129."""
+    result = wo.solve_nip(random_nip(50022))
     meshes.clear()
     near = result.problem.replace(nip_load=1.003 * result.problem.nip_load)
     near_result = wo.solve_nip(near, start=result)
-    assert meshes == [97, 49, 129]
+    assert meshes == [65, 33, 97]
     assert near_result.nip_induced_tension_error <= 1e-3 * near_result.nip_induced_tension
 
 
@@ -117,10 +118,11 @@ def test_from_a_mesh_between_it_goes_on_to_the_finest() -> None:
         NipContact(newsprint_nip()), Graded(), "nip_induced_tension", scatters=True
     )
     ladder.climb([25, 49, 97])
-    before = ladder.errors[ladder.target]
+    scatter, scale = ladder._scatters[ladder.target], abs(ladder.values[ladder.target])
     ladder.double(1e-12, 129)
     assert ladder.level.mesh.nodes.size == 129
-    # by the same scatter, of second order or less
-    assert 0.95 * (96 / 128) ** 2 < ladder.errors[ladder.target] / before < 1
+    # one change more tells it: Student's t of 5 degrees of freedom for 4 is a tenth less, and what
+    # was known of the scatter is known better
+    assert 0.7 < ladder.errors[ladder.target] / scatter.error(128, scale) < 1
     fine = wo.solve_nip(newsprint_nip(), nodes=513).nip_induced_tension
     assert abs(ladder.values[ladder.target] - fine) < 1.5 * ladder.errors[ladder.target]

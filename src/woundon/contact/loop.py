@@ -144,6 +144,8 @@ class Ladder:
             self.climb(counts, start)
             return
         self._step(self.scheme.mesh(counts[-1]), start)
+        if not self._in_order():  # other zones scatter otherwise: where all slips, not at all
+            self._scattered = {}
         self._tell()
         self._unchecked = unchecked
         tells = tells and self._alike() and (counts[-1] >= most or self.reached(rtol))
@@ -151,9 +153,14 @@ class Ladder:
             self._check(counts[-2])
 
     def _alike(self) -> bool:
-        """Tell whether the zones are those taken over, in their order, but for a few nodes."""
+        """Tell whether the zones are those taken over but for a few nodes."""
         was, now = self.solver.begun, self.level.state.solution.state
-        if was is None or np.count_nonzero(was != now) > NEAR * now.size:
+        return self._in_order() and np.count_nonzero(was != now) <= NEAR * now.size
+
+    def _in_order(self) -> bool:
+        """Tell whether the zones are those taken over in their order, however long."""
+        was, now = self.solver.begun, self.level.state.solution.state
+        if was is None:
             return False
         return np.array_equal(*(z[(z[1:] != z[:-1]).nonzero()[0]] for z in (was, now)))
 
