@@ -10,10 +10,9 @@ __all__ = ["own_tension"]
 def own_tension(of: Any) -> Any:
     """Return NIT as the mesh has it, of a result or of a study's data with both outputs.
 
-    That of a wrapped nip is not corrected.
-
     The NIT that is told is corrected by ``extrapolation`` for where borders of stick lie within
     their cells, found with the factors at hand: what a solve began with shows there by a hundredth
     of the correction.
     """
-    return of.nip_induced_tension - getattr(of, "extrapolation", 0.0)
+    wrapped = hasattr(of, "extrapolation_of_nip")
+    return of.nip_induced_tension - (of.extrapolation_of_nip if wrapped else of.extrapolation)
