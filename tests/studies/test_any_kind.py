@@ -10,6 +10,7 @@ from math import pi
 import numpy as np
 import pytest
 import toys
+from own_mesh import own_tension
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
@@ -179,12 +180,14 @@ def test_what_follows_the_free_tension_is_solved():
     assert model_of(paper_nip(), outputs, tie, {}).free_inputs == frozenset()
     assert model_of(paper_nip(), ("drum_creep",), None, {}).free_inputs == frozenset()
     data = wo.sweep(
-        paper_nip(), {"web_tension": [100.0, 300.0]}, outputs, tie=tie, nodes=17, workers=1
-    )
+        paper_nip(), {"web_tension": [100.0, 300.0]},
+        (*outputs, "nip_induced_tension", "extrapolation"), tie=tie, nodes=17, workers=1,
+    )  # fmt: skip
     single = wo.solve(paper_nip(web_tension=300.0, winding_force=300.0), nodes=17)
-    assert float(data.tension_behind_nip[1]) == pytest.approx(
-        single.tension_behind_nip, rel=1e-8
-    )  # warm and cold carry the load to 3e-9
+    # warm and cold carry the load to 3e-9
+    assert float(own_tension(data)[1]) == pytest.approx(own_tension(single), rel=1e-8)
+    behind = 300.0 + float(data.nip_induced_tension[1])
+    assert float(data.tension_behind_nip[1]) == pytest.approx(behind, rel=1e-12)
 
 
 def test_schemes_are_recorded_though_they_are_objects():

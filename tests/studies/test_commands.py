@@ -57,9 +57,9 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
         single = wo.solve_nip(wo.load_case(CASE).replace(nip_load=4000.0), nodes=17)
-        assert float(data.nip_induced_tension[2, 0]) == pytest.approx(
-            single.nip_induced_tension, rel=1e-8
-        )
+        # warm and cold, the correction for where borders lie is found to a hundredth
+        apart = float(data.nip_induced_tension[2, 0]) - single.nip_induced_tension
+        assert abs(apart) < 0.02 * abs(single.extrapolation)
 
 
 def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -54,9 +54,15 @@ def test_exact_ones_are_the_results_own() -> None:
     exact = result.sensitivity("web_speed")
     assert (wo.derivatives(result, "web_speed").derivatives == exact.derivatives).all()
     near = wo.derivatives(result, "web_speed", nodes=33)
-    assert near.derivative("nip_induced_tension", "web_speed") == pytest.approx(
-        exact.derivative("nip_induced_tension", "web_speed"), rel=1e-3
-    )  # differences
+    for output in ("half_width", "drum_creep"):  # differences
+        assert near.derivative(output, "web_speed") == pytest.approx(
+            exact.derivative(output, "web_speed"), rel=1e-3
+        )
+    # NIT is corrected for where borders lie in their cells, which exact derivatives are not: of 513
+    # nodes' they are 10 % off on 33, and 1.7 % with the correction
+    fine = -0.5282
+    slopes = [d.derivative("nip_induced_tension", "web_speed") for d in (exact, near)]
+    assert slopes == [pytest.approx(fine, rel=0.12), pytest.approx(fine, rel=0.025)]
 
 
 @pytest.mark.parametrize(

@@ -165,11 +165,22 @@ def test_a_nip_says_where_its_web_is_held(nip):
     assert f"nip load P {nip.problem.nip_load:.5g} N/m" in parts["Loads"]
 
 
-def test_an_extrapolated_tension_says_by_how_much(nip):
-    assert "extrapolates" not in str(nip)
-    asked = wo.solve(wo.NipProblem.example(), rtol=1e-3)
-    row = f"extrapolates the integral of the tractions dNIT {asked.extrapolation:.5g} N/m"
-    assert any(line.endswith(row) for line in lines(str(asked)))
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_correction_is_told_where_it_is_larger_than_the_told_error(nip, way):
+    """By less than that NIT and the integral of the tractions differ in any case."""
+    error = nip.nip_induced_tension_error
+    within, beyond = (nip.replace(extrapolation=way * share * error) for share in (0.9, 1.1))
+    said, told = lines(str(within)), lines(str(beyond))
+    row = f"beyond the integral of the tractions dNIT {beyond.extrapolation:.5g} N/m"
+    assert [line for line in told if line not in said] == [next(x for x in told if row in x)]
+    assert set(said) < set(told)
+    assert told[told.index(next(x for x in told if row in x)) - 1].startswith("nip-induced tension")
+
+
+def test_a_correction_is_not_told_where_no_error_is():
+    alone = wo.solve(wo.NipProblem.example(), nodes=17)
+    assert alone.extrapolation != 0
+    assert "dNIT" not in str(alone)
 
 
 def test_other_theories_of_a_nip_are_the_closed_forms(nip):

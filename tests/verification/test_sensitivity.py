@@ -83,7 +83,8 @@ def test_only_the_named_outputs_are_answered_in_their_order() -> None:
     some = result.sensitivity("nip_load", "roll.radius", outputs=outputs)
     assert some.outputs == outputs
     assert "rig_tension" not in every.outputs
-    np.testing.assert_array_equal(some.values, [result.rig_tension, result.half_width])
+    own = [result.rig_tension - result.extrapolation, result.half_width]  # the mesh's
+    np.testing.assert_allclose(some.values, own, rtol=1e-12)
     np.testing.assert_array_equal(some.derivatives[1], every.derivatives[2])
     one = result.sensitivity("nip_load", "roll.radius", outputs="rig_tension")
     np.testing.assert_array_equal(one.derivatives[0], some.derivatives[0])

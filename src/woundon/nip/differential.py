@@ -94,11 +94,12 @@ class Differential:
         return self._slopes(problem, made, step)
 
     def _slopes(self, problem: Any, made: Any, step: float) -> tuple[Array, Array]:
-        outputs = self.output_values(problem, made) - self._outputs_here
+        outputs = self.output_values(problem, made) - self.outputs_here
         return (self.residual(problem, made) - self.rest) / step, outputs / step
 
     @cached_property
-    def _outputs_here(self) -> Array:
+    def outputs_here(self) -> Array:
+        """The outputs of the mesh's own solution."""
         return self.output_values(self.problem, self.here)
 
     def _size(self, name: str, value: float) -> float:

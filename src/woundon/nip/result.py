@@ -178,8 +178,9 @@ class NipResult(WindingNipResult):
     nip_induced_tension : float
         NIT = Q+ + Q- [N/m]: the integral of the tractions, plus ``extrapolation``.
     extrapolation : float
-        What the extrapolation to zero cells adds to that integral [N/m]; 0 unless ``rtol`` asks
-        for one.
+        What is added to that integral [N/m]: on graded meshes for where borders of stick come to
+        rest within their cells, with ``rtol`` what extrapolation to zero cells adds.  It is about
+        as large as the told error; 0 on elements, and by the thesis's scheme.
 
     The others as of :class:`WindingNipResult`.
     """
@@ -196,7 +197,7 @@ class NipResult(WindingNipResult):
     problem: NipProblem
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
     extrapolation: Annotated[
-        float, line_load("dNIT", "part of it that extrapolates the integral of the tractions")
+        float, line_load("dNIT", "part of it beyond the integral of the tractions")
     ] = 0.0
 
     @property

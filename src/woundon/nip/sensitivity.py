@@ -68,7 +68,7 @@ class Sensitivity(ReadOnly):
     derivatives : (outputs, parameters) array
         SI units of output per SI unit of field.
     values, fields : (outputs,), (parameters,) arrays
-        Where they were taken.
+        Where they were taken; values are those of the mesh, as NIT less its ``extrapolation``.
     zone_change : str
         Empty, or the nodes that are about to change between stick and slip: there the
         derivatives to both sides differ.
@@ -212,9 +212,9 @@ def differentiated(
         change, explicit = equations.changes(name, known[name])
         derivatives[:, k] = explicit - adjoint.T @ change
     outputs = outputs or told
-    values = np.array([getattr(result, output) for output in outputs])
     fields = np.array([known[name] for name in names])
     asked = [told.index(name) for name in outputs]
+    values = equations.outputs_here[asked]
     return Sensitivity(
         outputs, names, derivatives[asked], values, fields, equations.near_zone_change()
     )
