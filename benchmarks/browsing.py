@@ -5,8 +5,10 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from playwright.sync_api import Browser, sync_playwright
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 __all__ = ["browsing", "chromium"]
 
@@ -21,6 +23,8 @@ def chromium() -> str | None:
 @contextmanager
 def browsing() -> Iterator[Browser]:
     """Provide a browser."""
+    from playwright.sync_api import sync_playwright
+
     with sync_playwright() as browsers:
         # as root, which containers are, Chromium has no sandbox
         browser = browsers.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])

@@ -11,8 +11,6 @@ import httpx
 import pytest
 from loops import run
 
-from woundon.app import serving
-from woundon.app.server import application
 from woundon.cli import main
 
 JSON = {"content-type": "application/json"}
@@ -22,6 +20,9 @@ class Bare:
     """The application without workers: what is refused needs none.  It keeps cookies."""
 
     def __init__(self, address, *given):
+        # half a second of a process, which others need not wait for
+        from woundon.app.server import application
+
         self.app, self.address, self.cookies = application(*given), address, httpx.Cookies()
 
     def get(self, path, **more):
@@ -226,6 +227,8 @@ def test_without_the_extra_the_command_names_it():
 @pytest.fixture
 def served(monkeypatch):
     """Whom the command would serve: nobody is, for that would not end."""
+    from woundon.app import serving
+
     called = []
     monkeypatch.setattr(serving, "serve", lambda at, names, *rest, **more: called.append(names))
     return called

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 
 SLOW = pytest.mark.slow
 VIEWS = [
@@ -26,6 +25,8 @@ def each_tab_fits(page, width, scheme):
 
 @pytest.mark.parametrize(("width", "height", "scheme"), VIEWS)
 def test_a_view_fits_and_is_open_to_all(look, width, height, scheme):
+    from axe_playwright_python.sync_playwright import Axe
+
     seen = look(width=width, height=height, color_scheme=scheme)
     page = seen.page
     page.click(".pin")
