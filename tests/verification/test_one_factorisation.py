@@ -11,16 +11,13 @@ from random_nips import random_nip
 
 import woundon as wo
 from woundon.contact import lapack
-from woundon.contact.borders import _pairs, _turns, by_turning
 from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
 from woundon.contact.schemes import SCHEMES, Graded
-from woundon.contact.stick_slip import Ending, StickSlipSolution, solve_stick_slip
+from woundon.contact.stick_slip import Ending, solve_stick_slip
 from woundon.contact.told import Foreseen, Scatter
-from woundon.contact.zones import Runs
 from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.nip.laws import NipLaws
-from woundon.nip.scatter import unseen_stick
 from woundon.nip.solve import NipContact
 from woundon.wrap.certificate import equations_of
 
@@ -353,60 +350,6 @@ def test_what_is_foreseen_rightly_is_told_as_students_t_has_it() -> None:
         told = [Scatter.of(v.tolist(), 64, 7.0, 2.0, foreseen).error(64, 7.0) for v in errors]
         outside = np.mean(np.abs(errors[:, -1]) > 1.5 * np.array(told))
         assert 0.0075 < outside < 0.0225  # 1.5 %, as above
-
-
-@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
-def test_a_node_that_turns_at_a_border_changes_what_its_state_solved_anew_does(
-    nip: wo.NipProblem,
-) -> None:
-    equations = NipEquations.at(nip, Graded().mesh(33), A)
-    joint = equations.joint
-    assert joint is not None
-    solution = solve_stick_slip(joint)
-    turns = list(_turns(solution, joint.unknowns))
-    assert len(turns) >= 6  # two borders of stick at least on a face, or one and an edge
-    pairs = list(_pairs([node for node, _ in turns], joint.unknowns))
-    changes = by_turning(joint, solution, faces=2)
-    assert len(changes) == len(turns) + len(pairs)
-    for k, change in enumerate(changes):
-        own = [k] if k < len(turns) else [*pairs[k - len(turns)]]
-        states = solution.state.copy()
-        for turn in own:
-            states[turns[turn][0]] = turns[turn][1]
-        anew = joint.solve(states).joint[1] - solution.joint[1]
-        alone = changes[own].sum(axis=0) if len(own) == 2 else 0.0
-        # factors of either state leave rounding, 1e-13 of the unknowns' own size
-        size = np.abs(solution.joint[1]).max()
-        np.testing.assert_allclose(change + alone, anew, rtol=1e-6, atol=1e-10 * size)
-
-
-def test_borders_of_stick_are_between_all_that_slips_two_ways_and_before_all_that_sticks() -> None:
-    state = np.array([0, 0, 1, 1, -1, -1, 0, -1], dtype=np.int8)
-    traction = np.array([-2.0, 0, 0, 0, 0, 0, 0, 0])
-    none = np.zeros(8)
-    solution = StickSlipSolution(state, traction, 0.0, none, none)
-    assert list(_turns(solution, 4)) == [
-        (1, 1), (2, 0), (0, -1),  # stick and slip, and slip before it by the sign of the traction
-        (5, 0), (6, -1), (6, -1), (7, 0),
-    ]  # fmt: skip
-    crossed = list(_turns(solution, 8))
-    assert (3, 0) in crossed
-    assert (4, 0) in crossed
-
-
-def test_stick_that_is_shorter_than_its_cell_is_told_where_slip_meets_slip() -> None:
-    nodes = np.array([-1.0, -0.6, 0.2, 1.0])
-    stick, slip = (
-        Runs([1, 0, 1], [(-0.7, 0.0), (0.5, 0.0)]),
-        Runs([1, -1, 0], [(0.0, 0.0), (0.9, 0.0)]),
-    )
-    assert unseen_stick(nodes, [stick, stick]) == 0
-    assert unseen_stick(nodes, [stick, slip]) == pytest.approx(0.8 / 4)
-    # of a drum that is rigid, on 129 nodes it is not seen; on elements it is a hundredth of the nip
-    nip = random_nip(400502)
-    coarse, fine = wo.solve_nip(nip, nodes=129), wo.solve_nip(nip, rtol=1e-5)
-    missed = abs(coarse.trailing_roll - fine.trailing_roll)
-    assert 1e-3 < missed < 1.5 * coarse.errors["trailing_roll"] < 10 * missed
 
 
 def test_a_start_is_as_sure_of_its_errors_as_a_cold_solve() -> None:
