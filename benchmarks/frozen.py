@@ -143,6 +143,7 @@ INTENDED = {
     "nip 25: warnings": "1 N/m: a web as thick as a tenth of the nip is told of",
     "rollers 13: warnings": "rollers tell where they leave the model, as nips do",
     "rollers 14: warnings": "rollers tell where they leave the model, as nips do",
+    "sensitivity 8: nip_induced_tension": "refined: derivatives are those of the mesh's own",
     "wrap 20: *": "both wraps on covers: long cells are integrated by enough points, WOT by 2e-8",
     "fit 5: *": "no absolute bound on the gradient any more: it stopped before the minimum",
 }

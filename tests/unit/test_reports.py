@@ -127,7 +127,8 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
     """A new output needs no line of its own in the reports."""
     otherwise = {
         "residual", "half_width", "iterations", "series_terms", "series_error", "extrapolation",
-        "extrapolation_behind", "extrapolation_of_nip", "rig_tension", "tension_before_nip", "drum_wrap_traction", "shift", "tangential_load",
+        "extrapolation_behind", "extrapolation_of_nip", "rig_tension", "tension_before_nip",
+        "drum_wrap_traction", "shift", "tangential_load",
         "steps", "compressed_share",
         # of windings: at the top, beside others, or by the margins
         "nodes", "nips_solved", "roll_rtol", "agreed", "air_film", "torque_share",
