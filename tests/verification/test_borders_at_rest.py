@@ -276,7 +276,7 @@ def test_what_nit_is_extrapolated_by_hardly_jumps(name: str, nodes: int, most: f
     """
     problem = NIPS[name]
     beyond, told, zones = [], [], set()
-    for load in problem.nip_load * np.exp(np.linspace(0.0, 0.7, 81)):
+    for load in problem.nip_load * np.exp(np.linspace(0.0, 0.7, 141)):
         result = wo.solve_nip(problem.replace(nip_load=float(load)), nodes=nodes)
         beyond.append(result.extrapolation)
         told.append(result.nip_induced_tension_error)
