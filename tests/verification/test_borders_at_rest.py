@@ -246,10 +246,11 @@ def test_at_rest_creep_errs_alike_wherever_in_its_cell_the_border_lies(b: float)
 
 
 @pytest.mark.parametrize("roll", [HALF_PLANE, paper_nip().roll], ids=["half-plane", "cylinder"])
-def test_of_meshes_with_few_nodes_more_the_nit_scatters_by_a_fifth(roll: wo.Body) -> None:
-    """About a line in the number of nodes: 0.5 and 0.07 of NIT/N^2.
+def test_of_meshes_with_few_nodes_more_the_nit_scatters_by_a_tenth(roll: wo.Body) -> None:
+    """About a parabola in the number of nodes: 0.50 and 0.03 of NIT/N^2.
 
     One border of the drum's lies in the second cell; what it leaves goes smoothly with the nodes.
+    About the mean it is 0.53 and 0.17.
     """
     problem, nodes = paper_nip(roll=roll), np.arange(41, 61)
     true = wo.solve_nip(problem, rtol=1e-6).nip_induced_tension
@@ -260,8 +261,8 @@ def test_of_meshes_with_few_nodes_more_the_nit_scatters_by_a_fifth(roll: wo.Body
     for values in (own, at_rest):
         errors = (values / true - 1) * (nodes - 1) ** 2
         means.append(abs(errors.mean()))
-        scatter.append(np.std(errors - np.polyval(np.polyfit(nodes, errors, 1), nodes)))
-    assert scatter[0] > 5 * scatter[1]
+        scatter.append(np.std(errors - np.polyval(np.polyfit(nodes, errors, 2), nodes)))
+    assert scatter[0] > 10 * scatter[1]
     assert means[0] > 2 * means[1]
 
 
@@ -341,6 +342,26 @@ def test_the_only_node_that_holds_the_creep_does_not_turn() -> None:
     assert np.isfinite(two[2]).all()
 
 
+def test_borders_rest_where_a_quartic_does() -> None:
+    """Of parts of third and fourth order as Carter's on 64 cells: 1.6e-7 off, by one step."""
+    nodes = np.array([-2.0, -1.0, 1.0, 2.0])
+    for u in np.linspace(-0.5, 0.5, 11):
+        for third in (-0.05, 0.05):
+            quartic = np.poly1d([0.01, third, 1.0, 0.0, 0.0])
+            changes = quartic(nodes - u) - quartic(-u)
+            told, _ = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+            if changes[1] * changes[2] >= 0:
+                assert told[0] == pytest.approx(-quartic(-u), abs=1e-6)
+
+
+@pytest.mark.parametrize("u", [-0.6, 0.6])
+def test_a_border_that_another_node_is_nearer_to_stays(u: float) -> None:
+    changes = (np.array([-2.0, -1.0, 1.0, 2.0]) - u) ** 2 - u * u
+    told, error = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+    assert told[0] == 0.0
+    assert error[0] > 0.1
+
+
 @pytest.mark.parametrize("by", [-np.inf, np.inf, np.nan, 0.0, 1e-300, 1e200])
 def test_changes_that_are_no_parabola_leave_borders_where_they_are(by: float) -> None:
     parabola = np.array([4.4, 1.2, 0.8, 3.6])  # of u = 0.1: rises by (k + 0.1)^2 - 0.01
@@ -399,8 +420,8 @@ def test_stick_that_is_shorter_than_its_cell_is_told_where_slip_meets_slip() -> 
 def test_a_coarse_mesh_s_large_extrapolation_is_its_own(tmp_path: Any) -> None:
     result = wo.solve_nip(random_nip(1259), nodes=9)
     assert abs(result.extrapolation) > 0.1 * result.problem.roll_friction * result.problem.nip_load
-    result.save(tmp_path / "coarse.nc")
-    again = wo.load_result(tmp_path / "coarse.nc", verify=True)
+    result.save(tmp_path / "coarse.json")
+    again = wo.load_result(tmp_path / "coarse.json", verify=True)
     assert again.nip_induced_tension == result.nip_induced_tension
 
 
