@@ -23,7 +23,7 @@ print(f"largest violation of any law: {result.residuals.largest:.1e} ({result.re
 print("warnings:", result.warnings or "none")
 
 # %%
-# A check that does not rely on the estimate: the same case on a grid four times as fine.
+# A check that does not rely on the estimate: the same case on a grid five times as fine.
 fine = wo.solve(problem, nodes=257)
 error = abs(result.wound_on_tension - fine.wound_on_tension)
 print(f"against the finer grid {error:.2f} N/m, told {result.wound_on_tension_error:.2f} N/m")

@@ -21,6 +21,7 @@ from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
 
 SAME = 1e-12  # the same solves in another order: rounding alone
+CORRECTED = 2e-3  # of corrections for where borders lie, which are found before the width is
 STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load
 
 
@@ -47,14 +48,17 @@ def test_wraps_are_swept_as_any_field():
     """Also over friction behind the nip that the base case leaves to that in it."""
     wrapped = paper_nip().wrapped(drum_wrap=0.5)
     over = {"wrap_friction": [0.1, 0.3], "roll_wrap": [0.5, pi]}
-    data = wo.sweep(wrapped, over, ("wound_on_tension", "slip_angle"), nodes=17, workers=1)
+    outputs = ("wound_on_tension", "extrapolation", "slip_angle")
+    data = wo.sweep(wrapped, over, outputs, nodes=17, workers=1)
     for mu in over["wrap_friction"]:
         for angle in over["roll_wrap"]:
             single = wo.solve(wrapped.replace(wrap_friction=mu, roll_wrap=angle), nodes=17)
             case = data.sel(wrap_friction=mu, roll_wrap=angle)
-            assert float(case.wound_on_tension) == pytest.approx(
-                single.wound_on_tension, rel=STARTED
-            )
+            own = float(case.wound_on_tension - case.extrapolation)
+            assert own == pytest.approx(single.web_tension[-1], rel=STARTED)
+            # what is added for borders within their cells, with the factors at hand
+            apart = float(case.extrapolation) - single.extrapolation
+            assert abs(apart) < CORRECTED * abs(single.extrapolation)
             assert float(case.slip_angle) == pytest.approx(single.slip_angle, rel=STARTED)
     assert data.roll_wrap.attrs["units"] == "rad"
     assert data.wound_on_tension.attrs["long_name"] == "wound-on tension, far behind the nip"
@@ -126,7 +130,9 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
         return np.array([wo.solve(nip, nodes=17).wound_on_tension for nip in nips])
 
     best = fit.estimate("roll_friction")
-    assert fit.fitted == pytest.approx(tensions(best), rel=STARTED)
+    # what is added for borders within their cells, 1e-3 of a tension, is warm and cold the same to
+    # a thousandth
+    assert fit.fitted == pytest.approx(tensions(best), rel=2e-6)
     for near in (0.98 * best, 1.02 * best):
         miss = tensions(near) - data["wound_on_tension"]
         assert np.sqrt(np.mean(miss**2)) > fit.rms
@@ -146,8 +152,9 @@ def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
     fit = wo.fit(
         base, data, {"wrap_friction": (0.05, 0.4)}, nodes=17, starts=1, profiles=False
     )  # fmt: skip
-    # no noise: what is left is the solver's tolerance
-    assert fit.estimate("wrap_friction") == pytest.approx(0.13, rel=1e-5)
+    # no noise: what is left is what warm and cold corrections differ by, 2e-7 of a tension, of
+    # which the friction behind the nip makes a thousandth
+    assert fit.estimate("wrap_friction") == pytest.approx(0.13, rel=2e-4)
     with pytest.raises(wo.InvalidProblem, match="wrap_friction: is None: give bounds for it"):
         wo.fit(base, data, ["wrap_friction"])
 

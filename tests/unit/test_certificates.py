@@ -367,7 +367,14 @@ def test_the_tension_told_is_the_integral_of_the_tractions() -> None:
     thesis = wo.solve(paper_nip(), scheme="thesis", nodes=51)
     assert thesis.extrapolation == 0.0
     wrapped = solved("wrapped on both")
-    assert wrapped.nip_induced_tension == wrapped.tension_behind_nip - wrapped.tension_before_nip
+    T, own = wrapped.web_tension, wrapped.in_nip
+    first, last = float(T[own.start]), float(T[own.stop - 1])
+    assert wrapped.wound_on_tension == float(T[-1]) + wrapped.extrapolation
+    assert wrapped.tension_behind_nip == last + wrapped.extrapolation_behind
+    assert wrapped.nip_induced_tension == last - first + wrapped.extrapolation_of_nip
+    before = first + wrapped.extrapolation_behind - wrapped.extrapolation_of_nip
+    assert wrapped.tension_before_nip == pytest.approx(before, rel=1e-14)
+    assert 0 not in (wrapped.extrapolation, wrapped.extrapolation_of_nip)
     assert wrapped.problem.drum_wrap == 1.0 < pi
 
 

@@ -39,12 +39,15 @@ from .result import NipResult
 from .scatter import by_borders, by_cells, rest_of_borders, unseen_stick
 from .validity import nip_warnings, web_far_outside
 
-__all__ = ["NipContact", "check_options", "recomputed", "slip_ratios", "solve_nip", "told_by"]
+__all__ = [
+    "NipContact", "check_options", "most_beyond", "recomputed", "slip_ratios", "solve_nip",
+    "told_by",
+]  # fmt: skip
 
 Array = np.ndarray
 
-# where neither nodes nor rtol are given: 65 nodes are doubled until the error of NIT is below so
-# much, but not beyond so many; the error is told in any case.  Bodies that are not linear cost more
+# where neither nodes nor rtol are given: until the error of NIT is below so much, but on so many
+# nodes at most; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
 CHOSEN = (49, 65, 97, 129, 193, 257)  # nodes that it is solved on
 COARSE_NODES = 25  # of the mesh that tells how many
@@ -76,8 +79,10 @@ def solve_nip(
         backward differences (thesis sec. 3.4) with the web tension lumped; ``thesis-printed`` with
         the web's coefficients (121) as printed.
     nodes : int, optional
-        Number M of nodes, 7 to 4000.  By default 65, doubled up to 257 until the estimated error
-        of NIT is below 0.1 %, from a neighbour 97 and 193 too (200 for the thesis's scheme).
+        Number M of nodes, 7 to 4000.  By default 49 to 257, as many as it takes until the estimated
+        error of NIT is below 0.1 %; with bodies that are not linear 65 to 129, for 0.3 % (200 for
+        the thesis's scheme).  NIT is corrected for where borders of stick lie within their cells
+        (``extrapolation``).
     rtol : float, optional
         In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
         larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only.  From 2e-4 down, on a
@@ -89,7 +94,8 @@ def solve_nip(
         How stick and slip are found; the latter is the thesis's process (sec. 3.6).
     start : NipResult, optional
         A solved neighbouring case; its half width and zones start this one, which saves the
-        coarsest meshes.  The answer does not depend on it.
+        coarsest meshes.  The answer does not depend on it beyond the tolerance of the load, and
+        the correction of NIT to a hundredth of itself.
 
     Returns
     -------
@@ -436,10 +442,17 @@ def recomputed(result: NipResult) -> dict[str, tuple[float, float]]:
     behind = problem.web.compliance.c12 * float(result.web_tension[-1])
     delta = approach(problem, matrices_of(result), state, behind)
     slips = slip_ratios(problem, vars(result), mesh_of(result).border_share)
-    # where borders lie within their cells leaves up to 9/N^2 of it on coarse meshes of 3000 random
-    # nips; fitted meshes leave thousandths
-    beyond = max(0.02, 12 / (result.nodes - 1) ** 2) * problem.roll_friction * problem.nip_load
-    return {"extrapolation": (0.0, beyond), **told_by(delta, slips, result.x)}
+    return {"extrapolation": (0.0, most_beyond(result)), **told_by(delta, slips, result.x)}
+
+
+def most_beyond(result: Any) -> float:
+    """Return what a tension may have beyond the integral of the tractions, at most [N/m].
+
+    Where borders lie within their cells leaves up to 9/N^2 of mu+ P on coarse meshes of 3000 random
+    nips; fitted meshes leave thousandths.
+    """
+    P, mu = result.problem.nip_load, result.problem.roll_friction
+    return float(max(0.02, 12 / (result.nodes - 1) ** 2) * mu * P)
 
 
 def told_by(delta: float, slips: Mapping[str, float], x: Array) -> dict[str, tuple[float, float]]:

@@ -27,8 +27,9 @@ STEP = 1e-3  # of a field: its square is left of an output, and what solves leav
 def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     """Return derivatives of a result's main outputs with respect to fields of its problem.
 
-    Nips and wrapped nips tell them exactly; of all other kinds they are central differences, two
-    solves a field, over a thousandth of it; one-sided where one of the two is refused.
+    Nips and wrapped nips tell them exactly, those of their mesh's own outputs; of all other kinds,
+    and with options, they are central differences of the outputs told, two solves a field, over a
+    thousandth of it; one-sided where one of the two is refused.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contact.loop import Ladder, Level
 from ..losses import lost
-from ..nip.solve import slip_ratios, told_by
+from ..nip.solve import most_beyond, slip_ratios, told_by
 from ..nip.validity import nip_warnings
 from ..problems.nip import WrappedNipProblem
 from ..results import Residuals
@@ -149,9 +149,7 @@ def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     own = _in_nip(arrays, equations.grid)
     told = told_by(indented, slip_ratios(problem, own), own["x"])
-    # where borders lie within their cells leaves thousandths at most
-    beyond = 0.02 * problem.roll_friction * problem.nip_load
-    told |= dict.fromkeys(EXTRAPOLATED, (0.0, beyond))
+    told |= dict.fromkeys(EXTRAPOLATED, (0.0, most_beyond(result)))
     if problem.viscoelastic:
         resistance = lost(problem, surfaces_of(result, equations))
         told["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
