@@ -101,7 +101,7 @@ def test_random_nips_with_wraps_too(seed: int, monkeypatch: pytest.MonkeyPatch) 
             for step in (-1e-4, 1e-4)
         )
         change = solved(more, "wound_on_tension") - solved(less, "wound_on_tension")
-        change /= result.wound_on_tension
+        change /= solved(result, "wound_on_tension")
         assert slope == pytest.approx(change / 2e-4, abs=1e-4), name
 
 

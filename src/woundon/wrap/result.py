@@ -94,7 +94,8 @@ class WrappedNipResult(WindingNipResult):
         self,
     ) -> Annotated[float, line_load("T_n", "web tension at the leading edge of the nip")]:
         """T at x = -a [N/m]."""
-        return self.tension_behind_nip - self.nip_induced_tension
+        beyond = self.extrapolation_behind - self.extrapolation_of_nip
+        return float(self.web_tension[self.in_nip.start]) + beyond
 
     @property
     def tension_behind_nip(
@@ -108,8 +109,7 @@ class WrappedNipResult(WindingNipResult):
         self,
     ) -> Annotated[float, line_load("NIT", "nip-induced tension, of the nip between its edges")]:
         """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
-        own = self.web_tension[self.in_nip]
-        return float(own[-1] - own[0]) + self.extrapolation_of_nip
+        return self.tension_behind_nip - self.tension_before_nip
 
     @property
     def roll_wrap_traction(
