@@ -371,7 +371,8 @@ def test_the_tension_told_is_the_integral_of_the_tractions() -> None:
     first, last = float(T[own.start]), float(T[own.stop - 1])
     assert wrapped.wound_on_tension == float(T[-1]) + wrapped.extrapolation
     assert wrapped.tension_behind_nip == last + wrapped.extrapolation_behind
-    assert wrapped.nip_induced_tension == last - first + wrapped.extrapolation_of_nip
+    gained = last - first + wrapped.extrapolation_of_nip
+    assert wrapped.nip_induced_tension == pytest.approx(gained, rel=1e-12)
     before = first + wrapped.extrapolation_behind - wrapped.extrapolation_of_nip
     assert wrapped.tension_before_nip == pytest.approx(before, rel=1e-14)
     assert 0 not in (wrapped.extrapolation, wrapped.extrapolation_of_nip)
