@@ -88,12 +88,15 @@ def follow(
         if straight and error <= max(LEFT * tolerance.balance, 1e-15):
             slips = joint.slips(change) - left[n + 2 :]
             if rest:  # on, the way that led here
-                begun = np.concatenate([state.solution.slip, state.solution.joint[2]])
-                slips += (slips - begun) * (rest / step)
+                slips += (slips - _slips(state)) * (rest / step)
                 moved, x = equations.moved(exp(at + rest)), x + along * rest
             found = joint.solution(factors, x, slips)
-            kept = not found.violated().any()
-            return Followed(moved, moved.state(found), power, kept)
+            return Followed(moved, moved.state(found), power, not found.violated().any())
         if not 0.5 < power < 15.0:
             return None
     return None
+
+
+def _slips(state: Any) -> Array:
+    """Return all slips of a solved state."""
+    return np.concatenate([state.solution.slip, state.solution.joint[2]])
