@@ -303,6 +303,7 @@ def patterns(n: int) -> dict[str, Array]:
     found = {
         "all sticks": (stick, stick),
         "all slips but a node of the drum": (slip, but(slip, n // 2)),
+        "all of the drum slips but a node": (drum, but(slip, n // 2)),
         "but two": (-slip, but(-slip, 4, 5)),
         "all of the roll slips": (slip, drum),
         "one node slips": (but(stick, 7, state=1), drum),
@@ -331,11 +332,12 @@ def test_zones_of_every_sort_have_outputs(nip: wo.NipProblem, name: str) -> None
         assert not rest.any()
 
 
-def test_the_only_node_that_holds_the_creep_does_not_turn() -> None:
-    joint, _ = solved(NIPS["hard drum"])
-    state = patterns(joint.unknowns)["all slips but a node of the drum"]
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_the_only_node_that_holds_the_creep_does_not_turn(nip: wo.NipProblem) -> None:
+    joint, _ = solved(nip)
+    state = patterns(joint.unknowns)["all of the drum slips but a node"]
     told = moved(joint, joint.solve(state))
-    one, two = told.by_nodes  # the borders before and behind it
+    one, two = told.by_nodes[-2:]  # the borders before and behind it
     assert np.isnan(one[2:]).all()  # the first one on, the second one back: it would slip
     assert np.isnan(two[:2]).all()
     assert np.isfinite(one[1]).all()
@@ -352,6 +354,12 @@ def test_borders_rest_where_a_quartic_does() -> None:
             told, _ = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
             if changes[1] * changes[2] >= 0:
                 assert told[0] == pytest.approx(-quartic(-u), abs=1e-6)
+
+
+@pytest.mark.parametrize("changes", [(0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 1.0)])
+def test_an_output_that_a_border_does_not_move_stays(changes: tuple[float, ...]) -> None:
+    by_nodes = np.array(changes)[None, :, None]
+    assert at_rest(Moved(by_nodes, np.empty((0, 1)), np.empty((0, 1)))) == ([0.0], [0.0])
 
 
 @pytest.mark.parametrize("u", [-0.6, 0.6])
