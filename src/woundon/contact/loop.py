@@ -133,13 +133,13 @@ class Ladder:
     def beside(self, counts: Sequence[int], start: Start, rtol: float = inf, most: int = 0) -> None:
         """Solve near a neighbouring case, on the last mesh; tell errors by how that one scatters.
 
-        On the mesh before it too where the neighbours alone do not tell enough: every few cases,
+        On the mesh before it too where the neighbours alone do not tell enough: every eighth case,
         where much has changed, or where the target is not known to rtol on less than ``most``.
         """
         self._take_over(start)
         told = self._scattered.get(self.target)
         unchecked = 1 + (start.widths.unchecked if start.widths else MOST_UNCHECKED)
-        tells = told is not None and told.changes > 1 and unchecked <= MOST_UNCHECKED
+        tells = told is not None and told.freedom > 2 and unchecked <= MOST_UNCHECKED
         if not tells and self.contact.settles_apart:  # on the coarser mesh that costs less
             self.climb(counts, start)
             return
