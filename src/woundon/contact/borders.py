@@ -81,11 +81,16 @@ def by_turning(
     laws = joint.laws(nodes, ways) @ effects.T  # of each turn, by each effect
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
-    holding = joint.held[solution.state.take(joint.held) == 0]
-    if holding.size == 1:  # without it nothing holds the creep
-        misses[nodes == holding] = np.nan
     changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
     by_nodes = []
+    holding = joint.held[solution.state.take(joint.held) == 0]
+    if holding.size == 1:  # without it nothing holds the creep: what holds it moves by a node
+        own = [4 * k for k, border in enumerate(borders) if holding in (border[1][0], border[2][0])]
+        if len(own) == 2:
+            moves = [changes.of_two(own[0] + turn, own[1] + turn) for turn in (1, 2)]
+            by_nodes.append([changes.unknown, *moves, changes.unknown])
+        for turn in (nodes == holding).nonzero()[0].tolist():
+            changes.misses[turn] = nan
     for k, border in zip(range(0, len(turns), 4), borders, strict=False):
         back, on = (border[j] != border[j + 1] for j in (0, 2))  # no zones of one node
         by_nodes.append([
