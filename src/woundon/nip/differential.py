@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..contact.borders import Resting
 from ..errors import InvalidProblem
 
 __all__ = ["Differential"]
@@ -35,6 +36,8 @@ class Differential:
         The matrices of the state.
     half_width : float
         a [m].
+    resting : Resting, optional
+        What outputs change by as borders come to rest; else none does.
     """
 
     outputs: ClassVar[tuple[str, ...]]
@@ -42,6 +45,7 @@ class Differential:
 
     rest: Array
     here: Any
+    resting: Resting | None = None
 
     def __init__(self, result: Any, told: tuple[str, ...]) -> None:
         self.told = told

@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
+from ..contact.levels import Level
 from ..contact.response import Response, Tractions
 from ..contact.schemes import ELEMENTS
 from ..errors import InvalidProblem, did_you_mean
@@ -39,10 +40,11 @@ from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
 from .border_sensitivity import BorderDifferential
 from .differential import Differential
-from .equations import NipMatrices
+from .equations import NipEquations, NipMatrices
 from .laws import NipLaws
 from .result import RIG_ANGLE, NipResult
 from .roll_surface import Rise
+from .scatter import resting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -259,19 +261,38 @@ class _NipDifferential(Differential):
         zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
         self.u = _Unknowns(result.pressure[inside], shift, traction, creep, zones)
         self.nodes = slice(0, 2 * self.n)
+        self._known: tuple[Any, tuple[Array, Array]] | None = None
         self.rest = self.residual(problem, self.assembled(problem, a, ""))
+        if self.mesh.regardless and result.extrapolation:
+            equations = NipEquations(problem, self.mesh, self.here)
+            self.joint = equations.joint
+            if self.joint is not None:
+                state = equations.state(self.joint.solve(zones))
+                level = Level(self.mesh, equations, state, problem.nip_load, 2.0)
+                self.resting = resting(problem, level)
 
     def residual(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
         u, n = self.u, self.n
         p, q = u.pressure, u.traction
-        miss, slips = made.laws(p, q, u.shift, u.creep)
-        slip = slips[self.nodes]
-        friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
-        law = np.where(u.zones == 0, slip, q - u.zones * friction * np.tile(p, 2))
+        miss, slip = self._laws(made)
+        law = np.where(u.zones == 0, slip, q - u.zones * self._bounds(problem))
         force = float(made.weights @ q[n:]) - problem.winding_force
         load = float(made.weights @ p) - problem.nip_load
         return np.concatenate([miss, law, [force, load]])
+
+    def _laws(self, made: Matrices | NipLaws) -> tuple[Array, Array]:
+        """Return what is left of the indentation, and slips; the same ones are asked for twice."""
+        if self._known is None or self._known[0] is not made:
+            u = self.u
+            miss, slips = made.laws(u.pressure, u.traction, u.shift, u.creep)
+            self._known = made, (miss, slips[self.nodes])
+        return self._known[1]
+
+    def _bounds(self, problem: NipProblem) -> Array:
+        """Return what friction can hold, (2n,)."""
+        friction = np.repeat([problem.roll_friction, problem.drum_friction], self.n)
+        return np.asarray(friction * np.tile(self.u.pressure, 2))
 
     def jacobian(self) -> Array:
         """Return R_u, (3n + 3, 3n + 3)."""
@@ -292,7 +313,7 @@ class _NipDifferential(Differential):
         J[n + 1 : 3 * n + 1] = law
         J[3 * n + 1, 2 * n + 1 : 3 * n + 1] = made.weights
         J[3 * n + 2, p] = made.weights
-        J[:, -1], _ = self.by_width()
+        J[:, -1], _ = self._by_width
         return J
 
     def output_gradients(self) -> Array:
@@ -306,6 +327,12 @@ class _NipDifferential(Differential):
         stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
+        if self.resting is not None:
+            nodes, ways, slopes, _ = self.resting
+            assert self.joint is not None
+            NIT = NIT.copy()
+            NIT[:-1] += slopes[0] @ self.joint.laws(nodes, ways)
+            NIT[-1] = self._by_width[1][0]
         told = [NIT, NIT, width, 2 * width, creep]
         if "rig_tension" in self.told:  # T_rig = T_out + 2h/c11 [eps1(rig) - eps1(a)]
             rise_p, rise_q, wider = self._rise.gradients(self.step)
@@ -317,6 +344,10 @@ class _NipDifferential(Differential):
         return np.array(told)
 
     @cached_property
+    def _by_width(self) -> tuple[Array, Array]:
+        return self.by_width()
+
+    @cached_property
     def _rise(self) -> Rise:
         return Rise(self.problem, self.mesh.grid, self.half_width, RIG_ANGLE, self.about[0])
 
@@ -326,6 +357,11 @@ class _NipDifferential(Differential):
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
         T_out = problem.web_tension + NIT
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
+        if self.resting is not None:
+            _, slip = self._laws(made)
+            rest = self.resting.under(slip, u.traction, self._bounds(problem))
+            NIT += float(rest[0]) * (a / self.half_width)  # as the integral of given tractions
+            T_out = problem.web_tension + NIT
         told = [NIT, T_out, a, 2 * a, creep]
         if "rig_tension" in self.told:
             stretch = problem.web.compliance.c11 / problem.web.thickness

@@ -147,7 +147,7 @@ class _WrapDifferential(Differential):
         J[[0, 1, 2, 5], k : k + m] = far, behind - before, behind, -stretch * far
         J[5, k + m] = 1.0
         if self.resting is not None:
-            nodes, ways, slopes = self.resting
+            nodes, ways, slopes, _ = self.resting
             J[: len(slopes), :-1] += slopes @ here.joint.laws(nodes, ways)
         J[:, -1] = self.outputs_by_width
         return J
@@ -160,10 +160,8 @@ class _WrapDifferential(Differential):
         creep = self.creep - problem.web.compliance.c11 / problem.web.thickness * far
         found = np.array([far, behind - before, behind, a, 2 * a, creep])
         if self.resting is not None:
-            nodes, ways, slopes = self.resting
             slip, bound = self._slips_and_bounds(made)
-            misses = np.where(ways == 0, slip[nodes], self.q[nodes] - ways * bound[nodes])
-            found[: len(slopes)] += slopes @ misses
+            found[:3] += self.resting.under(slip, self.q, bound) * (a / self.half_width)
         return found
 
     def _slips_and_bounds(self, made: WrapEquations) -> tuple[Array, Array]:
