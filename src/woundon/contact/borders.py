@@ -112,8 +112,7 @@ def _turned(
     return borders, nodes, ways, laws, misses, effects
 
 
-class Resting(NamedTuple)'); b=s.index('def _slope(')
-s=s[:a]+'''class Resting(NamedTuple):
+class Resting(NamedTuple):
     """What outputs change by as borders come to rest: ``constant`` + ``slopes`` @ misses.
 
     (outputs,) and (outputs, turns), about a state; misses are those of ``nodes`` that turn to
