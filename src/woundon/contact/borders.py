@@ -113,22 +113,23 @@ def _turned(
 
 
 class Resting(NamedTuple):
-    """What outputs change by as borders come to rest: ``constant`` + ``slopes`` @ misses.
+    """What outputs change by as borders come to rest: ``slopes`` @ misses, about a state.
 
-    (outputs,) and (outputs, turns), about a state; misses are those of ``nodes`` that turn to
-    ``ways``, of their new laws.
+    The misses (turns,) are those of ``nodes`` that turn to ``ways``, of their new laws; changes are
+    of their first degree, so that the ``slopes`` (outputs, turns) tell all.  ``gradients`` are
+    those of the changes by the joint system's unknowns, (outputs, n + m + 2).
     """
 
     nodes: Array
     ways: Array
     slopes: Array
-    constant: Array
+    gradients: Array
 
     def under(self, slip: Array, traction: Array, bound: Array) -> Array:
         """Return the changes where all nodes have these, (outputs,)."""
         nodes, ways = self.nodes, self.ways
         misses = np.where(ways == 0, slip[nodes], traction[nodes] - ways * bound[nodes])
-        return np.asarray(self.constant + self.slopes @ misses)
+        return np.asarray(self.slopes @ misses)
 
 
 def by_misses(
@@ -141,7 +142,7 @@ def by_misses(
     """
     borders, nodes, ways, laws, misses, effects = _turned(joint, solution, faces, ())
     outputs, table = (effects @ gradients).tolist(), laws.tolist()
-    slopes, rest = np.zeros((gradients.shape[1], nodes.size)), np.zeros(gradients.shape[1])
+    slopes = np.zeros((gradients.shape[1], nodes.size))
 
     def of(border: int, by: Array) -> Array:
         changes = _Changes(table, by.tolist(), outputs)  # by nodes, (4, outputs)
@@ -149,16 +150,16 @@ def by_misses(
 
     for border in range(len(borders)):
         at = of(border, misses)
-        rest += [_rest(*here)[0] for here in at.T.tolist()]
         for turn in range(4 * border, 4 * border + 4):
             change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
             slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
-    return Resting(nodes, ways, slopes, rest - slopes @ np.nan_to_num(misses))
+    return Resting(nodes, ways, slopes, slopes @ joint.laws(nodes, ways))
 
 
 def _slope(at: Array, on: Array) -> float:
     """Return the derivative of :func:`_rest` at some changes by nodes along others."""
-    step = STEP * float(np.nanmax(np.abs(at))) / (float(np.nanmax(np.abs(on))) or 1.0)
+    size, way = (float(np.nan_to_num(np.abs(changes)).max()) for changes in (at, on))
+    step = STEP * size / (way or 1.0)
     more, less = (_rest(*(at + side * step * on).tolist())[0] for side in (1, -1))
     slope = (more - less) / (2 * step) if step else 0.0
     return slope if isfinite(slope) else 0.0

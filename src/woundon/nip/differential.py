@@ -103,7 +103,7 @@ class Differential:
 
     @cached_property
     def outputs_here(self) -> Array:
-        """The outputs of the mesh's own solution."""
+        """The outputs at the result, as it tells them."""
         return self.output_values(self.problem, self.here)
 
     def _size(self, name: str, value: float) -> float:

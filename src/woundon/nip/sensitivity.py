@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
+from ..contact.borders import Resting
 from ..contact.levels import Level
 from ..contact.response import Response, Tractions
 from ..contact.schemes import ELEMENTS
@@ -60,6 +61,10 @@ MOST_TOLD = 3  # parameters in one line
 class Sensitivity(ReadOnly):
     """First derivatives of a nip's outputs at one problem.
 
+    Of tensions corrected for where borders of stick lie within their cells (``extrapolation``) they
+    are those of the corrected ones, but for what the influence of a border's nodes itself changes
+    by: about the correction's share of the tension.
+
     Attributes
     ----------
     outputs : tuple of str
@@ -70,7 +75,7 @@ class Sensitivity(ReadOnly):
     derivatives : (outputs, parameters) array
         SI units of output per SI unit of field.
     values, fields : (outputs,), (parameters,) arrays
-        Where they were taken; values are those of the mesh, as NIT less its ``extrapolation``.
+        Where they were taken; values are those of which they are the derivatives.
     zone_change : str
         Empty, or the nodes that are about to change between stick and slip: there the
         derivatives to both sides differ.
@@ -217,6 +222,8 @@ def differentiated(
     fields = np.array([known[name] for name in names])
     asked = [told.index(name) for name in outputs]
     values = equations.outputs_here[asked]
+    if equations.resting is not None:  # what a result tells is found with factors a little older
+        values = np.array([getattr(result, name) for name in outputs])
     return Sensitivity(
         outputs, names, derivatives[asked], values, fields, equations.near_zone_change()
     )
@@ -263,13 +270,18 @@ class _NipDifferential(Differential):
         self.nodes = slice(0, 2 * self.n)
         self._known: tuple[Any, tuple[Array, Array]] | None = None
         self.rest = self.residual(problem, self.assembled(problem, a, ""))
-        if self.mesh.regardless and result.extrapolation:
-            equations = NipEquations(problem, self.mesh, self.here)
-            self.joint = equations.joint
-            if self.joint is not None:
-                state = equations.state(self.joint.solve(zones))
-                level = Level(self.mesh, equations, state, problem.nip_load, 2.0)
-                self.resting = resting(problem, level)
+        self.resting = self._resting()
+
+    def _resting(self) -> Resting | None:
+        """Return what NIT changes by as borders come to rest; None of a result without."""
+        equations = NipEquations(self.problem, self.mesh, self.here)
+        told = self.mesh.regardless and self.result.extrapolation
+        if not told or equations.joint is None:
+            return None
+        state = equations.state(equations.joint.solve(self.u.zones))
+        # NIT does not ask for the power, as widths do
+        level = Level(self.mesh, equations, state, self.problem.nip_load, 2.0)
+        return resting(self.problem, level)
 
     def residual(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
@@ -328,10 +340,7 @@ class _NipDifferential(Differential):
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
         if self.resting is not None:
-            nodes, ways, slopes, _ = self.resting
-            assert self.joint is not None
-            NIT = NIT.copy()
-            NIT[:-1] += slopes[0] @ self.joint.laws(nodes, ways)
+            NIT[:-1] += self.resting.gradients[0]
             NIT[-1] = self._by_width[1][0]
         told = [NIT, NIT, width, 2 * width, creep]
         if "rig_tension" in self.told:  # T_rig = T_out + 2h/c11 [eps1(rig) - eps1(a)]

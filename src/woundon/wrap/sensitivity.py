@@ -147,8 +147,7 @@ class _WrapDifferential(Differential):
         J[[0, 1, 2, 5], k : k + m] = far, behind - before, behind, -stretch * far
         J[5, k + m] = 1.0
         if self.resting is not None:
-            nodes, ways, slopes, _ = self.resting
-            J[: len(slopes), :-1] += slopes @ here.joint.laws(nodes, ways)
+            J[:3, :-1] += self.resting.gradients
         J[:, -1] = self.outputs_by_width
         return J
 
