@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import pi
 from typing import Any
 
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from hardening_cases import nip, roll
 from random_nips import random_nip
+from seldom import seldom
+from sensitivities import own_of_mesh
 
 import woundon as wo
 from woundon.contact.loop import Tolerance
@@ -36,12 +39,19 @@ CASES: dict[str, tuple[Any, list[str], int, float]] = {
 }  # fmt: skip
 
 
+@pytest.fixture
+def of_mesh() -> Iterator[None]:
+    """Leave borders where the mesh has them: its own outputs have exact derivatives."""
+    with own_of_mesh():
+        yield
+
+
 @pytest.mark.parametrize(
     "case",
-    [pytest.param(c, marks=pytest.mark.slow) if c == "hardening, more" else c for c in CASES],
+    [seldom(case) if case in ("roll's arc", "hardening, more") else case for case in CASES],
 )
 def test_derivatives_are_those_of_the_solved_equations(
-    case: str, monkeypatch: pytest.MonkeyPatch
+    case: str, of_mesh: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Differences of loads met to 3e-9 would be good to 1e-4 only, so they are met better.
 
@@ -72,12 +82,14 @@ def test_derivatives_are_those_of_the_solved_equations(
         ends = [np.array([getattr(end, output) for output in told.outputs]) for end in (less, more)]
         by_difference = (ends[1] - ends[0]) / (2 * step * scale)
         np.testing.assert_allclose(
-            told.derivatives[:, k] * size / scale, by_difference, rtol=1e-3, atol=1e-3, err_msg=name
+            told.derivatives[:, k] * size / scale, by_difference, rtol=1e-3, atol=2e-5, err_msg=name
         )
 
 
 @pytest.mark.parametrize("seed", [1, 4, 9])
-def test_random_nips_with_wraps_too(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_random_nips_with_wraps_too(
+    seed: int, of_mesh: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Measured over 14 seeds: 4e-5 at the worst, by the drum's radius, with which its arc moves."""
     monkeypatch.setattr(solve, "FINE", Tolerance(load=1e-10, balance=1e-10))
     problem = random_nip(seed).wrapped(roll_wrap=2.0, drum_wrap=1.5 * (seed % 2))
@@ -90,7 +102,7 @@ def test_random_nips_with_wraps_too(seed: int, monkeypatch: pytest.MonkeyPatch) 
             for step in (-1e-4, 1e-4)
         )
         change = np.log(more.wound_on_tension / less.wound_on_tension)
-        assert slope == pytest.approx(change / 2e-4, abs=1e-3), name
+        assert slope == pytest.approx(change / 2e-4, abs=1e-4), name
 
 
 def test_a_nip_held_at_its_trailing_edge_has_the_plain_ones() -> None:
@@ -101,6 +113,7 @@ def test_a_nip_held_at_its_trailing_edge_has_the_plain_ones() -> None:
         np.testing.assert_allclose(two, one, rtol=1e-4, atol=1e-6, err_msg=output)
 
 
+@pytest.mark.slow
 def test_one_unit_of_stress_or_length_for_another_changes_nothing() -> None:
     """Euler's theorem, of a roll that hardens; K1 and P0 are stresses.  See the plain nips'.
 
