@@ -46,12 +46,23 @@ class Differential:
     rest: Array
     here: Any
     resting: Resting | None = None
+    _known: tuple[Any, Any] | None = None
 
     def __init__(self, result: Any, told: tuple[str, ...]) -> None:
         self.told = told
         self.result, self.problem, self.half_width = result, result.problem, result.half_width
         # bodies that are not linear have their tangents about the result, which is kept fixed
         self.step = STEP if self.problem.linear else STEP_OF_TANGENTS
+
+    def laws(self, made: Any) -> Any:
+        """Return what laws say at the fixed unknowns; both R and J ask for the same ones."""
+        if self._known is None or self._known[0] is not made:
+            self._known = made, self.laws_of(made)
+        return self._known[1]
+
+    def laws_of(self, made: Any) -> Any:
+        """Return what laws say at the fixed unknowns."""
+        raise NotImplementedError
 
     def jacobian(self) -> Array:
         """Return R_u."""

@@ -268,7 +268,6 @@ class _NipDifferential(Differential):
         zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
         self.u = _Unknowns(result.pressure[inside], shift, traction, creep, zones)
         self.nodes = slice(0, 2 * self.n)
-        self._known: tuple[Any, tuple[Array, Array]] | None = None
         self.rest = self.residual(problem, self.assembled(problem, a, ""))
         self.resting = self._resting()
 
@@ -287,19 +286,17 @@ class _NipDifferential(Differential):
         """Return R at the fixed unknowns, of another problem or half width."""
         u, n = self.u, self.n
         p, q = u.pressure, u.traction
-        miss, slip = self._laws(made)
+        miss, slip = self.laws(made)
         law = np.where(u.zones == 0, slip, q - u.zones * self._bounds(problem))
         force = float(made.weights @ q[n:]) - problem.winding_force
         load = float(made.weights @ p) - problem.nip_load
         return np.concatenate([miss, law, [force, load]])
 
-    def _laws(self, made: Matrices | NipLaws) -> tuple[Array, Array]:
-        """Return what is left of the indentation, and slips; the same ones are asked for twice."""
-        if self._known is None or self._known[0] is not made:
-            u = self.u
-            miss, slips = made.laws(u.pressure, u.traction, u.shift, u.creep)
-            self._known = made, (miss, slips[self.nodes])
-        return self._known[1]
+    def laws_of(self, made: Matrices | NipLaws) -> tuple[Array, Array]:
+        """Return what is left of the indentation, and slips."""
+        u = self.u
+        miss, slips = made.laws(u.pressure, u.traction, u.shift, u.creep)
+        return miss, slips[self.nodes]
 
     def _bounds(self, problem: NipProblem) -> Array:
         """Return what friction can hold, (2n,)."""
@@ -367,7 +364,7 @@ class _NipDifferential(Differential):
         T_out = problem.web_tension + NIT
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
         if self.resting is not None:
-            _, slip = self._laws(made)
+            _, slip = self.laws(made)
             rest = self.resting.under(slip, u.traction, self._bounds(problem))
             NIT += float(rest[0]) * (a / self.half_width)  # as the integral of given tractions
             T_out = problem.web_tension + NIT

@@ -18,7 +18,7 @@ its equilibrium under them is found anew.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -104,10 +104,14 @@ class _WrapDifferential(Differential):
         level = Level(mesh_of(result), here, state, self.problem.nip_load, 2.0)
         return resting(level, names)
 
+    def laws_of(self, made: WrapEquations) -> Any:
+        """Return what is along the web, of the unknowns."""
+        return made.laws.at(self.z, self.q)
+
     def residual(self, problem: WrappedNipProblem, made: WrapEquations) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
         z, q, laws = self.z, self.q, made.laws
-        along = laws.at(z, q)
+        along = self.laws(made)
         slip, bound = self._slips_and_bounds(made)
         held = np.where(self.zones == 0, slip, q - self.zones * bound)
         force = float(made.force_weights @ q) - problem.winding_force
@@ -165,7 +169,7 @@ class _WrapDifferential(Differential):
 
     def _slips_and_bounds(self, made: WrapEquations) -> tuple[Array, Array]:
         """Return slips, and what friction can hold, of the nodes of the tractions."""
-        along = made.laws.at(self.z, self.q)
+        along = self.laws(made)
         slip = np.concatenate([along.roll_slip[:-1], along.drum_slip[:-1] + self.creep])
         return slip, made.friction * self.z[made.own_pressure]
 
