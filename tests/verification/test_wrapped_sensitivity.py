@@ -105,6 +105,15 @@ def test_random_nips_with_wraps_too(
         assert slope == pytest.approx(change / 2e-4, abs=1e-4), name
 
 
+def test_values_are_those_told_where_the_nip_alone_has_borders_to_correct() -> None:
+    """Far behind the nip the roll holds all that there is; the nip's own tension is 1 N/m off."""
+    result = wo.solve(random_nip(286).wrapped(roll_wrap=2.0), nodes=17)
+    assert result.extrapolation == 0
+    assert abs(result.extrapolation_of_nip) > 0.5
+    told = result.sensitivity("nip_load")
+    assert told.values.tolist() == [getattr(result, output) for output in told.outputs]
+
+
 def test_a_nip_held_at_its_trailing_edge_has_the_plain_ones() -> None:
     plain = wo.solve_nip(PAPER, nodes=33).sensitivity()
     wrapped = wo.solve(PAPER.wrapped(roll_wrap=0.0), nodes=33).sensitivity(*plain.parameters)

@@ -97,7 +97,8 @@ class _WrapDifferential(Differential):
     def _resting(self) -> Resting | None:
         """Return what outputs change by as borders come to rest; None of a result without."""
         result, here, names = self.result, self.here, self.outputs[:3]
-        if not result.extrapolation or here.joint is None:
+        beyond = result.extrapolation, result.extrapolation_of_nip, result.extrapolation_behind
+        if not any(beyond) or here.joint is None:
             return None
         state = here.state(here.joint.solve(self.zones))
         # of these outputs none asks for the power, as widths do
