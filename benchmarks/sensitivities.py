@@ -7,8 +7,8 @@ and 1 % of mu+ P), the tension behind the nip, widths and drum creep.  Small ste
 field, tell whether the derivatives are those of the solved equations; where a node changes between
 stick and slip within a step they have no derivative, and the field is counted apart.  Steps of 1 %,
 over which the borders of the zones move by whole nodes, tell whether they are those of the nip.
-Derivatives are those of a mesh's own outputs, so that small steps are compared without what these
-are extrapolated by, and wide ones with it.
+Only a mesh's own outputs have exact derivatives, so that small steps are compared with borders left
+where the mesh has them (``own_of_mesh``), and wide ones with tensions as they are told.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import argparse
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
@@ -62,18 +63,27 @@ def of_mesh(result: wo.NipResult | wo.WrappedNipResult, output: str) -> float:
     return float(getattr(result, output) - (getattr(result, beyond) if beyond else 0.0))
 
 
+@contextmanager
+def own_of_mesh() -> Iterator[None]:
+    """Leave borders where a mesh has them, so that outputs told and their derivatives are its own.
+
+    What is solved within has no ``extrapolation`` of its borders, outside too.
+    """
+    with (
+        patch("woundon.nip.solve.rest_of_borders", lambda *_: {}),
+        patch("woundon.wrap.solve.rest_of_borders", lambda *_: {}),
+        patch("woundon.wrap.outcome.rest_of_borders", lambda *_: {}),
+    ):
+        yield
+
+
 @patch.object(loop, "FINE", MET)
 def compared(seed: int, nodes: int = NODES, wide: bool = True) -> Row:
     """Return how far the exact elasticities of a random nip are from central differences."""
     try:
-        result = wo.solve_nip(random_nip(seed), nodes=nodes)
-        sensitivity = result.sensitivity(outputs=OUTPUTS)
-        near = [_differences(result, sensitivity, k, SMALL, of_mesh) for k in _fields(sensitivity)]
-        far = [
-            _differences(result, sensitivity, k, WIDE, getattr)
-            for k in _fields(sensitivity)
-            if wide
-        ]
+        with own_of_mesh():
+            near = _all_differences(random_nip(seed), nodes, SMALL)
+        far = _all_differences(random_nip(seed), nodes, WIDE) if wide else []
     except Exception as fault:
         return {"failure": f"{type(fault).__name__}: {fault}"}
     smooth = [found for found in near if found is not None and found[1]]
@@ -84,7 +94,7 @@ def compared(seed: int, nodes: int = NODES, wide: bool = True) -> Row:
         "at_zone_change": len(near) - len(smooth),
         "largest_difference": float(table.max()),
         "field": smooth[field][2],
-        "output": sensitivity.outputs[output],
+        "output": OUTPUTS[output],
     }
     if wide:
         tension = [(found[0][0], found[2]) for found in far if found is not None]
@@ -93,16 +103,17 @@ def compared(seed: int, nodes: int = NODES, wide: bool = True) -> Row:
     return row
 
 
-def _fields(sensitivity: Sensitivity) -> range:
-    return range(len(sensitivity.parameters))
+def _all_differences(
+    problem: wo.NipProblem, nodes: int, step: float
+) -> list[tuple[np.ndarray, bool, str] | None]:
+    """Return those by each field."""
+    result = wo.solve_nip(problem, nodes=nodes)
+    told = result.sensitivity(outputs=OUTPUTS)
+    return [_differences(result, told, k, step) for k in range(len(told.parameters))]
 
 
 def _differences(
-    result: wo.NipResult,
-    sensitivity: Sensitivity,
-    k: int,
-    step: float,
-    value: Callable[[wo.NipResult, str], float],
+    result: wo.NipResult, sensitivity: Sensitivity, k: int, step: float
 ) -> tuple[np.ndarray, bool, str] | None:
     """Return differences of the elasticities, whether all zones stayed, and the field.
 
@@ -124,7 +135,7 @@ def _differences(
         ]
     except wo.InvalidProblem:
         return None
-    outputs = np.array([[value(end, output) for output in sensitivity.outputs] for end in ends])
+    outputs = np.array([[getattr(end, output) for output in sensitivity.outputs] for end in ends])
     floor = 0.01 * problem.roll_friction * problem.nip_load
     scale = np.abs(sensitivity.values)
     scale[0] = max(scale[0], floor)

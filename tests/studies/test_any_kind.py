@@ -130,9 +130,9 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
         return np.array([wo.solve(nip, nodes=17).wound_on_tension for nip in nips])
 
     best = fit.estimate("roll_friction")
-    # what is added for borders within their cells, 1e-3 of a tension, is warm and cold the same to
-    # a thousandth
-    assert fit.fitted == pytest.approx(tensions(best), rel=2e-6)
+    # what is added for borders within their cells, up to 4e-3 of a tension, is warm and cold the
+    # same to a thousandth
+    assert fit.fitted == pytest.approx(tensions(best), rel=4e-6)
     for near in (0.98 * best, 1.02 * best):
         miss = tensions(near) - data["wound_on_tension"]
         assert np.sqrt(np.mean(miss**2)) > fit.rms

@@ -26,7 +26,7 @@ import numpy as np
 from .joint import Joint
 from .stick_slip import StickSlipSolution
 
-__all__ = ["Moved", "at_rest", "by_turning"]
+__all__ = ["Moved", "Resting", "at_rest", "by_misses", "by_turning"]
 
 Array = np.ndarray
 
@@ -41,6 +41,10 @@ FARTHEST = 0.75  # nodes that a border may be from its place of rest; half a nod
 # and by borders that hold each other (about the most likely ones for the errors of 600 nips on 33
 # to 129 nodes, as Student's t of 2 degrees of freedom)
 RESTING, UNLIKE, RESTLESS, UNSEEN, HELD = 0.025, 0.12, 0.08, 0.2, 0.05
+STEP = 1e-5  # of the changes, of differences
+
+
+Turn = tuple[int, int]  # a node, and the state that it turns to
 
 
 class Moved(NamedTuple):
@@ -74,39 +78,94 @@ def by_turning(
     open_ends : sequence of int
         Outermost nodes at which no edge is, so that they may stick.
     """
+    borders, nodes, _, laws, misses, effects, free = _turned(joint, solution, faces, open_ends)
+    changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
+    held = changes.of_one_held(borders, free)
+    changes.misses = np.where(free, nan, misses).tolist()
+    by_nodes = [changes.of_border(4 * k, border) for k, border in enumerate(borders)] + held
+    first = 4 * len(borders)
+    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, nodes.size)]
+    unseen = [changes.of_one(k) for k in range(first, nodes.size)]
+    beside = [changes.of_pair(*pair) for pair in _pairs(near, nodes.tolist(), faces)]
+    outputs = gradients.shape[1]
+    return Moved(
+        np.array(by_nodes).reshape(-1, 4, outputs),
+        *(np.array(found).reshape(-1, outputs) for found in (unseen, beside)),
+    )
+
+
+def _turned(
+    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
+) -> tuple[list[list[Turn]], Array, Array, Array, Array, Array, Array]:
+    """Return borders, nodes that turn and their ways, (turns,) each, laws, misses and effects.
+
+    The laws (turns, turns) are those of each turn by each effect, the effects (turns, n + m + 2).
+    Last, which turns are of the one node that holds the creep, which nothing would hold then.
+    """
     borders, others = list(_borders(solution, faces)), list(_others(solution, faces, open_ends))
     turns = [turn for border in borders for turn in border] + others
     nodes, ways = np.array(turns, dtype=np.intp).reshape(-1, 2).T
     effects = joint.effects(solution.joint[0], nodes)
-    laws = joint.laws(nodes, ways) @ effects.T  # of each turn, by each effect
+    laws = joint.laws(nodes, ways) @ effects.T
     left = solution.traction[nodes] - ways * solution.bound[nodes]
     misses = np.where(ways == 0, solution.slip[nodes], left)
-    changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
-    by_nodes = []
     holding = joint.held[solution.state.take(joint.held) == 0]
-    if holding.size == 1:  # without it nothing holds the creep: what holds it moves by a node
-        own = [4 * k for k, border in enumerate(borders) if holding in (border[1][0], border[2][0])]
-        if len(own) == 2:
-            moves = [changes.of_two(own[0] + turn, own[1] + turn) for turn in (1, 2)]
-            by_nodes.append([changes.unknown, *moves, changes.unknown])
-        for turn in (nodes == holding).nonzero()[0].tolist():
-            changes.misses[turn] = nan
-    for k, border in zip(range(0, len(turns), 4), borders, strict=False):
-        back, on = (border[j] != border[j + 1] for j in (0, 2))  # no zones of one node
-        by_nodes.append([
-            changes.of_two(k, k + 1) if back else changes.unknown,
-            changes.of_one(k + 1), changes.of_one(k + 2),
-            changes.of_two(k + 2, k + 3) if on else changes.unknown,
-        ])  # fmt: skip
-    first = 4 * len(borders)
-    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, len(turns))]
-    unseen = [changes.of_one(k) for k in range(first, len(turns))]
-    held = [changes.of_pair(*pair) for pair in _pairs(near, nodes.tolist(), faces)]
-    outputs = gradients.shape[1]
-    return Moved(
-        np.array(by_nodes).reshape(-1, 4, outputs),
-        *(np.array(found).reshape(-1, outputs) for found in (unseen, held)),
-    )
+    free = np.isin(nodes, holding) if holding.size == 1 else np.zeros(nodes.size, dtype=bool)
+    return borders, nodes, ways, laws, misses, effects, free
+
+
+class Resting(NamedTuple):
+    """What outputs change by as borders come to rest: ``slopes`` @ misses, about a state.
+
+    The misses (turns,) are those of ``nodes`` that turn to ``ways``, of their new laws; changes are
+    of their first degree, so that the ``slopes`` (outputs, turns) tell all.  ``gradients`` are
+    those of the changes by the joint system's unknowns, (outputs, n + m + 2).
+    """
+
+    nodes: Array
+    ways: Array
+    slopes: Array
+    gradients: Array
+
+    def under(self, slip: Array, traction: Array, bound: Array) -> Array:
+        """Return the changes where all nodes have these, (outputs,)."""
+        nodes, ways = self.nodes, self.ways
+        misses = np.where(ways == 0, slip[nodes], traction[nodes] - ways * bound[nodes])
+        return np.asarray(self.slopes @ misses)
+
+
+def by_misses(
+    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array
+) -> Resting:
+    """Return what outputs change by as borders come to rest, linearised.
+
+    Parameters as of :func:`by_turning`; what the laws and effects themselves change by is left out,
+    a share of these changes as small as they are.
+    """
+    borders, nodes, ways, laws, misses, effects, free = _turned(joint, solution, faces, ())
+    misses[free] = nan
+    outputs, table = (effects @ gradients).tolist(), laws.tolist()
+    slopes = np.zeros((gradients.shape[1], nodes.size))
+
+    def of(border: int, by: Array) -> Array:
+        changes = _Changes(table, by.tolist(), outputs)  # by nodes, (4, outputs)
+        return np.array(changes.of_border(4 * border, borders[border]))
+
+    for border in range(len(borders)):
+        at = of(border, misses)
+        for turn in range(4 * border, 4 * border + 4):
+            change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
+            slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
+    return Resting(nodes, ways, slopes, slopes @ joint.laws(nodes, ways))
+
+
+def _slope(at: Array, on: Array) -> float:
+    """Return the derivative of :func:`_rest` at some changes by nodes along others."""
+    size, way = (float(np.nan_to_num(np.abs(changes)).max()) for changes in (at, on))
+    step = STEP * size / (way or 1.0)
+    more, less = (_rest(*(at + side * step * on).tolist())[0] for side in (1, -1))
+    slope = (more - less) / (2 * step) if step else 0.0
+    return slope if isfinite(slope) else 0.0
 
 
 class _Changes:
@@ -132,6 +191,26 @@ class _Changes:
         law = self.laws[node][node]
         step = -self.misses[node] / law if law else nan
         return [step * change for change in self.by_effects[node]]
+
+    def of_border(self, first: int, border: list[Turn]) -> list[list[float]]:
+        """Return the changes where a border moves by -2, -1, 1 and 2 nodes."""
+        back, on = (border[j] != border[j + 1] for j in (0, 2))  # no zones of one node
+        return [
+            self.of_two(first, first + 1) if back else self.unknown,
+            self.of_one(first + 1), self.of_one(first + 2),
+            self.of_two(first + 2, first + 3) if on else self.unknown,
+        ]  # fmt: skip
+
+    def of_one_held(self, borders: Sequence[list[Turn]], free: Array) -> list[list[list[float]]]:
+        """Return them where the one node that holds the creep is followed by that beside it.
+
+        As of a border that moves by -1 and 1 nodes; nothing where there is no such node.
+        """
+        own = [4 * k for k in range(len(borders)) if free[4 * k + 1] or free[4 * k + 2]]
+        if len(own) != 2:
+            return []
+        moves = [self.of_two(own[0] + turn, own[1] + turn) for turn in (1, 2)]
+        return [[self.unknown, *moves, self.unknown]]
 
     def of_two(self, one: int, two: int) -> list[float]:
         """Return them where two nodes turn at once."""
@@ -218,9 +297,6 @@ def _rest(two_back: float, back: float, on: float, two_on: float) -> tuple[float
     unlike = ((before - 1) ** 2 + (behind - 1) ** 2) / 2 * bend * bend
     resting = RESTING**2 * near + UNLIKE**2 * unlike
     return share * rest, unmoved[1] + share * (resting - unmoved[1])
-
-
-Turn = tuple[int, int]  # a node, and the state that it turns to
 
 
 def _ends(faces: Sequence[Array]) -> Iterator[tuple[int, int]]:

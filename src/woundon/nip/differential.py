@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..contact.borders import Resting
 from ..errors import InvalidProblem
 
 __all__ = ["Differential"]
@@ -35,6 +36,8 @@ class Differential:
         The matrices of the state.
     half_width : float
         a [m].
+    resting : Resting, optional
+        What outputs change by as borders come to rest; else none does.
     """
 
     outputs: ClassVar[tuple[str, ...]]
@@ -42,12 +45,24 @@ class Differential:
 
     rest: Array
     here: Any
+    resting: Resting | None = None
+    _known: tuple[Any, Any] | None = None
 
     def __init__(self, result: Any, told: tuple[str, ...]) -> None:
         self.told = told
         self.result, self.problem, self.half_width = result, result.problem, result.half_width
         # bodies that are not linear have their tangents about the result, which is kept fixed
         self.step = STEP if self.problem.linear else STEP_OF_TANGENTS
+
+    def laws(self, made: Any) -> Any:
+        """Return what laws say at the fixed unknowns; both R and J ask for the same ones."""
+        if self._known is None or self._known[0] is not made:
+            self._known = made, self.laws_of(made)
+        return self._known[1]
+
+    def laws_of(self, made: Any) -> Any:
+        """Return what laws say at the fixed unknowns."""
+        raise NotImplementedError
 
     def jacobian(self) -> Array:
         """Return R_u."""
@@ -99,7 +114,7 @@ class Differential:
 
     @cached_property
     def outputs_here(self) -> Array:
-        """The outputs of the mesh's own solution."""
+        """The outputs at the result, as it tells them."""
         return self.output_values(self.problem, self.here)
 
     def _size(self, name: str, value: float) -> float:

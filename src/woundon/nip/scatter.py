@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.borders import at_rest, by_turning
+from ..contact.borders import Resting, at_rest, by_misses, by_turning
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..two_bodies import SLIP_RATIOS
 
-__all__ = ["by_borders", "by_cells", "rest_of_borders", "unseen_stick", "with_borders"]
+__all__ = ["by_borders", "by_cells", "rest_of_borders", "resting", "unseen_stick",
+           "with_borders"]  # fmt: skip
 
 Array = np.ndarray
 
@@ -80,6 +81,13 @@ def _found(problem: Any, level: Level) -> _AtBorders:
     solution, joint = level.state.solution, level.equations.joint
     faces = (np.arange(joint.unknowns),) * 2
     return _AtBorders(*at_rest(by_turning(joint, solution, faces, _gradients(problem, level))))
+
+
+def resting(problem: Any, level: Level) -> Resting:
+    """Return the derivatives of what NIT changes by as borders come to rest."""
+    joint = level.equations.joint
+    faces = (np.arange(joint.unknowns),) * 2
+    return by_misses(joint, level.state.solution, faces, _gradients(problem, level)[:, :1])
 
 
 def _gradients(problem: Any, level: Level) -> Array:

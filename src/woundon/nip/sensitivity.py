@@ -29,6 +29,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
+from ..contact.borders import Resting
+from ..contact.levels import Level
 from ..contact.response import Response, Tractions
 from ..contact.schemes import ELEMENTS
 from ..errors import InvalidProblem, did_you_mean
@@ -39,10 +41,11 @@ from ..threads import one_thread
 from ..two_bodies import Matrices, mesh_of
 from .border_sensitivity import BorderDifferential
 from .differential import Differential
-from .equations import NipMatrices
+from .equations import NipEquations, NipMatrices
 from .laws import NipLaws
 from .result import RIG_ANGLE, NipResult
 from .roll_surface import Rise
+from .scatter import resting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,6 +61,10 @@ MOST_TOLD = 3  # parameters in one line
 class Sensitivity(ReadOnly):
     """First derivatives of a nip's outputs at one problem.
 
+    Of tensions corrected for where borders of stick lie within their cells (``extrapolation``) they
+    are those of the corrected ones, but for what the influence of a border's nodes itself changes
+    by: about the correction's share of the tension.
+
     Attributes
     ----------
     outputs : tuple of str
@@ -68,7 +75,7 @@ class Sensitivity(ReadOnly):
     derivatives : (outputs, parameters) array
         SI units of output per SI unit of field.
     values, fields : (outputs,), (parameters,) arrays
-        Where they were taken; values are those of the mesh, as NIT less its ``extrapolation``.
+        Where they were taken; values are those of which they are the derivatives.
     zone_change : str
         Empty, or the nodes that are about to change between stick and slip: there the
         derivatives to both sides differ.
@@ -215,6 +222,8 @@ def differentiated(
     fields = np.array([known[name] for name in names])
     asked = [told.index(name) for name in outputs]
     values = equations.outputs_here[asked]
+    if equations.resting is not None:  # what a result tells is found with factors a little older
+        values = np.array([getattr(result, name) for name in outputs])
     return Sensitivity(
         outputs, names, derivatives[asked], values, fields, equations.near_zone_change()
     )
@@ -260,18 +269,39 @@ class _NipDifferential(Differential):
         self.u = _Unknowns(result.pressure[inside], shift, traction, creep, zones)
         self.nodes = slice(0, 2 * self.n)
         self.rest = self.residual(problem, self.assembled(problem, a, ""))
+        self.resting = self._resting()
+
+    def _resting(self) -> Resting | None:
+        """Return what NIT changes by as borders come to rest; None of a result without."""
+        equations = NipEquations(self.problem, self.mesh, self.here)
+        told = self.mesh.regardless and self.result.extrapolation
+        if not told or equations.joint is None:
+            return None
+        state = equations.state(equations.joint.solve(self.u.zones))
+        # NIT does not ask for the power, as widths do
+        level = Level(self.mesh, equations, state, self.problem.nip_load, 2.0)
+        return resting(self.problem, level)
 
     def residual(self, problem: NipProblem, made: Matrices | NipLaws) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
         u, n = self.u, self.n
         p, q = u.pressure, u.traction
-        miss, slips = made.laws(p, q, u.shift, u.creep)
-        slip = slips[self.nodes]
-        friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
-        law = np.where(u.zones == 0, slip, q - u.zones * friction * np.tile(p, 2))
+        miss, slip = self.laws(made)
+        law = np.where(u.zones == 0, slip, q - u.zones * self._bounds(problem))
         force = float(made.weights @ q[n:]) - problem.winding_force
         load = float(made.weights @ p) - problem.nip_load
         return np.concatenate([miss, law, [force, load]])
+
+    def laws_of(self, made: Matrices | NipLaws) -> tuple[Array, Array]:
+        """Return what is left of the indentation, and slips."""
+        u = self.u
+        miss, slips = made.laws(u.pressure, u.traction, u.shift, u.creep)
+        return miss, slips[self.nodes]
+
+    def _bounds(self, problem: NipProblem) -> Array:
+        """Return what friction can hold, (2n,)."""
+        friction = np.repeat([problem.roll_friction, problem.drum_friction], self.n)
+        return np.asarray(friction * np.tile(self.u.pressure, 2))
 
     def jacobian(self) -> Array:
         """Return R_u, (3n + 3, 3n + 3)."""
@@ -292,7 +322,7 @@ class _NipDifferential(Differential):
         J[n + 1 : 3 * n + 1] = law
         J[3 * n + 1, 2 * n + 1 : 3 * n + 1] = made.weights
         J[3 * n + 2, p] = made.weights
-        J[:, -1], _ = self.by_width()
+        J[:, -1], _ = self._by_width
         return J
 
     def output_gradients(self) -> Array:
@@ -306,6 +336,9 @@ class _NipDifferential(Differential):
         stretch = self.problem.web.compliance.c11 / self.problem.web.thickness
         creep[:] = -stretch * NIT
         creep[3 * n + 1] = 1.0
+        if self.resting is not None:
+            NIT[:-1] += self.resting.gradients[0]
+            NIT[-1] = self._by_width[1][0]
         told = [NIT, NIT, width, 2 * width, creep]
         if "rig_tension" in self.told:  # T_rig = T_out + 2h/c11 [eps1(rig) - eps1(a)]
             rise_p, rise_q, wider = self._rise.gradients(self.step)
@@ -317,6 +350,10 @@ class _NipDifferential(Differential):
         return np.array(told)
 
     @cached_property
+    def _by_width(self) -> tuple[Array, Array]:
+        return self.by_width()
+
+    @cached_property
     def _rise(self) -> Rise:
         return Rise(self.problem, self.mesh.grid, self.half_width, RIG_ANGLE, self.about[0])
 
@@ -326,6 +363,11 @@ class _NipDifferential(Differential):
         NIT = float(w @ (u.traction[:n] + u.traction[n:]))
         T_out = problem.web_tension + NIT
         creep = u.creep - problem.web.compliance.c11 / problem.web.thickness * T_out
+        if self.resting is not None:
+            _, slip = self.laws(made)
+            rest = self.resting.under(slip, u.traction, self._bounds(problem))
+            NIT += float(rest[0]) * (a / self.half_width)  # as the integral of given tractions
+            T_out = problem.web_tension + NIT
         told = [NIT, T_out, a, 2 * a, creep]
         if "rig_tension" in self.told:
             stretch = problem.web.compliance.c11 / problem.web.thickness

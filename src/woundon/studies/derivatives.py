@@ -27,8 +27,8 @@ STEP = 1e-3  # of a field: its square is left of an output, and what solves leav
 def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     """Return derivatives of a result's main outputs with respect to fields of its problem.
 
-    Nips and wrapped nips tell them exactly, those of their mesh's own outputs; of all other kinds,
-    and with options, they are central differences of the outputs told, two solves a field, over a
+    Nips and wrapped nips tell them by differentiation of their equations; of all other kinds, and
+    with options, they are central differences of the outputs told, two solves a field, over a
     thousandth of it; one-sided where one of the two is refused.
 
     Parameters

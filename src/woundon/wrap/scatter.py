@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..contact.borders import at_rest, by_turning
+from ..contact.borders import Resting, at_rest, by_misses, by_turning
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..nip.scatter import with_borders
 
-__all__ = ["by_borders", "rest_of_borders"]
+__all__ = ["by_borders", "rest_of_borders", "resting"]
 
 Array = np.ndarray
 
@@ -47,6 +47,14 @@ def _at_borders(level: Level) -> _AtBorders:
         jointly = joint is not None and solution.joint is not None
         found = level.kept["borders"] = _found(level) if jointly else _AtBorders({}, {})
     return found
+
+
+def resting(level: Level, outputs: Sequence[str]) -> Resting:
+    """Return the derivatives of what some outputs change by as borders come to rest."""
+    equations, gradients = level.equations, _gradients(level)
+    by_unknowns = np.array([gradients[name] for name in outputs]).T
+    faces = equations.roll_q, equations.drum_q
+    return by_misses(equations.joint, level.state.solution, faces, by_unknowns)
 
 
 def _found(level: Level) -> _AtBorders:

@@ -18,10 +18,12 @@ its equilibrium under them is found anew.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..contact.borders import Resting
+from ..contact.levels import Level
 from ..errors import InvalidProblem
 from ..nip.differential import Differential
 from ..nip.sensitivity import Sensitivity, continuous_fields, differentiated
@@ -30,6 +32,7 @@ from ..two_bodies import mesh_of
 from .certificate import equations_of, unknowns_of
 from .equations import WrapEquations
 from .grid import grid_for
+from .scatter import resting
 
 if TYPE_CHECKING:
     from ..problems.nip import WrappedNipProblem
@@ -89,13 +92,28 @@ class _WrapDifferential(Differential):
         self.z, self.q, self.creep = unknowns_of(result, here)
         self.zones = np.concatenate([result.roll_zone[here.roll_q], result.drum_zone[here.drum_q]])
         self.rest = self.residual(self.problem, here)
+        self.resting = self._resting()
+
+    def _resting(self) -> Resting | None:
+        """Return what outputs change by as borders come to rest; None of a result without."""
+        result, here, names = self.result, self.here, self.outputs[:3]
+        beyond = result.extrapolation, result.extrapolation_of_nip, result.extrapolation_behind
+        if not any(beyond) or here.joint is None:
+            return None
+        state = here.state(here.joint.solve(self.zones))
+        # of these outputs none asks for the power, as widths do
+        level = Level(mesh_of(result), here, state, self.problem.nip_load, 2.0)
+        return resting(level, names)
+
+    def laws_of(self, made: WrapEquations) -> Any:
+        """Return what is along the web, of the unknowns."""
+        return made.laws.at(self.z, self.q)
 
     def residual(self, problem: WrappedNipProblem, made: WrapEquations) -> Array:
         """Return R at the fixed unknowns, of another problem or half width."""
         z, q, laws = self.z, self.q, made.laws
-        along = laws.at(z, q)
-        slip = np.concatenate([along.roll_slip[:-1], along.drum_slip[:-1] + self.creep])
-        bound = made.friction * z[made.own_pressure]
+        along = self.laws(made)
+        slip, bound = self._slips_and_bounds(made)
         held = np.where(self.zones == 0, slip, q - self.zones * bound)
         force = float(made.force_weights @ q) - problem.winding_force
         load = float(made.load_weights @ z) - problem.nip_load
@@ -133,6 +151,8 @@ class _WrapDifferential(Differential):
         J = np.zeros((len(self.outputs), k + m + 2))
         J[[0, 1, 2, 5], k : k + m] = far, behind - before, behind, -stretch * far
         J[5, k + m] = 1.0
+        if self.resting is not None:
+            J[:3, :-1] += self.resting.gradients
         J[:, -1] = self.outputs_by_width
         return J
 
@@ -142,7 +162,17 @@ class _WrapDifferential(Differential):
         T = problem.web_tension + made.tension_q @ self.q
         before, behind, far = T[grid.first], T[grid.last], T[-1]
         creep = self.creep - problem.web.compliance.c11 / problem.web.thickness * far
-        return np.array([far, behind - before, behind, a, 2 * a, creep])
+        found = np.array([far, behind - before, behind, a, 2 * a, creep])
+        if self.resting is not None:
+            slip, bound = self._slips_and_bounds(made)
+            found[:3] += self.resting.under(slip, self.q, bound) * (a / self.half_width)
+        return found
+
+    def _slips_and_bounds(self, made: WrapEquations) -> tuple[Array, Array]:
+        """Return slips, and what friction can hold, of the nodes of the tractions."""
+        along = self.laws(made)
+        slip = np.concatenate([along.roll_slip[:-1], along.drum_slip[:-1] + self.creep])
+        return slip, made.friction * self.z[made.own_pressure]
 
     def by_width(self) -> tuple[Array, Array]:
         """Return dR/dln a and the outputs' dJ/dln a."""
