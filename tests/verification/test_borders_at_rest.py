@@ -336,12 +336,21 @@ def test_zones_of_every_sort_have_outputs(nip: wo.NipProblem, name: str) -> None
 def test_the_only_node_that_holds_the_creep_does_not_turn(nip: wo.NipProblem) -> None:
     joint, _ = solved(nip)
     state = patterns(joint.unknowns)["all of the drum slips but a node"]
-    told = moved(joint, joint.solve(state))
-    one, two = told.by_nodes[-2:]  # the borders before and behind it
+    solution = joint.solve(state)
+    told = moved(joint, solution)
+    one, two, held = told.by_nodes[-3:]  # the borders before and behind it, and both together
     assert np.isnan(one[2:]).all()  # the first one on, the second one back: it would slip
     assert np.isnan(two[:2]).all()
     assert np.isfinite(one[1]).all()
     assert np.isfinite(two[2]).all()
+    # the node before it or behind it holds the creep then
+    node = joint.unknowns + joint.unknowns // 2
+    size = np.abs(solution.joint[1]).max()
+    for beside, change in ((-1, held[1]), (1, held[2])):
+        anew = changed(joint, solution, (node, 1), (node + beside, 0))
+        # factors of either state leave rounding, 1e-13 of the unknowns' own size
+        np.testing.assert_allclose(change, anew, rtol=1e-6, atol=1e-10 * size)
+    assert np.isnan(held[::3]).all()
 
 
 def test_borders_rest_where_a_quartic_does() -> None:
