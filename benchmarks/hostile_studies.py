@@ -348,6 +348,7 @@ def _woundon(arguments: Sequence[str], complaints: Path, largest: int) -> None:
     if largest:
         import resource
 
+        sys.dont_write_bytecode = True  # half of a module would be kept
         resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
     sys.exit(cli.main(arguments))
 

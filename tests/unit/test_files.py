@@ -7,6 +7,7 @@ import io
 import os
 import resource
 import socket
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -116,12 +117,14 @@ def test_a_link_to_a_file_is_read(tmp_path):
 @contextmanager
 def largest_file(size: int) -> Iterator[None]:
     """Let no file become larger, as on a disk that is full: the write itself fails."""
-    kept = resource.getrlimit(resource.RLIMIT_FSIZE)
+    kept, compiled = resource.getrlimit(resource.RLIMIT_FSIZE), sys.dont_write_bytecode
+    sys.dont_write_bytecode = True  # Python would keep half of a module that is imported here first
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, kept[1]))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, kept)
+        sys.dont_write_bytecode = compiled
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
