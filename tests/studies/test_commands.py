@@ -228,7 +228,10 @@ def test_the_wrapped_nip_is_fitted_to_the_measured_points(
     assert set(told["row_outputs"]) == {"wound_on_tension"}
     assert told["problem"]["roll_wrap"] == np.pi / 2
     assert told["problem"]["web"]["material"]["shear"] == told["estimates"][0]
-    assert told["rms"] == pytest.approx(_rms(wo.load_case(wrapped_case), told["estimates"][0]))
+    # what borders at rest change a tension of 700 N/m by differs by 1e-2 of itself from start to
+    # start, up to 1e-2 N/m of 18 in one point
+    rms = _rms(wo.load_case(wrapped_case), told["estimates"][0])
+    assert told["rms"] == pytest.approx(rms, rel=1e-4)
     # closer than with Table 2's own shear modulus
     assert told["rms"] < _rms(wo.load_case(wrapped_case), 10e6) < 20.0
 
