@@ -112,6 +112,16 @@ def test_the_published_process_settles_tractions_of_one_sign(sign: float) -> Non
     np.testing.assert_allclose(found.traction, exact, rtol=1e-11)
 
 
+@pytest.mark.parametrize("nodes", [200, 400])
+def test_a_load_far_below_the_figures_is_met_exactly(nodes: int) -> None:
+    """1 N/m, where the web is a quarter as thick as the nip is wide: the limit that fig. 16 tells.
+
+    A step to its half width that is taken for straight leaves 1e-7 of the laws.
+    """
+    result = wo.solve(paper_nip(winding_force=0.0, nip_load=1.0), scheme="thesis", nodes=nodes)
+    assert result.residual <= 1e-8
+
+
 def test_the_published_procedure_is_what_it_is_compared_with() -> None:
     """The one that benchmarks run: sums cut at 20 000 terms, of kernels summed exactly here."""
     told, _ = solve_as_published(paper_nip(), nodes=50)

@@ -25,6 +25,7 @@ CONTRACTION = 3.0  # of the chord method, per ln a; 0.01 to 0.8 are seen on rand
 LEFT = 0.02  # of the imbalance that is allowed
 SETTLED = 1e-12  # imbalance of what is linear
 SHORT = 0.1  # of the imbalance
+ROUGH = 1e-4  # imbalance that is allowed meshes that only start finer ones
 
 
 class Followed(NamedTuple):
@@ -84,7 +85,8 @@ def follow(
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
         error = size * min(1.0, CONTRACTION * abs(at - first) + apart**0.5)
         rest = 0.0 if abs(miss) <= tolerance.load else -miss / power
-        straight = not rest or (k == 0 and apart < SETTLED and abs(rest * step) <= tolerance.load)
+        bends = abs(rest * step) > tolerance.load or tolerance.balance < ROUGH
+        straight = not rest or (k == 0 and apart < SETTLED and not bends)
         if straight and error <= max(LEFT * tolerance.balance, 1e-15):
             slips = joint.slips(change) - left[n + 2 :]
             if rest:  # on, the way that led here
