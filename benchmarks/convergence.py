@@ -3,8 +3,8 @@
     python benchmarks/convergence.py                         tables
     python benchmarks/convergence.py --write docs            also the tables' files and the figures
 
-Plain grids (``nodes=``): the error is erratic, as borders of zones fall between nodes; hence the
-root mean square over four neighbouring grids.  Asked (``rtol=``): grids fitted to the zones, from
+Plain grids (``nodes=``): what is left of the error where borders of zones are at rest between the
+nodes is erratic where zones are short; hence the root mean square over four neighbouring grids.  Asked (``rtol=``): grids fitted to the zones, from
 2e-4 (rigid drums: 3e-5) down Chebyshev elements between their borders.  Limit: NIT on elements to
 2e-8.  Of the first nip the published procedure too, against time.
 """
