@@ -4,9 +4,10 @@
     python benchmarks/convergence.py --write docs            also the tables' files and the figures
 
 Plain grids (``nodes=``): what is left of the error where borders of zones are at rest between the
-nodes is erratic where zones are short; hence the root mean square over four neighbouring grids.  Asked (``rtol=``): grids fitted to the zones, from
-2e-4 (rigid drums: 3e-5) down Chebyshev elements between their borders.  Limit: NIT on elements to
-2e-8.  Of the first nip the published procedure too, against time.
+nodes is erratic where zones are short; hence the root mean square over four neighbouring grids.
+Asked (``rtol=``): grids fitted to the zones, from 2e-4 (rigid drums: 3e-5) down Chebyshev elements
+between their borders.  Limit: NIT on elements to 2e-8.  Of the first nip the published procedure
+too, against time.
 """
 
 from __future__ import annotations
