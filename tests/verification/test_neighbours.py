@@ -17,6 +17,8 @@ from thesis_cases import newsprint_nip, paper_nip
 import woundon as wo
 from woundon.contact import loop
 from woundon.contact.schemes import Graded
+from woundon.contact.zones import Runs
+from woundon.nip.scatter import by_cells
 from woundon.nip.solve import NipContact
 
 SEEDS = range(50150, 50155)
@@ -126,3 +128,28 @@ def test_from_a_mesh_between_it_goes_on_to_the_finest() -> None:
     assert 0.7 < ladder.errors[ladder.target] / scatter.error(128, scale) < 1
     fine = wo.solve_nip(newsprint_nip(), nodes=513).nip_induced_tension
     assert abs(ladder.values[ladder.target] - fine) < 1.5 * ladder.errors[ladder.target]
+
+
+def test_zones_are_found_again_on_their_own_mesh_whichever_cell_they_end_in() -> None:
+    """Also where they end in the cells at an edge, as on a hard drum: a start= pivots no more."""
+    ends = []
+    for load in (1000.0, 1900.0, 2600.0):
+        for nodes in (33, 49, 65):
+            result = wo.solve_nip(paper_nip(nip_load=load, winding_force=100.0), nodes=nodes)
+            x, slip_x = (at[1:-1] / result.half_width for at in (result.x, result.slip_x))
+            for zones, runs in zip(
+                (result.roll_zone, result.drum_zone), result.widths.runs, strict=True
+            ):
+                assert np.array_equal(runs.on(x, slip_x), zones[1:-1])
+                ends += [int(np.searchsorted(x, place)) for place, _ in runs.borders]
+    assert min(ends) <= 1  # in the cell at the edge, or the next one
+
+
+def test_slip_ratios_are_told_by_the_cells_in_which_zones_end() -> None:
+    """A tenth of a cell, as two changes, beside those of the meshes: never much less is told."""
+    nodes = np.array([-1.0, -0.5, 0.1, 0.5, 1.0])
+    roll = Runs([-1, 0, 1], [(-0.2, 0.0), (0.7, 0.0)])  # in cells of 0.6 and 0.5
+    told = by_cells(nodes, [roll, Runs([0], [])])
+    sizes = {name: foreseen.size for name, foreseen in told.items()}
+    assert sizes == pytest.approx({"leading_roll": 0.03, "trailing_roll": 0.025, "dual": 0.025})
+    assert {foreseen.changes for foreseen in told.values()} == {2.0}
