@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import lapack
-from .stick_slip import StickSlip, StickSlipSolution
+from .stick_slip import RigidFace, StickSlip, StickSlipSolution
 
 __all__ = ["Factors", "Joint"]
 
@@ -95,6 +95,8 @@ class Joint:
         Which pressure bounds each traction; of a nip the nodes' own, face by face.
     condensed : callable
         () -> the same, solved for the pressure.
+    rigid : RigidFace, optional
+        The face, if one is on a rigid body, whose tractions the resultant is of.
     """
 
     matrix: Array
@@ -102,6 +104,7 @@ class Joint:
     friction: Array
     own: Array
     condensed: Callable[[], StickSlip]
+    rigid: RigidFace | None = field(default=None, kw_only=True)
     _last: list[Base] = field(default_factory=list, init=False, repr=False)
 
     @cached_property

@@ -119,9 +119,9 @@ class Ladder:
         """
         self._forget()
         self._step(self.scheme.mesh(first), None, COARSE)
-        self._tell()
-        told = self._scatters[self.target]
-        size = LIKELY * told.foreseen.size * (first - 1) ** (ORDER - told.order)
+        values, name = self.history[-1], self.target
+        foreseen = self.contact.foreseen(self.level, values)[name].size
+        size = LIKELY * foreseen / self.contact.scale(name, values[name]) * (first - 1) ** ORDER
         likely = (n for n in counts if size <= rtol * (n - 1) ** ORDER)
         self._step(self.scheme.mesh(next(likely, counts[-1])), self.level.start)
         self._tell()

@@ -35,7 +35,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -44,7 +44,14 @@ from . import lapack
 if TYPE_CHECKING:
     from .joint import Joint
 
-__all__ = ["Ending", "StickSlip", "StickSlipSolution", "keep_one_stuck", "solve_stick_slip"]
+__all__ = [
+    "Ending",
+    "RigidFace",
+    "StickSlip",
+    "StickSlipSolution",
+    "keep_one_stuck",
+    "solve_stick_slip",
+]
 
 Array = np.ndarray
 
@@ -60,6 +67,13 @@ class Ending(Enum):
     CYCLE = "the iteration repeats itself: use algorithm='pivoting'"
     LIMIT = "the limit of iterations was reached; another number of nodes may do"
     SINGULAR = "a linear system was singular"
+
+
+class RigidFace(NamedTuple):
+    """The nodes on a rigid body, in one row, and what integrates their tractions."""
+
+    nodes: slice
+    weights: Array
 
 
 class _System(NamedTuple):
@@ -108,6 +122,8 @@ class StickSlip:
     creep: Array | None = None
     resultant: Array | None = None
     force: float = 0.0
+
+    rigid: ClassVar[None] = None  # told to the joint system alone
 
     @cached_property
     def stick_matrix(self) -> Array:
@@ -332,16 +348,38 @@ def _pivot(problem: StickSlip | Joint, state: Array, limit: int) -> StickSlipSol
         count = int(np.count_nonzero(violated))
         if count == 0:
             return solution if solves == 1 else solution._replace(solves=solves)
+        single = count >= fewest and patience == 0
         if count < fewest:
             fewest, patience = count, 8
-        elif patience > 0:
-            patience -= 1
-        else:
-            # Murty's rule: only the violated node of the highest index
+        elif single:  # Murty's rule: only the violated node of the highest index
             violated[: np.nonzero(violated)[0][-1]] = False
-        state = keep_one_stuck(problem, solution, solution.flipped(violated))
+        else:
+            patience -= 1
+        state = solution.flipped(violated)
+        if problem.rigid is not None and not single:
+            _pass_on(problem.rigid, solution, violated, state)
+        state = keep_one_stuck(problem, solution, state)
         solution = problem.solve(state)
     return solution._replace(ending=Ending.LIMIT, solves=limit)
+
+
+def _pass_on(face: RigidFace, solution: StickSlipSolution, violated: Array, state: Array) -> None:
+    """Turn nodes of a rigid body that cannot hold what the last one of a run of stick passes on.
+
+    Where a web sticks to a rigid body its strain tells what each node holds, but for the last one
+    of a run, which takes what is left of the force: that one alone would turn from state to state.
+    What is above its bound goes to the nodes before it, until their slack holds it.
+    """
+    nodes, weights = face
+    before, traction, bound = solution.state[nodes], solution.traction[nodes], solution.bound[nodes]
+    ends = violated[nodes] & (before == 0)
+    ends[:-1] &= before[1:] != 0
+    for last in ends.nonzero()[0].tolist():
+        way = 1 if traction[last] > 0 else -1
+        over = weights * (way * traction - bound)
+        held = (over[last::-1].cumsum() <= 0) | (before[last::-1] != 0)
+        turned = int(held.argmax()) if held.any() else last + 1
+        state[nodes][last + 1 - turned : last + 1] = way
 
 
 def keep_one_stuck(problem: StickSlip | Joint, solution: StickSlipSolution, state: Array) -> Array:

@@ -31,7 +31,7 @@ import numpy as np
 from ..contact.joint import Joint
 from ..contact.response import Response, Tractions
 from ..contact.schemes import Mesh
-from ..contact.stick_slip import StickSlip, StickSlipSolution
+from ..contact.stick_slip import RigidFace, StickSlip, StickSlipSolution
 from ..two_bodies import About, Matrices, PairEquations, PairState
 from .laws import NipLaws
 
@@ -151,7 +151,8 @@ class NipEquations(PairEquations):
         row *= self._size
         right = np.concatenate([made.gap, [0.0], -made.offset])
         own = np.concatenate([np.arange(n)] * 2)
-        return Joint(made.whole, right, self._friction, own, self.stick_slip)
+        rigid = RigidFace(slice(n, 2 * n), made.weights) if self.problem.drum.rigid else None
+        return Joint(made.whole, right, self._friction, own, self.stick_slip, rigid=rigid)
 
     @cached_property
     def _size(self) -> float:
