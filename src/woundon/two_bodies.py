@@ -433,8 +433,8 @@ class PairContact:
         """Return by how much outputs scatter usually on such a mesh."""
         cells = level.mesh.nodes.size - 1
         return {
-            name: usual._replace(size=usual.size * self.scale(name, scalars[name]) / cells**ORDER)
-            for name, usual in USUAL.items()
+            name: Foreseen(size * self.scale(name, scalars[name]) / cells**ORDER, changes)
+            for name, (size, changes) in USUAL.items()
             if name in scalars
         }
 

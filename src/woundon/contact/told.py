@@ -91,8 +91,9 @@ class Scatter(NamedTuple):
             for (a, b), (one, two) in zip(pairwise(values), pairwise(shares), strict=True)
         ][-COUNTED:]
         size = sqrt(sum(told) / len(told)) / scale if told else 0.0
-        foreseen = foreseen._replace(size=foreseen.size * cells[-1] ** order / scale)
-        return cls(size, len(told), order, foreseen)
+        usual, changes = foreseen
+        of_one_cell = Foreseen(usual * cells[-1] ** order / scale, changes)
+        return cls(size, len(told), order, of_one_cell)
 
     @property
     def freedom(self) -> float:
