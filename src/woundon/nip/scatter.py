@@ -23,12 +23,12 @@ Array = np.ndarray
 # of what is usual where that is mostly the borders' doing; as how many changes a mesh alone counts
 REST, KNOWN = 0.3, 2.0
 WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
-OUTPUTS = ("nip_induced_tension", "half_width", "peak_pressure", "offset", "drum_creep")
+OUTPUTS = ("nip_induced_tension", "peak_pressure", "offset", "drum_creep")  # the width hardly
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
 
 
 class _AtBorders(NamedTuple):
-    """What outputs change by as borders come to rest, and by how much they may be off, (5,)."""
+    """What outputs change by as borders come to rest, and by how much they may be off, (4,)."""
 
     rest: Array
     scatter: Array
@@ -40,10 +40,7 @@ def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dic
     if at is None:
         return dict(usual)
     scatter = dict(zip(OUTPUTS, at.scatter.tolist(), strict=True))
-    scatter |= {
-        "tension_behind_nip": scatter["nip_induced_tension"],
-        "nip_width": 2 * scatter["half_width"],
-    }
+    scatter["tension_behind_nip"] = scatter["nip_induced_tension"]
     return with_borders(usual, scatter)
 
 
@@ -98,13 +95,12 @@ def _gradients(problem: Any, level: Level) -> Array:
     weights, state = level.equations.matrices.weights, level.state
     n, p, load = weights.size, state.pressure, level.load
     whole = float(weights @ state.traction.reshape(2, n).sum(axis=0))
-    top, wider = int(np.argmax(p)), weights / (load * level.power)
+    top = int(p.argmax())
     stretch = problem.web.compliance.c11 / problem.web.thickness
     by_unknowns = np.zeros((len(OUTPUTS), 3 * n + 2))
-    tension, width, peak, offset, creep = by_unknowns
+    tension, peak, offset, creep = by_unknowns
     tension[:n], tension[n + 1 : -1] = weights * (-whole / load), np.tile(weights, 2)
-    width[:n] = wider * level.half_width
-    peak[:n] = (wider - weights / load) * p[top]
+    peak[:n] = weights * (p[top] * (1 / level.power - 1) / load)
     peak[top] += 1.0
     offset[n] = problem.contact_radius
     creep[n + 1 : -1], creep[-1] = -stretch * tension[n + 1 : -1], 1.0
