@@ -12,9 +12,10 @@ from functools import lru_cache
 import numpy as np
 
 import woundon as wo
+from woundon.contact.meshes import Mesh
 from woundon.contact.panagiotopoulos import panagiotopoulos
 from woundon.contact.response import Response
-from woundon.contact.schemes import SCHEMES, Mesh
+from woundon.contact.schemes import SCHEMES
 from woundon.contact.stick_slip import Ending
 from woundon.contact.width import width_for_load
 from woundon.elasticity.cylinder import Sequences, sequences

@@ -30,7 +30,7 @@ from .quantities import Quantity, length, line_load
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from .contact.schemes import Mesh
+    from .contact.meshes import Mesh
 
 __all__ = ["Losses", "Surface", "balance_law", "lost", "pressed", "surface", "surfaces"]
 

@@ -20,9 +20,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from .contact.loop import Before, Level, Start
+from .contact.meshes import Mesh
 from .contact.normal import solve_normal
 from .contact.response import Response, Tractions, on_columns, padded
-from .contact.schemes import Graded, Mesh, scheme_of
+from .contact.schemes import Graded, scheme_of
 from .contact.stick_slip import StickSlip, StickSlipSolution
 from .contact.told import ORDER, Foreseen
 from .contact.width import WidthNotFound, width_for_load

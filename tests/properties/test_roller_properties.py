@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import woundon as wo
 from woundon.contact.grid import Grid
-from woundon.contact.schemes import interpolation_rank
+from woundon.contact.meshes import interpolation_rank
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:

@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import quad
 
 from woundon.contact.grid import Grid, cosine_grid, segmented_grid, uniform_grid, zone_borders
-from woundon.contact.schemes import interpolation_rank
+from woundon.contact.meshes import interpolation_rank
 from woundon.elasticity.kernels import Kernel
 
 Array = np.ndarray

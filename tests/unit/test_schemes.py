@@ -9,8 +9,9 @@ import pytest
 
 import woundon as wo
 from woundon.contact.grid import Grid, cosine_grid, segmented_grid
+from woundon.contact.meshes import GradedMesh, Mesh
 from woundon.contact.response import Response, Tractions, on_columns, padded
-from woundon.contact.schemes import SCHEMES, GradedMesh, Mesh, scheme_of
+from woundon.contact.schemes import SCHEMES, scheme_of
 from woundon.elasticity import half_plane
 from woundon.problems.bodies import KernelBody
 from woundon.wrap.face import FaceGrid

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from .schemes import Mesh
+from .meshes import Mesh
 from .stick_slip import StickSlip, StickSlipSolution
 from .told import Foreseen
 

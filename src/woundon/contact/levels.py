@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .grid import nearest_nodes, zone_borders
-from .schemes import Mesh
+from .meshes import Mesh
 from .told import Scatter
 from .zones import Runs
 

@@ -20,8 +20,9 @@ import numpy as np
 from ..errors import NotConverged
 from .contracts import Contact, Equations, State
 from .levels import Before, Level, Scalars, Start, Widths
+from .meshes import Mesh
 from .one_mesh import ALGORITHMS, COARSE, COARSEST, FINE, FindZones, OneMesh, Tolerance
-from .schemes import Graded, Mesh, Scheme
+from .schemes import Graded, Scheme
 from .stick_slip import solve_stick_slip
 from .told import (
     CHANCE,

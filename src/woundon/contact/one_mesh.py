@@ -20,8 +20,8 @@ from ..errors import NotConverged
 from .contracts import Contact
 from .follow import follow
 from .levels import Known, Level, Start
+from .meshes import Mesh
 from .panagiotopoulos import panagiotopoulos
-from .schemes import Mesh
 from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
 from .width import WidthNotFound, width_for_load
 

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..contact.meshes import ElementMesh
 from ..contact.response import Tractions
-from ..contact.schemes import ELEMENTS, ElementMesh
+from ..contact.schemes import ELEMENTS
 from ..two_bodies import mesh_of
 from .borders import scales
 from .differential import Differential

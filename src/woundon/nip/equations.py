@@ -29,8 +29,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from ..contact.joint import Joint
+from ..contact.meshes import Mesh
 from ..contact.response import Response, Tractions
-from ..contact.schemes import Mesh
 from ..contact.stick_slip import RigidFace, StickSlip, StickSlipSolution
 from ..two_bodies import About, Matrices, PairEquations, PairState
 from .laws import NipLaws

@@ -12,8 +12,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..contact.meshes import Mesh
 from ..contact.response import Response, Tractions
-from ..contact.schemes import Mesh
 
 __all__ = ["NipLaws"]
 

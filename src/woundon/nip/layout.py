@@ -12,8 +12,9 @@ import numpy as np
 
 from ..contact.grid import zone_borders
 from ..contact.loop import Level
+from ..contact.meshes import ElementMesh
 from ..contact.response import padded
-from ..contact.schemes import ELEMENTS, ElementMesh
+from ..contact.schemes import ELEMENTS
 from ..contact.stick_slip import StickSlipSolution
 from ..two_bodies import Matrices, PairState
 from .equations import NipEquations, NipMatrices

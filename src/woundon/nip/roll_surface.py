@@ -10,8 +10,8 @@ import numpy as np
 
 from ..contact.action import Action
 from ..contact.grid import Grid
+from ..contact.meshes import interpolation_rank
 from ..contact.response import Gradients, Response, Tractions
-from ..contact.schemes import interpolation_rank
 from ..errors import InvalidProblem
 from ..two_bodies import restored_mesh
 

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
+from ..contact.meshes import RESOLVED
 from ..contact.response import Response
-from ..contact.schemes import RESOLVED
 from ..elasticity import cylinder, half_plane, rolling
 from ..elasticity.kernels import SurfaceKernels
 from ..elasticity.layers import stacked_compliance

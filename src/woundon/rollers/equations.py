@@ -17,8 +17,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from ..contact.meshes import Mesh
 from ..contact.response import Response, Tractions
-from ..contact.schemes import Mesh
 from ..contact.stick_slip import StickSlip
 from ..two_bodies import About, Matrices, PairEquations
 

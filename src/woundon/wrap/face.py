@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..contact.meshes import interpolation_rank
 from ..contact.response import Response, Tractions
-from ..contact.schemes import interpolation_rank
 from ..losses import Surface
 from ..problems.bodies import Body
 from ..problems.nip import WindingNip

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contact.grid import HIGHEST_RANK, Grid, Past, chebyshev_points
-from ..contact.schemes import interpolation_rank
+from ..contact.meshes import interpolation_rank
 from ..elasticity.kernels import Kernel, singular
 from .integrals import OpenGrid, closed, closed_blocks, gauss
 

@@ -21,8 +21,9 @@ import numpy as np
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.certificate import ROUNDING
 from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
+from ..contact.meshes import Mesh
 from ..contact.response import Tractions
-from ..contact.schemes import Graded, Mesh
+from ..contact.schemes import Graded
 from ..contact.told import NOTHING, Foreseen
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..losses import Surface
