@@ -35,8 +35,9 @@ from random_nips import flat_fields, random_nip, random_rollers, random_wrapped_
 from table_run import Row, run_table
 
 import woundon as wo
+from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES
-from woundon.contact.stick_slip import Ending, solve_stick_slip
+from woundon.contact.stick_slip import Ending
 from woundon.nip.equations import NipEquations
 
 warnings.simplefilter("ignore", wo.ValidityWarning)

@@ -7,7 +7,7 @@ import pytest
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.contact.stick_slip import solve_stick_slip
+from woundon.contact.pivoting import solve_stick_slip
 from woundon.wrap import action, face
 from woundon.wrap.certificate import equations_of, unknowns_of
 from woundon.wrap.equations import WrapEquations

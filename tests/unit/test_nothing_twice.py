@@ -12,8 +12,9 @@ from viscoelastic_cases import cover, rubber
 import woundon as wo
 from woundon.contact import one_mesh
 from woundon.contact.normal import solve_normal
+from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import Graded
-from woundon.contact.stick_slip import StickSlip, solve_stick_slip
+from woundon.contact.stick_slip import StickSlip
 from woundon.elasticity.fourier import HarmonicSums
 from woundon.wrap.solve import WrapContact
 

@@ -14,8 +14,9 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.contact.joint import Joint
+from woundon.contact.pivoting import _bracket_creep, solve_stick_slip
 from woundon.contact.schemes import SCHEMES
-from woundon.contact.stick_slip import StickSlip, _bracket_creep, solve_stick_slip
+from woundon.contact.stick_slip import StickSlip
 from woundon.nip.equations import NipEquations
 from woundon.quantities import length, pure, strain
 

@@ -21,8 +21,9 @@ from woundon.contact.borders import BESIDE, Moved, at_rest, by_turning
 from woundon.contact.grid import cosine_grid
 from woundon.contact.joint import Joint
 from woundon.contact.loop import LIKELY, Ladder
+from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import Graded
-from woundon.contact.stick_slip import Ending, StickSlipSolution, solve_stick_slip
+from woundon.contact.stick_slip import Ending, StickSlipSolution
 from woundon.contact.zones import Runs
 from woundon.nip.equations import NipEquations
 from woundon.nip.scatter import unseen_stick

@@ -12,11 +12,12 @@ from random_nips import random_nip
 from scipy.stats import t
 
 import woundon as wo
-from woundon.contact import lapack, stick_slip
+from woundon.contact import lapack, pivoting
 from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
+from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES, Graded
-from woundon.contact.stick_slip import Ending, StickSlipSolution, solve_stick_slip
+from woundon.contact.stick_slip import Ending, StickSlipSolution
 from woundon.contact.told import OUTSIDE, STUDENT, Foreseen, Scatter
 from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.nip.laws import NipLaws
@@ -280,7 +281,7 @@ def test_what_the_last_sticking_node_of_a_rigid_drum_cannot_hold_is_passed_on(
 ) -> None:
     """From cold, over forty nips; else one node after another turns at the end of stick."""
     systems = [joints(hard_nips())]
-    monkeypatch.setattr(stick_slip, "_pass_on", lambda *_: None)
+    monkeypatch.setattr(pivoting, "_pass_on", lambda *_: None)
     systems.append(joints(hard_nips()))
     for passed, alone in zip(*systems, strict=True):
         np.testing.assert_array_equal(passed.state, alone.state)

@@ -182,9 +182,10 @@ def test_what_is_one_number_twice_has_one_slope() -> None:
     with own_of_mesh():
         s = wo.solve_nip(newsprint_nip(winding_force=50.0), nodes=65).sensitivity()
     NIT, T_out, a, width, *_ = s.derivatives
-    np.testing.assert_array_equal(width, 2 * a)
+    # rounding, of systems of a condition of 1e4
+    np.testing.assert_allclose(width, 2 * a, rtol=1e-10)
     others = np.array(s.parameters) != "web_tension"
-    np.testing.assert_allclose(T_out[others], NIT[others], rtol=1e-12)
+    np.testing.assert_allclose(T_out[others], NIT[others], rtol=1e-10)
 
 
 def test_a_zone_change_is_announced_and_its_two_sides_differ() -> None:

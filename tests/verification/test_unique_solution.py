@@ -18,7 +18,8 @@ import pytest
 from seldom import seldom
 
 from woundon.contact.grid import cosine_grid
-from woundon.contact.stick_slip import Ending, StickSlip, solve_stick_slip
+from woundon.contact.pivoting import solve_stick_slip
+from woundon.contact.stick_slip import Ending, StickSlip
 
 Array = np.ndarray
 # against the product of the diagonal's roots; rounding of determinants this small is near 1e-13

@@ -13,8 +13,8 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon.contact.grid import Grid
+from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES
-from woundon.contact.stick_slip import solve_stick_slip
 from woundon.contact.width import width_for_load
 from woundon.nip.equations import NipEquations, NipMatrices
 

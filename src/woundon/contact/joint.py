@@ -8,7 +8,7 @@ r"""The whole contact problem of one half width as one system: pressure, shift, 
 A slipping node needs no unknown of its own: its traction is s mu p, so that its column is added to
 that of its pressure and its row is left out.  What is left has n + 2 unknowns and one a sticking
 node, less work than to solve for the pressure by all tractions first.  That is what the regula
-falsi of :mod:`.stick_slip` asks for, to which :attr:`Joint.condensed` leads back.
+falsi of :mod:`.pivoting` asks for, to which :attr:`Joint.condensed` leads back.
 
 From one state to the next a few nodes turn.  Each of them may then miss the law that it obeyed, by
 c: slip where it stuck, more or less than s mu p where it slipped.  The unknowns are linear in these

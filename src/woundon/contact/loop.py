@@ -22,8 +22,8 @@ from .contracts import Contact, Equations, State
 from .levels import Before, Level, Scalars, Start, Widths
 from .meshes import Mesh
 from .one_mesh import ALGORITHMS, COARSE, COARSEST, FINE, FindZones, OneMesh, Tolerance
+from .pivoting import solve_stick_slip
 from .schemes import Graded, Scheme
-from .stick_slip import solve_stick_slip
 from .told import (
     CHANCE,
     CHANGE_WEIGHT,

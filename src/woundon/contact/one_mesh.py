@@ -1,7 +1,7 @@
 """A contact on one mesh: stick and slip for a half width, inside the iteration on the half width.
 
 for a half width a: equations                                    Contact.equations
-                    stick and slip                               stick_slip
+                    stick and slip                               pivoting
                     on to the width that carries the load        follow
 secant on a, where that does not get there                       width
 again about what was found, until nothing moves (where something was linearised)
@@ -22,7 +22,8 @@ from .follow import follow
 from .levels import Known, Level, Start
 from .meshes import Mesh
 from .panagiotopoulos import panagiotopoulos
-from .stick_slip import Ending, StickSlip, StickSlipSolution, solve_stick_slip
+from .pivoting import solve_stick_slip
+from .stick_slip import Ending, StickSlip, StickSlipSolution
 from .width import WidthNotFound, width_for_load
 
 __all__ = ["ALGORITHMS", "COARSE", "COARSEST", "FINE", "FindZones", "OneMesh", "Tolerance"]

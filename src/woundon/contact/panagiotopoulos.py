@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from .stick_slip import Ending, StickSlip, StickSlipSolution, keep_one_stuck
+from .pivoting import keep_one_stuck
+from .stick_slip import Ending, StickSlip, StickSlipSolution
 
 __all__ = ["panagiotopoulos"]
 
