@@ -250,7 +250,8 @@ def test_sensitivities_of_a_nip_are_the_exact_ones(client, cases):
     exact = wo.solve(wo.NipProblem.example()).sensitivity().sorted()
     assert told["method"] == "exact"
     assert told["parameters"] == list(exact.parameters)
-    np.testing.assert_array_equal(told["derivatives"], exact.derivatives)
+    # rounding: where arrays lie in memory, products of matrices differ in their last digits
+    np.testing.assert_allclose(told["derivatives"], exact.derivatives, rtol=1e-8)
 
 
 def test_differences_agree_with_the_exact_sensitivities():
