@@ -111,7 +111,8 @@ def test_only_the_named_fields_are_answered_in_their_order() -> None:
     assert some.parameters == ("nip_load", "roll.material.shear")
     for name in some.parameters:
         for output in some.outputs:
-            assert some.derivative(output, name) == every.derivative(output, name)
+            known = every.derivative(output, name)  # but for rounding
+            assert some.derivative(output, name) == pytest.approx(known, rel=1e-10, abs=0)
     with pytest.raises(wo.InvalidProblem, match=r"did you mean 'roll\.material\.shear'"):
         result.sensitivity("roll.material.sheer")
 
