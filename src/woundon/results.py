@@ -204,6 +204,15 @@ class Result(ReadOnly):
         """Return the same result with other fields."""
         return replace(self, **changes)
 
+    def measured(
+        self, *, errors: Mapping[str, float], residuals: Residuals, warnings: tuple[str, ...]
+    ) -> Self:
+        """Return the same result with what was measured on it."""
+        found = object.__new__(type(self))  # all else was seen to when it was made
+        vars(found).update(vars(self), residuals=residuals, warnings=warnings)
+        vars(found)["errors"] = MappingProxyType(dict(errors))
+        return found
+
     @overload
     def plot(self, path: str | PathLike[str] | None = None, ax: None = None,
              panels: str | Sequence[str] | None = None) -> Figure: ...  # fmt: skip

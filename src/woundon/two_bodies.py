@@ -449,7 +449,7 @@ class PairContact:
         if level.mesh.border_share == 0:  # nodes lie on the borders of an element mesh
             return {}
         peak = level.at_load(_above_nodes(padded(level.state.pressure)))
-        ends = GRAIN * float(np.max(level.mesh.grid.cells)) / 2
+        ends = GRAIN * float(level.mesh.grid.cells.max()) / 2
         return {"peak_pressure": peak, **dict.fromkeys(SLIP_RATIOS, ends)}
 
 
@@ -458,6 +458,6 @@ def _above_nodes(p: Array) -> float:
 
     By how much a second difference there stands out of those on both sides.
     """
-    bend = np.diff(p, 2)
+    bend = p[2:] - 2 * p[1:-1] + p[:-2]
     cusp = np.abs(bend[1:-1] - (bend[2:] + bend[:-2]) / 2)
-    return max(float(np.max(p[2:-2] + cusp)) - float(np.max(p)), 0.0)
+    return max(float((p[2:-2] + cusp).max()) - float(p.max()), 0.0)

@@ -121,7 +121,7 @@ class Ladder:
         self._forget()
         self._step(self.scheme.mesh(first), None, COARSE)
         values, name = self.history[-1], self.target
-        foreseen = self.contact.foreseen(self.level, values)[name].size
+        foreseen = self.contact.foreseen(self.level, {name: values[name]})[name].size
         size = LIKELY * foreseen / self.contact.scale(name, values[name]) * (first - 1) ** ORDER
         likely = (n for n in counts if size <= rtol * (n - 1) ** ORDER)
         self._step(self.scheme.mesh(next(likely, counts[-1])), self.level.start)

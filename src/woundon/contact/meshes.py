@@ -119,7 +119,7 @@ class Mesh:
 
     def peak(self, values: Array) -> float:
         """Return the largest value of a function by its values at the interior nodes."""
-        return float(np.max(values))
+        return float(values.max())
 
     def rank(self, kernels: Any, a: float) -> int:
         """Return how many interpolation points the kernels' smooth parts ask for."""

@@ -127,8 +127,9 @@ class NipEquations(PairEquations):
     @cached_property
     def _friction(self) -> Array:
         """mu of each node, (2n,)."""
-        problem = self.problem
-        return np.repeat([problem.roll_friction, problem.drum_friction], self.mesh.unknowns)
+        n, friction = self.mesh.unknowns, np.empty(2 * self.mesh.unknowns)
+        friction[:n], friction[n:] = self.problem.roll_friction, self.problem.drum_friction
+        return friction
 
     @property
     def _share(self) -> float:

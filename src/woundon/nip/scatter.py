@@ -49,9 +49,10 @@ def with_borders(
 ) -> dict[str, Foreseen]:
     """Return by how much outputs scatter that do so usually, and by what their borders leave."""
     found = dict(usual)
-    for name, size in scatter.items():
-        rest = usual[name].size * (1.0 if usual[name].changes == KNOWN else REST)
-        found[name] = Foreseen(hypot(size, rest), KNOWN)
+    for name, (size, changes) in usual.items():
+        if name in scatter:
+            rest = size * (1.0 if changes == KNOWN else REST)
+            found[name] = Foreseen(hypot(scatter[name], rest), KNOWN)
     return found
 
 
@@ -99,7 +100,8 @@ def _gradients(problem: Any, level: Level) -> Array:
     stretch = problem.web.compliance.c11 / problem.web.thickness
     by_unknowns = np.zeros((len(OUTPUTS), 3 * n + 2))
     tension, peak, offset, creep = by_unknowns
-    tension[:n], tension[n + 1 : -1] = weights * (-whole / load), np.tile(weights, 2)
+    tension[:n] = weights * (-whole / load)
+    tension[n + 1 : 2 * n + 1] = tension[2 * n + 1 : -1] = weights
     peak[:n] = weights * (p[top] * (1 / level.power - 1) / load)
     peak[top] += 1.0
     offset[n] = problem.contact_radius

@@ -322,7 +322,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         widths=ladder.widths._replace(runs=_runs_of(problem, level)),
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )  # fmt: skip
-    return result.replace(
+    return result.measured(
         errors=ladder.errors_of(result),
         residuals=certificate(result, level.equations.anew(state)),
         warnings=nip_warnings(result),

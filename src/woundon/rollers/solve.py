@@ -149,7 +149,7 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         mesh=mesh,
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
-    return result.replace(
+    return result.measured(
         errors=ladder.errors_of(result),
         residuals=certificate(result, level.equations.anew(state)),
         warnings=roller_warnings(result),

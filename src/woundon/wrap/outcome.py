@@ -59,7 +59,7 @@ def result_of(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         widths=ladder.widths,
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
-    return result.replace(
+    return result.measured(
         errors=ladder.errors_of(result),
         residuals=certificate(result, equations),
         warnings=nip_warnings(result),
