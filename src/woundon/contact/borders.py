@@ -10,8 +10,10 @@ with the changes by two nodes it is a quartic.  A mesh's own outputs miss these 
 much, there nothing, as its nodes happen to lie.
 
 Where slip meets slip the other way there is stick between, too short to be seen, and so there is
-slip before the first and behind the last node of a face that sticks.  Borders that lie side by side
-hold each other: there what both change together beyond what each does alone is left open too.
+slip before the first and behind the last node of a face that sticks.  A border there is hidden
+where the one node that would turn misses its law by nothing; so what the second one adds counts
+too.  Borders that lie side by side hold each other: there what both change together beyond what
+each does alone is left open too.  On a rigid body tractions jump instead: :mod:`.jumps`.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .joint import Joint
+from .jumps import Jumps
 from .stick_slip import StickSlipSolution
 
 __all__ = ["Moved", "Resting", "at_rest", "by_misses", "by_turning"]
@@ -51,18 +54,20 @@ class Moved(NamedTuple):
     """Changes of outputs as borders move.
 
     ``by_nodes`` are those by -2, -1, 1 and 2 nodes of each border, (borders, 4, outputs), nan where
-    a zone has not so many; ``unseen`` those by stick that is not seen, and ``held`` what two
-    borders side by side change beyond what each does, (k, outputs).
+    a zone has not so many; ``unseen`` those by stick or slip that is not seen, ``bent`` what a
+    second node at an edge changes beyond twice the first, and ``held`` what two borders side by
+    side change beyond what each does, (k, outputs).
     """
 
     by_nodes: Array
     unseen: Array
+    bent: Array
     held: Array
 
 
 def by_turning(
     joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array,
-    open_ends: Sequence[int] = (),
+    open_ends: Sequence[int] = (), jumps: Jumps | None = None,
 ) -> Moved:  # fmt: skip
     """Return the changes of outputs as each border moves.
 
@@ -77,33 +82,44 @@ def by_turning(
         Of outputs by unknowns.
     open_ends : sequence of int
         Outermost nodes at which no edge is, so that they may stick.
+    jumps : Jumps, optional
+        Which are no borders.
     """
-    borders, nodes, _, laws, misses, effects, free = _turned(joint, solution, faces, open_ends)
+    crossed = jumps.crossed if jumps else frozenset[int]()
+    edges = list(_edges(solution, faces, open_ends))
+    seen = [*_meeting(solution, faces, crossed), *(edge[0] for edge in edges)]
+    second = [edge[1] for edge in edges if len(edge) > 1]
+    borders, nodes, _, laws, misses, effects, free = _turned(
+        joint, solution, faces, crossed, seen + second
+    )
     changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
     held = changes.of_one_held(borders, free)
     changes.misses = np.where(free, nan, misses).tolist()
     by_nodes = [changes.of_border(4 * k, border) for k, border in enumerate(borders)] + held
-    first = 4 * len(borders)
-    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, nodes.size)]
-    unseen = [changes.of_one(k) for k in range(first, nodes.size)]
+    first, last = 4 * len(borders), nodes.size - len(second)
+    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, last)]
+    unseen = [changes.of_one(k) for k in range(first, last)]
+    ends = (last - len(edges) + k for k, edge in enumerate(edges) if len(edge) > 1)
+    bent = [changes.of_bend(*pair) for pair in zip(ends, range(last, nodes.size), strict=True)]
     beside = [changes.of_pair(*pair) for pair in _pairs(near, nodes.tolist(), faces)]
     outputs = gradients.shape[1]
     return Moved(
         np.array(by_nodes).reshape(-1, 4, outputs),
-        *(np.array(found).reshape(-1, outputs) for found in (unseen, beside)),
+        *(np.array(found).reshape(-1, outputs) for found in (unseen, bent, beside)),
     )
 
 
 def _turned(
-    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
-) -> tuple[list[list[Turn]], Array, Array, Array, Array, Array, Array]:
+    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array],
+    crossed: frozenset[int], others: Sequence[Turn],
+) -> tuple[list[list[Turn]], Array, Array, Array, Array, Array, Array]:  # fmt: skip
     """Return borders, nodes that turn and their ways, (turns,) each, laws, misses and effects.
 
     The laws (turns, turns) are those of each turn by each effect, the effects (turns, n + m + 2).
     Last, which turns are of the one node that holds the creep, which nothing would hold then.
     """
-    borders, others = list(_borders(solution, faces)), list(_others(solution, faces, open_ends))
-    turns = [turn for border in borders for turn in border] + others
+    borders = list(_borders(solution, faces, crossed))
+    turns = [*(turn for border in borders for turn in border), *others]
     nodes, ways = np.array(turns, dtype=np.intp).reshape(-1, 2).T
     effects = joint.effects(solution.joint[0], nodes)
     laws = joint.laws(nodes, ways) @ effects.T
@@ -119,13 +135,25 @@ class Resting(NamedTuple):
 
     The misses (turns,) are those of ``nodes`` that turn to ``ways``, of their new laws; changes are
     of their first degree, so that the ``slopes`` (outputs, turns) tell all.  ``gradients`` are
-    those of the changes by the joint system's unknowns, (outputs, n + m + 2).
+    those of the changes by the joint system's unknowns, (outputs, n + m + 2).  A way between -1
+    and 1 is that of a traction which is so much of its bound.
     """
 
     nodes: Array
     ways: Array
     slopes: Array
     gradients: Array
+
+    @classmethod
+    def of(cls, joint: Joint, nodes: Array, ways: Array, slopes: Array) -> Resting:
+        """Return them with their gradients."""
+        return cls(nodes, ways, slopes, slopes @ joint.laws(nodes, ways))
+
+    def beside(self, other: Resting) -> Resting:
+        """Return the changes of both."""
+        parts = zip(self[:3], other[:3], strict=True)
+        nodes, ways, slopes = (np.concatenate(both, axis=-1) for both in parts)
+        return Resting(nodes, ways, slopes, self.gradients + other.gradients)
 
     def under(self, slip: Array, traction: Array, bound: Array) -> Array:
         """Return the changes where all nodes have these, (outputs,)."""
@@ -135,14 +163,18 @@ class Resting(NamedTuple):
 
 
 def by_misses(
-    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array
-) -> Resting:
-    """Return what outputs change by as borders come to rest, linearised.
+    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array,
+    jumps: Jumps | None = None,
+) -> Resting:  # fmt: skip
+    """Return what outputs change by as borders and jumps come to rest, linearised.
 
     Parameters as of :func:`by_turning`; what the laws and effects themselves change by is left out,
     a share of these changes as small as they are.
     """
-    borders, nodes, ways, laws, misses, effects, free = _turned(joint, solution, faces, ())
+    crossed = jumps.crossed if jumps else frozenset[int]()
+    borders, nodes, ways, laws, misses, effects, free = _turned(
+        joint, solution, faces, crossed, ()
+    )
     misses[free] = nan
     outputs, table = (effects @ gradients).tolist(), laws.tolist()
     slopes = np.zeros((gradients.shape[1], nodes.size))
@@ -156,7 +188,8 @@ def by_misses(
         for turn in range(4 * border, 4 * border + 4):
             change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
             slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
-    return Resting(nodes, ways, slopes, slopes @ joint.laws(nodes, ways))
+    found = Resting.of(joint, nodes, ways, slopes)
+    return found.beside(Resting.of(joint, *jumps.slopes(joint, solution, gradients))) if jumps else found
 
 
 def _slope(at: Array, on: Array) -> float:
@@ -223,6 +256,11 @@ class _Changes:
         pairs = zip(self.by_effects[one], self.by_effects[two], strict=True)
         return [step * change + further * second for change, second in pairs]
 
+    def of_bend(self, one: int, two: int) -> list[float]:
+        """Return what two nodes that turn change beyond twice what the first one does."""
+        pairs = zip(self.of_two(one, two), self.of_one(one), strict=True)
+        return [both - 2 * first for both, first in pairs]
+
     def of_pair(self, one: int, two: int) -> list[float]:
         """Return what two nodes that turn at once change beyond what each does alone."""
         each = self.of_two(one, two), self.of_one(one), self.of_one(two)
@@ -246,7 +284,8 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
                 rests[k] += rest
                 squares[k] += square
     total = np.array(squares)
-    for share, changes in ((UNSEEN, moved.unseen), (HELD, moved.held)):
+    left = (UNSEEN, moved.unseen), (RESTING, moved.bent), (HELD, moved.held)
+    for share, changes in left:
         if len(changes):
             known = changes[np.isfinite(changes.sum(axis=1))]
             total += share**2 * np.square(known).sum(axis=0)
@@ -307,7 +346,9 @@ def _ends(faces: Sequence[Array]) -> Iterator[tuple[int, int]]:
         first += face.size
 
 
-def _borders(solution: StickSlipSolution, faces: Sequence[Array]) -> Iterator[list[Turn]]:
+def _borders(
+    solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
+) -> Iterator[list[Turn]]:
     """Yield, of each border of stick, the turns of the two nodes before and the two behind it.
 
     The outer one of a zone that has but one is that one again.
@@ -316,26 +357,36 @@ def _borders(solution: StickSlipSolution, faces: Sequence[Array]) -> Iterator[li
     for first, last in _ends(faces):
         for node in range(first, last):
             before, behind = states[node], states[node + 1]
-            if before == behind or before * behind:
+            if before == behind or before * behind or node in crossed:
                 continue
             back = node - 1 if node > first and states[node - 1] == before else node
             on = node + 2 if node + 1 < last and states[node + 2] == behind else node + 1
             yield [(back, behind), (node, behind), (node + 1, before), (on, before)]
 
 
-def _others(
-    solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
+def _meeting(
+    solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
 ) -> Iterator[Turn]:
-    """Yield turns of nodes beside stick that is not seen, and of those that stick at an edge."""
+    """Yield turns of nodes beside stick that is not seen."""
     states = solution.state.tolist()
     for first, last in _ends(faces):
         for node in range(first, last):
-            if states[node] * states[node + 1] < 0:
+            if states[node] * states[node + 1] < 0 and node not in crossed:
                 yield node, 0
                 yield node + 1, 0
-        for node in (first, last):
+
+
+def _edges(
+    solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
+) -> Iterator[list[Turn]]:
+    """Yield turns of nodes that stick at an edge: of the outermost one, and of the next one."""
+    states = solution.state.tolist()
+    for first, last in _ends(faces):
+        for node, inner in ((first, first + 1), (last, last - 1)):
             if states[node] == 0 and node not in open_ends:
-                yield node, 1 if solution.traction[node] > 0 else -1
+                way = 1 if solution.traction[node] > 0 else -1
+                more = first <= inner <= last and states[inner] == 0
+                yield [(node, way), (inner, way)] if more else [(node, way)]
 
 
 def _pairs(asked: Sequence[int], nodes: Sequence[int], faces: Sequence[Array]) -> Iterator[Turn]:

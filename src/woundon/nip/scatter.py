@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contact.borders import Resting, at_rest, by_misses, by_turning
+from ..contact.jumps import Jumps
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..two_bodies import SLIP_RATIOS
+from .trailing_edge import at_trailing_edge, resting_at_trailing_edge
 
 __all__ = ["by_borders", "by_cells", "rest_of_borders", "resting", "unseen_stick",
            "with_borders"]  # fmt: skip
@@ -25,6 +27,9 @@ REST, KNOWN = 0.3, 2.0
 WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
 OUTPUTS = ("nip_induced_tension", "peak_pressure", "offset", "drum_creep")  # the width hardly
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
+MOVED = np.isin(OUTPUTS, RESTS)
+# what outputs of random nips err by of their changes by jumps and by what the trailing edge misses
+JUMPED, MISSED = 0.05, 0.1
 
 
 class _AtBorders(NamedTuple):
@@ -75,16 +80,34 @@ def _at_borders(problem: Any, level: Level) -> _AtBorders | None:
 
 
 def _found(problem: Any, level: Level) -> _AtBorders:
-    solution, joint = level.state.solution, level.equations.joint
-    faces = (np.arange(joint.unknowns),) * 2
-    return _AtBorders(*at_rest(by_turning(joint, solution, faces, _gradients(problem, level))))
+    """Return what borders, jumps and the trailing edge leave open."""
+    solution, joint, gradients = (
+        level.state.solution, level.equations.joint, _gradients(problem, level),
+    )  # fmt: skip
+    faces, jumps = (np.arange(joint.unknowns),) * 2, _jumps(problem, level)
+    rest, scatter = at_rest(by_turning(joint, solution, faces, gradients, jumps=jumps))
+    edge = at_trailing_edge(problem, level, gradients)
+    jumped = jumps.changes(joint, solution, gradients) if jumps else np.zeros(len(OUTPUTS))
+    shares = np.where(MOVED, JUMPED, 1.0), np.where(MOVED, MISSED, 0.0)
+    for share, changes in zip(shares, (jumped, edge), strict=True):
+        rest = rest + changes
+        scatter = np.hypot(scatter, share * changes)
+    return _AtBorders(rest, scatter)
+
+
+def _jumps(problem: Any, level: Level) -> Jumps | None:
+    """Return where tractions of rigid bodies jump."""
+    n = level.equations.joint.unknowns
+    rigid = (face for face, body in enumerate(problem.bodies) if body.rigid)
+    return Jumps.of(level.state.solution, [(face * n, (face + 1) * n - 1) for face in rigid])
 
 
 def resting(problem: Any, level: Level) -> Resting:
-    """Return the derivatives of what NIT changes by as borders come to rest."""
-    joint = level.equations.joint
+    """Return the derivatives of what NIT changes by as borders, jumps and the edge are told."""
+    joint, gradients = level.equations.joint, _gradients(problem, level)[:, :1]
     faces = (np.arange(joint.unknowns),) * 2
-    return by_misses(joint, level.state.solution, faces, _gradients(problem, level)[:, :1])
+    borders = by_misses(joint, level.state.solution, faces, gradients, _jumps(problem, level))
+    return borders.beside(resting_at_trailing_edge(problem, level, gradients))
 
 
 def _gradients(problem: Any, level: Level) -> Array:

@@ -1,0 +1,54 @@
+r"""What a mesh misses of the roll's strain at the trailing edge.
+
+The wound-on condition refers the roll's strain to the trailing edge, where it is by the tractions q
+nearby, at distances t, an integral of q/t.  They go like the root of t but for a length l on which
+the web's thinning weighs against the bodies' compliance; there they go straight to nil, as on the
+mesh they do over the whole last cell.  Where l is shorter than that cell, the mesh misses
+
+    MISSED exp(-FADES sqrt(l/cell)) times the traction of the last node
+
+of the integral: an error of first order, until such cells are as short as l.  Both numbers are of a
+contact without friction by itself, solved on graded meshes and exactly (tests/verification).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..contact.borders import Resting
+from ..contact.levels import Level
+from .layout import layer
+
+__all__ = ["at_trailing_edge", "resting_at_trailing_edge"]
+
+Array = np.ndarray
+
+MISSED, FADES = 0.78, 3.4
+SEEN = 6.0  # lengths l a cell, from which less than 2e-4 of a last traction is missed
+
+
+def at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Array:
+    """Return what outputs change by with what the mesh misses, by their gradients, (outputs,)."""
+    by_traction = _by_last_traction(problem, level, gradients)
+    return by_traction * level.state.traction[level.equations.joint.unknowns - 1]
+
+
+def resting_at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Resting:
+    """Return the same by the last traction, q = [(q - mu p) + (q + mu p)]/2."""
+    joint = level.equations.joint
+    last, halves = np.full(2, joint.unknowns - 1), _by_last_traction(problem, level, gradients) / 2
+    return Resting.of(joint, last, np.array([1.0, -1.0]), np.stack([halves, halves], axis=1))
+
+
+def _by_last_traction(problem: Any, level: Level, gradients: Array) -> Array:
+    joint, factors = level.equations.joint, level.state.solution.joint[0]
+    cell = float(level.mesh.grid.cells[-1]) * level.half_width
+    if problem.roll.rigid or not problem.linear or layer(problem) > SEEN * cell:
+        return np.zeros(gradients.shape[1])
+    missed = MISSED * np.exp(-FADES * np.sqrt(layer(problem) / cell))
+    strain = problem.roll.kernels().strain_q.inverse * missed
+    right, n = np.zeros(len(joint.matrix)), joint.unknowns
+    right[n + 2 : 2 * n + 2] = -strain  # in all slips on the roll
+    return np.asarray(joint.step(factors, right) @ gradients)
