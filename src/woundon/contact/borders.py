@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .joint import Joint
-from .jumps import Jumps
+from .jumps import Jumps, changing
 from .stick_slip import StickSlipSolution
 
 __all__ = ["Moved", "Resting", "at_rest", "by_misses", "by_turning"]
@@ -172,9 +172,7 @@ def by_misses(
     a share of these changes as small as they are.
     """
     crossed = jumps.crossed if jumps else frozenset[int]()
-    borders, nodes, ways, laws, misses, effects, free = _turned(
-        joint, solution, faces, crossed, ()
-    )
+    borders, nodes, ways, laws, misses, effects, free = _turned(joint, solution, faces, crossed, ())
     misses[free] = nan
     outputs, table = (effects @ gradients).tolist(), laws.tolist()
     slopes = np.zeros((gradients.shape[1], nodes.size))
@@ -189,7 +187,11 @@ def by_misses(
             change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
             slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
     found = Resting.of(joint, nodes, ways, slopes)
-    return found.beside(Resting.of(joint, *jumps.slopes(joint, solution, gradients))) if jumps else found
+    return (
+        found.beside(Resting.of(joint, *jumps.slopes(joint, solution, gradients)))
+        if jumps
+        else found
+    )
 
 
 def _slope(at: Array, on: Array) -> float:
@@ -267,8 +269,14 @@ class _Changes:
         return [both - first - second for both, first, second in zip(*each, strict=True)]
 
 
-def at_rest(moved: Moved) -> tuple[Array, Array]:
+def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
     """Return what outputs change by as borders come to rest, and what they may err by then.
+
+    Parameters
+    ----------
+    moved : Moved
+    others : ((outputs,) array, (outputs,) array)
+        Further changes, and by which of their shares they may err.
 
     Returns
     -------
@@ -283,13 +291,14 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
             for k, (rest, square) in enumerate(found):
                 rests[k] += rest
                 squares[k] += square
-    total = np.array(squares)
-    left = (UNSEEN, moved.unseen), (RESTING, moved.bent), (HELD, moved.held)
-    for share, changes in left:
-        if len(changes):
-            known = changes[np.isfinite(changes.sum(axis=1))]
-            total += share**2 * np.square(known).sum(axis=0)
-    return np.array(rests), np.sqrt(total)
+    left = [UNSEEN * moved.unseen, RESTING * moved.bent, HELD * moved.held]
+    rest = np.array(rests)
+    for changes, shares in others:
+        rest += changes
+        left.append((shares * changes)[None])
+    errors = np.concatenate(left)
+    errors = errors[np.isfinite(errors.sum(axis=1))]
+    return rest, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))
 
 
 def _rest(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
@@ -354,11 +363,9 @@ def _borders(
     The outer one of a zone that has but one is that one again.
     """
     states = solution.state.tolist()
-    for first, last in _ends(faces):
-        for node in range(first, last):
-            before, behind = states[node], states[node + 1]
-            if before == behind or before * behind or node in crossed:
-                continue
+    for first, last, node in _changing(solution, faces, crossed):
+        before, behind = states[node], states[node + 1]
+        if before * behind == 0:
             back = node - 1 if node > first and states[node - 1] == before else node
             on = node + 2 if node + 1 < last and states[node + 2] == behind else node + 1
             yield [(back, behind), (node, behind), (node + 1, before), (on, before)]
@@ -368,12 +375,22 @@ def _meeting(
     solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
 ) -> Iterator[Turn]:
     """Yield turns of nodes beside stick that is not seen."""
-    states = solution.state.tolist()
-    for first, last in _ends(faces):
-        for node in range(first, last):
-            if states[node] * states[node + 1] < 0 and node not in crossed:
-                yield node, 0
-                yield node + 1, 0
+    state = solution.state
+    for _, _, node in _changing(solution, faces, crossed):
+        if state[node] * state[node + 1] < 0:
+            yield node, 0
+            yield node + 1, 0
+
+
+def _changing(
+    solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
+) -> Iterator[tuple[int, int, int]]:
+    """Yield the nodes behind which the state is another, between the first and last of a face."""
+    ends = list(_ends(faces))
+    for node in changing(solution.state):
+        for first, last in ends:
+            if first <= node < last and node not in crossed:
+                yield first, last, node
 
 
 def _edges(

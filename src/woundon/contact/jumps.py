@@ -23,12 +23,18 @@ import numpy as np
 from .joint import Joint
 from .stick_slip import StickSlipSolution
 
-__all__ = ["Jumps"]
+__all__ = ["Jumps", "changing"]
 
 Array = np.ndarray
 
 STEP = 1e-6  # of differences; places are in cells
 NO_WAY = 1e-12  # in place of nil, which would say that a node sticks
+
+
+def changing(state: Array) -> list[int]:
+    """Return the nodes behind which the state is another."""
+    found: list[int] = (state[1:] != state[:-1]).nonzero()[0].tolist()
+    return found
 
 
 class Jumps(NamedTuple):
@@ -48,12 +54,14 @@ class Jumps(NamedTuple):
         """Return those on some faces, each from its first node to its last one; None without."""
         states, found = solution.state.tolist(), []
         crossed: set[int] = set()
-        for first, last in faces:
-            for node in range(first + 1, last):
-                way, state, on = states[node - 1 : node + 2]
-                if way * state < 0 or (state == 0 and way * on < 0):
-                    found.append((node, way))
-                    crossed |= {node - 1} if state else {node - 1, node}
+        for node in changing(solution.state) if faces else ():
+            before, behind = states[node], states[node + 1]
+            for first, last in faces:
+                if not (first <= node and node + 1 < last) or not before:
+                    continue
+                if before * behind < 0 or (not behind and before * states[node + 2] < 0):
+                    found.append((node + 1, before))
+                    crossed |= {node} if behind else {node, node + 1}
         if not found:
             return None
         nodes, ways = np.array(found).T
@@ -73,7 +81,9 @@ class Jumps(NamedTuple):
         effects = joint.effects(solution.joint[0], nodes)
         at, behind = (joint.laws(which, stick) @ effects.T for which in (nodes, self.behind))
         share = solution.traction[nodes] / bound
-        sliding = effects[:, n + 1 + nodes].T - share[:, None] * joint.bounds(effects[:, :n]).T[nodes]
+        sliding = (
+            effects[:, n + 1 + nodes].T - share[:, None] * joint.bounds(effects[:, :n]).T[nodes]
+        )
         moves = sliding / (2 * self.ways * bound)[:, None]  # of u
         own = joint.matrix[n + 2 :, n + 1 :]
         kink = (own[self.behind, nodes] - own[nodes, nodes]) * self.ways * bound

@@ -27,9 +27,12 @@ REST, KNOWN = 0.3, 2.0
 WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
 OUTPUTS = ("nip_induced_tension", "peak_pressure", "offset", "drum_creep")  # the width hardly
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
-MOVED = np.isin(OUTPUTS, RESTS)
-# what outputs of random nips err by of their changes by jumps and by what the trailing edge misses
-JUMPED, MISSED = 0.05, 0.1
+# what these err by of their changes by jumps and by what the trailing edge misses; the others, all
+# or nothing
+JUMPED, MISSED = (
+    np.where([name in RESTS for name in OUTPUTS], share, other)
+    for share, other in ((0.05, 1.0), (0.1, 0.0))
+)
 
 
 class _AtBorders(NamedTuple):
@@ -81,18 +84,17 @@ def _at_borders(problem: Any, level: Level) -> _AtBorders | None:
 
 def _found(problem: Any, level: Level) -> _AtBorders:
     """Return what borders, jumps and the trailing edge leave open."""
-    solution, joint, gradients = (
-        level.state.solution, level.equations.joint, _gradients(problem, level),
-    )  # fmt: skip
-    faces, jumps = (np.arange(joint.unknowns),) * 2, _jumps(problem, level)
-    rest, scatter = at_rest(by_turning(joint, solution, faces, gradients, jumps=jumps))
+    solution, joint = level.state.solution, level.equations.joint
+    gradients, jumps = _gradients(problem, level), _jumps(problem, level)
+    faces = (np.arange(joint.unknowns),) * 2
+    moved = by_turning(joint, solution, faces, gradients, jumps=jumps)
+    others = []
+    if jumps:
+        others.append((jumps.changes(joint, solution, gradients), JUMPED))
     edge = at_trailing_edge(problem, level, gradients)
-    jumped = jumps.changes(joint, solution, gradients) if jumps else np.zeros(len(OUTPUTS))
-    shares = np.where(MOVED, JUMPED, 1.0), np.where(MOVED, MISSED, 0.0)
-    for share, changes in zip(shares, (jumped, edge), strict=True):
-        rest = rest + changes
-        scatter = np.hypot(scatter, share * changes)
-    return _AtBorders(rest, scatter)
+    if edge is not None:
+        others.append((edge, MISSED))
+    return _AtBorders(*at_rest(moved, *others))
 
 
 def _jumps(problem: Any, level: Level) -> Jumps | None:
@@ -107,7 +109,8 @@ def resting(problem: Any, level: Level) -> Resting:
     joint, gradients = level.equations.joint, _gradients(problem, level)[:, :1]
     faces = (np.arange(joint.unknowns),) * 2
     borders = by_misses(joint, level.state.solution, faces, gradients, _jumps(problem, level))
-    return borders.beside(resting_at_trailing_edge(problem, level, gradients))
+    edge = resting_at_trailing_edge(problem, level, gradients)
+    return borders if edge is None else borders.beside(edge)
 
 
 def _gradients(problem: Any, level: Level) -> Array:

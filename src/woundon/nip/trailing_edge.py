@@ -13,6 +13,7 @@ contact without friction by itself, solved on graded meshes and exactly (tests/v
 
 from __future__ import annotations
 
+from math import exp, sqrt
 from typing import Any
 
 import numpy as np
@@ -29,26 +30,32 @@ MISSED, FADES = 0.78, 3.4
 SEEN = 6.0  # lengths l a cell, from which less than 2e-4 of a last traction is missed
 
 
-def at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Array:
-    """Return what outputs change by with what the mesh misses, by their gradients, (outputs,)."""
+def at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Array | None:
+    """Return what outputs change by with what the mesh misses, (outputs,); None if nothing.
+
+    ``gradients`` are those of the outputs by the joint system's unknowns.
+    """
     by_traction = _by_last_traction(problem, level, gradients)
+    if by_traction is None:
+        return None
     return by_traction * level.state.traction[level.equations.joint.unknowns - 1]
 
 
-def resting_at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Resting:
+def resting_at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Resting | None:
     """Return the same by the last traction, q = [(q - mu p) + (q + mu p)]/2."""
-    joint = level.equations.joint
-    last, halves = np.full(2, joint.unknowns - 1), _by_last_traction(problem, level, gradients) / 2
+    by_traction, joint = _by_last_traction(problem, level, gradients), level.equations.joint
+    if by_traction is None:
+        return None
+    last, halves = np.full(2, joint.unknowns - 1), by_traction / 2
     return Resting.of(joint, last, np.array([1.0, -1.0]), np.stack([halves, halves], axis=1))
 
 
-def _by_last_traction(problem: Any, level: Level, gradients: Array) -> Array:
-    joint, factors = level.equations.joint, level.state.solution.joint[0]
-    cell = float(level.mesh.grid.cells[-1]) * level.half_width
-    if problem.roll.rigid or not problem.linear or layer(problem) > SEEN * cell:
-        return np.zeros(gradients.shape[1])
-    missed = MISSED * np.exp(-FADES * np.sqrt(layer(problem) / cell))
-    strain = problem.roll.kernels().strain_q.inverse * missed
-    right, n = np.zeros(len(joint.matrix)), joint.unknowns
-    right[n + 2 : 2 * n + 2] = -strain  # in all slips on the roll
-    return np.asarray(joint.step(factors, right) @ gradients)
+def _by_last_traction(problem: Any, level: Level, gradients: Array) -> Array | None:
+    roll, cell = problem.roll, float(level.mesh.grid.cells[-1]) * level.state.half_width
+    if roll.rigid or not problem.linear or (lengths := layer(problem) / cell) > SEEN:
+        return None
+    joint, n = level.equations.joint, level.equations.joint.unknowns
+    missed = MISSED * exp(-FADES * sqrt(lengths))
+    right = np.zeros(len(joint.matrix))
+    right[n + 2 : 2 * n + 2] = -missed * roll.kernels().strain_q.inverse  # in all slips on the roll
+    return np.asarray(joint.step(level.state.solution.joint[0], right) @ gradients)
