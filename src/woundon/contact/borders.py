@@ -292,13 +292,13 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
                 rests[k] += rest
                 squares[k] += square
     left = [UNSEEN * moved.unseen, RESTING * moved.bent, HELD * moved.held]
-    rest = np.array(rests)
+    all_rests = np.array(rests)
     for changes, shares in others:
-        rest += changes
+        all_rests += changes
         left.append((shares * changes)[None])
     errors = np.concatenate(left)
     errors = errors[np.isfinite(errors.sum(axis=1))]
-    return rest, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))
+    return all_rests, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))
 
 
 def _rest(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:

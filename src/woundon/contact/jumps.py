@@ -23,10 +23,11 @@ import numpy as np
 from .joint import Joint
 from .stick_slip import StickSlipSolution
 
-__all__ = ["Jumps", "changing"]
+__all__ = ["JUMPED", "Jumps", "changing"]
 
 Array = np.ndarray
 
+JUMPED = 0.05  # of their changes by jumps outputs of random nips err by
 STEP = 1e-6  # of differences; places are in cells
 NO_WAY = 1e-12  # in place of nil, which would say that a node sticks
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contact.borders import Resting, at_rest, by_misses, by_turning
-from ..contact.jumps import Jumps
+from ..contact.jumps import JUMPED, Jumps
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
@@ -27,11 +27,10 @@ REST, KNOWN = 0.3, 2.0
 WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
 OUTPUTS = ("nip_induced_tension", "peak_pressure", "offset", "drum_creep")  # the width hardly
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
-# what these err by of their changes by jumps and by what the trailing edge misses; the others, all
-# or nothing
-JUMPED, MISSED = (
-    np.where([name in RESTS for name in OUTPUTS], share, other)
-    for share, other in ((0.05, 1.0), (0.1, 0.0))
+# what they err by of their changes by jumps, and by what the trailing edge misses; the other output
+# is not moved by these, or hardly
+BY_JUMPS, BY_EDGE = (
+    np.where([name in RESTS for name in OUTPUTS], *shares) for shares in ((JUMPED, 1.0), (0.1, 0.0))
 )
 
 
@@ -90,10 +89,10 @@ def _found(problem: Any, level: Level) -> _AtBorders:
     moved = by_turning(joint, solution, faces, gradients, jumps=jumps)
     others = []
     if jumps:
-        others.append((jumps.changes(joint, solution, gradients), JUMPED))
+        others.append((jumps.changes(joint, solution, gradients), BY_JUMPS))
     edge = at_trailing_edge(problem, level, gradients)
     if edge is not None:
-        others.append((edge, MISSED))
+        others.append((edge, BY_EDGE))
     return _AtBorders(*at_rest(moved, *others))
 
 
