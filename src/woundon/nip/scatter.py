@@ -64,8 +64,8 @@ def with_borders(
 
 def rest_of_borders(problem: Any, level: Level) -> dict[str, float]:
     """Return what outputs change by as the borders of a solved mesh come to rest; {} if unknown."""
-    at = _at_borders(problem, level)
-    if at is None or not level.mesh.regardless:
+    at = _at_borders(problem, level) if level.mesh.regardless else None
+    if at is None:
         return {}
     rest = dict(zip(OUTPUTS, at.rest.tolist(), strict=True))
     return {name: rest[name] for name in RESTS}

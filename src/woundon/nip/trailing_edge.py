@@ -13,14 +13,13 @@ contact without friction by itself, solved on graded meshes and exactly (tests/v
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import exp, pi, sqrt
 from typing import Any
 
 import numpy as np
 
 from ..contact.borders import Resting
 from ..contact.levels import Level
-from .layout import layer
 
 __all__ = ["at_trailing_edge", "resting_at_trailing_edge"]
 
@@ -51,11 +50,23 @@ def resting_at_trailing_edge(problem: Any, level: Level, gradients: Array) -> Re
 
 
 def _by_last_traction(problem: Any, level: Level, gradients: Array) -> Array | None:
-    roll, cell = problem.roll, float(level.mesh.grid.cells[-1]) * level.state.half_width
-    if roll.rigid or not problem.linear or (lengths := layer(problem) / cell) > SEEN:
+    """Return the changes by the traction of the last node.
+
+    What a traction next to a point does to the bodies' slope and strain there, as the mesh has it,
+    tells their compliances on the length of its cells, of any body.
+    """
+    joint, mesh, a = level.equations.joint, level.mesh, level.state.half_width
+    n, inverse, cell = joint.unknowns, mesh.grid.inverse, a * float(mesh.grid.cells[-1])
+    web, last = problem.web, n - 1
+    thinning = problem.thinning
+    if not web.linear:
+        thinning = -float(web.thinned(level.state.pressure)[1][last])
+    slope = (joint.matrix[n, last] - thinning / a * mesh.slope[n, last]) / inverse[n, last]
+    if problem.roll.rigid or -thinning > SEEN * cell * pi * slope:
         return None
-    joint, n = level.equations.joint, level.equations.joint.unknowns
-    missed = MISSED * exp(-FADES * sqrt(lengths))
+    stretch = a * web.compliance.c11 / web.thickness * mesh.behind[0, last]
+    strain = (joint.matrix[n + 2, n + 1 + last] - stretch) / inverse[-1, last]
+    missed = MISSED * exp(-FADES * sqrt(-thinning / (pi * slope * cell)))
     right = np.zeros(len(joint.matrix))
-    right[n + 2 : 2 * n + 2] = -missed * roll.kernels().strain_q.inverse  # in all slips on the roll
+    right[n + 2 : 2 * n + 2] = -strain * missed  # in all slips on the roll
     return np.asarray(joint.step(level.state.solution.joint[0], right) @ gradients)
