@@ -39,6 +39,7 @@ class _AtBorders(NamedTuple):
 
     rest: Array
     scatter: Array
+    wider: float = 0.0  # what the half width changes by as jumps come to rest: it is not moved
 
 
 def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dict[str, Foreseen]:
@@ -48,6 +49,8 @@ def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dic
         return dict(usual)
     scatter = dict(zip(OUTPUTS, at.scatter.tolist(), strict=True))
     scatter["tension_behind_nip"] = scatter["nip_induced_tension"]
+    if at.wider:
+        scatter |= {"half_width": at.wider, "nip_width": 2 * at.wider}
     return with_borders(usual, scatter)
 
 
@@ -87,13 +90,17 @@ def _found(problem: Any, level: Level) -> _AtBorders:
     gradients, jumps = _gradients(problem, level), _jumps(problem, level)
     faces = (np.arange(joint.unknowns),) * 2
     moved = by_turning(joint, solution, faces, gradients, jumps=jumps)
-    others = []
+    others, wider = [], 0.0
     if jumps:
-        others.append((jumps.changes(joint, solution, gradients), BY_JUMPS))
+        by_width = np.zeros(len(gradients))
+        by_width[: joint.unknowns] = level.equations.matrices.weights / (level.load * level.power)
+        *changes, wide = jumps.changes(joint, solution, np.column_stack([gradients, by_width]))
+        others.append((np.array(changes), BY_JUMPS))
+        wider = abs(float(wide)) * level.half_width
     edge = at_trailing_edge(problem, level, gradients)
     if edge is not None:
         others.append((edge, BY_EDGE))
-    return _AtBorders(*at_rest(moved, *others))
+    return _AtBorders(*at_rest(moved, *others), wider)
 
 
 def _jumps(problem: Any, level: Level) -> Jumps | None:
