@@ -1,8 +1,8 @@
 r"""Where within its cell a traction jumps.
 
 On a rigid body slip one way may meet slip the other way in a point, where the traction jumps from
-one bound to the other.  A mesh has a node K that sticks there, or none: then K is the first one
-behind.  The traction of that node, q = s mu p (2 u - 1) where slip goes the way s before, tells
+one bound to the other.  A mesh has a node K that sticks there, or none: then K is the last one
+before.  The traction of that node, q = s mu p (2 u - 1) where slip goes the way s before, tells
 the place: u of the way from the point at which its slip is taken to the next one.  The slip must be
 nil there, but the mesh asks for none at the point.  At the place it is
 
@@ -56,13 +56,16 @@ class Jumps(NamedTuple):
         states, found = solution.state.tolist(), []
         crossed: set[int] = set()
         for node in changing(solution.state) if faces else ():
-            before, behind = states[node], states[node + 1]
+            way, on = states[node], states[node + 1]
             for first, last in faces:
-                if not (first <= node and node + 1 < last) or not before:
+                if not first <= node < last:
                     continue
-                if before * behind < 0 or (not behind and before * states[node + 2] < 0):
-                    found.append((node + 1, before))
-                    crossed |= {node} if behind else {node, node + 1}
+                if way * on < 0:
+                    found.append((node, way))
+                    crossed.add(node)
+                elif way and node + 1 < last and way * states[node + 2] < 0:
+                    found.append((node + 1, way))
+                    crossed |= {node, node + 1}
         if not found:
             return None
         nodes, ways = np.array(found).T
