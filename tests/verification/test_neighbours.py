@@ -19,7 +19,7 @@ from woundon.contact import loop
 from woundon.contact.schemes import Graded
 from woundon.contact.zones import Runs
 from woundon.nip.scatter import by_cells
-from woundon.nip.solve import NipContact
+from woundon.nip.solve import CHOSEN, NipContact
 
 SEEDS = range(50150, 50155)
 STEPS = 5
@@ -95,12 +95,13 @@ def test_neighbours_tell_errors_that_hold() -> None:
 
 
 def test_a_neighbour_begins_on_about_the_mesh_that_the_last_one_needed(meshes: list[int]) -> None:
-    result = wo.solve_nip(random_nip(50030))
-    assert result.nodes == 129  # 97 tell more than 0.1 %
+    result = wo.solve_nip(random_nip(50035))
+    assert result.nodes > 129  # most need less
     meshes.clear()
     P = result.problem.nip_load
     near = wo.solve_nip(result.problem.replace(nip_load=1.01 * P), start=result)
-    assert meshes[0] in (97, 129)
+    first, needed = (CHOSEN.index(nodes) for nodes in (meshes[0], result.nodes))
+    assert abs(first - needed) <= 1
     assert near.nip_induced_tension_error <= 1e-3 * abs(near.nip_induced_tension)
 
 
