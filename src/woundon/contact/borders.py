@@ -276,7 +276,7 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
     ----------
     moved : Moved
     others : ((outputs,) array, (outputs,) array)
-        Further changes, and by which of their shares they may err.
+        Further changes, and by how much they may err.
 
     Returns
     -------
@@ -293,9 +293,9 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
                 squares[k] += square
     left = [UNSEEN * moved.unseen, RESTING * moved.bent, HELD * moved.held]
     all_rests = np.array(rests)
-    for changes, shares in others:
+    for changes, off in others:
         all_rests += changes
-        left.append((shares * changes)[None])
+        left.append(off[None])
     errors = np.concatenate(left)
     errors = errors[np.isfinite(errors.sum(axis=1))]
     return all_rests, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))

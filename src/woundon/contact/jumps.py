@@ -15,7 +15,8 @@ the nodes' laws, for all places of a state at once.  Without it the outputs err 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,8 @@ __all__ = ["JUMPED", "Jumps", "changing"]
 
 Array = np.ndarray
 
-JUMPED = 0.05  # of their changes by jumps outputs of random nips err by
+JUMPED = 0.05  # of their changes by jumps outputs err by at least, of random nips
+SHORT = 3  # nodes of a zone of stick that may be there for a jump's sake
 STEP = 1e-6  # of differences; places are in cells
 NO_WAY = 1e-12  # in place of nil, which would say that a node sticks
 
@@ -41,37 +43,57 @@ def changing(state: Array) -> list[int]:
 class Jumps(NamedTuple):
     """The jumps of a state: ``nodes`` K, those ``behind`` them, ways of slip before, and u; (k,).
 
-    ``crossed`` are the nodes from which a jump lies before the next one.
+    ``crossed`` are the nodes from which a jump lies before the next one, ``kink`` what the slip
+    bends by, and ``unlike`` by how much its rises beside the cell differ from those in it.
+    ``faces`` are those that were looked at.
     """
 
     nodes: Array
     behind: Array
     ways: Array
     places: Array
+    kink: Array
+    unlike: Array
     crossed: frozenset[int]
+    faces: Sequence[tuple[int, int]]
 
     @classmethod
-    def of(cls, solution: StickSlipSolution, faces: Sequence[tuple[int, int]]) -> Jumps | None:
-        """Return those on some faces, each from its first node to its last one; None without."""
-        states, found = solution.state.tolist(), []
-        crossed: set[int] = set()
-        for node in changing(solution.state) if faces else ():
-            way, on = states[node], states[node + 1]
-            for first, last in faces:
-                if not first <= node < last:
-                    continue
-                if way * on < 0:
-                    found.append((node, way))
-                    crossed.add(node)
-                elif way and node + 1 < last and way * states[node + 2] < 0:
-                    found.append((node + 1, way))
-                    crossed |= {node, node + 1}
+    def of(
+        cls, joint: Joint, solution: StickSlipSolution, faces: Sequence[tuple[int, int]]
+    ) -> Jumps | None:
+        """Return those on some faces, each from its first node to its last one; None without.
+
+        Slip goes away from a jump on both sides; where it would not, there is stick on a length.
+        """
+        found = [
+            (node, way, max(node - 1, first), min(node + 2, last))
+            for first, last in faces
+            for node, way in _meeting(solution.state, first, last)
+        ]
         if not found:
             return None
-        nodes, ways = np.array(found).T
-        shares = solution.traction[nodes] / solution.bound[nodes]
-        places = (1 + np.clip(ways * shares, -1, 1)) / 2
-        return cls(nodes, nodes + 1, ways, places, frozenset(crossed))
+        nodes, ways, back, on = np.array(found).T
+        slip, bound, behind = solution.slip, solution.bound[nodes], nodes + 1
+        places = (1 + np.clip(ways * solution.traction[nodes] / bound, -1, 1)) / 2
+        own = joint.matrix[joint.unknowns + 2 :, joint.unknowns + 1 :]
+        kink = (own[behind, nodes] - own[nodes, nodes]) * ways * bound
+        rise = slip[behind] - slip[nodes] + 2 * (1 - places) * kink
+        rises = np.array([rise, rise - 2 * kink])
+        beside = np.array([slip[nodes] - slip[back], slip[on] - slip[behind]])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            unlike = np.minimum(np.abs(beside / rises - 1).max(axis=0), 1.0)
+        kept = np.all(-ways * rises > 0, axis=0)
+        if not kept.any():
+            return None
+        crossed = frozenset(
+            before
+            for node in nodes[kept].tolist()
+            for before in ((node - 1, node) if solution.state[node] == 0 else (node,))
+        )
+        return cls(
+            nodes[kept], behind[kept], ways[kept], places[kept], kink[kept], unlike[kept],
+            crossed, faces,
+        )  # fmt: skip
 
     def effects(
         self, joint: Joint, solution: StickSlipSolution
@@ -80,7 +102,7 @@ class Jumps(NamedTuple):
 
         The misses that make the slip at the jumps nil, (k,).
         """
-        nodes, n = self.nodes, joint.unknowns
+        nodes, n, kink = self.nodes, joint.unknowns, self.kink
         bound, stick = solution.bound[nodes], np.zeros(nodes.size, dtype=int)
         effects = joint.effects(solution.joint[0], nodes)
         at, behind = (joint.laws(which, stick) @ effects.T for which in (nodes, self.behind))
@@ -89,8 +111,6 @@ class Jumps(NamedTuple):
             effects[:, n + 1 + nodes].T - share[:, None] * joint.bounds(effects[:, :n]).T[nodes]
         )
         moves = sliding / (2 * self.ways * bound)[:, None]  # of u
-        own = joint.matrix[n + 2 :, n + 1 :]
-        kink = (own[self.behind, nodes] - own[nodes, nodes]) * self.ways * bound
 
         def misses(u: Array, v: Array, further: Array) -> Array:
             slip = (1 - u) * v + u * (further + 2 * (1 - u) * kink)
@@ -100,8 +120,17 @@ class Jumps(NamedTuple):
 
         return effects, misses
 
-    def changes(self, joint: Joint, solution: StickSlipSolution, gradients: Array) -> Array:
-        """Return what outputs change by as the slip at the jumps becomes nil, (outputs,).
+    def unknowns(self, joint: Joint, solution: StickSlipSolution) -> Array:
+        """Return what the unknowns change by with each jump, (k, n + m + 2)."""
+        effects, misses = self.effects(joint, solution)
+        slip = solution.slip
+        each = misses(self.places, slip[self.nodes], slip[self.behind])
+        return np.asarray(each[:, None] * effects)
+
+    def changes(
+        self, joint: Joint, solution: StickSlipSolution, gradients: Array
+    ) -> tuple[Array, Array]:
+        """Return what outputs change by as the slip at the jumps becomes nil, and err by then.
 
         Parameters
         ----------
@@ -110,12 +139,41 @@ class Jumps(NamedTuple):
         solution : StickSlipSolution
         gradients : (n + m + 2, outputs) array
             Of outputs by unknowns.
+
+        Returns
+        -------
+        (outputs,) array, (outputs,) array
+            They err by all that short zones of stick change by which need not be there then.
         """
-        effects, misses = self.effects(joint, solution)
-        slip = solution.slip
-        return np.asarray(
-            misses(self.places, slip[self.nodes], slip[self.behind]) @ effects @ gradients
-        )
+        by_jumps = self.unknowns(joint, solution)
+        each = by_jumps @ gradients
+        error = np.sqrt(np.square(np.maximum(self.unlike, JUMPED)[:, None] * each).sum(axis=0))
+        other = self._without_short_stick(joint, solution)
+        if other is not None:
+            error += np.abs((other - solution.joint[1] - by_jumps.sum(axis=0)) @ gradients)
+        return each.sum(axis=0), error
+
+    def _without_short_stick(self, joint: Joint, solution: StickSlipSolution) -> Array | None:
+        """Return the unknowns without short zones of stick; None where there have to be any.
+
+        A jump that is not in its place moves the slip of its whole face, to where slip that is
+        nearly nil elsewhere would turn: there nodes stick that do not with the jump in its place.
+        """
+        state = solution.state.copy()
+        for first, last in self.faces:
+            for one, two in pairwise(k for k in changing(state) if first <= k < last):
+                if two - one <= SHORT and not state[two] and state[one] == state[two + 1]:
+                    state[one + 1 : two + 1] = state[one]
+        zone = state != solution.state
+        other = joint.solve(state) if zone.any() else None
+        if other is None or not other.finite:
+            return None
+        jumps = Jumps.of(joint, other, self.faces)
+        if jumps is None:
+            return None
+        found: Array = other.joint[1] + jumps.unknowns(joint, other).sum(axis=0)
+        slip = joint.slips(found) - joint.right[joint.unknowns + 2 :]
+        return found if np.all((slip[: state.size] * state)[zone] > 0) else None
 
     def slopes(
         self, joint: Joint, solution: StickSlipSolution, gradients: Array
@@ -137,3 +195,14 @@ class Jumps(NamedTuple):
         share = solution.traction[self.nodes] / bound
         nodes = np.concatenate([self.nodes, self.nodes, self.behind])
         return nodes, np.concatenate([share + NO_WAY * (share == 0), np.zeros(2 * k)]), by.T
+
+
+def _meeting(state: Array, first: int, last: int) -> Iterator[tuple[int, int]]:
+    """Yield the nodes K between the first and the last one of a face, and the way before each."""
+    states = state[first : last + 1].tolist()
+    for k in changing(state[first : last + 1]):
+        way, on = states[k : k + 2]
+        if way * on < 0:
+            yield first + k, way
+        elif way and k + 2 < len(states) and way * states[k + 2] < 0:
+            yield first + k + 1, way

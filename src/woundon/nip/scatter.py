@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contact.borders import Resting, at_rest, by_misses, by_turning
-from ..contact.jumps import JUMPED, Jumps
+from ..contact.jumps import Jumps
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
@@ -27,11 +27,8 @@ REST, KNOWN = 0.3, 2.0
 WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
 OUTPUTS = ("nip_induced_tension", "peak_pressure", "offset", "drum_creep")  # the width hardly
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
-# what they err by of their changes by jumps, and by what the trailing edge misses; the other output
-# is not moved by these, or hardly
-BY_JUMPS, BY_EDGE = (
-    np.where([name in RESTS for name in OUTPUTS], *shares) for shares in ((JUMPED, 1.0), (0.1, 0.0))
-)
+MOVED = np.isin(OUTPUTS, RESTS)
+MISSED = 0.1  # of what the trailing edge changes, by which outputs of random nips err
 
 
 class _AtBorders(NamedTuple):
@@ -94,12 +91,14 @@ def _found(problem: Any, level: Level) -> _AtBorders:
     if jumps:
         by_width = np.zeros(len(gradients))
         by_width[: joint.unknowns] = level.equations.matrices.weights / (level.load * level.power)
-        *changes, wide = jumps.changes(joint, solution, np.column_stack([gradients, by_width]))
-        others.append((np.array(changes), BY_JUMPS))
-        wider = abs(float(wide)) * level.half_width
+        all_outputs = np.column_stack([gradients, by_width])
+        changes, off = jumps.changes(joint, solution, all_outputs)
+        wider = float(abs(changes[-1]) + off[-1]) * level.half_width
+        changes, off = changes[:-1], off[:-1]
+        others.append((changes, np.where(MOVED, off, np.abs(changes) + off)))
     edge = at_trailing_edge(problem, level, gradients)
     if edge is not None:
-        others.append((edge, BY_EDGE))
+        others.append((edge, MISSED * MOVED * edge))
     return _AtBorders(*at_rest(moved, *others), wider)
 
 
@@ -107,7 +106,11 @@ def _jumps(problem: Any, level: Level) -> Jumps | None:
     """Return where tractions of rigid bodies jump."""
     n = level.equations.joint.unknowns
     rigid = (face for face, body in enumerate(problem.bodies) if body.rigid)
-    return Jumps.of(level.state.solution, [(face * n, (face + 1) * n - 1) for face in rigid])
+    return Jumps.of(
+        level.equations.joint,
+        level.state.solution,
+        [(face * n, (face + 1) * n - 1) for face in rigid],
+    )
 
 
 def resting(problem: Any, level: Level) -> Resting:

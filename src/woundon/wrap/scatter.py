@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contact.borders import Resting, at_rest, by_misses, by_turning
-from ..contact.jumps import JUMPED, Jumps
+from ..contact.jumps import Jumps
 from ..contact.levels import Level
 from ..contact.told import Foreseen
 from ..nip.scatter import with_borders
@@ -69,8 +69,11 @@ def _found(level: Level) -> _AtBorders:
     joint, solution = equations.joint, level.state.solution
     jumps = _jumps(level)
     moved = by_turning(joint, solution, faces, gradients, ends, jumps)
-    shares = np.where([name in RESTS for name in names], JUMPED, 1.0)
-    others = [(jumps.changes(joint, solution, gradients), shares)] if jumps else []
+    others = []
+    if jumps:
+        changes, off = jumps.changes(joint, solution, gradients)
+        moves = [name in RESTS for name in names]
+        others.append((changes, np.where(moves, off, np.abs(changes) + off)))
     told = at_rest(moved, *others)
     rest, scatter = (dict(zip(names, part.tolist(), strict=True)) for part in told)
     return _AtBorders(rest, scatter)
@@ -82,7 +85,7 @@ def _jumps(level: Level) -> Jumps | None:
     on_roll, both = equations.roll_q.size, equations.roll_q.size + equations.drum_q.size
     ends = (0, on_roll - 1), (on_roll, both - 1)
     rigid = [end for end, body in zip(ends, problem.bodies, strict=True) if body.rigid]
-    return Jumps.of(level.state.solution, rigid)
+    return Jumps.of(equations.joint, level.state.solution, rigid)
 
 
 def _gradients(level: Level) -> dict[str, Array]:
