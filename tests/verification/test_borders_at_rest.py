@@ -164,6 +164,28 @@ def test_so_do_stick_that_is_not_seen_and_borders_that_hold_each_other(name: str
         assert pairs
 
 
+@pytest.mark.parametrize("name", [*NIPS, "forced"])
+def test_slip_that_is_not_seen_at_an_edge_is_told_by_two_nodes(name: str) -> None:
+    """The first one may be about to turn, and so change nothing."""
+    joint, solution = cases()[name]
+    told, state = moved(joint, solution), solution.state
+    size = 1e-10 * np.abs(solution.joint[1]).max()
+    pairs = [
+        (node, inner)
+        for face in faces_of(joint)
+        for node, inner in ((face[0], face[1]), (face[-1], face[-2]))
+        if state[node] == 0 == state[inner]
+    ]
+    assert len(told.bent) == len(pairs)
+    for (node, inner), by in zip(pairs, told.bent, strict=True):
+        way = 1 if solution.traction[node] > 0 else -1
+        both = changed(joint, solution, (node, way), (inner, way))
+        twice = 2 * changed(joint, solution, (node, way))
+        np.testing.assert_allclose(by, both - twice, rtol=1e-6, atol=4 * size)
+    if name == "forced":
+        assert pairs
+
+
 def test_gradients_are_of_the_unknowns() -> None:
     joint, solution = solved(NIPS["cover"])
     gradients = np.random.default_rng(2).normal(size=(joint.matrix.shape[1], 3))
