@@ -29,7 +29,7 @@ from .joint import Joint
 from .jumps import Jumps, changing
 from .stick_slip import StickSlipSolution
 
-__all__ = ["Moved", "Resting", "at_rest", "by_misses", "by_turning"]
+__all__ = ["Changes", "Moved", "at_rest", "by_turning", "rest_of", "turned"]
 
 Array = np.ndarray
 
@@ -44,7 +44,6 @@ FARTHEST = 0.75  # nodes that a border may be from its place of rest; half a nod
 # and by borders that hold each other (about the most likely ones for the errors of 600 nips on 33
 # to 129 nodes, as Student's t of 2 degrees of freedom)
 RESTING, UNLIKE, RESTLESS, UNSEEN, HELD = 0.025, 0.12, 0.08, 0.2, 0.05
-STEP = 1e-5  # of the changes, of differences
 
 
 Turn = tuple[int, int]  # a node, and the state that it turns to
@@ -89,10 +88,10 @@ def by_turning(
     edges = list(_edges(solution, faces, open_ends))
     seen = [*_meeting(solution, faces, crossed), *(edge[0] for edge in edges)]
     second = [edge[1] for edge in edges if len(edge) > 1]
-    borders, nodes, _, laws, misses, effects, free = _turned(
+    borders, nodes, _, laws, misses, effects, free = turned(
         joint, solution, faces, crossed, seen + second
     )
-    changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
+    changes = Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
     held = changes.of_one_held(borders, free)
     changes.misses = np.where(free, nan, misses).tolist()
     by_nodes = [changes.of_border(4 * k, border) for k, border in enumerate(borders)] + held
@@ -109,7 +108,7 @@ def by_turning(
     )
 
 
-def _turned(
+def turned(
     joint: Joint, solution: StickSlipSolution, faces: Sequence[Array],
     crossed: frozenset[int], others: Sequence[Turn],
 ) -> tuple[list[list[Turn]], Array, Array, Array, Array, Array, Array]:  # fmt: skip
@@ -130,80 +129,7 @@ def _turned(
     return borders, nodes, ways, laws, misses, effects, free
 
 
-class Resting(NamedTuple):
-    """What outputs change by as borders come to rest: ``slopes`` @ misses, about a state.
-
-    The misses (turns,) are those of ``nodes`` that turn to ``ways``, of their new laws; changes are
-    of their first degree, so that the ``slopes`` (outputs, turns) tell all.  ``gradients`` are
-    those of the changes by the joint system's unknowns, (outputs, n + m + 2).  A way between -1
-    and 1 is that of a traction which is so much of its bound.
-    """
-
-    nodes: Array
-    ways: Array
-    slopes: Array
-    gradients: Array
-
-    @classmethod
-    def of(cls, joint: Joint, nodes: Array, ways: Array, slopes: Array) -> Resting:
-        """Return them with their gradients."""
-        return cls(nodes, ways, slopes, slopes @ joint.laws(nodes, ways))
-
-    def beside(self, other: Resting) -> Resting:
-        """Return the changes of both."""
-        parts = zip(self[:3], other[:3], strict=True)
-        nodes, ways, slopes = (np.concatenate(both, axis=-1) for both in parts)
-        return Resting(nodes, ways, slopes, self.gradients + other.gradients)
-
-    def under(self, slip: Array, traction: Array, bound: Array) -> Array:
-        """Return the changes where all nodes have these, (outputs,)."""
-        nodes, ways = self.nodes, self.ways
-        misses = np.where(ways == 0, slip[nodes], traction[nodes] - ways * bound[nodes])
-        return np.asarray(self.slopes @ misses)
-
-
-def by_misses(
-    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array,
-    jumps: Jumps | None = None,
-) -> Resting:  # fmt: skip
-    """Return what outputs change by as borders and jumps come to rest, linearised.
-
-    Parameters as of :func:`by_turning`; what the laws and effects themselves change by is left out,
-    a share of these changes as small as they are.
-    """
-    crossed = jumps.crossed if jumps else frozenset[int]()
-    borders, nodes, ways, laws, misses, effects, free = _turned(joint, solution, faces, crossed, ())
-    misses[free] = nan
-    outputs, table = (effects @ gradients).tolist(), laws.tolist()
-    slopes = np.zeros((gradients.shape[1], nodes.size))
-
-    def of(border: int, by: Array) -> Array:
-        changes = _Changes(table, by.tolist(), outputs)  # by nodes, (4, outputs)
-        return np.array(changes.of_border(4 * border, borders[border]))
-
-    for border in range(len(borders)):
-        at = of(border, misses)
-        for turn in range(4 * border, 4 * border + 4):
-            change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
-            slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
-    found = Resting.of(joint, nodes, ways, slopes)
-    return (
-        found.beside(Resting.of(joint, *jumps.slopes(joint, solution, gradients)))
-        if jumps
-        else found
-    )
-
-
-def _slope(at: Array, on: Array) -> float:
-    """Return the derivative of :func:`_rest` at some changes by nodes along others."""
-    size, way = (float(np.nan_to_num(np.abs(changes)).max()) for changes in (at, on))
-    step = STEP * size / (way or 1.0)
-    more, less = (_rest(*(at + side * step * on).tolist())[0] for side in (1, -1))
-    slope = (more - less) / (2 * step) if step else 0.0
-    return slope if isfinite(slope) else 0.0
-
-
-class _Changes:
+class Changes:
     """Changes of outputs by turned nodes, as plain numbers: there are few.
 
     Parameters
@@ -286,7 +212,7 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
     outputs = moved.by_nodes.shape[2]
     rests, squares = [0.0] * outputs, [0.0] * outputs
     for border in moved.by_nodes.tolist():  # few, and plain numbers are the quicker
-        found = [_rest(*changes) for changes in zip(*border, strict=True)]
+        found = [rest_of(*changes) for changes in zip(*border, strict=True)]
         if all(isfinite(square) for _, square in found):  # else of states without a solution
             for k, (rest, square) in enumerate(found):
                 rests[k] += rest
@@ -301,7 +227,7 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
     return all_rests, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))
 
 
-def _rest(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
+def rest_of(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
     """Return what an output changes by as a border comes to rest, and the square of its error then.
 
     Parameters

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.borders import Resting, at_rest, by_misses, by_turning
+from ..contact.borders import at_rest, by_turning
 from ..contact.jumps import Jumps
 from ..contact.levels import Level
+from ..contact.resting import Resting, by_misses
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..two_bodies import SLIP_RATIOS

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.borders import Resting
 from ..contact.levels import Level
+from ..contact.resting import Resting
 
 __all__ = ["at_trailing_edge", "resting_at_trailing_edge"]
 

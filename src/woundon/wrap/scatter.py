@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contact.borders import Resting, at_rest, by_misses, by_turning
+from ..contact.borders import at_rest, by_turning
 from ..contact.jumps import Jumps
 from ..contact.levels import Level
+from ..contact.resting import Resting, by_misses
 from ..contact.told import Foreseen
 from ..nip.scatter import with_borders
 
