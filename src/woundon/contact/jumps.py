@@ -116,7 +116,10 @@ class Jumps(NamedTuple):
             slip = (1 - u) * v + u * (further + 2 * (1 - u) * kink)
             rise = further - v + (2 - 4 * u) * kink
             by_misses = (1 - u)[:, None] * at + u[:, None] * behind + rise[:, None] * moves
-            return np.asarray(np.linalg.solve(by_misses, -slip))
+            try:
+                return np.asarray(np.linalg.solve(by_misses, -slip))
+            except np.linalg.LinAlgError:  # no place is nearer to nil
+                return np.zeros_like(slip)
 
         return effects, misses
 

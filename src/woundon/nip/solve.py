@@ -81,7 +81,8 @@ def solve_nip(
     nodes : int, optional
         Number M of nodes, 7 to 4000.  By default 49 to 257, as many as it takes until the estimated
         error of NIT is below 0.1 %; with bodies that are not linear 65 to 129, for 0.3 % (200 for
-        the thesis's scheme).  NIT is corrected for where borders of stick lie within their cells
+        the thesis's scheme).  NIT is corrected for where borders of stick and jumps of the
+        tractions lie within their cells, and for what cells miss at the trailing edge
         (``extrapolation``).
     rtol : float, optional
         In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
