@@ -48,10 +48,11 @@ PARTED = 0.05  # of the largest pressure: less of it in the middle, friction may
 GRAIN = 0.02  # of the widest cell: 96 to 100 % of random nips' slip ratios are within 1.5 estimates
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 # what outputs of random nips scatter by in the middle, relative and on one cell, and as how many
-# changes that counts: widths and pressures err much alike, what borders of zones matter to does not
+# changes that counts: widths and pressures err much alike, not so what borders of zones matter to,
+# but for the offset, which errs at the edges too, and there least on coarse meshes
 USUAL = {
     "nip_induced_tension": Foreseen(1.0, 0.5), "tension_behind_nip": Foreseen(1.0, 0.5),
-    "drum_creep": Foreseen(0.35, 0.5), "offset": Foreseen(2.0, 0.5),
+    "drum_creep": Foreseen(0.35, 0.5), "offset": Foreseen(2.0, 2.0),
     "wound_on_tension": Foreseen(0.3, 1.0), "half_width": Foreseen(0.15, 2.0),
     "nip_width": Foreseen(0.15, 2.0), "peak_pressure": Foreseen(0.8, 2.0),
 }  # fmt: skip

@@ -92,7 +92,7 @@ def test_few_nodes_may_leave_much_to_where_borders_lie(tmp_path, seed, nodes):
     """By as much as 0.1 of mu+ P is NIT corrected there: no damage to its file."""
     result = wo.solve_nip(random_nip(seed), nodes=nodes)
     problem, path = result.problem, tmp_path / "nip.json"
-    assert abs(result.extrapolation) > 0.025 * problem.roll_friction * problem.nip_load
+    assert abs(result.extrapolation) > 0.02 * problem.roll_friction * problem.nip_load
     result.save(path)
     assert wo.load_result(path, verify=True) == result
     assert abs(result.extrapolation) < recomputed(result)["extrapolation"][1] / 1.2

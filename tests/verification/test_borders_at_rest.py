@@ -164,6 +164,28 @@ def test_so_do_stick_that_is_not_seen_and_borders_that_hold_each_other(name: str
         assert pairs
 
 
+@pytest.mark.parametrize("name", [*NIPS, "forced"])
+def test_slip_that_is_not_seen_at_an_edge_is_told_by_two_nodes(name: str) -> None:
+    """The first one may be about to turn, and so change nothing."""
+    joint, solution = cases()[name]
+    told, state = moved(joint, solution), solution.state
+    size = 1e-10 * np.abs(solution.joint[1]).max()
+    pairs = [
+        (node, inner)
+        for face in faces_of(joint)
+        for node, inner in ((face[0], face[1]), (face[-1], face[-2]))
+        if state[node] == 0 == state[inner]
+    ]
+    assert len(told.bent) == len(pairs)
+    for (node, inner), by in zip(pairs, told.bent, strict=True):
+        way = 1 if solution.traction[node] > 0 else -1
+        both = changed(joint, solution, (node, way), (inner, way))
+        twice = 2 * changed(joint, solution, (node, way))
+        np.testing.assert_allclose(by, both - twice, rtol=1e-6, atol=4 * size)
+    if name == "forced":
+        assert pairs
+
+
 def test_gradients_are_of_the_unknowns() -> None:
     joint, solution = solved(NIPS["cover"])
     gradients = np.random.default_rng(2).normal(size=(joint.matrix.shape[1], 3))
@@ -268,12 +290,12 @@ def test_of_meshes_with_few_nodes_more_the_nit_scatters_by_a_tenth(roll: wo.Body
 
 
 @pytest.mark.parametrize(
-    ("name", "nodes", "most"), [("hard drum", 33, 0.3), ("cover", 33, 0.7), ("cover", 65, 0.1)]
+    ("name", "nodes", "most"), [("hard drum", 33, 0.5), ("cover", 33, 1.3), ("cover", 65, 0.15)]
 )
 def test_what_nit_is_extrapolated_by_hardly_jumps(name: str, nodes: int, most: float) -> None:
     """Along loads of which six change zones: by parts of the told error.
 
-    Measured 0.2 as a slip zone of one node vanishes, 0.58 beside one of three nodes at an edge.
+    Measured 0.38 as a slip zone of two nodes vanishes, 1.05 beside one of three nodes at an edge.
     """
     problem = NIPS[name]
     beyond, told, zones = [], [], set()
@@ -286,6 +308,8 @@ def test_what_nit_is_extrapolated_by_hardly_jumps(name: str, nodes: int, most: f
     assert np.all(np.abs(np.diff(beyond)) < most * np.array(told[1:]))
     assert np.ptp(beyond) > 0.1 * told[0]  # else there is nothing to jump
 
+
+NONE = (np.empty((0, 1)),) * 3  # of what is not seen or held
 
 # ---- zones of all sorts -------------------------------------------------------------------------
 
@@ -361,7 +385,7 @@ def test_borders_rest_where_a_quartic_does() -> None:
         for third in (-0.05, 0.05):
             quartic = np.poly1d([0.01, third, 1.0, 0.0, 0.0])
             changes = quartic(nodes - u) - quartic(-u)
-            told, _ = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+            told, _ = at_rest(Moved(changes[None, :, None], *NONE))
             if changes[1] * changes[2] >= 0:
                 assert told[0] == pytest.approx(-quartic(-u), abs=1e-6)
 
@@ -369,13 +393,13 @@ def test_borders_rest_where_a_quartic_does() -> None:
 @pytest.mark.parametrize("changes", [(0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 1.0)])
 def test_an_output_that_a_border_does_not_move_stays(changes: tuple[float, ...]) -> None:
     by_nodes = np.array(changes)[None, :, None]
-    assert at_rest(Moved(by_nodes, np.empty((0, 1)), np.empty((0, 1)))) == ([0.0], [0.0])
+    assert at_rest(Moved(by_nodes, *NONE)) == ([0.0], [0.0])
 
 
 @pytest.mark.parametrize("u", [-0.6, 0.6])
 def test_a_border_that_another_node_is_nearer_to_stays(u: float) -> None:
     changes = (np.array([-2.0, -1.0, 1.0, 2.0]) - u) ** 2 - u * u
-    told, error = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+    told, error = at_rest(Moved(changes[None, :, None], *NONE))
     assert told[0] == 0.0
     assert error[0] > 0.1
 
@@ -383,14 +407,14 @@ def test_a_border_that_another_node_is_nearer_to_stays(u: float) -> None:
 @pytest.mark.parametrize("by", [-np.inf, np.inf, np.nan, 0.0, 1e-300, 1e200])
 def test_changes_that_are_no_parabola_leave_borders_where_they_are(by: float) -> None:
     parabola = np.array([4.4, 1.2, 0.8, 3.6])  # of u = 0.1: rises by (k + 0.1)^2 - 0.01
-    rest, error = at_rest(Moved(parabola[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+    rest, error = at_rest(Moved(parabola[None, :, None], *NONE))
     u = (parabola[1] - parabola[2]) / 4
     assert rest[0] == pytest.approx(-(u**2), rel=1e-12)
     for place in range(4):
         changes = parabola.copy()
         changes[place] = by
         with np.errstate(all="raise"):
-            told = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+            told = at_rest(Moved(changes[None, :, None], *NONE))
         assert np.isfinite(told).all() or by == 1e200  # whose square is not
         missing = np.isnan(by) and place in (0, 3)  # as an outer one may be
         assert told[0][0] == pytest.approx(rest[0] if missing else 0.0)
@@ -404,7 +428,7 @@ def test_a_share_fades_as_the_sides_grow_unlike() -> None:
         bend, back = 2.0, 1.3
         on = bend - back
         changes = np.array([2 * back + bend, back, on, 2 * on + ratio * bend])
-        rest, error = at_rest(Moved(changes[None, :, None], np.empty((0, 1)), np.empty((0, 1))))
+        rest, error = at_rest(Moved(changes[None, :, None], *NONE))
         return float(rest[0]), float(error[0])
 
     ratios = np.linspace(0.3, 3.0, 271)

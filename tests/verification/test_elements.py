@@ -235,6 +235,13 @@ def test_hard_borders_are_found(seed: int) -> None:
     assert abs(result.nip_induced_tension - graded.nip_induced_tension) < 1.5 * told
 
 
+def test_a_rigid_drum_may_stick_all_over_on_the_mesh_before() -> None:
+    """A face without a border: slip is put before its stick all the same."""
+    result = wo.solve_nip(random_nip(495361), rtol=1e-6)
+    assert result.scheme == "elements"
+    assert result.drum_zone[0] != 0
+
+
 def test_slip_may_turn_at_a_point_of_a_rigid_drum() -> None:
     result = wo.solve_nip(random_nip(11), rtol=1e-6)
     assert set(result.drum_zone) == {-1, 1}

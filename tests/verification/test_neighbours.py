@@ -19,7 +19,7 @@ from woundon.contact import loop
 from woundon.contact.schemes import Graded
 from woundon.contact.zones import Runs
 from woundon.nip.scatter import by_cells
-from woundon.nip.solve import NipContact
+from woundon.nip.solve import CHOSEN, NipContact
 
 SEEDS = range(50150, 50155)
 STEPS = 5
@@ -95,22 +95,23 @@ def test_neighbours_tell_errors_that_hold() -> None:
 
 
 def test_a_neighbour_begins_on_about_the_mesh_that_the_last_one_needed(meshes: list[int]) -> None:
-    result = wo.solve_nip(random_nip(50030))
-    assert result.nodes == 193  # 97 tell more than 0.1 %
+    result = wo.solve_nip(random_nip(50035))
+    assert result.nodes > 129  # most need less
     meshes.clear()
     P = result.problem.nip_load
     near = wo.solve_nip(result.problem.replace(nip_load=1.01 * P), start=result)
-    assert meshes[0] in (129, 193)
+    first, needed = (CHOSEN.index(nodes) for nodes in (meshes[0], result.nodes))
+    assert abs(first - needed) <= 1
     assert near.nip_induced_tension_error <= 1e-3 * abs(near.nip_induced_tension)
 
 
 def test_where_a_mesh_is_not_enough_the_next_that_is_follows(meshes: list[int]) -> None:
-    """65 nodes tell too much; 97 do, as what is known of the scatter says, and not 129."""
-    result = wo.solve_nip(random_nip(50022))
+    """65 nodes tell too much; 81 do, as what is known of the scatter says, and not 129."""
+    result = wo.solve_nip(random_nip(50054))
     meshes.clear()
     near = result.problem.replace(nip_load=1.003 * result.problem.nip_load)
     near_result = wo.solve_nip(near, start=result)
-    assert meshes == [65, 33, 97]
+    assert meshes == [65, 33, 81]
     assert near_result.nip_induced_tension_error <= 1e-3 * near_result.nip_induced_tension
 
 

@@ -366,8 +366,8 @@ def test_changes_that_are_small_by_chance_tell_no_certainty() -> None:
     assert Scatter.of(alike, cells, 1.0).error(64, 1.0) == 0
     small = Scatter.of(alike, cells, 2.0, foreseen=foreseen)
     told = small.error(64, 2.0)
-    # Student's t of 2.5 degrees of freedom, 5.353, over 1.5; half a change among two and a half
-    assert told == pytest.approx(5.353 / 1.5 * np.sqrt(0.5 / 2.5) * foreseen.size)
+    # Student's t of 2.5 degrees of freedom over 1.5; half a change among two and a half
+    assert told == pytest.approx(STUDENT[3] / 1.5 * np.sqrt(0.5 / 2.5) * foreseen.size)
     assert small.error(128, 2.0) == pytest.approx(told / 4)
     large = [1.0, 2.0, 1.5]
     # beside large changes it only adds what is known of them

@@ -10,8 +10,10 @@ with the changes by two nodes it is a quartic.  A mesh's own outputs miss these 
 much, there nothing, as its nodes happen to lie.
 
 Where slip meets slip the other way there is stick between, too short to be seen, and so there is
-slip before the first and behind the last node of a face that sticks.  Borders that lie side by side
-hold each other: there what both change together beyond what each does alone is left open too.
+slip before the first and behind the last node of a face that sticks.  A border there is hidden
+where the one node that would turn misses its law by nothing; so what the second one adds counts
+too.  Borders that lie side by side hold each other: there what both change together beyond what
+each does alone is left open too.  On a rigid body tractions jump instead: :mod:`.jumps`.
 """
 
 from __future__ import annotations
@@ -24,9 +26,10 @@ from typing import NamedTuple
 import numpy as np
 
 from .joint import Joint
+from .jumps import Jumps, changing
 from .stick_slip import StickSlipSolution
 
-__all__ = ["Moved", "Resting", "at_rest", "by_misses", "by_turning"]
+__all__ = ["Changes", "Moved", "at_rest", "by_turning", "rest_of", "turned"]
 
 Array = np.ndarray
 
@@ -41,7 +44,6 @@ FARTHEST = 0.75  # nodes that a border may be from its place of rest; half a nod
 # and by borders that hold each other (about the most likely ones for the errors of 600 nips on 33
 # to 129 nodes, as Student's t of 2 degrees of freedom)
 RESTING, UNLIKE, RESTLESS, UNSEEN, HELD = 0.025, 0.12, 0.08, 0.2, 0.05
-STEP = 1e-5  # of the changes, of differences
 
 
 Turn = tuple[int, int]  # a node, and the state that it turns to
@@ -51,18 +53,20 @@ class Moved(NamedTuple):
     """Changes of outputs as borders move.
 
     ``by_nodes`` are those by -2, -1, 1 and 2 nodes of each border, (borders, 4, outputs), nan where
-    a zone has not so many; ``unseen`` those by stick that is not seen, and ``held`` what two
-    borders side by side change beyond what each does, (k, outputs).
+    a zone has not so many; ``unseen`` those by stick or slip that is not seen, ``bent`` what a
+    second node at an edge changes beyond twice the first, and ``held`` what two borders side by
+    side change beyond what each does, (k, outputs).
     """
 
     by_nodes: Array
     unseen: Array
+    bent: Array
     held: Array
 
 
 def by_turning(
     joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array,
-    open_ends: Sequence[int] = (),
+    open_ends: Sequence[int] = (), jumps: Jumps | None = None,
 ) -> Moved:  # fmt: skip
     """Return the changes of outputs as each border moves.
 
@@ -77,33 +81,44 @@ def by_turning(
         Of outputs by unknowns.
     open_ends : sequence of int
         Outermost nodes at which no edge is, so that they may stick.
+    jumps : Jumps, optional
+        Which are no borders.
     """
-    borders, nodes, _, laws, misses, effects, free = _turned(joint, solution, faces, open_ends)
-    changes = _Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
+    crossed = jumps.crossed if jumps else frozenset[int]()
+    edges = list(_edges(solution, faces, open_ends))
+    seen = [*_meeting(solution, faces, crossed), *(edge[0] for edge in edges)]
+    second = [edge[1] for edge in edges if len(edge) > 1]
+    borders, nodes, _, laws, misses, effects, free = turned(
+        joint, solution, faces, crossed, seen + second
+    )
+    changes = Changes(laws.tolist(), misses.tolist(), (effects @ gradients).tolist())
     held = changes.of_one_held(borders, free)
     changes.misses = np.where(free, nan, misses).tolist()
     by_nodes = [changes.of_border(4 * k, border) for k, border in enumerate(borders)] + held
-    first = 4 * len(borders)
-    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, nodes.size)]
-    unseen = [changes.of_one(k) for k in range(first, nodes.size)]
+    first, last = 4 * len(borders), nodes.size - len(second)
+    near = [*(k + j for k in range(0, first, 4) for j in (1, 2)), *range(first, last)]
+    unseen = [changes.of_one(k) for k in range(first, last)]
+    ends = (last - len(edges) + k for k, edge in enumerate(edges) if len(edge) > 1)
+    bent = [changes.of_bend(*pair) for pair in zip(ends, range(last, nodes.size), strict=True)]
     beside = [changes.of_pair(*pair) for pair in _pairs(near, nodes.tolist(), faces)]
     outputs = gradients.shape[1]
     return Moved(
         np.array(by_nodes).reshape(-1, 4, outputs),
-        *(np.array(found).reshape(-1, outputs) for found in (unseen, beside)),
+        *(np.array(found).reshape(-1, outputs) for found in (unseen, bent, beside)),
     )
 
 
-def _turned(
-    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
-) -> tuple[list[list[Turn]], Array, Array, Array, Array, Array, Array]:
+def turned(
+    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array],
+    crossed: frozenset[int], others: Sequence[Turn],
+) -> tuple[list[list[Turn]], Array, Array, Array, Array, Array, Array]:  # fmt: skip
     """Return borders, nodes that turn and their ways, (turns,) each, laws, misses and effects.
 
     The laws (turns, turns) are those of each turn by each effect, the effects (turns, n + m + 2).
     Last, which turns are of the one node that holds the creep, which nothing would hold then.
     """
-    borders, others = list(_borders(solution, faces)), list(_others(solution, faces, open_ends))
-    turns = [turn for border in borders for turn in border] + others
+    borders = list(_borders(solution, faces, crossed))
+    turns = [*(turn for border in borders for turn in border), *others]
     nodes, ways = np.array(turns, dtype=np.intp).reshape(-1, 2).T
     effects = joint.effects(solution.joint[0], nodes)
     laws = joint.laws(nodes, ways) @ effects.T
@@ -114,61 +129,7 @@ def _turned(
     return borders, nodes, ways, laws, misses, effects, free
 
 
-class Resting(NamedTuple):
-    """What outputs change by as borders come to rest: ``slopes`` @ misses, about a state.
-
-    The misses (turns,) are those of ``nodes`` that turn to ``ways``, of their new laws; changes are
-    of their first degree, so that the ``slopes`` (outputs, turns) tell all.  ``gradients`` are
-    those of the changes by the joint system's unknowns, (outputs, n + m + 2).
-    """
-
-    nodes: Array
-    ways: Array
-    slopes: Array
-    gradients: Array
-
-    def under(self, slip: Array, traction: Array, bound: Array) -> Array:
-        """Return the changes where all nodes have these, (outputs,)."""
-        nodes, ways = self.nodes, self.ways
-        misses = np.where(ways == 0, slip[nodes], traction[nodes] - ways * bound[nodes])
-        return np.asarray(self.slopes @ misses)
-
-
-def by_misses(
-    joint: Joint, solution: StickSlipSolution, faces: Sequence[Array], gradients: Array
-) -> Resting:
-    """Return what outputs change by as borders come to rest, linearised.
-
-    Parameters as of :func:`by_turning`; what the laws and effects themselves change by is left out,
-    a share of these changes as small as they are.
-    """
-    borders, nodes, ways, laws, misses, effects, free = _turned(joint, solution, faces, ())
-    misses[free] = nan
-    outputs, table = (effects @ gradients).tolist(), laws.tolist()
-    slopes = np.zeros((gradients.shape[1], nodes.size))
-
-    def of(border: int, by: Array) -> Array:
-        changes = _Changes(table, by.tolist(), outputs)  # by nodes, (4, outputs)
-        return np.array(changes.of_border(4 * border, borders[border]))
-
-    for border in range(len(borders)):
-        at = of(border, misses)
-        for turn in range(4 * border, 4 * border + 4):
-            change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
-            slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
-    return Resting(nodes, ways, slopes, slopes @ joint.laws(nodes, ways))
-
-
-def _slope(at: Array, on: Array) -> float:
-    """Return the derivative of :func:`_rest` at some changes by nodes along others."""
-    size, way = (float(np.nan_to_num(np.abs(changes)).max()) for changes in (at, on))
-    step = STEP * size / (way or 1.0)
-    more, less = (_rest(*(at + side * step * on).tolist())[0] for side in (1, -1))
-    slope = (more - less) / (2 * step) if step else 0.0
-    return slope if isfinite(slope) else 0.0
-
-
-class _Changes:
+class Changes:
     """Changes of outputs by turned nodes, as plain numbers: there are few.
 
     Parameters
@@ -223,14 +184,25 @@ class _Changes:
         pairs = zip(self.by_effects[one], self.by_effects[two], strict=True)
         return [step * change + further * second for change, second in pairs]
 
+    def of_bend(self, one: int, two: int) -> list[float]:
+        """Return what two nodes that turn change beyond twice what the first one does."""
+        pairs = zip(self.of_two(one, two), self.of_one(one), strict=True)
+        return [both - 2 * first for both, first in pairs]
+
     def of_pair(self, one: int, two: int) -> list[float]:
         """Return what two nodes that turn at once change beyond what each does alone."""
         each = self.of_two(one, two), self.of_one(one), self.of_one(two)
         return [both - first - second for both, first, second in zip(*each, strict=True)]
 
 
-def at_rest(moved: Moved) -> tuple[Array, Array]:
+def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
     """Return what outputs change by as borders come to rest, and what they may err by then.
+
+    Parameters
+    ----------
+    moved : Moved
+    others : ((outputs,) array, (outputs,) array)
+        Further changes, and by how much they may err.
 
     Returns
     -------
@@ -240,20 +212,22 @@ def at_rest(moved: Moved) -> tuple[Array, Array]:
     outputs = moved.by_nodes.shape[2]
     rests, squares = [0.0] * outputs, [0.0] * outputs
     for border in moved.by_nodes.tolist():  # few, and plain numbers are the quicker
-        found = [_rest(*changes) for changes in zip(*border, strict=True)]
+        found = [rest_of(*changes) for changes in zip(*border, strict=True)]
         if all(isfinite(square) for _, square in found):  # else of states without a solution
             for k, (rest, square) in enumerate(found):
                 rests[k] += rest
                 squares[k] += square
-    total = np.array(squares)
-    for share, changes in ((UNSEEN, moved.unseen), (HELD, moved.held)):
-        if len(changes):
-            known = changes[np.isfinite(changes.sum(axis=1))]
-            total += share**2 * np.square(known).sum(axis=0)
-    return np.array(rests), np.sqrt(total)
+    left = [UNSEEN * moved.unseen, RESTING * moved.bent, HELD * moved.held]
+    all_rests = np.array(rests)
+    for changes, off in others:
+        all_rests += changes
+        left.append(off[None])
+    errors = np.concatenate(left)
+    errors = errors[np.isfinite(errors.sum(axis=1))]
+    return all_rests, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))
 
 
-def _rest(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
+def rest_of(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
     """Return what an output changes by as a border comes to rest, and the square of its error then.
 
     Parameters
@@ -307,35 +281,55 @@ def _ends(faces: Sequence[Array]) -> Iterator[tuple[int, int]]:
         first += face.size
 
 
-def _borders(solution: StickSlipSolution, faces: Sequence[Array]) -> Iterator[list[Turn]]:
+def _borders(
+    solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
+) -> Iterator[list[Turn]]:
     """Yield, of each border of stick, the turns of the two nodes before and the two behind it.
 
     The outer one of a zone that has but one is that one again.
     """
     states = solution.state.tolist()
-    for first, last in _ends(faces):
-        for node in range(first, last):
-            before, behind = states[node], states[node + 1]
-            if before == behind or before * behind:
-                continue
+    for first, last, node in _changing(solution, faces, crossed):
+        before, behind = states[node], states[node + 1]
+        if before * behind == 0:
             back = node - 1 if node > first and states[node - 1] == before else node
             on = node + 2 if node + 1 < last and states[node + 2] == behind else node + 1
             yield [(back, behind), (node, behind), (node + 1, before), (on, before)]
 
 
-def _others(
-    solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
+def _meeting(
+    solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
 ) -> Iterator[Turn]:
-    """Yield turns of nodes beside stick that is not seen, and of those that stick at an edge."""
+    """Yield turns of nodes beside stick that is not seen."""
+    state = solution.state
+    for _, _, node in _changing(solution, faces, crossed):
+        if state[node] * state[node + 1] < 0:
+            yield node, 0
+            yield node + 1, 0
+
+
+def _changing(
+    solution: StickSlipSolution, faces: Sequence[Array], crossed: frozenset[int]
+) -> Iterator[tuple[int, int, int]]:
+    """Yield the nodes behind which the state is another, between the first and last of a face."""
+    ends = list(_ends(faces))
+    for node in changing(solution.state):
+        for first, last in ends:
+            if first <= node < last and node not in crossed:
+                yield first, last, node
+
+
+def _edges(
+    solution: StickSlipSolution, faces: Sequence[Array], open_ends: Sequence[int]
+) -> Iterator[list[Turn]]:
+    """Yield turns of nodes that stick at an edge: of the outermost one, and of the next one."""
     states = solution.state.tolist()
     for first, last in _ends(faces):
-        for node in range(first, last):
-            if states[node] * states[node + 1] < 0:
-                yield node, 0
-                yield node + 1, 0
-        for node in (first, last):
+        for node, inner in ((first, first + 1), (last, last - 1)):
             if states[node] == 0 and node not in open_ends:
-                yield node, 1 if solution.traction[node] > 0 else -1
+                way = 1 if solution.traction[node] > 0 else -1
+                more = first <= inner <= last and states[inner] == 0
+                yield [(node, way), (inner, way)] if more else [(node, way)]
 
 
 def _pairs(asked: Sequence[int], nodes: Sequence[int], faces: Sequence[Array]) -> Iterator[Turn]:

@@ -44,7 +44,7 @@ __all__ = [
 Array = np.ndarray
 
 MOST_UNCHECKED = 7  # neighbours in a row whose errors are told by other cases alone
-LIKELY = 1.5  # times the scatter that a coarse mesh foresees is what a finer one then tells, mostly
+LIKELY = 1.0  # times the scatter that a coarse mesh foresees is what a finer one then tells, mostly
 NEAR = 0.03  # of the nodes change their zone from one case to the next: it scatters alike
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
 # there errors are regular: by order two a third of the last change, a twelfth of the one before

@@ -44,12 +44,12 @@ ERROR_WEIGHTS = (0.7, 0.2)
 CHANGE_WEIGHT, CHANCE = 0.4, 4e-4
 
 ORDER = 2.0
-WITHIN, OUTSIDE = 1.5, 0.02
+WITHIN, OUTSIDE = 1.5, 0.06
 COUNTED = 3  # changes of a case: of coarser meshes the order is not two yet
 REMEMBERED = 3  # changes of neighbouring cases
 # Student's t exceeded, either way, in OUTSIDE of cases: of 1, 1.5, 2, ... degrees of freedom
-STUDENT = (31.821, 11.197, 6.965, 5.353, 4.541, 4.061, 3.747, 3.527, 3.365, 3.241, 3.143, 3.063,
-           2.998, 2.943, 2.896, 2.856)  # fmt: skip
+STUDENT = (10.579, 5.306, 3.896, 3.285, 2.951, 2.742, 2.601, 2.499, 2.422, 2.361,
+           2.313, 2.274, 2.241, 2.213, 2.189, 2.168)  # fmt: skip
 
 
 class Foreseen(NamedTuple):

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..contact.borders import Resting
+from ..contact.resting import Resting
 from ..errors import InvalidProblem
 
 __all__ = ["Differential"]

@@ -35,7 +35,7 @@ from ..contact.stick_slip import RigidFace, StickSlip, StickSlipSolution
 from ..two_bodies import About, Matrices, PairEquations, PairState
 from .laws import NipLaws
 
-__all__ = ["NipEquations", "NipMatrices", "gained"]
+__all__ = ["NipEquations", "NipMatrices", "gained", "jointly"]
 
 Array = np.ndarray
 # below, tractions drown in the rounding of the pressures if both are solved for together
@@ -142,8 +142,7 @@ class NipEquations(PairEquations):
 
         None where rounding blurs tractions, and on elements, which have a search of their own.
         """
-        least = min(self.problem.roll_friction, self.problem.drum_friction)
-        if least < LEAST_FRICTION or self.mesh.facing(True) is not self.mesh:
+        if not jointly(self.problem) or self.mesh.facing(True) is not self.mesh:
             return None
         made, n = self.matrices, self.mesh.unknowns
         row = made.whole[n + 1]
@@ -221,6 +220,11 @@ class NipEquations(PairEquations):
     def load_of(self, p: Array) -> float:
         """Return the load that a pressure carries [N/m]."""
         return float(self.matrices.weights @ p)
+
+
+def jointly(problem: Any) -> bool:
+    """Tell whether there is friction enough for pressure and tractions to be solved together."""
+    return bool(min(problem.roll_friction, problem.drum_friction) >= LEAST_FRICTION)
 
 
 def gained(problem: Any, mesh: Mesh, x: Array, q_roll: Array, q_drum: Array) -> Array:

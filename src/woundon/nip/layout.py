@@ -78,7 +78,8 @@ def _slip_before(problem: Any, half_width: float, kinds: list[int], borders: lis
     web, thickness = problem.web.compliance, problem.web.thickness
     length = thickness * abs(web.c12) / (web.c11 * problem.drum_friction * half_width)
     kinds.insert(0, 1 if web.c12 > 0 else -1)
-    borders.insert(0, min(length, 0.5 * (borders[0] + 1)) - 1)
+    first = borders[0] if borders else 1.0
+    borders.insert(0, min(length, 0.5 * (first + 1)) - 1)
 
 
 def _part_slips(kinds: list[int], borders: list[float]) -> None:

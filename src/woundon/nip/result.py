@@ -178,9 +178,10 @@ class NipResult(WindingNipResult):
     nip_induced_tension : float
         NIT = Q+ + Q- [N/m]: the integral of the tractions, plus ``extrapolation``.
     extrapolation : float
-        What is added to that integral [N/m]: on graded meshes for where borders of stick come to
-        rest within their cells, with ``rtol`` what extrapolation to zero cells adds.  It is about
-        as large as the told error; 0 on elements, and by the thesis's scheme.
+        What is added to that integral [N/m]: on graded meshes for where borders of stick and jumps
+        come to rest within their cells and for what these miss at the trailing edge, with ``rtol``
+        what extrapolation to zero cells adds.  It is about as large as the told error; 0 on
+        elements, and by the thesis's scheme.
 
     The others as of :class:`WindingNipResult`.
     """

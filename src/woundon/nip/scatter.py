@@ -9,11 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.borders import Resting, at_rest, by_misses, by_turning
+from ..contact.borders import at_rest, by_turning
+from ..contact.jumps import Jumps
 from ..contact.levels import Level
+from ..contact.resting import Resting, by_misses
 from ..contact.told import Foreseen
 from ..contact.zones import Runs
 from ..two_bodies import SLIP_RATIOS
+from .trailing_edge import at_trailing_edge, resting_at_trailing_edge
 
 __all__ = ["by_borders", "by_cells", "rest_of_borders", "resting", "unseen_stick",
            "with_borders"]  # fmt: skip
@@ -25,6 +28,8 @@ REST, KNOWN = 0.3, 2.0
 WITHIN_CELL = 0.1  # of a cell, by which ends of zones of random nips err in the middle
 OUTPUTS = ("nip_induced_tension", "peak_pressure", "offset", "drum_creep")  # the width hardly
 RESTS = ("nip_induced_tension", "offset", "drum_creep")  # that come to rest with the borders
+MOVED = np.isin(OUTPUTS, RESTS)
+MISSED = 0.1  # of what the trailing edge changes, by which outputs of random nips err
 
 
 class _AtBorders(NamedTuple):
@@ -32,6 +37,7 @@ class _AtBorders(NamedTuple):
 
     rest: Array
     scatter: Array
+    wider: float = 0.0  # what the half width changes by as jumps come to rest: it is not moved
 
 
 def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dict[str, Foreseen]:
@@ -41,6 +47,8 @@ def by_borders(problem: Any, level: Level, usual: Mapping[str, Foreseen]) -> dic
         return dict(usual)
     scatter = dict(zip(OUTPUTS, at.scatter.tolist(), strict=True))
     scatter["tension_behind_nip"] = scatter["nip_induced_tension"]
+    if at.wider:
+        scatter |= {"half_width": at.wider, "nip_width": 2 * at.wider}
     return with_borders(usual, scatter)
 
 
@@ -58,8 +66,8 @@ def with_borders(
 
 def rest_of_borders(problem: Any, level: Level) -> dict[str, float]:
     """Return what outputs change by as the borders of a solved mesh come to rest; {} if unknown."""
-    at = _at_borders(problem, level)
-    if at is None or not level.mesh.regardless:
+    at = _at_borders(problem, level) if level.mesh.regardless else None
+    if at is None:
         return {}
     rest = dict(zip(OUTPUTS, at.rest.tolist(), strict=True))
     return {name: rest[name] for name in RESTS}
@@ -76,16 +84,44 @@ def _at_borders(problem: Any, level: Level) -> _AtBorders | None:
 
 
 def _found(problem: Any, level: Level) -> _AtBorders:
+    """Return what borders, jumps and the trailing edge leave open."""
     solution, joint = level.state.solution, level.equations.joint
+    gradients, jumps = _gradients(problem, level), _jumps(problem, level)
     faces = (np.arange(joint.unknowns),) * 2
-    return _AtBorders(*at_rest(by_turning(joint, solution, faces, _gradients(problem, level))))
+    moved = by_turning(joint, solution, faces, gradients, jumps=jumps)
+    others, wider = [], 0.0
+    if jumps:
+        by_width = np.zeros(len(gradients))
+        by_width[: joint.unknowns] = level.equations.matrices.weights / (level.load * level.power)
+        all_outputs = np.column_stack([gradients, by_width])
+        changes, off = jumps.changes(joint, solution, all_outputs)
+        wider = float(abs(changes[-1]) + off[-1]) * level.half_width
+        changes, off = changes[:-1], off[:-1]
+        others.append((changes, np.where(MOVED, off, np.abs(changes) + off)))
+    edge = at_trailing_edge(problem, level, gradients)
+    if edge is not None:
+        others.append((edge, MISSED * MOVED * edge))
+    return _AtBorders(*at_rest(moved, *others), wider)
+
+
+def _jumps(problem: Any, level: Level) -> Jumps | None:
+    """Return where tractions of rigid bodies jump."""
+    n = level.equations.joint.unknowns
+    rigid = (face for face, body in enumerate(problem.bodies) if body.rigid)
+    return Jumps.of(
+        level.equations.joint,
+        level.state.solution,
+        [(face * n, (face + 1) * n - 1) for face in rigid],
+    )
 
 
 def resting(problem: Any, level: Level) -> Resting:
-    """Return the derivatives of what NIT changes by as borders come to rest."""
-    joint = level.equations.joint
+    """Return the derivatives of what NIT changes by as borders, jumps and the edge are told."""
+    joint, gradients = level.equations.joint, _gradients(problem, level)[:, :1]
     faces = (np.arange(joint.unknowns),) * 2
-    return by_misses(joint, level.state.solution, faces, _gradients(problem, level)[:, :1])
+    borders = by_misses(joint, level.state.solution, faces, gradients, _jumps(problem, level))
+    edge = resting_at_trailing_edge(problem, level, gradients)
+    return borders if edge is None else borders.beside(edge)
 
 
 def _gradients(problem: Any, level: Level) -> Array:

@@ -29,9 +29,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import kinds
-from ..contact.borders import Resting
 from ..contact.levels import Level
 from ..contact.response import Response, Tractions
+from ..contact.resting import Resting
 from ..contact.schemes import ELEMENTS
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.nip import NipProblem

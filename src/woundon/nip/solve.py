@@ -25,7 +25,7 @@ from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import ELEMENTS, Scheme, scheme_of
-from ..contact.told import Foreseen
+from ..contact.told import ORDER, Foreseen
 from ..contact.zones import Runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
@@ -34,7 +34,7 @@ from ..threads import one_thread
 from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
 from .borders import OnElements
 from .certificate import certificate, matrices_of
-from .equations import NipEquations, NipMatrices, gained
+from .equations import NipEquations, NipMatrices, gained, jointly
 from .result import NipResult
 from .scatter import by_borders, by_cells, rest_of_borders, unseen_stick
 from .validity import nip_warnings, web_far_outside
@@ -49,8 +49,8 @@ Array = np.ndarray
 # where neither nodes nor rtol are given: until the error of NIT is below so much, but on so many
 # nodes at most; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
-CHOSEN = (49, 65, 97, 129, 193, 257)  # nodes that it is solved on
-COARSE_NODES = 25  # of the mesh that tells how many
+CHOSEN = (49, 65, 81, 97, 129, 161, 193, 257)  # nodes that it is solved on
+COARSE_NODES = 17  # of the mesh that tells how many
 # rtol from which elements are tried, with a rigid drum and an elastic one: from there they cost
 # less than meshes on half of random nips and more
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
@@ -81,7 +81,8 @@ def solve_nip(
     nodes : int, optional
         Number M of nodes, 7 to 4000.  By default 49 to 257, as many as it takes until the estimated
         error of NIT is below 0.1 %; with bodies that are not linear 65 to 129, for 0.3 % (200 for
-        the thesis's scheme).  NIT is corrected for where borders of stick lie within their cells
+        the thesis's scheme).  NIT is corrected for where borders of stick and jumps of the
+        tractions lie within their cells, and for what cells miss at the trailing edge
         (``extrapolation``).
     rtol : float, optional
         In place of nodes: refine until the estimated error of NIT is below ``rtol`` times the
@@ -215,6 +216,11 @@ class NipContact(PairContact):
     """A nip as the loop sees it."""
 
     equations_of: ClassVar[type[PairEquations]] = NipEquations
+
+    @property
+    def order(self) -> float:
+        """By which power of the cells errors fall: two, as jumps are found within their cells."""
+        return ORDER if jointly(self.problem) else super().order
 
     @property
     def outside(self) -> str:

@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contact.borders import Resting, at_rest, by_misses, by_turning
+from ..contact.borders import at_rest, by_turning
+from ..contact.jumps import Jumps
 from ..contact.levels import Level
+from ..contact.resting import Resting, by_misses
 from ..contact.told import Foreseen
 from ..nip.scatter import with_borders
 
@@ -20,6 +22,8 @@ Array = np.ndarray
 # otherwise: once borders rest it is off by as much
 RESTS = ("wound_on_tension", "nip_induced_tension", "tension_behind_nip", "drum_creep")
 
+KNOWN = 1.0  # changes that a mesh alone counts as: shares of what borders leave open are of nips
+
 
 class _AtBorders(NamedTuple):
     """What outputs change by as borders come to rest, and by how much they may be off, by name."""
@@ -30,7 +34,8 @@ class _AtBorders(NamedTuple):
 
 def by_borders(level: Level, usual: Mapping[str, Foreseen]) -> dict[str, Foreseen]:
     """Return by how much outputs scatter on a mesh, by its borders and by what is usual."""
-    return with_borders(usual, _at_borders(level).scatter)
+    found = with_borders(usual, _at_borders(level).scatter)
+    return {name: Foreseen(size, min(known, KNOWN)) for name, (size, known) in found.items()}
 
 
 def rest_of_borders(level: Level) -> dict[str, float]:
@@ -54,7 +59,7 @@ def resting(level: Level, outputs: Sequence[str]) -> Resting:
     equations, gradients = level.equations, _gradients(level)
     by_unknowns = np.array([gradients[name] for name in outputs]).T
     faces = equations.roll_q, equations.drum_q
-    return by_misses(equations.joint, level.state.solution, faces, by_unknowns)
+    return by_misses(equations.joint, level.state.solution, faces, by_unknowns, _jumps(level))
 
 
 def _found(level: Level) -> _AtBorders:
@@ -62,9 +67,26 @@ def _found(level: Level) -> _AtBorders:
     faces, gradients = (equations.roll_q, equations.drum_q), np.array(list(names.values())).T
     far, start = equations.roll_q.size - 1, equations.roll_q.size  # where arcs end and begin
     ends = [far] * equations.roll_arc + [start] * equations.drum_arc
-    told = at_rest(by_turning(equations.joint, level.state.solution, faces, gradients, ends))
+    joint, solution = equations.joint, level.state.solution
+    jumps = _jumps(level)
+    moved = by_turning(joint, solution, faces, gradients, ends, jumps)
+    others = []
+    if jumps:
+        changes, off = jumps.changes(joint, solution, gradients)
+        moves = [name in RESTS for name in names]
+        others.append((changes, np.where(moves, off, np.abs(changes) + off)))
+    told = at_rest(moved, *others)
     rest, scatter = (dict(zip(names, part.tolist(), strict=True)) for part in told)
     return _AtBorders(rest, scatter)
+
+
+def _jumps(level: Level) -> Jumps | None:
+    """Return where tractions of rigid bodies jump."""
+    equations, problem = level.equations, level.equations.problem
+    on_roll, both = equations.roll_q.size, equations.roll_q.size + equations.drum_q.size
+    ends = (0, on_roll - 1), (on_roll, both - 1)
+    rigid = [end for end, body in zip(ends, problem.bodies, strict=True) if body.rigid]
+    return Jumps.of(equations.joint, level.state.solution, rigid)
 
 
 def _gradients(level: Level) -> dict[str, Array]:

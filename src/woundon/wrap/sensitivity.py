@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contact.borders import Resting
 from ..contact.levels import Level
+from ..contact.resting import Resting
 from ..errors import InvalidProblem
 from ..nip.differential import Differential
 from ..nip.sensitivity import Sensitivity, continuous_fields, differentiated
