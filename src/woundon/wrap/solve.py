@@ -336,9 +336,9 @@ class WrapContact(PairContact):
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
         """Return by how much outputs scatter usually; with a wrap on the drum the grain tells."""
         usual = dict(super().foreseen(level, scalars))
-        for name, times in WITH_WRAPS.items():
+        for name in usual.keys() & WITH_WRAPS:
             size, changes = usual[name]
-            usual[name] = Foreseen(times * size, max(changes, 1.0))
+            usual[name] = Foreseen(WITH_WRAPS[name] * size, max(changes, 1.0))
         if self.problem.drum_wrap:
             usual["drum_creep"] = NOTHING
         return by_borders(level, usual)
