@@ -147,10 +147,10 @@ def test_zones_are_found_again_on_their_own_mesh_whichever_cell_they_end_in() ->
 
 
 def test_slip_ratios_are_told_by_the_cells_in_which_zones_end() -> None:
-    """A tenth of a cell, as two changes, beside those of the meshes: never much less is told."""
+    """A sixth of a cell, as two changes, beside those of the meshes: never much less is told."""
     nodes = np.array([-1.0, -0.5, 0.1, 0.5, 1.0])
     roll = Runs([-1, 0, 1], [(-0.2, 0.0), (0.7, 0.0)])  # in cells of 0.6 and 0.5
     told = by_cells(nodes, [roll, Runs([0], [])])
     sizes = {name: foreseen.size for name, foreseen in told.items()}
-    assert sizes == pytest.approx({"leading_roll": 0.03, "trailing_roll": 0.025, "dual": 0.025})
+    assert sizes == pytest.approx({"leading_roll": 0.048, "trailing_roll": 0.04, "dual": 0.04})
     assert {foreseen.changes for foreseen in told.values()} == {2.0}
