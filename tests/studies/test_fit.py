@@ -373,10 +373,11 @@ def test_the_measured_tensions_tell_as_much_by_half_the_solves(output):
     by 0.2, standard errors by 5 and 18 %.
 
     Those of rig tensions are told by derivatives of the meshes' own tensions, not of the corrected
-    ones: the second one 5 % larger.
+    ones: the second one 5 % larger.  Ends of profiles are found to 0.6 % of their way; those with
+    wraps were of tensions that knew no places of jumps, which moved them by 1.6 %.
     """
     estimates, errors, ends, solves = BY_LAST_DIGITS[output]
-    moves = 0.2 if output == "wound_on_tension" else 0.1
+    moves, ends_move = (0.2, 0.02) if output == "wound_on_tension" else (0.1, 6e-3)
     vary = {"roll_friction": (0.05, 0.6), "roll.material.shear": (2e6, 1e8)}
     problem = wo.NipProblem.example()
     if output == "wound_on_tension":
@@ -387,7 +388,7 @@ def test_the_measured_tensions_tell_as_much_by_half_the_solves(output):
     assert fit.standard_errors == pytest.approx(errors, rel=0.05)
     found = [end for profile in fit.profiles for end in (profile.low, profile.high)]
     way = np.abs(np.log(np.array(ends) / np.repeat(estimates, 2)))
-    assert np.all(np.abs(np.log(np.array(found) / ends)) < 6e-3 * way)
+    assert np.all(np.abs(np.log(np.array(found) / ends)) < ends_move * way)
     assert fit.solves < solves / 2
 
 

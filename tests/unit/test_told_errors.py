@@ -61,7 +61,7 @@ def test_of_nips(nips: list[tuple[Result, Result]], name: str) -> None:
     # of 25 cases with a chance of 5 % each more than 3 lie outside in one of thirty draws
     assert np.count_nonzero(misses(nips, name) > 1.5) <= 3
     # an error many times too large would be true as well, and of no use
-    assert 1 < told_over_true(nips, name) < 15
+    assert 1 < told_over_true(nips, name) < 20
 
 
 @pytest.fixture(scope="module")
