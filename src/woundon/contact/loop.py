@@ -140,7 +140,7 @@ class Ladder:
         self._take_over(start)
         told = self._scattered.get(self.target)
         unchecked = 1 + (start.widths.unchecked if start.widths else MOST_UNCHECKED)
-        tells = told is not None and told.freedom > 2 and unchecked <= MOST_UNCHECKED
+        tells = told is not None and told.tells and unchecked <= MOST_UNCHECKED
         if not tells and self.contact.settles_apart:  # on the coarser mesh that costs less
             self.climb(counts, start)
             return
@@ -296,7 +296,7 @@ class Ladder:
             largest = max([self.contact.scale(name, value) for value in values])
             known = Scatter.of(values, self.cells, largest, order, foreseen)
             known = self._scatters[name] = known.after(self._scattered.get(name))
-            if known.changes and known.freedom >= 2:
+            if known.tells:
                 return known.error(cells, largest)
         if len(values) == 2:
             chance, scale = CHANCE * (64 / cells) ** 1.6, self.contact.scale(name, values[-1])

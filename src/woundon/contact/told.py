@@ -100,6 +100,11 @@ class Scatter(NamedTuple):
         """The degrees of freedom."""
         return self.changes + self.foreseen.changes
 
+    @property
+    def tells(self) -> bool:
+        """Whether there is enough to tell an error by, a change at least."""
+        return self.changes > 0 and self.freedom >= 2
+
     def after(self, before: Scatter | None) -> Scatter:
         """Return what is known with what a neighbouring case told, the last of it at most.
 
