@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from enum import IntEnum
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, overload
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, overload
 
 import numpy as np
 
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone"]
+__all__ = ["ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "measured"]
+
+ResultT = TypeVar("ResultT", bound="Result")
 
 ACCEPTED_RESIDUAL = 1e-8
 
@@ -204,15 +206,6 @@ class Result(ReadOnly):
         """Return the same result with other fields."""
         return replace(self, **changes)
 
-    def measured(
-        self, *, errors: Mapping[str, float], residuals: Residuals, warnings: tuple[str, ...]
-    ) -> Self:
-        """Return the same result with what was measured on it."""
-        found = object.__new__(type(self))  # all else was seen to when it was made
-        vars(found).update(vars(self), residuals=residuals, warnings=warnings)
-        vars(found)["errors"] = MappingProxyType(dict(errors))
-        return found
-
     @overload
     def plot(self, path: str | PathLike[str] | None = None, ax: None = None,
              panels: str | Sequence[str] | None = None) -> Figure: ...  # fmt: skip
@@ -300,6 +293,26 @@ class Result(ReadOnly):
             if not part.metadata.get("saved", True) and part.default is not MISSING
         }  # fmt: skip
         return {**self.__dict__, "errors": dict(self.errors), **made_anew}
+
+
+def measured(
+    result: ResultT, *, errors: Mapping[str, float], residuals: Residuals, warnings: tuple[str, ...]
+) -> ResultT:
+    """Return the same result with what was measured on it.
+
+    Parameters
+    ----------
+    result : Result
+        As it was made, without any of these.
+    errors : mapping of str to float
+        Estimated discretisation errors by output, SI units.
+    residuals : Residuals
+    warnings : tuple of str
+    """
+    found = object.__new__(type(result))  # all else was seen to when it was made
+    vars(found).update(vars(result), residuals=residuals, warnings=warnings)
+    vars(found)["errors"] = MappingProxyType(dict(errors))
+    return found
 
 
 def _same(one: Any, two: Any) -> bool:

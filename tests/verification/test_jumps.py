@@ -14,11 +14,12 @@ from own_mesh import own_tension
 from random_nips import random_nip
 
 import woundon as wo
-from woundon.contact.jumps import Jumps, _meeting
+from woundon.contact.jumps import JUMPED, Jumps, _meeting
 from woundon.contact.loop import Ladder
 from woundon.contact.schemes import Graded
 from woundon.nip.solve import NipContact
 from woundon.nip.trailing_edge import FADES, MISSED
+from woundon.two_bodies import PairContact
 
 Array = np.ndarray
 
@@ -139,6 +140,25 @@ def test_the_changes_by_jumps_have_the_slopes_told() -> None:
     assert nodes.tolist() == [*jumps.nodes, *jumps.nodes, *jumps.behind]
 
 
+def test_a_jump_errs_by_as_much_of_its_changes_as_the_slip_beside_its_cell_is_unlike() -> None:
+    jumps, ladder = jumps_of(ONE_JUMP, 65)
+    joint, solution = ladder.level.equations.joint, ladder.level.state.solution
+    assert jumps is not None
+    gradients = np.random.default_rng(3).normal(size=(joint.matrix.shape[1], 2))
+    for unlike, share in ((0.0, JUMPED), (0.4, 0.4)):
+        told = jumps._replace(unlike=np.array([unlike])).changes(joint, solution, gradients)
+        np.testing.assert_allclose(told[1], share * np.abs(told[0]), rtol=1e-12)
+
+
+def test_half_widths_are_not_corrected_so_they_scatter_by_what_jumps_change() -> None:
+    _, ladder = jumps_of(TWO_JUMPS, 33)
+    contact, level, values = ladder.contact, ladder.level, ladder.values
+    assert isinstance(contact, NipContact)
+    usual, told = PairContact.foreseen(contact, level, values), contact.foreseen(level, values)
+    assert told["half_width"].size > 1.0001 * usual["half_width"].size
+    assert told["nip_width"].size == pytest.approx(2 * told["half_width"].size)
+
+
 # ---- the trailing edge --------------------------------------------------------------------------
 
 
@@ -180,3 +200,18 @@ def test_with_what_is_missed_there_the_tension_errs_by_a_third_at_most(seed: int
         result = wo.solve_nip(random_nip(seed), nodes=nodes)
         # what borders leave is within 0.2 of these
         assert abs(result.nip_induced_tension - true) < abs(own_tension(result) - true) / 3
+
+
+def test_derivatives_are_of_the_tension_with_what_is_missed_there() -> None:
+    """By friction, which the last traction goes with: seven percent off as if it did not."""
+    problem, step = random_nip(490404), 1e-4
+    result = wo.solve_nip(problem, nodes=65)
+    more, less = (
+        wo.solve_nip(
+            problem.replace(roll_friction=problem.roll_friction * way), nodes=65, start=result
+        ).nip_induced_tension
+        for way in (1 + step, 1 - step)
+    )
+    told = result.sensitivity("roll_friction").derivative("nip_induced_tension", "roll_friction")
+    # what the effects themselves change by is left out: 1.5e-4
+    assert told * problem.roll_friction == pytest.approx((more - less) / (2 * step), rel=1e-3)

@@ -17,7 +17,7 @@ from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
 from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES, Graded
-from woundon.contact.stick_slip import Ending, StickSlipSolution
+from woundon.contact.stick_slip import Ending, RigidFace, StickSlipSolution
 from woundon.contact.told import OUTSIDE, STUDENT, Foreseen, Scatter
 from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.nip.laws import NipLaws
@@ -289,6 +289,28 @@ def test_what_the_last_sticking_node_of_a_rigid_drum_cannot_hold_is_passed_on(
     assert solves[0] < 0.8 * solves[1]  # 0.6, and of random nips
 
 
+def test_passed_on_is_what_the_nodes_before_it_have_no_slack_for_within_its_run_of_stick() -> None:
+    """Of the second face: those before the last one have slacks of 2, 2, 5; before them is slip."""
+    state = np.array([0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1], dtype=np.int8)
+    bound = np.full(11, 10.0)
+    traction = np.array([1.0, 1, 1, 1, 1, -10, 5, 8, 8, 13, 10])
+
+    def passed(last: float) -> list[int]:
+        traction[9] = last
+        solution = StickSlipSolution(state, traction, 0.0, np.zeros(11), bound)
+        turned = state.copy()
+        turned[9] = np.sign(last)
+        face = RigidFace(slice(3, 11), np.ones(8))
+        pivoting._pass_on(face, solution, solution.violated(), turned)
+        return turned[3:].tolist()
+
+    assert passed(9.0)[6] == 1  # nothing to pass on: as it came
+    assert passed(11.0) == [0, 0, -1, 0, 0, 0, 1, 1]
+    assert passed(13.0) == [0, 0, -1, 0, 0, 1, 1, 1]
+    assert passed(15.0) == [0, 0, -1, 0, 1, 1, 1, 1]
+    assert passed(99.0) == [0, 0, -1, 1, 1, 1, 1, 1]  # no farther than its run
+
+
 def joints(nips: Iterable[wo.NipProblem]) -> list[StickSlipSolution]:
     """Return stick and slip of each nip on 25 nodes at the width guessed, from nothing."""
     found = []
@@ -305,6 +327,12 @@ def test_the_only_node_that_holds_the_creep_is_not_said_to_turn() -> None:
     assert np.count_nonzero(result.drum_zone[1:-1] == 0) == 1
     # meshes of 257 and 385 nodes differ from it by 2.4e-4
     assert result.errors["nip_induced_tension"] < 1e-2 * result.nip_induced_tension
+
+
+def test_an_error_is_told_by_a_change_at_least_and_two_degrees_of_freedom() -> None:
+    foreseen = [Foreseen(1.0, changes) for changes in (0.5, 1.0, 2.0)]
+    assert [Scatter(1.0, 1, foreseen=known).tells for known in foreseen] == [False, True, True]
+    assert not any(Scatter(0.0, 0, foreseen=known).tells for known in foreseen)
 
 
 # cells of one mesh after another: doubled, as a neighbour's are, and as a cold case's

@@ -11,6 +11,9 @@ from random_nips import random_wrapped_neighbours
 from thesis_cases import paper_nip
 
 import woundon as wo
+from woundon.contact.loop import Ladder
+from woundon.contact.schemes import Graded
+from woundon.wrap.solve import WrapContact
 
 COVER = wo.Cylinder(
     radius=0.5, core_radius=0.48, material=wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
@@ -54,6 +57,16 @@ def test_an_arc_that_sticks_where_it_begins_and_ends_leaves_nothing_open() -> No
     assert result.drum_creep == pytest.approx(come, rel=1e-12)
     # 7e-6 are what the coarse mesh's load leaves; as if the web slipped at its entry, unseen: 5e-5
     assert result.errors["drum_creep"] < 2e-5 * abs(come)
+
+
+def test_what_a_mesh_with_wraps_foresees_counts_as_one_change_at_most() -> None:
+    """Shares of what borders leave open were learned from nips; of those it counts as two."""
+    contact = WrapContact(paper_nip(web_tension=350.0).wrapped(), 32, 33)
+    ladder = Ladder(contact, Graded(), "wound_on_tension", scatters=True)
+    ladder.climb([17, 33])
+    known = contact.foreseen(ladder.level, ladder.values)
+    assert known["wound_on_tension"].changes == 1
+    assert max(foreseen.changes for foreseen in known.values()) == 1
 
 
 @pytest.mark.parametrize("seed", [3, 10, 17, 21, 26])

@@ -52,7 +52,7 @@ class Ending(Enum):
 
 
 class RigidFace(NamedTuple):
-    """The nodes on a rigid body, in one row, and what integrates their tractions."""
+    """The nodes on a rigid body, in one row, and what integrates their tractions [m]."""
 
     nodes: slice
     weights: Array

@@ -29,7 +29,7 @@ from ..contact.told import ORDER, Foreseen
 from ..contact.zones import Runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
-from ..results import Residuals
+from ..results import Residuals, measured
 from ..threads import one_thread
 from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
 from .borders import OnElements
@@ -328,7 +328,8 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
         widths=ladder.widths._replace(runs=_runs_of(problem, level)),
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )  # fmt: skip
-    return result.measured(
+    return measured(
+        result,
         errors=ladder.errors_of(result),
         residuals=certificate(result, level.equations.anew(state)),
         warnings=nip_warnings(result),

@@ -19,7 +19,7 @@ from ..contact.response import padded
 from ..contact.schemes import Graded
 from ..errors import NotConverged
 from ..problems.rollers import RollerProblem
-from ..results import Residuals
+from ..results import Residuals, measured
 from ..threads import one_thread
 from ..two_bodies import PairContact, PairEquations, PairState, approach
 from .certificate import certificate, matrices_of
@@ -149,7 +149,8 @@ def _solved(problem: RollerProblem, nodes: int) -> RollerResult:
         mesh=mesh,
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
-    return result.measured(
+    return measured(
+        result,
         errors=ladder.errors_of(result),
         residuals=certificate(result, level.equations.anew(state)),
         warnings=roller_warnings(result),

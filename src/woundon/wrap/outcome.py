@@ -13,7 +13,7 @@ from ..losses import lost
 from ..nip.solve import most_beyond, slip_ratios, told_by
 from ..nip.validity import nip_warnings
 from ..problems.nip import WrappedNipProblem
-from ..results import Residuals
+from ..results import Residuals, measured
 from .certificate import certificate, equations_of, roll_strain, surfaces_of, unknowns_of
 from .equations import WrapEquations, WrapState
 from .grid import WrapGrid
@@ -59,7 +59,8 @@ def result_of(ladder: Ladder, problem: WrappedNipProblem) -> WrappedNipResult:
         widths=ladder.widths,
         rolling_resistance=ladder.history[-1].get("rolling_resistance", nan),
     )
-    return result.measured(
+    return measured(
+        result,
         errors=ladder.errors_of(result),
         residuals=certificate(result, equations),
         warnings=nip_warnings(result),
