@@ -246,9 +246,10 @@ def approach(problem: ContactProblem, made: Matrices, state: PairState, v: float
     ``v`` is what the web between the bodies adds there.
     """
     a = state.half_width
-    for response, (p, q) in zip(
-        made.responses, made.loads(state.pressure, state.traction), strict=True
-    ):
+    loads = made.loads(state.pressure, state.traction)
+    for body, response, (p, q) in zip(problem.bodies, made.responses, loads, strict=True):
+        if body.rigid:
+            continue
         by_p, by_q = response.normal()
         v += float((by_p @ p)[0]) + float((by_q @ q)[0]) + float(response.rest()[0][0])
     return float(a**2 / (2 * problem.contact_radius) - v - state.shift * a)
@@ -400,7 +401,7 @@ class PairContact:
             "half_width": level.half_width,
             "nip_width": 2 * level.half_width,
             "peak_pressure": level.at_load(level.mesh.peak(level.state.pressure)),
-            "offset": level.state.shift * self.problem.contact_radius,
+            "offset": level.state.shift * level.wider * self.problem.contact_radius,
             **self.losses(level),
         }
 

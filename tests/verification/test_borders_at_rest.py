@@ -190,10 +190,14 @@ def test_gradients_are_of_the_unknowns() -> None:
     joint, solution = solved(NIPS["cover"])
     gradients = np.random.default_rng(2).normal(size=(joint.matrix.shape[1], 3))
     every, told = moved(joint, solution), moved(joint, solution, gradients)
-    for unknowns, outputs in zip(every, told, strict=True):
+    assert (every.outputs, told.outputs) == gradients.shape
+    for unknowns, outputs in zip(every[1:], map(np.array, told[1:]), strict=True):
+        if not outputs.size:
+            continue
         known = np.isfinite(outputs)
         size = np.abs(outputs[known]).max(initial=0.0)
-        np.testing.assert_allclose((unknowns @ gradients)[known], outputs[known], atol=1e-9 * size)
+        by_unknowns = (np.array(unknowns) @ gradients)[known]
+        np.testing.assert_allclose(by_unknowns, outputs[known], atol=1e-9 * size)
 
 
 # ---- against Carter's solution ------------------------------------------------------------------
@@ -309,7 +313,10 @@ def test_what_nit_is_extrapolated_by_hardly_jumps(name: str, nodes: int, most: f
     assert np.ptp(beyond) > 0.1 * told[0]  # else there is nothing to jump
 
 
-NONE = (np.empty((0, 1)),) * 3  # of what is not seen or held
+def border(changes: Array) -> Moved:
+    """Return the changes of one output by one border, of nothing that is not seen or held."""
+    return Moved(1, [[[change] for change in changes.tolist()]], [], [], [])
+
 
 # ---- zones of all sorts -------------------------------------------------------------------------
 
@@ -385,21 +392,20 @@ def test_borders_rest_where_a_quartic_does() -> None:
         for third in (-0.05, 0.05):
             quartic = np.poly1d([0.01, third, 1.0, 0.0, 0.0])
             changes = quartic(nodes - u) - quartic(-u)
-            told, _ = at_rest(Moved(changes[None, :, None], *NONE))
+            told, _ = at_rest(border(changes))
             if changes[1] * changes[2] >= 0:
                 assert told[0] == pytest.approx(-quartic(-u), abs=1e-6)
 
 
 @pytest.mark.parametrize("changes", [(0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 1.0)])
 def test_an_output_that_a_border_does_not_move_stays(changes: tuple[float, ...]) -> None:
-    by_nodes = np.array(changes)[None, :, None]
-    assert at_rest(Moved(by_nodes, *NONE)) == ([0.0], [0.0])
+    assert at_rest(border(np.array(changes))) == ([0.0], [0.0])
 
 
 @pytest.mark.parametrize("u", [-0.6, 0.6])
 def test_a_border_that_another_node_is_nearer_to_stays(u: float) -> None:
     changes = (np.array([-2.0, -1.0, 1.0, 2.0]) - u) ** 2 - u * u
-    told, error = at_rest(Moved(changes[None, :, None], *NONE))
+    told, error = at_rest(border(changes))
     assert told[0] == 0.0
     assert error[0] > 0.1
 
@@ -407,14 +413,14 @@ def test_a_border_that_another_node_is_nearer_to_stays(u: float) -> None:
 @pytest.mark.parametrize("by", [-np.inf, np.inf, np.nan, 0.0, 1e-300, 1e200])
 def test_changes_that_are_no_parabola_leave_borders_where_they_are(by: float) -> None:
     parabola = np.array([4.4, 1.2, 0.8, 3.6])  # of u = 0.1: rises by (k + 0.1)^2 - 0.01
-    rest, error = at_rest(Moved(parabola[None, :, None], *NONE))
+    rest, error = at_rest(border(parabola))
     u = (parabola[1] - parabola[2]) / 4
     assert rest[0] == pytest.approx(-(u**2), rel=1e-12)
     for place in range(4):
         changes = parabola.copy()
         changes[place] = by
         with np.errstate(all="raise"):
-            told = at_rest(Moved(changes[None, :, None], *NONE))
+            told = at_rest(border(changes))
         assert np.isfinite(told).all() or by == 1e200  # whose square is not
         missing = np.isnan(by) and place in (0, 3)  # as an outer one may be
         assert told[0][0] == pytest.approx(rest[0] if missing else 0.0)
@@ -428,7 +434,7 @@ def test_a_share_fades_as_the_sides_grow_unlike() -> None:
         bend, back = 2.0, 1.3
         on = bend - back
         changes = np.array([2 * back + bend, back, on, 2 * on + ratio * bend])
-        rest, error = at_rest(Moved(changes[None, :, None], *NONE))
+        rest, error = at_rest(border(changes))
         return float(rest[0]), float(error[0])
 
     ratios = np.linspace(0.3, 3.0, 271)

@@ -182,7 +182,7 @@ def test_on_a_hard_drum_the_web_sticks_up_to_the_nip() -> None:
 
 def test_capstan_behind_the_nip() -> None:
     """Where the web slips behind the nip T grows as exp(mu int kappa ds) (thesis eq. 178)."""
-    result = wo.solve_wrapped_nip(newsprint_nip())
+    result = wo.solve_wrapped_nip(newsprint_nip(), nodes=65)
     first = result.in_nip.stop - 1
     last = first + np.nonzero(result.roll_zone[first:] != wo.Zone.FORWARD)[0][0] - 1
     x, kappa = result.x[first : last + 1], result.curvature[first : last + 1]

@@ -50,7 +50,7 @@ Turn = tuple[int, int]  # a node, and the state that it turns to
 
 
 class Moved(NamedTuple):
-    """Changes of outputs as borders move.
+    """Changes of so many outputs as borders move; plain numbers, for there are few.
 
     ``by_nodes`` are those by -2, -1, 1 and 2 nodes of each border, (borders, 4, outputs), nan where
     a zone has not so many; ``unseen`` those by stick or slip that is not seen, ``bent`` what a
@@ -58,10 +58,11 @@ class Moved(NamedTuple):
     side change beyond what each does, (k, outputs).
     """
 
-    by_nodes: Array
-    unseen: Array
-    bent: Array
-    held: Array
+    outputs: int
+    by_nodes: list[list[list[float]]]
+    unseen: list[list[float]]
+    bent: list[list[float]]
+    held: list[list[float]]
 
 
 def by_turning(
@@ -101,11 +102,7 @@ def by_turning(
     ends = (last - len(edges) + k for k, edge in enumerate(edges) if len(edge) > 1)
     bent = [changes.of_bend(*pair) for pair in zip(ends, range(last, nodes.size), strict=True)]
     beside = [changes.of_pair(*pair) for pair in _pairs(near, nodes.tolist(), faces)]
-    outputs = gradients.shape[1]
-    return Moved(
-        np.array(by_nodes).reshape(-1, 4, outputs),
-        *(np.array(found).reshape(-1, outputs) for found in (unseen, bent, beside)),
-    )
+    return Moved(gradients.shape[1], by_nodes, unseen, bent, beside)
 
 
 def turned(
@@ -209,22 +206,24 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
     (outputs,) array, (outputs,) array
         Borders whose changes are not alike on both sides are left where they are.
     """
-    outputs = moved.by_nodes.shape[2]
-    rests, squares = [0.0] * outputs, [0.0] * outputs
-    for border in moved.by_nodes.tolist():  # few, and plain numbers are the quicker
+    rests, squares = [0.0] * moved.outputs, [0.0] * moved.outputs
+    for border in moved.by_nodes:
         found = [rest_of(*changes) for changes in zip(*border, strict=True)]
         if all(isfinite(square) for _, square in found):  # else of states without a solution
             for k, (rest, square) in enumerate(found):
                 rests[k] += rest
                 squares[k] += square
-    left = [UNSEEN * moved.unseen, RESTING * moved.bent, HELD * moved.held]
-    all_rests = np.array(rests)
+    shares = (UNSEEN, moved.unseen), (RESTING, moved.bent), (HELD, moved.held)
+    for share, left in shares:
+        for changes in left:
+            if all(map(isfinite, changes)):
+                for k, change in enumerate(changes):
+                    squares[k] += (share * change) ** 2
+    all_rests, all_squares = np.array(rests), np.array(squares)
     for changes, off in others:
         all_rests += changes
-        left.append(off[None])
-    errors = np.concatenate(left)
-    errors = errors[np.isfinite(errors.sum(axis=1))]
-    return all_rests, np.sqrt(np.array(squares) + np.square(errors).sum(axis=0))
+        all_squares += off * off
+    return all_rests, np.sqrt(all_squares)
 
 
 def rest_of(two_back: float, back: float, on: float, two_on: float) -> tuple[float, float]:
@@ -334,8 +333,12 @@ def _edges(
 
 def _pairs(asked: Sequence[int], nodes: Sequence[int], faces: Sequence[Array]) -> Iterator[Turn]:
     """Yield which turns are side by side, of two faces."""
-    rows = [(k, number) for k, face in enumerate(faces) for number in face.tolist()]
-    places = [rows[nodes[k]] for k in asked]
-    for (i, one), (j, two) in combinations(zip(asked, places, strict=True), 2):
-        if one[0] != two[0] and abs(one[1] - two[1]) <= BESIDE:
+    places = []
+    for k in asked:
+        node, which = nodes[k], 0
+        while node >= faces[which].size:
+            node, which = node - faces[which].size, which + 1
+        places.append((k, which, int(faces[which][node])))
+    for (i, one, place), (j, two, other) in combinations(places, 2):
+        if one != two and abs(place - other) <= BESIDE:
             yield i, j

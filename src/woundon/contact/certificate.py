@@ -21,7 +21,7 @@ ROUNDING = 4 * np.finfo(float).eps
 
 def largest(values: Array) -> float:
     """Return the largest of some violations, 0 of none; nan if one is nan."""
-    return float(values.max(initial=0.0))
+    return float(np.maximum.reduce(values, axis=None, initial=0.0))
 
 
 def beyond_rounding(miss: Array, size: Array) -> float:

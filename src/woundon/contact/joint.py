@@ -42,9 +42,13 @@ ROUNDING = 1e-12  # of the largest slip: what they may leave where nodes stick
 
 
 class Base(NamedTuple):
-    """A state of stick and slip, which rows and columns its system has, and that factorised."""
+    """A state of stick and slip, which rows and columns its system has, and that factorised.
+
+    ``shares`` are s mu, what tractions are of pressures where they slip, (m,).
+    """
 
     state: Array
+    shares: Array
     rows: Array
     columns: Array
     lu: Array
@@ -159,12 +163,13 @@ class Joint:
         columns = self._own_column.take(rows)
         law = self.matrix.take(rows, axis=0)
         A = law.take(columns, axis=1)
-        self._bring(law[:, n + 1 : -1], self.friction * state, A)
+        shares = self.friction * state
+        self._bring(law[:, n + 1 : -1], shares, A)
         # rows are written contiguously, so LAPACK is handed the transpose
         lu, pivots, info = lapack.dgetrf(A.T, overwrite_a=1)
         if info != 0:
             return None
-        self._last[:] = [Base(state, rows, columns, lu, pivots)]
+        self._last[:] = [Base(state, shares, rows, columns, lu, pivots)]
         return Factors(state, self._last[0])
 
     def _bring(self, columns: Array, shares: Array, to: Array) -> None:
@@ -195,7 +200,8 @@ class Joint:
     def _unfolded(self, base: Base, found: Array) -> Array:
         """Return all unknowns by those of a base's system, (..., n + m + 2)."""
         out = np.empty((*found.shape[:-1], self.matrix.shape[1]))
-        np.multiply(base.state, self.bounds(found), out=out[..., self.unknowns + 1 : -1])
+        own = found.take(self.own, axis=-1)
+        np.multiply(base.shares, own, out=out[..., self.unknowns + 1 : -1])
         out[..., base.columns] = found
         return out
 

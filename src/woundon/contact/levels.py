@@ -20,6 +20,8 @@ __all__ = ["Before", "Known", "Level", "Scalars", "Start", "Widths"]
 Array = np.ndarray
 Scalars = Mapping[str, float]
 
+SOLVED = 1e-8  # of the load, which no mesh that counts misses by more: less of it is rounding
+
 
 class Known(NamedTuple):
     """What is known before a half width is tried: a state to linearise about, and zones."""
@@ -117,22 +119,30 @@ class Level:
 
     @cached_property
     def share(self) -> float:
-        """Load asked over load carried: a coarse mesh is not solved to the last digit."""
-        return self.load / float(self.equations.carried(self.state))
+        """Load asked over load carried, of a coarse mesh that is not solved to the last digit."""
+        share = self.load / float(self.equations.carried(self.state))
+        return share if abs(share - 1) > SOLVED else 1.0
+
+    @cached_property
+    def wider(self) -> float:
+        """The half width that would carry the load asked over that solved; of slopes and slips."""
+        return float(self.share ** (1 / self.power))
 
     @property
     def half_width(self) -> float:
         """The half width at which this mesh would carry the load [m]."""
-        return float(self.state.half_width * self.share ** (1 / self.power))
+        return float(self.state.half_width * self.wider)
 
-    def at_load(self, value: float) -> float:
+    def at_load(self, pressure: float) -> float:
         """Return a pressure as it would be at the load asked: it goes like load over width."""
-        return float(value * self.share ** (1 - 1 / self.power))
+        return float(pressure * self.share / self.wider)
 
     @property
     def start(self) -> Start:
         """What the next mesh starts from."""
-        load = self.equations.frictionless()
+        # by the factors of a joint system the next width is followed: it need not be nearer
+        followed = self.state.solution.joint is not None
+        load = None if followed else self.equations.frictionless()
         frictionless = None if load is None else (self.state.half_width, load)
         zones = self.state.solution.state
         return Start(

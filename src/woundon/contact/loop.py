@@ -21,7 +21,7 @@ from ..errors import NotConverged
 from .contracts import Contact, Equations, State
 from .levels import Before, Level, Scalars, Start, Widths
 from .meshes import Mesh
-from .one_mesh import ALGORITHMS, COARSE, COARSEST, FINE, FindZones, OneMesh, Tolerance
+from .one_mesh import ALGORITHMS, COARSE, COARSEST, FINE, LOOSE, FindZones, OneMesh, Tolerance
 from .pivoting import solve_stick_slip
 from .schemes import Graded, Scheme
 from .told import (
@@ -37,7 +37,7 @@ from .told import (
 )
 
 __all__ = [
-    "ALGORITHMS", "COARSE", "FINE", "Before", "Contact", "Equations", "Ladder", "Level",
+    "ALGORITHMS", "COARSE", "FINE", "LOOSE", "Before", "Contact", "Equations", "Ladder", "Level",
     "Start", "State", "Tolerance", "Widths", "halved",
 ]  # fmt: skip
 
@@ -113,13 +113,15 @@ class Ladder:
             self._forget(2)
         self._tell()
 
-    def choose(self, first: int, counts: Sequence[int], rtol: float) -> None:
+    def choose(
+        self, first: int, counts: Sequence[int], rtol: float, tolerance: Tolerance = COARSE
+    ) -> None:
         """Solve on a mesh of ``first`` nodes, then on the first of others likely to be enough.
 
         That is where what the first one foresees of the target falls below rtol.
         """
         self._forget()
-        self._step(self.scheme.mesh(first), None, COARSE)
+        self._step(self.scheme.mesh(first), None, tolerance)
         values, name = self.history[-1], self.target
         foreseen = self.contact.foreseen(self.level, {name: values[name]})[name].size
         size = LIKELY * foreseen / self.contact.scale(name, values[name]) * (first - 1) ** ORDER

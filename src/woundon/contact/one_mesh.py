@@ -26,7 +26,7 @@ from .pivoting import solve_stick_slip
 from .stick_slip import Ending, StickSlip, StickSlipSolution
 from .width import WidthNotFound, width_for_load
 
-__all__ = ["ALGORITHMS", "COARSE", "COARSEST", "FINE", "FindZones", "OneMesh", "Tolerance"]
+__all__ = ["ALGORITHMS", "COARSE", "COARSEST", "FINE", "LOOSE", "FindZones", "OneMesh", "Tolerance"]
 
 Array = np.ndarray
 FindZones = Callable[[StickSlip, Array | None], StickSlipSolution]
@@ -51,6 +51,7 @@ class Tolerance(NamedTuple):
 
 FINE = Tolerance(load=3e-9, balance=1e-9)  # the certificate allows 1e-8
 COARSE = Tolerance(load=1e-4, balance=1e-2)  # meshes that only start finer ones and tell the error
+LOOSE = Tolerance(load=1e-2, balance=1e-2)  # where outputs are told at the load asked
 COARSEST = Tolerance(load=3e-4, balance=1e-2)  # those before the last two: they tell least of it
 STAND_INS = 3  # linear contacts before one that is not
 FRICTIONLESS = 0.3  # ln of loads: from so near the width without friction is extrapolated

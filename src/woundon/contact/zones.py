@@ -165,7 +165,7 @@ class Runs(NamedTuple):
         """Return the zones of other nodes, whose slips are taken at ``slip_x``."""
         out = np.full(x.size, self.zones[0], dtype=np.int8)
         for zone, (place, share) in zip(self.zones[1:], self.borders, strict=True):
-            out[int(np.searchsorted(slip_x + share * (x - slip_x), place)) :] = zone
+            out[int((slip_x + share * (x - slip_x)).searchsorted(place)) :] = zone
         return out
 
 

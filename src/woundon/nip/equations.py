@@ -193,10 +193,6 @@ class NipEquations(PairEquations):
             last = made.slips(state.pressure, q, state.solution.creep)[q.size :]
         return float(last[0]), float(last[1])
 
-    def frictionless(self) -> float | None:
-        """Return the load without friction [N/m]; None of what was followed: it goes on so."""
-        return None if isinstance(self.matrices, NipLaws) else super().frictionless()
-
     # ---- from one half width to another --------------------------------------------------------
 
     def moved(self, a: float) -> Self:

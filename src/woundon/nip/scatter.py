@@ -152,7 +152,7 @@ def by_cells(nodes: Array, faces: Sequence[Runs]) -> dict[str, Foreseen]:
     (leading, trailing), (_, drum) = (
         [
             float(nodes[node] - nodes[node - 1]) / 2
-            for node in np.searchsorted(nodes[1:-1], [face.borders[0][0], face.borders[-1][0]]) + 1
+            for node in nodes[1:-1].searchsorted([face.borders[0][0], face.borders[-1][0]]) + 1
         ]
         if face.borders
         else (0.0, 0.0)
@@ -174,5 +174,5 @@ def unseen_stick(nodes: Array, faces: Iterable[Runs]) -> float:
         for (one, two), (place, _) in zip(pairwise(face.zones), face.borders, strict=True)
         if one * two < 0
     ]
-    ends = np.searchsorted(nodes[1:-1], met) + 1
+    ends = nodes[1:-1].searchsorted(met) + 1
     return float(np.max(nodes[ends] - nodes[ends - 1], initial=0.0)) / 4

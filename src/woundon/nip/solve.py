@@ -22,7 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
+from ..contact.loop import ALGORITHMS, LOOSE, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import ELEMENTS, Scheme, scheme_of
 from ..contact.told import ORDER, Foreseen
@@ -31,7 +31,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
-from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
+from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, approach, mesh_of
 from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained, jointly
@@ -49,7 +49,7 @@ Array = np.ndarray
 # where neither nodes nor rtol are given: until the error of NIT is below so much, but on so many
 # nodes at most; the error is told in any case.  Bodies that are not linear cost more
 DEFAULT, DEFAULT_HARDENING = (1e-3, 257), (3e-3, 129)
-CHOSEN = (49, 65, 81, 97, 129, 161, 193, 257)  # nodes that it is solved on
+CHOSEN = (41, 49, 65, 81, 97, 129, 161, 193, 257)  # nodes that it is solved on
 COARSE_NODES = 17  # of the mesh that tells how many
 # rtol from which elements are tried, with a rigid drum and an elastic one: from there they cost
 # less than meshes on half of random nips and more
@@ -79,7 +79,7 @@ def solve_nip(
         backward differences (thesis sec. 3.4) with the web tension lumped; ``thesis-printed`` with
         the web's coefficients (121) as printed.
     nodes : int, optional
-        Number M of nodes, 7 to 4000.  By default 49 to 257, as many as it takes until the estimated
+        Number M of nodes, 7 to 4000.  By default 41 to 257, as many as it takes until the estimated
         error of NIT is below 0.1 %; with bodies that are not linear 65 to 129, for 0.3 % (200 for
         the thesis's scheme).  NIT is corrected for where borders of stick and jumps of the
         tractions lie within their cells, and for what cells miss at the trailing edge
@@ -126,7 +126,7 @@ def solve_nip(
             M = ladder.enough([n for n in CHOSEN if n <= asked[1]], begun, asked[0])
         ladder.beside(halved(M, chosen.coarsest)[-2:], begun, *asked if chooses else ())
     elif chooses and problem.linear:
-        ladder.choose(COARSE_NODES, [n for n in CHOSEN if n <= asked[1]], asked[0])
+        ladder.choose(COARSE_NODES, [n for n in CHOSEN if n <= asked[1]], asked[0], LOOSE)
     else:
         counts = [M] if cold else halved(M, chosen.coarsest)[-2 if start else 0 :]
         # elements ask for borders alone, which the mesh before the last tells well enough mostly
@@ -243,7 +243,7 @@ class NipContact(PairContact):
             return super().zones(start, equations)
         found = [run.on(mesh.columns, mesh.middle[:-1]) for run in runs]
         if told is None and before is not None:
-            nodes = np.searchsorted(before.mesh.middle[1:-1], mesh.columns, side="right")
+            nodes = before.mesh.middle[1:-1].searchsorted(mesh.columns, side="right")
             for face, body in enumerate(self.problem.bodies):
                 if body.rigid:
                     found[face] = start.zones[face * before.mesh.unknowns :].take(nodes)
@@ -253,7 +253,8 @@ class NipContact(PairContact):
         """Return the zones to begin with where nothing is known: slip at the edges of the nip.
 
         Pressure slides a body that deforms and the web apart, most in the middle.  Held back there,
-        they slip that way behind it and the other way before it.
+        they slip that way behind it and the other way before it.  The drum takes the winding force
+        by slip behind a zone of stick, longer the more of the friction it asks for.
         """
         n, slips = equations.mesh.unknowns, equations.matrices.through_pressure
         zones, edge = np.zeros((2, n), dtype=np.int8), n // EDGE
@@ -261,15 +262,17 @@ class NipContact(PairContact):
             if not body.rigid:
                 way = 1 if slips[face * n + n // 2].sum() > 0 else -1
                 zones[face, :edge], zones[face, n - edge :] = -way, way
+        asked = self.problem.winding_force / (self.problem.drum_friction * self.problem.nip_load)
+        zones[1, n - round(n * (0.1 + abs(asked) / 2)) :] = 1 if asked >= 0 else -1
         return zones.ravel()
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
-        whole = _whole(level)
+        whole, creep = _whole(level) * level.share, level.state.solution.creep * level.wider
         found = {
             **super().scalars(level),
             "nip_induced_tension": whole,
-            "drum_creep": _drum_creep(self.problem, level.state, whole),
+            "drum_creep": _drum_creep(self.problem, creep, whole),
             **_ratios(_runs_of(self.problem, level)),
         }
         for name, change in rest_of_borders(self.problem, level).items():
@@ -280,6 +283,8 @@ class NipContact(PairContact):
     def foreseen(self, level: Level, scalars: Mapping[str, float]) -> Mapping[str, Foreseen]:
         """Return by how much outputs scatter on such a mesh, by what its borders leave open."""
         found = by_borders(self.problem, level, super().foreseen(level, scalars))
+        if scalars.keys().isdisjoint(SLIP_RATIOS):
+            return found
         return found | by_cells(level.mesh.nodes, _runs_of(self.problem, level))
 
     def grains(self, level: Level) -> dict[str, float]:
@@ -314,7 +319,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
             problem, made, state, problem.web.compliance.c12 * (T_in + whole)
         ),
         offset=state.shift * problem.contact_radius,
-        drum_creep=_drum_creep(problem, state, whole),
+        drum_creep=_drum_creep(problem, state.solution.creep, whole),
         **ratios,
         **arrays,
         web_tension=T_in + gain,
@@ -418,11 +423,11 @@ def _runs_of(problem: Any, level: Level) -> list[Runs]:
     return list(level.kept["runs"])
 
 
-def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:
-    """Return xi- (thesis eq. 93): the solved rigid slip holds the web's strain behind the nip."""
+def _drum_creep(problem: NipProblem, creep: float, whole: float) -> float:
+    """Return xi- (thesis eq. 93) by the solved rigid slip, with the web's strain behind the nip."""
     c11 = problem.web.compliance.c11
     T_out = problem.web_tension + whole
-    return float(state.solution.creep - c11 / problem.web.thickness * T_out)
+    return float(creep - c11 / problem.web.thickness * T_out)
 
 
 def _whole(level: Level) -> float:

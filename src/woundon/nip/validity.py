@@ -25,14 +25,14 @@ def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
 
     Strains and tensions are those of the whole web; surfaces and zones those of the nip.
     """
-    own = result.in_nip
+    own, strain = result.in_nip, _web_strain(result)
     tractions = {"roll": result.roll_traction[own], "drum": result.drum_traction[own]}
     zones = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
     return (
         *pair_warnings(result, tractions),
         *_cautions(result),
-        *_surface_strains(result),
-        *_web(result),
+        *_surface_strains(result, strain[own]),
+        *_web(result, strain),
         *zone_warnings(result.x[own], zones),
         *_series(result),
     )
@@ -44,9 +44,9 @@ def _cautions(r: WindingNipResult) -> Iterator[str]:
             yield f"of the {name}: {body.caution}"
 
 
-def _surface_strains(r: WindingNipResult) -> Iterator[str]:
+def _surface_strains(r: WindingNipResult, web: Array) -> Iterator[str]:
     x = r.x[r.in_nip]
-    for (name, strain), body in zip(_bodies_strains(r).items(), r.problem.bodies, strict=True):
+    for (name, strain), body in zip(_bodies_strains(r, web).items(), r.problem.bodies, strict=True):
         if not body.rigid:
             k = int(np.abs(strain).argmax())
             yield from past(
@@ -55,13 +55,13 @@ def _surface_strains(r: WindingNipResult) -> Iterator[str]:
             )  # fmt: skip
 
 
-def _bodies_strains(r: WindingNipResult) -> dict[str, Array]:
+def _bodies_strains(r: WindingNipResult, web: Array) -> dict[str, Array]:
     """Return the bodies' surface strains in the nip where slips are taken, by the slips (eq. 133).
 
-    The roll's is that less the one at the trailing edge.
+    ``web`` are the web's strains in the nip.  The roll's is that less the one at the trailing edge.
     """
     own = r.in_nip
-    web = np.interp(r.slip_x[own], r.x[own], _web_strain(r)[own])
+    web = np.interp(r.slip_x[own], r.x[own], web)
     roll = web - r.roll_slip[own]
     return {"roll": roll - roll[-1], "drum": web + r.drum_creep - r.drum_slip[own]}
 
@@ -74,8 +74,8 @@ def _web_strain(r: WindingNipResult) -> Array:
     return c.c11 / web.thickness * r.web_tension - c.c12 * p
 
 
-def _web(r: WindingNipResult) -> Iterator[str]:
-    web, peak, strain = r.problem.web, float(r.pressure.max()), _web_strain(r)
+def _web(r: WindingNipResult, strain: Array) -> Iterator[str]:
+    web, peak = r.problem.web, float(r.pressure.max())
     modulus = web.radial_modulus(peak)
     yield from past(
         "pressure on the web", peak / modulus,
