@@ -401,7 +401,7 @@ class PairContact:
             "half_width": level.half_width,
             "nip_width": 2 * level.half_width,
             "peak_pressure": level.at_load(level.mesh.peak(level.state.pressure)),
-            "offset": level.state.shift * level.wider * self.problem.contact_radius,
+            "offset": level.state.shift * self.problem.contact_radius,
             **self.losses(level),
         }
 

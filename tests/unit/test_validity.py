@@ -186,7 +186,9 @@ def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) 
     direct = strain_p @ result.pressure[1:-1] + strain_q @ result.drum_traction[1:-1]
     # tensions are interpolated to the cells' middles: second order in the cells
     np.testing.assert_allclose(
-        _bodies_strains(result, _web_strain(result))["drum"][1:], direct[:-1], atol=1e-3 * np.abs(direct).max()
+        _bodies_strains(result, _web_strain(result))["drum"][1:],
+        direct[:-1],
+        atol=1e-3 * np.abs(direct).max(),
     )
 
 

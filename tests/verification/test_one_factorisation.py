@@ -15,6 +15,7 @@ import woundon as wo
 from woundon.contact import lapack, pivoting
 from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
+from woundon.contact.one_mesh import OneMesh
 from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES, Graded
 from woundon.contact.stick_slip import Ending, RigidFace, StickSlipSolution
@@ -274,6 +275,42 @@ def test_slip_at_the_edges_leads_to_the_zones_sooner_than_stick() -> None:
         np.testing.assert_array_equal(both[0].state, both[1].state)
         solves += [found.solves for found in both]
     assert solves[0] < 0.9 * solves[1]  # 0.82, of random nips 0.94
+
+
+def test_slip_in_the_way_of_the_winding_force_leads_to_the_zones_sooner() -> None:
+    """Behind stick on the drum, the longer the more of its friction is asked for."""
+    solves, asked, slips = np.zeros(2, dtype=int), [], []
+    for seed in range(60000, 60060):
+        nip = random_nip(seed)
+        contact = NipContact(nip)
+        equations = NipEquations.at(nip, Graded().mesh(17), contact.guess())
+        zones, n = contact.first_zones(equations), equations.mesh.unknowns
+        alike, edge = zones.copy(), n // 4
+        alike[n:] = 0  # slip at both edges of an elastic drum, nowhere on a rigid one
+        alike[n : n + edge], alike[-edge:] = zones[n], -zones[n]
+        solves += [solve_stick_slip(equations.joint, z).solves for z in (zones, alike)]
+        asked.append(nip.winding_force / (nip.drum_friction * nip.nip_load))
+        slips.append(int(zones[-1]) * np.count_nonzero(zones[n + n // 2 :] == zones[-1]))
+    assert solves[0] < 0.96 * solves[1]  # 0.93
+    assert np.all(np.sign(slips) == np.sign(asked))
+    assert np.corrcoef(np.abs(slips), np.abs(asked))[0, 1] > 0.9
+
+
+@pytest.mark.parametrize("nip", NIPS.values(), ids=NIPS)
+def test_a_mesh_that_misses_its_load_has_outputs_at_the_load_asked(nip: wo.NipProblem) -> None:
+    """To first order, against the same mesh at that load."""
+    more, mesh = 1.0095, Graded().mesh(17)
+    other = nip.replace(nip_load=more * nip.nip_load, winding_force=more * nip.winding_force)
+    here, there = (
+        OneMesh(NipContact(problem), solve_stick_slip).solved(mesh, None, None, FINE)
+        for problem in (nip, other)
+    )
+    asked = NipContact(nip).scalars(here)
+    told = NipContact(nip).scalars(replace(there, load=nip.nip_load, kept={}))
+    # widths and peaks to the square of what is missed, tensions to a third of it: zones change too
+    for name, off in (("half_width", 1e-4), ("peak_pressure", 5e-4), ("nip_induced_tension", 4e-3)):
+        assert told[name] == pytest.approx(asked[name], rel=off)
+    assert here.share == there.share == 1.0  # what is solved is not scaled
 
 
 def test_what_the_last_sticking_node_of_a_rigid_drum_cannot_hold_is_passed_on(

@@ -123,19 +123,14 @@ class Level:
         share = self.load / float(self.equations.carried(self.state))
         return share if abs(share - 1) > SOLVED else 1.0
 
-    @cached_property
-    def wider(self) -> float:
-        """The half width that would carry the load asked over that solved; of slopes and slips."""
-        return float(self.share ** (1 / self.power))
-
     @property
     def half_width(self) -> float:
         """The half width at which this mesh would carry the load [m]."""
-        return float(self.state.half_width * self.wider)
+        return float(self.state.half_width * self.share ** (1 / self.power))
 
-    def at_load(self, pressure: float) -> float:
+    def at_load(self, value: float) -> float:
         """Return a pressure as it would be at the load asked: it goes like load over width."""
-        return float(pressure * self.share / self.wider)
+        return float(value * self.share ** (1 - 1 / self.power))
 
     @property
     def start(self) -> Start:

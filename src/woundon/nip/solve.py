@@ -31,7 +31,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean
 from ..problems.nip import NipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
-from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, approach, mesh_of
+from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
 from .borders import OnElements
 from .certificate import certificate, matrices_of
 from .equations import NipEquations, NipMatrices, gained, jointly
@@ -56,6 +56,7 @@ COARSE_NODES = 17  # of the mesh that tells how many
 ON_ELEMENTS, ON_ELASTIC = 3e-5, 2e-4
 CAREFUL = 3e-6  # rtol from which they are tried twice: for a larger one, meshes cost less than that
 MOST_NODES = 1100  # of the meshes that rtol asks for
+BY_LOAD = 0.7  # NIT goes like this power of the load: random nips' like 0.5 to 1, creeps like 0
 EDGE = 4  # of so many nodes one at either edge is supposed to slip first; 5 does as well
 
 
@@ -268,11 +269,11 @@ class NipContact(PairContact):
 
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
-        whole, creep = _whole(level) * level.share, level.state.solution.creep * level.wider
+        whole = _whole(level)
         found = {
             **super().scalars(level),
-            "nip_induced_tension": whole,
-            "drum_creep": _drum_creep(self.problem, creep, whole),
+            "nip_induced_tension": whole * level.share**BY_LOAD,
+            "drum_creep": _drum_creep(self.problem, level.state, whole),
             **_ratios(_runs_of(self.problem, level)),
         }
         for name, change in rest_of_borders(self.problem, level).items():
@@ -319,7 +320,7 @@ def _result(ladder: Ladder, problem: NipProblem, algorithm: str) -> NipResult:
             problem, made, state, problem.web.compliance.c12 * (T_in + whole)
         ),
         offset=state.shift * problem.contact_radius,
-        drum_creep=_drum_creep(problem, state.solution.creep, whole),
+        drum_creep=_drum_creep(problem, state, whole),
         **ratios,
         **arrays,
         web_tension=T_in + gain,
@@ -423,11 +424,11 @@ def _runs_of(problem: Any, level: Level) -> list[Runs]:
     return list(level.kept["runs"])
 
 
-def _drum_creep(problem: NipProblem, creep: float, whole: float) -> float:
-    """Return xi- (thesis eq. 93) by the solved rigid slip, with the web's strain behind the nip."""
+def _drum_creep(problem: NipProblem, state: PairState, whole: float) -> float:
+    """Return xi- (thesis eq. 93): the solved rigid slip holds the web's strain behind the nip."""
     c11 = problem.web.compliance.c11
     T_out = problem.web_tension + whole
-    return float(creep - c11 / problem.web.thickness * T_out)
+    return float(state.solution.creep - c11 / problem.web.thickness * T_out)
 
 
 def _whole(level: Level) -> float:
