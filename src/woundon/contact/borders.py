@@ -215,9 +215,9 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
                 squares[k] += square
     shares = (UNSEEN, moved.unseen), (RESTING, moved.bent), (HELD, moved.held)
     for share, left in shares:
-        for changes in left:
-            if all(map(isfinite, changes)):
-                for k, change in enumerate(changes):
+        for each in left:
+            if all(map(isfinite, each)):
+                for k, change in enumerate(each):
                     squares[k] += (share * change) ** 2
     all_rests, all_squares = np.array(rests), np.array(squares)
     for changes, off in others:
