@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import gc
+import os
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
+
+from woundon.threads import environment
+
+# as ./run test has it, before NumPy loads: by two threads sums may end in another digit
+for _name, _one in environment().items():
+    os.environ.setdefault(_name, _one)
 
 settings.register_profile(
     "repeatable",

@@ -59,6 +59,21 @@ def test_seven_of_eight_neighbours_take_one_mesh_and_the_eighth_a_coarser_one(
     assert meshes == [17, 33, 65] + [65] * 7 + [65, 33] + [65]
 
 
+def test_a_mesh_that_is_hardly_enough_is_not_tried_again_and_again(
+    meshes: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that then is not costs two others: of 30 nips 1.32 meshes each in place of 1.45."""
+    counts = []
+    for surely in (loop.SURELY, 1.0):
+        monkeypatch.setattr(loop, "SURELY", surely)
+        meshes.clear()
+        for seed in range(700000, 700012):
+            for result in along(random_nip(seed), 0.01, steps=9):
+                assert result.certified()
+        counts.append(len(meshes))
+    assert counts[0] < 0.97 * counts[1]
+
+
 def test_on_one_mesh_a_neighbour_is_what_it_is_from_the_coarsest_on() -> None:
     for result in along(paper_nip(), 0.02, nodes=65):
         afresh = wo.solve_nip(result.problem, nodes=65)
@@ -107,7 +122,7 @@ def test_a_neighbour_begins_on_about_the_mesh_that_the_last_one_needed(meshes: l
 
 def test_where_a_mesh_is_not_enough_the_next_that_is_follows(meshes: list[int]) -> None:
     """65 nodes tell too much; 81 do, as what is known of the scatter says, and not 129."""
-    result = wo.solve_nip(random_nip(50187))
+    result = wo.solve_nip(random_nip(50074))
     meshes.clear()
     near = result.problem.replace(nip_load=1.003 * result.problem.nip_load)
     near_result = wo.solve_nip(near, start=result)

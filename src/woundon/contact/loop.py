@@ -45,6 +45,7 @@ Array = np.ndarray
 
 MOST_UNCHECKED = 7  # neighbours in a row whose errors are told by other cases alone
 LIKELY = 1.0  # times the scatter that a coarse mesh foresees is what a finer one then tells, mostly
+SURELY = 0.9  # of the error asked, that neighbours must foresee of a mesh that is to be enough
 NEAR = 0.03  # of the nodes change their zone from one case to the next: it scatters alike
 EXTRAPOLATED_WEIGHTS = (0.35, 0.05)  # once three values are extrapolated on fitted meshes
 # there errors are regular: by order two a third of the last change, a twelfth of the one before
@@ -244,13 +245,14 @@ class Ladder:
     def enough(self, counts: Sequence[int], start: Start, rtol: float) -> int:
         """Return the first of these nodes on which a neighbouring case reaches rtol, or the last.
 
-        The first where it tells nothing.
+        The first where it tells nothing.  What its own borders leave may be more than foreseen, and
+        a mesh that is not enough costs three times one that is.
         """
         told = start.widths.scatters.get(self.target) if start.widths else None
         if told is None:
             return counts[0]
         told = told._replace(changes=REMEMBERED + 1)  # as it would be known after a check
-        return next((n for n in counts if told.error(n - 1, 1.0) <= rtol), counts[-1])
+        return next((n for n in counts if told.error(n - 1, 1.0) <= SURELY * rtol), counts[-1])
 
     def reached(self, rtol: float) -> bool:
         """Tell whether the target's told error is below rtol of its scale."""
