@@ -65,16 +65,17 @@ def friction_laws(
     strain : float
         Of the web: a slip is a difference of strains, known to their rounding.
     """
-    stuck, rounding = zones == 0, ROUNDING * abs(strain)
-    slips, way = ~stuck, zones[zones != 0]
+    stuck, slips, rounding = (zones == 0).nonzero()[0], zones.nonzero()[0], ROUNDING * abs(strain)
+    way, sliding, bounds = zones.take(slips), slip.take(slips), bound.take(slips)
+    held = np.abs(traction.take(stuck)) - bound.take(stuck)
     # a number that is none of the three is no zone: its traction cannot be right
     wrong = float("inf") if (np.abs(way) != 1).any() else 0.0
     return {
-        "stick": largest(np.abs(slip[stuck]) - rounding) / slip_scale,
-        "friction_bound": largest((np.abs(traction[stuck]) - bound[stuck]) / unit[stuck]),
+        "stick": largest(np.abs(slip.take(stuck)) - rounding) / slip_scale,
+        "friction_bound": largest(held / unit.take(stuck)),
         "slip_traction": wrong
-        + largest(np.abs(traction[slips] - way * bound[slips]) / unit[slips]),
-        "slip_direction": largest(-way * slip[slips] - rounding) / slip_scale,
+        + largest(np.abs(traction.take(slips) - way * bounds) / unit.take(slips)),
+        "slip_direction": largest(-way * sliding - rounding) / slip_scale,
     }
 
 

@@ -85,15 +85,14 @@ class Scatter(NamedTuple):
         """
         if scale == 0:
             return cls(0.0, min(len(values) - 1, COUNTED), order)
-        shares = [float(n) ** (-2 * order) for n in cells]  # of s^2, that a mesh has
-        told = [
-            (b - a) ** 2 / (one + two)
-            for (a, b), (one, two) in zip(pairwise(values), pairwise(shares), strict=True)
-        ][-COUNTED:]
-        size = sqrt(sum(told) / len(told)) / scale if told else 0.0
-        usual, changes = foreseen
-        of_one_cell = Foreseen(usual * cells[-1] ** order / scale, changes)
-        return cls(size, len(told), order, of_one_cell)
+        count = min(len(values) - 1, COUNTED)
+        squares = 0.0
+        for k in range(-count, 0):  # a share of s^2 is what a mesh has
+            shares = cells[k - 1] ** (-2 * order) + cells[k] ** (-2 * order)
+            squares += (values[k] - values[k - 1]) ** 2 / shares
+        size = sqrt(squares / count) / scale if count else 0.0
+        of_one_cell = Foreseen(foreseen.size * cells[-1] ** order / scale, foreseen.changes)
+        return cls(size, count, order, of_one_cell)
 
     @property
     def freedom(self) -> float:

@@ -56,11 +56,13 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
     shift = result.offset / problem.contact_radius
     miss, v = made.laws(p, q, shift, creep)
     n, top = p.size, made.top
-    cells = (v[:n], v[-2:-1]), (v[n : 2 * n], v[-1:])
     # a node has the slip of the cell before it; that at the leading edge repeats the first
-    slips = np.array([np.concatenate([own[:1], own, last]) for own, last in cells])
+    slips = np.empty((2, n + 2))
+    slips[:, 1:-1], slips[:, -1] = v[: 2 * n].reshape(2, n), v[2 * n :]
+    slips[:, 0] = slips[:, 1]
     told = np.array([result.roll_slip, result.drum_slip])
-    friction = np.repeat([problem.roll_friction, problem.drum_friction], n)
+    friction = np.empty(2 * n)
+    friction[:n], friction[n:] = problem.roll_friction, problem.drum_friction
     tension = np.concatenate([
         result.web_tension - T_in - gain,
         [result.nip_induced_tension - result.extrapolation - gain[-1]],

@@ -174,5 +174,7 @@ def unseen_stick(nodes: Array, faces: Iterable[Runs]) -> float:
         for (one, two), (place, _) in zip(pairwise(face.zones), face.borders, strict=True)
         if one * two < 0
     ]
+    if not met:
+        return 0.0
     ends = nodes[1:-1].searchsorted(met) + 1
-    return float(np.max(nodes[ends] - nodes[ends - 1], initial=0.0)) / 4
+    return float((nodes[ends] - nodes[ends - 1]).max()) / 4
