@@ -161,6 +161,7 @@ class Jumps(NamedTuple):
 
         A jump that is not in its place moves the slip of its whole face, to where slip that is
         nearly nil elsewhere would turn: there nodes stick that do not with the jump in its place.
+        Where they alone hold the creep, the node of the jump does then.
         """
         state = solution.state.copy()
         for first, last in self.faces:
@@ -168,6 +169,8 @@ class Jumps(NamedTuple):
                 if two - one <= SHORT and not state[two] and state[one] == state[two + 1]:
                     state[one + 1 : two + 1] = state[one]
         zone = state != solution.state
+        if joint.held.size and state.take(joint.held).all():
+            state[self.nodes[0]] = 0
         other = joint.solve(state) if zone.any() else None
         if other is None or not other.finite:
             return None

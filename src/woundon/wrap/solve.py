@@ -75,7 +75,7 @@ def solve_wrapped_nip(
     ----------
     problem : WrappedNipProblem or NipProblem
     nodes : int, optional
-        Number of nodes in the nip, 17 to 1025.  By default 49 to 257, as many as it takes until the
+        Number of nodes in the nip, 17 to 1025.  By default 41 to 257, as many as it takes until the
         estimated error of the wound-on tension is below 0.1 %.
     wrap_nodes : int, optional
         Number of cells on each arc, 12 to 2048; by default half of those in the nip, on the drum
