@@ -16,7 +16,6 @@ the nodes' laws, for all places of a state at once.  Without it the outputs err 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +28,7 @@ __all__ = ["JUMPED", "Jumps", "changing"]
 Array = np.ndarray
 
 JUMPED = 0.05  # of their changes by jumps outputs err by at least, of random nips
-SHORT = 3  # nodes of a zone of stick that may be there for a jump's sake
+SHORT = 0.1  # of a face's nodes, that stick for a jump's sake has at most
 STEP = 1e-6  # of differences; places are in cells
 NO_WAY = 1e-12  # in place of nil, which would say that a node sticks
 
@@ -161,16 +160,15 @@ class Jumps(NamedTuple):
 
         A jump that is not in its place moves the slip of its whole face, to where slip that is
         nearly nil elsewhere would turn: there nodes stick that do not with the jump in its place.
-        Where they alone hold the creep, the node of the jump does then.
+        Where they alone hold the creep, the node of a jump does then.
         """
         state = solution.state.copy()
         for first, last in self.faces:
-            for one, two in pairwise(k for k in changing(state) if first <= k < last):
-                if two - one <= SHORT and not state[two] and state[one] == state[two + 1]:
-                    state[one + 1 : two + 1] = state[one]
+            for short in _short_stick(solution.state, first, last):
+                state[short] = state[short.start - 1]
         zone = state != solution.state
         if joint.held.size and state.take(joint.held).all():
-            state[self.nodes[0]] = 0
+            state[self.nodes[~zone[self.nodes]][:1]] = 0
         other = joint.solve(state) if zone.any() else None
         if other is None or not other.finite:
             return None
@@ -201,6 +199,20 @@ class Jumps(NamedTuple):
         share = solution.traction[self.nodes] / bound
         nodes = np.concatenate([self.nodes, self.nodes, self.behind])
         return nodes, np.concatenate([share + NO_WAY * (share == 0), np.zeros(2 * k)]), by.T
+
+
+def _short_stick(state: Array, first: int, last: int) -> Iterator[slice]:
+    """Yield short runs of nodes some of which stick, between slip the same way, on a face."""
+    ends = [k for k in changing(state) if first <= k < last]
+    behind = -1
+    for k, one in enumerate(ends):
+        for two in reversed(ends[k + 1 :] if one > behind else []):
+            run = slice(one + 1, two + 1)
+            alike = state[one] == state[two + 1] != 0
+            if two - one <= SHORT * (last - first) and alike and not state[run].all():
+                yield run
+                behind = two
+                break
 
 
 def _meeting(state: Array, first: int, last: int) -> Iterator[tuple[int, int]]:
