@@ -51,6 +51,8 @@ def _number(value: Any) -> float:
 
     Text and truth values are refused: both are slips that pydantic would let pass as numbers.
     """
+    if type(value) is float:  # as nearly all are, of variants too
+        return value
     of_array = getattr(value, "shape", None) == () and hasattr(value, "dtype")
     kind = getattr(value.dtype, "kind", "") if of_array else ""
     if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
@@ -202,9 +204,11 @@ class Description(BaseModel, metaclass=Described):
     @classmethod
     def _in_si(cls, name: str, value: Any) -> Any:
         """Return a field's value, a text with a unit as a number in SI."""
+        if not isinstance(value, str):
+            return value
         field = cls.model_fields[name]
         quantity = quantity_of(field)
-        if quantity is None or not isinstance(value, str) or is_word(value, field.annotation):
+        if quantity is None or is_word(value, field.annotation):
             return value
         # io comes later on the data's way, hence by name
         return import_module("woundon.io.units").parse(value, quantity.unit, name)
