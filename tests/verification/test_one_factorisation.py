@@ -15,7 +15,7 @@ import woundon as wo
 from woundon.contact import lapack, pivoting
 from woundon.contact.follow import CONTRACTION, follow
 from woundon.contact.loop import COARSE, FINE, Start
-from woundon.contact.one_mesh import OneMesh
+from woundon.contact.one_mesh import LOOSE, OneMesh
 from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES, Graded
 from woundon.contact.stick_slip import Ending, RigidFace, StickSlipSolution
@@ -311,6 +311,23 @@ def test_a_mesh_that_misses_its_load_has_outputs_at_the_load_asked(nip: wo.NipPr
     for name, off in (("half_width", 1e-4), ("peak_pressure", 5e-4), ("nip_induced_tension", 4e-3)):
         assert told[name] == pytest.approx(asked[name], rel=off)
     assert here.share == there.share == 1.0  # what is solved is not scaled
+
+
+def test_the_coarse_mesh_is_left_within_a_percent_of_the_load(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It tells how many nodes are enough, and what changes; the last mesh meets the load."""
+    levels, solved = [], OneMesh.solved
+    monkeypatch.setattr(OneMesh, "solved", lambda *args: levels.append(solved(*args)) or levels[-1])
+    misses = []
+    for nip in hard_nips()[:10]:
+        levels.clear()
+        wo.solve_nip(nip)
+        shares = [level.load / level.equations.carried(level.state) for level in levels]
+        assert abs(shares[-1] - 1) < 3e-9
+        misses.append(abs(shares[0] - 1))
+    assert max(misses) <= LOOSE.load
+    assert np.median(misses) > COARSE.load
 
 
 def test_what_the_last_sticking_node_of_a_rigid_drum_cannot_hold_is_passed_on(
