@@ -132,6 +132,7 @@ INTENDED = {
     "nip": "of a wrapped nip: is gone, for it invented a problem with a clipped force",
     "nip 17: nip_induced_tension_error": "a layer thinner than the coarsest cells: told exactly",
     "wrap *: wound_on_tension_error": "told by the changes of all meshes, as a nip's",
+    "wrap *: approach": "slopes summed from the end of an arc were of first order in its cells",
     "sweep 5: approach": "rollers of less than 50 nodes: displacements as exact as a nip's, 1e-6",
     **dict.fromkeys(
         ("nip 16: warnings", "nip 17: warnings", "sweep 2: warnings"),

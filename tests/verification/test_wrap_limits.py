@@ -18,6 +18,7 @@ from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES
 from woundon.contact.width import width_for_load
 from woundon.nip.equations import NipEquations, NipMatrices
+from woundon.wrap.certificate import equations_of, unknowns_of
 
 FOAM = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
 RUBBER = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.45)
@@ -178,6 +179,27 @@ def test_on_a_hard_drum_the_web_sticks_up_to_the_nip() -> None:
         np.testing.assert_allclose(result.web_tension[before][stuck][:-1], 300.0, rtol=1e-12)
         # what it brings to the nip differs by what slips there at the leading edge
         assert result.tension_before_nip == pytest.approx(300.0, abs=0.2)
+
+
+def test_the_approach_hardly_depends_on_the_arcs_cells() -> None:
+    """At a light load, of which hoop pressure is not little: by slopes summed it was 10 % off."""
+    nip = newsprint_nip().replace(nip_load=200.0)
+    cells = (40, 80, 160, 320)
+    approaches, summed = [], []
+    for k in cells:
+        result = wo.solve_wrapped_nip(nip, nodes=41, wrap_nodes=k)
+        equations = equations_of(result)
+        z, q, _ = unknowns_of(result, equations)
+        along = equations.laws.at(z, q)
+        roll, loads = equations.laws.roll, along.roll_loads
+        approaches.append(result.approach)
+        summed.append(result.approach + roll.sunk(*loads) - roll.summed(*loads))
+    off, by_slopes = (np.abs(np.array(v[:-1]) / approaches[-1] - 1) for v in (approaches, summed))
+    assert np.all(off < [2e-4, 4e-5, 1e-5])
+    np.testing.assert_allclose(by_slopes[:-1] / by_slopes[1:], 2.0, rtol=0.03)  # first order
+    # hoop pressure alone sinks the roll by less than a hundredth of it
+    plain = wo.solve_nip(nip, nodes=129).approach
+    assert 1.0 < approaches[-1] / plain < 1.01
 
 
 def test_capstan_behind_the_nip() -> None:

@@ -48,14 +48,11 @@ class Loaded(NamedTuple):
         In the cells, then at the last node.
     bend : (n,) array
         Curvature at the nodes [1/m].
-    normal : float
-        v at the nip's trailing edge [m].
     """
 
     slope: Array
     strain: Array
     bend: Array
-    normal: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,16 +158,41 @@ class FaceLaws:
         """Return the surface under pressures and tractions on all nodes of the grid."""
         if self.response is None:
             none = np.zeros(self._round.size)
-            return Loaded(none[1:], none, self._round, 0.0)
+            return Loaded(none[1:], none, self._round)
         own = slice(self.start, self.stop + 1)
         p, q = pressure[own], traction[own]
         by_p, by_q = self._end
         last = by_p @ p + by_q @ q + self.response.rest()[0]
         made = vars(self).get("matrices")
-        slope, strain, bend = self._acted(p, q, last) if made is None else made.under(p, q)
-        behind = slice(self.points.trailing, None)
-        sunk = self.half_width * self.points.cells[behind] @ slope[behind]
-        return Loaded(slope, strain, bend, float(last[0] - sunk))
+        return Loaded(*(self._acted(p, q, last) if made is None else made.under(p, q)))
+
+    def sunk(self, pressure: Array, traction: Array) -> float:
+        """Return v at the nip's trailing edge [m], under loads as ``under`` takes them.
+
+        By the influence functions: :meth:`summed` is of first order in the cells.
+        """
+        if self.response is None:
+            return 0.0
+        own, points = slice(self.start, self.stop + 1), self.points
+        edge = None
+        if points.behind:
+            k = points.trailing
+            edge = points.columns[k : k + 1] + ASIDE * points.cells[k]
+        by_p, by_q = self._end if edge is None else self.response.normal(edge)
+        return float((by_p @ pressure[own] + by_q @ traction[own] + self.response.rest(edge)[0])[0])
+
+    def summed(self, pressure: Array, traction: Array) -> float:
+        """Return v there as 0.1 had it, by slopes summed from the end of an arc.
+
+        There hoop pressure ends, and the slope has a logarithm.
+        """
+        if self.response is None:
+            return 0.0
+        own, behind = slice(self.start, self.stop + 1), slice(self.points.trailing, None)
+        (by_p, by_q), rest = self._end, self.response.rest()[0]
+        last = float((by_p @ pressure[own] + by_q @ traction[own] + rest)[0])
+        slope = self.under(pressure, traction).slope
+        return last - float(self.half_width * self.points.cells[behind] @ slope[behind])
 
     def _acted(self, p: Array, q: Array, last: Array) -> tuple[Array, Array, Array]:
         """Return slope, strain and curvature, no matrices made."""
@@ -189,7 +211,7 @@ class FaceLaws:
         loaded = self.under(pressure, traction)
         lengths, k = self.half_width * grid.cells[cells], grid.last - start
         v = np.append(0.0, np.cumsum(loaded.slope * lengths))
-        v += loaded.normal - v[k]
+        v += self.sunk(pressure, traction) - v[k]
         v, p, q = (
             values[:-1] * (1 - part) + values[1:] * part
             for values in (v, pressure[own], traction[own])
@@ -296,6 +318,9 @@ class FaceGrid:
         def last(points: Array | None) -> Any:
             """Integrate at the last node; without an arc as the plain nip does."""
             normal = kernels.normal_p, kernels.normal_q
+            if points is not None:
+                there = Influence(OpenGrid(self.columns, points), None, a, kernels.length, period)
+                return tuple(there(one) for one in normal)
             if self.has_arc:
                 return tuple(put.at_end(normal, kernels.normal_smooth))
             rank = interpolation_rank(kernels.length, a)

@@ -137,7 +137,9 @@ def creep(equations: WrapEquations, state: WrapState) -> float:
 def approach(equations: WrapEquations, along: Along, shift: float) -> float:
     """Return the mutual approach, from the indentation at the trailing edge [m]."""
     problem, a, edge = equations.problem, equations.half_width, equations.grid.last
-    v = equations.web.c12 * along.tension[edge] + along.roll.normal + along.drum.normal
+    laws = equations.laws
+    v = laws.roll.sunk(*along.roll_loads) + laws.drum.sunk(*along.drum_loads)
+    v += equations.web.c12 * along.tension[edge]
     v -= float(problem.web.thinned(along.roll_loads.pressure[edge:][:1])[0][0])
     return -float(v + shift * a - a**2 / (2 * problem.contact_radius))
 
@@ -146,10 +148,17 @@ def recomputed(result: WrappedNipResult) -> dict[str, tuple[float, float]]:
     """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
     equations, problem = equations_of(result), result.problem
     z, q, _ = unknowns_of(result, equations)
-    indented = approach(equations, equations.laws.at(z, q), float(z[-1]))
+    along = equations.laws.at(z, q)
+    indented = approach(equations, along, float(z[-1]))
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     own = _in_nip(arrays, equations.grid)
     told = told_by(indented, slip_ratios(problem, own), own["x"])
+    loads = (along.roll_loads, along.drum_loads)
+    by_0_1 = sum(
+        face.sunk(*load) - face.summed(*load)
+        for face, load in zip(equations.laws.both, loads, strict=True)
+    )
+    told["approach"] = indented, told["approach"][1] + abs(by_0_1)
     told |= dict.fromkeys(EXTRAPOLATED, (0.0, most_beyond(result)))
     if problem.viscoelastic:
         resistance = lost(problem, surfaces_of(result, equations))
