@@ -402,6 +402,13 @@ def test_an_output_that_a_border_does_not_move_stays(changes: tuple[float, ...])
     assert at_rest(border(np.array(changes))) == ([0.0], [0.0])
 
 
+def test_changes_too_large_to_be_squared_are_told_as_infinite() -> None:
+    """Where a law hardly tells a node's step: no fault, and no error that looks small."""
+    for huge in ([[[1e200]], [], []], [[], [[1e200]], []], [[], [], [[1e200]]]):
+        rest, error = at_rest(Moved(1, [], *huge))
+        assert (rest[0], error[0]) == (0.0, np.inf)
+
+
 @pytest.mark.parametrize("u", [-0.6, 0.6])
 def test_a_border_that_another_node_is_nearer_to_stays(u: float) -> None:
     changes = (np.array([-2.0, -1.0, 1.0, 2.0]) - u) ** 2 - u * u

@@ -218,11 +218,12 @@ def at_rest(moved: Moved, *others: tuple[Array, Array]) -> tuple[Array, Array]:
         for each in left:
             if all(map(isfinite, each)):
                 for k, change in enumerate(each):
-                    squares[k] += (share * change) ** 2
+                    off = share * change
+                    squares[k] += off * off  # a power would raise where this is inf
     all_rests, all_squares = np.array(rests), np.array(squares)
-    for changes, off in others:
+    for changes, errors in others:
         all_rests += changes
-        all_squares += off * off
+        all_squares += errors * errors
     return all_rests, np.sqrt(all_squares)
 
 

@@ -182,7 +182,7 @@ class FaceLaws:
         return float((by_p @ pressure[own] + by_q @ traction[own] + self.response.rest(edge)[0])[0])
 
     def summed(self, pressure: Array, traction: Array) -> float:
-        """Return v there as 0.1 had it, by slopes summed from the end of an arc.
+        """Return the same as 0.1 had it [m], by slopes summed from the end of an arc.
 
         There hoop pressure ends, and the slope has a logarithm.
         """
