@@ -57,6 +57,6 @@ def strain_under(
     """
     R = roll.radius
     kernels = roll.kernels()
-    put = Influence(OpenGrid(nodes, points), None, R, kernels.length, 2 * pi * R)
+    put = Influence(OpenGrid(nodes, points), None, R, kernels.length, 2 * pi * R, kernels.reach)
     strain: Array = put(kernels.strain_p) @ pressure + put(kernels.strain_q) @ traction
     return strain

@@ -120,7 +120,7 @@ def test_kernels_between_nip_and_arc_are_interpolated_as_inside_the_nip(result):
             continue
         grid, kernels = OpenGrid(side.points.columns, side.points.points), side.body.kernels()
         scale, period = equations.half_width, 2 * np.pi * side.body.radius
-        ways = (Influence(grid, within, scale, kernels.length, period)
+        ways = (Influence(grid, within, scale, kernels.length, period, kernels.reach)
                 for within in (side.points.within, None))  # fmt: skip
         one, two = (way.together(kernels.gradients, kernels.smooth) for way in ways)
         # the end of the drum's face lies on a node, where nothing presses

@@ -244,6 +244,23 @@ def test_the_kernels_close_around_the_circle(name: str) -> None:
             assert beside == pytest.approx(at, abs=20 * size * (h / R) ** 2), kernel_name
 
 
+@pytest.mark.parametrize("name", list(BODIES))
+def test_beyond_half_a_turn_kernels_go_on_around_the_circle(name: str) -> None:
+    """Up to their reach, singular parts and all, as the short way round tells them."""
+    R, R0, stiffness = BODIES[name]
+    k = kernels(BODIES[name])
+    assert k.reach > 1.05 * pi * R
+    t = np.linspace(pi * R, k.reach, 50)
+    scale = max(half_plane.coefficients(*stiffness)) / pi
+    for kernel_name in ("normal_p", "normal_q", "slope_p", "slope_q", "strain_p", "strain_q"):
+        kernel = getattr(k, kernel_name)
+        size = scale / R if kernel_name.split("_")[0] in ("slope", "strain") else scale
+        for sign in (1, -1):
+            far, short = whole(kernel, sign * t), whole(kernel, sign * (t - 2 * pi * R))
+            # the series' own error, as in test_plain_summation
+            np.testing.assert_allclose(far, short, rtol=0, atol=1e-9 * size * R / (R - R0))
+
+
 def test_the_kernels_of_a_cylinder_are_computed_once() -> None:
     assert surface_kernels(0.3, 0.05, *PAPER) is surface_kernels(0.3, 0.05, *PAPER)
 

@@ -10,7 +10,7 @@ strains and stresses nearly do.
 
 from __future__ import annotations
 
-from math import exp, log
+from math import exp, inf, log
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,8 @@ MOST_STEPS = 8
 CONTRACTION = 3.0  # of the chord method, per ln a; 0.01 to 0.8 are seen on random nips
 LEFT = 0.02  # of the imbalance that is allowed
 SETTLED = 1e-12  # imbalance of what is linear
-SHORT = 0.1  # of the imbalance
+SHORT = 0.02  # of a step: what may be left of what was linearised
+ENOUGH = 0.8  # of the load's miss that is allowed: where it need not be met any better
 ROUGH = 1e-4  # imbalance that is allowed meshes that only start finer ones
 
 
@@ -64,10 +65,14 @@ def follow(
         return None
     at = first = log(state.half_width)
     miss, along, moved = log(carried / load), (power - 1) * x, equations
+    linear = apart < SETTLED
+    error, enough = (0.0, tolerance.load / 4) if linear else (inf, ENOUGH * tolerance.load)
     for k in range(MOST_STEPS):
-        # what was linearised settles before the width moves, which asks for kernels again
-        missed = abs(miss) > tolerance.load / 4
-        step = -miss / power if missed and (k or apart < SETTLED) else 0.0
+        step = -miss / power if abs(miss) > enough else 0.0
+        # what was linearised settles before the width moves: that asks for kernels anew, and tells
+        # the power only if nothing else moves
+        if not linear and error > SHORT * abs(step):
+            step = 0.0
         if step:
             moved = equations.moved(exp(at + step))
         before = x + along * step
@@ -78,16 +83,19 @@ def follow(
         if not carried > 0:
             return None
         last, miss = miss, log(carried / load)
-        # a shorter one tells rounding, or what was linearised, not the power
-        if abs(step) > max(1e-9, SHORT * apart):
+        if abs(step) > 1e-9:  # a shorter one tells rounding, not the power
             power, along = (miss - last) / step, (now - x) / step
         at, x = at + step, now
         size = float(np.abs(change[:n]).max() / np.abs(x[:n]).max())
-        error = size * min(1.0, CONTRACTION * abs(at - first) + apart**0.5)
+        contracts = min(1.0, CONTRACTION * abs(at - first) + apart**0.5)
+        error = contracts * size
         rest = 0.0 if abs(miss) <= tolerance.load else -miss / power
         bends = abs(rest * step) > tolerance.load or tolerance.balance < ROUGH
-        straight = not rest or (k == 0 and apart < SETTLED and not bends)
-        if straight and error <= max(LEFT * tolerance.balance, 1e-15):
+        straight = not rest or (k == 0 and linear and not bends)
+        settled = error <= max(LEFT * tolerance.balance, 1e-15)
+        if settled and not linear:  # a light nip's gap may be told by the last digits of pressures
+            settled = contracts * joint.gaping(left) <= tolerance.balance
+        if straight and settled:
             slips = joint.slips(change) - left[n + 2 :]
             if rest:  # on, the way that led here
                 slips += (slips - _slips(state)) * (rest / step)

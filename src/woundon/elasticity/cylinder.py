@@ -215,6 +215,7 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
         terms=n.size,
+        reach=gradients.reach,
     )
 
 

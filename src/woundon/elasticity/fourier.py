@@ -32,7 +32,8 @@ Array = np.ndarray
 KEPT = 1024  # so many angles at a time share their powers
 NEAR = 16  # steps of a table that are made first; of coarse tables contacts see no more
 MOST_WAVES = 4096  # steps around the circle, of which waves near 0 are kept: half a megabyte
-POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at its largest angle pi
+POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at the angle pi
+BEYOND = 1 / 16  # of pi: so much farther tables go, for who asks a little beyond; 0.53^60 < 1e-16
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +67,9 @@ def _power_series(odd: bool, orders: int) -> Array:
 def _powers_of_angles(size: int) -> Array:
     """Return the powers of theta = 2 pi k/size and their two derivatives.
 
-    From k = 0 on, KEPT of them or up to half the circle, (3, POWERS, k).
+    From k = 0 on, KEPT of them or as many as tables have, (3, POWERS, k).
     """
-    theta = 2 * pi / size * np.arange(min(KEPT, size // 2 + 1))
+    theta = 2 * pi / size * np.arange(min(KEPT, int(size / 2 * (1 + BEYOND)) + 1))
     k, found = np.arange(1.0, POWERS)[:, None], np.zeros((3, POWERS, theta.size))
     powers, slopes, bends = found
     powers[0], powers[1:] = 1.0, theta
@@ -237,8 +238,13 @@ class HarmonicSums:
         """Return the first of them, shape t.shape."""
         return np.asarray(self(t)[0])
 
+    @property
+    def reach(self) -> float:
+        """Largest |t| that they hold for [m]: the expansions do for all angles below 2 pi."""
+        return (1 + BEYOND) * pi * self.sums[0].radius
+
     def __call__(self, t: Array) -> Array:
-        """Return them at the arc lengths t [m], shape (sums, *t.shape), |t| <= pi R."""
+        """Return them at the arc lengths t [m], shape (sums, *t.shape), |t| <= reach."""
         t = np.asarray(t, dtype=float)
         flat = t.ravel()
         theta = np.abs(flat) * (1 / self.sums[0].radius)
@@ -288,10 +294,10 @@ class HarmonicSums:
 
     @cached_property
     def _whole(self) -> Array:
-        """Quintics on equal steps of [0, pi], (6, sums, steps)."""
+        """Quintics on equal steps up to the reach, (6, sums, steps)."""
         if self.some_of is not None:
             return np.ascontiguousarray(self.some_of[0]._whole[:, self.some_of[1]])
-        return self._quintics(self._size // 2 + 1)
+        return self._quintics(int(self._size / 2 * (1 + BEYOND)) + 1)
 
     def _quintics(self, angles: int) -> Array:
         step = 2 * pi / self._size

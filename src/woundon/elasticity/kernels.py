@@ -54,7 +54,7 @@ class Kernel:
 class SurfaceKernels:
     """The eight influence functions of a surface, ``<quantity>_<load>``.
 
-    A curved body's hold for |t| <= pi R; beyond half the circumference the way round is shorter.
+    A curved body's hold up to their reach; beyond half the circumference the way round is shorter.
 
     Attributes
     ----------
@@ -80,6 +80,8 @@ class SurfaceKernels:
         t -> those of ``normal_p`` and ``normal_q``, (2, *t.shape), alike.
     lag : Lag, optional
         The lags of ``gradients`` together.
+    reach : float
+        Largest |t| for which the smooth parts hold [m], half the circumference or a little more.
     """
 
     normal_p: Kernel = field(default_factory=Kernel)
@@ -96,6 +98,7 @@ class SurfaceKernels:
     together: Callable[[Array], Array] | None = None
     lag: Lag | None = None
     normal_together: Callable[[Array], Array] | None = None
+    reach: float = np.inf
 
     @property
     def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:

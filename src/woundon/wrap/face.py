@@ -174,10 +174,7 @@ class FaceLaws:
         if self.response is None:
             return 0.0
         own, points = slice(self.start, self.stop + 1), self.points
-        edge = None
-        if points.behind:
-            k = points.trailing
-            edge = points.columns[k : k + 1] + ASIDE * points.cells[k]
+        edge = points.points[-2:-1] if points.behind else None
         by_p, by_q = self._end if edge is None else self.response.normal(edge)
         return float((by_p @ pressure[own] + by_q @ traction[own] + self.response.rest(edge)[0])[0])
 
@@ -270,8 +267,8 @@ class FaceGrid:
         # points and hats inside the nip keep the plain nip's integrals
         ends = max(grid.kept[0] - start, 0), min(grid.kept[1], stop) - start
         moving = [*range(ends[0]), *range(ends[1], stop - start)]
-        if self.behind:
-            moving.append(self.points.size - 1)
+        if self.behind:  # with the end the point beside the edge, so that those that stay are a run
+            moving += [self.points.size - 2, self.points.size - 1]
         self.within = Within(
             grid.nip, grid.first - start, nip % self.points.size,
             slice(ends[0], ends[1] + 1), np.array(moving, dtype=int),
@@ -307,9 +304,9 @@ class FaceGrid:
 
     def integrated(self, kernels: Any, curvature: float, radius: float, a: float) -> Response:
         """Return the response of a linear body by its influence functions."""
-        period = 2 * pi * radius if curvature else inf
+        around = 2 * pi * radius if curvature else inf, kernels.reach
         grid = OpenGrid(self.columns, self.points)
-        put = Influence(grid, self.within, a, kernels.length, period)
+        put = Influence(grid, self.within, a, kernels.length, *around)
         acts = put.within is not None and kernels.lag is None
 
         def gradients() -> Any:
@@ -318,11 +315,12 @@ class FaceGrid:
         def last(points: Array | None) -> Any:
             """Integrate at the last node; without an arc as the plain nip does."""
             normal = kernels.normal_p, kernels.normal_q
+            known = self.points[-1:] if points is None else points
+            if self.has_arc and known.size == 1 and (at := (self.points == known).nonzero()[0]).size:
+                return tuple(put.at(int(at[-1]), normal, kernels.normal_smooth))
             if points is not None:
-                there = Influence(OpenGrid(self.columns, points), None, a, kernels.length, period)
+                there = Influence(OpenGrid(self.columns, points), None, a, kernels.length, *around)
                 return tuple(there(one) for one in normal)
-            if self.has_arc:
-                return tuple(put.at_end(normal, kernels.normal_smooth))
             rank = interpolation_rank(kernels.length, a)
             made = (self.nip.integrate(one, a, slice(-1, None), rank) for one in normal)
             return tuple(np.pad(one, ((0, 0), (1, 1))) for one in made)

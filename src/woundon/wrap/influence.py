@@ -10,7 +10,7 @@ Each kernel is a singular part, integrated in closed form over every cell, and a
 
 Inside the nip f is interpolated by the plain nip's own Chebyshev points, so that without arcs
 nothing changes; along an arc, where it is asked for at few points, it is taken as it is, and
-integrated by Gauss's rule.  Beyond half the circumference a smooth part is continued by periodicity
+integrated by Gauss's rule.  Beyond what smooth parts hold for they are continued by periodicity
 of the whole kernel: the singular parts are exchanged there.
 """
 
@@ -74,14 +74,17 @@ class Block(NamedTuple):
 
     Attributes
     ----------
-    rows : (k,) int array
-        The points, ascending.
+    points : (k,) int array
+        Which, ascending.
+    rows : array or slice
+        The same.
     columns : slice
         The nodes.
     values : (4, k, columns) array
     """
 
-    rows: Array
+    points: Array
+    rows: Array | slice
     columns: slice
     values: Array
 
@@ -101,12 +104,16 @@ class Influence:
         Length on which the smooth parts vary [m].
     period : float
         Circumference [m]; inf for a half-plane.
+    reach : float
+        Largest |t| for which smooth parts hold [m].
     """
 
     def __init__(
-        self, grid: OpenGrid, within: Within | None, scale: float, length: float, period: float
-    ) -> None:
-        self.grid, self.scale, self.length, self.period = grid, scale, length, period
+        self, grid: OpenGrid, within: Within | None, scale: float, length: float, period: float,
+        reach: float,
+    ) -> None:  # fmt: skip
+        self.grid, self.scale, self.length = grid, scale, length
+        self.period, self.reach = period, reach
         self.rank = interpolation_rank(length, scale)
         # too short for polynomials
         self.short = self.rank > (within.nip.highest_rank if within else HIGHEST_RANK)
@@ -144,18 +151,18 @@ class Influence:
                 part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale)  # type: ignore[arg-type]
         return out if lag is None else out + grid.lagging(lag, self.scale)
 
-    def at_end(self, kernels: Sequence[Kernel], smooth: Smooth | None) -> Array:
-        """Return the integrals at the last point alone, (kernels, 1, N+1)."""
-        grid, end = self.grid, slice(-1, None)
-        out: Array = (self.factors(kernels) @ self._singular_at_end)[:, None]
+    def at(self, point: int, kernels: Sequence[Kernel], smooth: Smooth | None) -> Array:
+        """Return the integrals at one of the grid's points alone, (kernels, 1, N+1)."""
+        grid, own = self.grid, slice(point, point + 1)
+        out: Array = (self.factors(kernels) @ self._singular_at(point))[:, None]
         self._add_logs(out, kernels)
         if smooth is not None:
-            out += self.apart.integrated(self.between(kernels, smooth, grid.points[end]))
+            out += self.apart.integrated(self.between(kernels, smooth, grid.points[own]))
         for part, kernel in zip(out, kernels, strict=True):
             if self.short and kernel.twice is not None:
-                part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale, end)
+                part[:, 1:-1] = grid.by_second_integral(kernel.twice, self.scale, own)
             if kernel.lag is not None:
-                part += grid.lagging(kernel.lag, self.scale, end)[0]
+                part += grid.lagging(kernel.lag, self.scale, own)[0]
         return out
 
     def factors(self, kernels: Sequence[Kernel]) -> Array:
@@ -176,7 +183,7 @@ class Influence:
         points, nodes, within = self.grid.points, self.grid.nodes, self.within
         every, all_nodes = np.arange(points.size), slice(0, nodes.size)
         if within is None:
-            return [Block(every, all_nodes, closed(points, nodes))]
+            return [Block(every, slice(None), all_nodes, closed(points, nodes))]
         stays, moving = within.stays, within.moving
         rows = np.delete(every, moving)
         own = within._replace(
@@ -186,36 +193,38 @@ class Influence:
         moved = [(rows, part) for part in (ahead, behind) if part.stop - part.start > 1]
         if moving.size:
             moved.append((moving, all_nodes))
-        kept = Block(rows, stays, _around(own, points[rows], nodes[stays]))
-        if not moved:
-            return [kept]
-        values = closed_blocks(*((points[at], nodes[part]) for at, part in moved))
-        return [kept, *(Block(*where, made) for where, made in zip(moved, values, strict=True))]
+        values = [_around(own, points[rows], nodes[stays])]
+        if moved:
+            values += closed_blocks(*((points[at], nodes[part]) for at, part in moved))
+        return [
+            Block(at, _run(at), part, made)
+            for (at, part), made in zip([(rows, stays), *moved], values, strict=True)
+        ]
 
     @property
     def singular(self) -> Array:
         """Them in one, (4, K, N+1)."""
-        (rows, columns, values), *others = self.blocks
+        first, *others = self.blocks
         out = np.zeros((4, self.grid.points.size, self.grid.nodes.size))
-        out[:, rows, columns] = values
-        for rows, columns, values in others:
+        out[:, first.rows, first.columns] = first.values
+        for _, rows, columns, values in others:
             out[:, rows, columns] += values
         return out
 
     def singular_under(self, loads: Array) -> Array:
         """Return them times loads on the nodes, (N+1, k) -> (4, K, k)."""
         out = np.zeros((4, self.grid.points.size, loads.shape[1]))
-        for rows, columns, values in self.blocks:
+        for _, rows, columns, values in self.blocks:
             out[:, rows] += values @ loads[columns]
         return out
 
-    @property
-    def _singular_at_end(self) -> Array:
-        """Them at the last point, (4, N+1)."""
-        out, last = np.zeros((4, self.grid.nodes.size)), self.grid.points.size - 1
-        for rows, columns, values in self.blocks:
-            if rows[-1] == last:
-                out[:, columns] += values[:, -1]
+    def _singular_at(self, point: int) -> Array:
+        """Return them at one point, (4, N+1)."""
+        out = np.zeros((4, self.grid.nodes.size))
+        for points, _, columns, values in self.blocks:
+            k = int(points.searchsorted(point))
+            if k < points.size and points[k] == point:
+                out[:, columns] += values[:, k]
         return out
 
     @cached_property
@@ -225,14 +234,14 @@ class Influence:
 
     def between(self, kernels: Sequence[Kernel], smooth: Smooth, points: Array) -> Array:
         """Return smooth parts between points and their sources, (kernels, points, sources)."""
-        sources, most = self.apart.sources, self.period / (2 * self.scale)
+        sources, most = self.apart.sources, self.reach / self.scale
         t = self.scale * (points[:, None] - sources)
         reach = np.maximum(points - sources.min(), sources.max() - points)
         rows = (reach > most).nonzero()[0]  # few of them
         if not rows.size:
             return smooth(t)
         short = t[rows]
-        far = np.abs(short) > self.period / 2
+        far = np.abs(short) > self.reach
         straight = short[far]
         short[far] = round_ = straight - np.sign(straight) * self.period
         t[rows] = short

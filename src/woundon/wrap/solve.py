@@ -20,7 +20,7 @@ import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.certificate import ROUNDING
-from ..contact.loop import Before, Ladder, Level, Start, Tolerance, Widths, halved
+from ..contact.loop import LOOSE, Before, Ladder, Level, Start, Tolerance, Widths, halved
 from ..contact.meshes import Mesh
 from ..contact.response import Tractions
 from ..contact.schemes import Graded
@@ -162,7 +162,7 @@ def _climbed(
             return climbing
     afresh = ladder(contact)
     if asked and contact.problem.linear:
-        afresh.choose(COARSE_NODES, counts, rtol)
+        afresh.choose(COARSE_NODES, counts, rtol, LOOSE)
     else:
         afresh.climb(halved(contact.nodes, Graded.coarsest))
     return afresh
