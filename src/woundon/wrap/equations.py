@@ -370,6 +370,19 @@ class WrapEquations(WrapColumns):
         out[k + 1 :] = slips[joint.order]
         return np.negative(out, out=out)
 
+    def missed(self, left: Array) -> float:
+        """Return what is left of the gap's slope and of the web's balance, relative.
+
+        As :meth:`imbalance` and the certificate measure them.
+        """
+        joint, grid = self.joint, self.grid
+        assert joint is not None
+        M = grid.last - grid.first
+        gap, balance = np.abs(left[:M]).max(), np.abs(left[M : M + grid.size]).max()
+        top = joint.size * np.abs(self.about.tension * self.about.bend)[self.weighs].max(initial=0.0)
+        gap /= np.abs(joint.right[:M]).max()
+        return float(max(gap, balance / top if top else 0.0))
+
     def load_of(self, p: Array) -> float:
         """Return the load that pressures carry [N/m]."""
         return float(self.load_weights[:-1] @ p)

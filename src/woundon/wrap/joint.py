@@ -36,19 +36,11 @@ class WrapJoint(Joint):
         Which slips, of all cells of roll and drum, each of its rows has.
     size, force_size : float
         What makes the rows of pressures, and that of the force, as large as those of slopes.
-    cells : int
-        Of the nip.
     """
 
     order: Array
     size: float
     force_size: float
-    cells: int
-
-    def gaping(self, left: Array) -> float:
-        """Return the largest that is left of the gap's slope, relative to the largest of all."""
-        gap = slice(0, self.cells)
-        return float(np.abs(left[gap]).max() / np.abs(self.right[gap]).max())
 
     @classmethod
     def of(cls, equations: WrapEquations) -> Self:
@@ -75,7 +67,7 @@ class WrapJoint(Joint):
         right[k + 1 :] = -equations.slip_offset[order]
         return cls(
             matrix, right, equations.friction, equations.own_pressure, equations.stick_slip,
-            order, size, force_size, M,
+            order, size, force_size,
         )  # fmt: skip
 
     def _bring(self, columns: Array, shares: Array, to: Array) -> None:
