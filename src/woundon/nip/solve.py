@@ -28,7 +28,7 @@ from ..contact.schemes import ELEMENTS, Scheme, scheme_of
 from ..contact.told import ORDER, Foreseen
 from ..contact.zones import Runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean
-from ..problems.nip import NipProblem
+from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
 from ..two_bodies import SLIP_RATIOS, PairContact, PairEquations, PairState, approach, mesh_of
@@ -41,7 +41,7 @@ from .validity import nip_warnings, web_far_outside
 
 __all__ = [
     "NipContact", "check_options", "most_beyond", "recomputed", "slip_ratios", "solve_nip",
-    "told_by",
+    "taken_by", "told_by",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -263,8 +263,7 @@ class NipContact(PairContact):
             if not body.rigid:
                 way = 1 if slips[face * n + n // 2].sum() > 0 else -1
                 zones[face, :edge], zones[face, n - edge :] = -way, way
-        asked = self.problem.winding_force / (self.problem.drum_friction * self.problem.nip_load)
-        zones[1, n - round(n * (0.1 + abs(asked) / 2)) :] = 1 if asked >= 0 else -1
+        zones[1, n - taken_by(self.problem, n) :] = 1 if self.problem.winding_force >= 0 else -1
         return zones.ravel()
 
     def scalars(self, level: Level) -> Mapping[str, float]:
@@ -295,6 +294,12 @@ class NipContact(PairContact):
             unseen = unseen_stick(level.mesh.nodes, _runs_of(self.problem, level))
             grains.update((name, grains[name] + unseen) for name in SLIP_RATIOS)
         return grains
+
+
+def taken_by(problem: NipProblem | WrappedNipProblem, nodes: int) -> int:
+    """Return how many nodes of a nip slip at the drum, about, to take the winding force."""
+    asked = abs(problem.winding_force) / (problem.drum_friction * problem.nip_load)
+    return round(nodes * (0.1 + min(asked, 1.0) / 2))
 
 
 # ---- from a solved mesh to a result -------------------------------------------------------------

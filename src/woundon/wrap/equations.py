@@ -379,7 +379,9 @@ class WrapEquations(WrapColumns):
         assert joint is not None
         M = grid.last - grid.first
         gap, balance = np.abs(left[:M]).max(), np.abs(left[M : M + grid.size]).max()
-        top = joint.size * np.abs(self.about.tension * self.about.bend)[self.weighs].max(initial=0.0)
+        top = joint.size * np.abs(self.about.tension * self.about.bend)[self.weighs].max(
+            initial=0.0
+        )
         gap /= np.abs(joint.right[:M]).max()
         return float(max(gap, balance / top if top else 0.0))
 

@@ -316,7 +316,11 @@ class FaceGrid:
             """Integrate at the last node; without an arc as the plain nip does."""
             normal = kernels.normal_p, kernels.normal_q
             known = self.points[-1:] if points is None else points
-            if self.has_arc and known.size == 1 and (at := (self.points == known).nonzero()[0]).size:
+            if (
+                self.has_arc
+                and known.size == 1
+                and (at := (self.points == known).nonzero()[0]).size
+            ):
                 return tuple(put.at(int(at[-1]), normal, kernels.normal_smooth))
             if points is not None:
                 there = Influence(OpenGrid(self.columns, points), None, a, kernels.length, *around)

@@ -27,7 +27,7 @@ from ..contact.schemes import Graded
 from ..contact.told import NOTHING, Foreseen
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..losses import Surface
-from ..nip.solve import CHOSEN, COARSE_NODES, EDGE
+from ..nip.solve import BY_LOAD, CHOSEN, COARSE_NODES, EDGE, taken_by
 from ..nip.validity import web_far_outside
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..threads import one_thread
@@ -234,29 +234,25 @@ class WrapContact(PairContact):
         return super().zones(start, equations)
 
     def first_zones(self, equations: WrapEquations) -> Array | None:
-        """Return the zones to begin with where nothing is known: as in a plain nip.
+        """Return the zones to begin with where nothing is known: a plain nip's.
 
         What slips at its edges goes on along a part of the arcs.
         """
-        joint, grid = equations.joint, equations.grid
+        joint, grid, problem = equations.joint, equations.grid, self.problem
         if joint is None:
             return None
-        n_p, problem, slips = equations.roll_nodes.size, self.problem, joint.matrix[joint.unknowns + 2 :]
-        zones, n_q = np.zeros(joint.friction.size, dtype=np.int8), equations.roll_q.size
-        n = grid.last - grid.first - 1  # nodes within the nip, of either face so many before them
-        before, edge = grid.first, (n + 1) // EDGE
-        ahead = equations.drum_nodes.size - n
-        for body, of_p, of_q, beside in (
-            (problem.roll, 1, 0, (0, (n_q - n) // EDGE)),
-            (problem.drum, n_p + ahead, n_q + before, (before // EDGE, 0)),
+        slips, zones = joint.matrix[joint.unknowns + 2 :], np.zeros(joint.friction.size, np.int8)
+        n, before = grid.last - grid.first - 1, grid.first  # nodes within the nip, and ahead of it
+        n_p, n_q, edge = equations.roll_nodes.size, equations.roll_q.size, (n + 1) // EDGE
+        for body, p, q, ahead, behind in (  # its first pressure and traction within the nip
+            (problem.roll, 1, 0, 0, n_q - n),
+            (problem.drum, n_p + equations.drum_nodes.size - n, n_q + before, before, 0),
         ):
             if not body.rigid:
-                way = 1 if slips[of_q + n // 2, of_p : of_p + n].sum() > 0 else -1
-                zones[of_q - beside[0] : of_q + edge] = -way
-                zones[of_q + n - edge : of_q + n + beside[1]] = way
-        asked = min(1.0, abs(problem.winding_force) / (problem.drum_friction * problem.nip_load))
-        count = round(n * (0.1 + asked / 2))
-        zones[zones.size - count :] = 1 if problem.winding_force >= 0 else -1
+                way = 1 if slips[q + n // 2, p : p + n].sum() > 0 else -1
+                zones[q - ahead // EDGE : q + edge] = -way
+                zones[q + n - edge : q + n + behind // EDGE] = way
+        zones[zones.size - taken_by(problem, n) :] = 1 if problem.winding_force >= 0 else -1
         return zones
 
     def _near_is_finer(self, before: Before | None, grid: WrapGrid) -> bool:
@@ -346,7 +342,11 @@ class WrapContact(PairContact):
     def scalars(self, level: Level) -> Mapping[str, float]:
         """Return the outputs whose errors are told."""
         state, grid = level.state, level.equations.grid
-        before, behind, far = (float(state.along.tension[k]) for k in (grid.first, grid.last, -1))
+        T_in, more = self.problem.web_tension, level.share**BY_LOAD
+        before, behind, far = (
+            T_in + more * (float(state.along.tension[k]) - T_in)
+            for k in (grid.first, grid.last, -1)
+        )
         found = {
             **super().scalars(level),
             "wound_on_tension": far,
