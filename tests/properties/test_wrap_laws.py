@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from random_nips import random_wrapped_nip
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -112,8 +113,8 @@ def test_a_neighbour_costs_an_assembly_a_mesh(monkeypatch):
     assert made.count(HARD.roll) == 1  # was 3, on two meshes
     assert made.count("act") == 1  # was 2
     assert near.iterations <= 2  # was 7
-    assert near.residuals.largest < 8e-9  # the load is met to this
-    assert near.certified().largest < 8e-9  # measured anew
+    assert near.residuals.largest < 6e-9  # the load is met to this
+    assert near.certified().largest < 6e-9  # measured anew
 
 
 def test_kernels_between_nip_and_arc_are_interpolated_as_inside_the_nip(result):
@@ -221,3 +222,9 @@ def test_zones_begin_with_slip_at_the_edges(monkeypatch):
         equations, zones = begun[0]
         solves += [solve_stick_slip(equations.joint, z).solves for z in (zones, None)]
     assert solves[0] < 0.8 * solves[1]
+
+
+def test_a_web_that_never_settles_at_a_wrong_width_is_told_to_be_slack():
+    """Within a percent of the load its tensions went on to and fro, all of them far below zero."""
+    with pytest.raises(wo.NoSteadyState, match="leaves the web slack behind the nip"):
+        wo.solve(random_wrapped_nip(306))

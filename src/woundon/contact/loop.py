@@ -114,15 +114,16 @@ class Ladder:
             self._forget(2)
         self._tell()
 
-    def choose(
-        self, first: int, counts: Sequence[int], rtol: float, tolerance: Tolerance = COARSE
-    ) -> None:
+    def choose(self, first: int, counts: Sequence[int], rtol: float) -> None:
         """Solve on a mesh of ``first`` nodes, then on the first of others likely to be enough.
 
         That is where what the first one foresees of the target falls below rtol.
         """
         self._forget()
-        self._step(self.scheme.mesh(first), None, tolerance)
+        try:
+            self._step(self.scheme.mesh(first), None, LOOSE)
+        except NotConverged:  # what is linearised may go on for ever about a width that is not it
+            self._step(self.scheme.mesh(first), None, COARSE)
         values, name = self.history[-1], self.target
         foreseen = self.contact.foreseen(self.level, {name: values[name]})[name].size
         size = LIKELY * foreseen / self.contact.scale(name, values[name]) * (first - 1) ** ORDER

@@ -22,7 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.loop import ALGORITHMS, LOOSE, Before, Ladder, Level, Start, Widths, halved
+from ..contact.loop import ALGORITHMS, Before, Ladder, Level, Start, Widths, halved
 from ..contact.response import padded
 from ..contact.schemes import ELEMENTS, Scheme, scheme_of
 from ..contact.told import ORDER, Foreseen
@@ -127,7 +127,7 @@ def solve_nip(
             M = ladder.enough([n for n in CHOSEN if n <= asked[1]], begun, asked[0])
         ladder.beside(halved(M, chosen.coarsest)[-2:], begun, *asked if chooses else ())
     elif chooses and problem.linear:
-        ladder.choose(COARSE_NODES, [n for n in CHOSEN if n <= asked[1]], asked[0], LOOSE)
+        ladder.choose(COARSE_NODES, [n for n in CHOSEN if n <= asked[1]], asked[0])
     else:
         counts = [M] if cold else halved(M, chosen.coarsest)[-2 if start else 0 :]
         # elements ask for borders alone, which the mesh before the last tells well enough mostly
