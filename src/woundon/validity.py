@@ -45,15 +45,16 @@ FEW_NODES = 4
 NARROW_ZONE = 0.02  # of the nip width: a narrower one, mostly at the very edge, moves no output
 
 
-def past(name: str, share: float, told: str, *values: object) -> Iterator[str]:
-    """Yield a warning if a share is past the named limit either way.
+def past(name: str, share: float, told: str, *values: object) -> tuple[str, ...]:
+    """Return a warning if a share is past the named limit either way.
 
     ``{}`` in the text is the share, numbers in braces are the values.
     """
     limit = LIMITS[name]
-    if abs(share) > limit.most:
-        text = told.replace("{}", _percent(share)).format(*values)
-        yield f"{text} (limit {_percent(limit.most)}): {limit.reason}"
+    if not abs(share) > limit.most:
+        return ()
+    text = told.replace("{}", _percent(share)).format(*values)
+    return (f"{text} (limit {_percent(limit.most)}): {limit.reason}",)
 
 
 def _percent(share: float) -> str:

@@ -91,6 +91,8 @@ class Scatter(NamedTuple):
             shares = cells[k - 1] ** (-2 * order) + cells[k] ** (-2 * order)
             squares += (values[k] - values[k - 1]) ** 2 / shares
         size = sqrt(squares / count) / scale if count else 0.0
+        if not foreseen.changes:
+            return cls(size, count, order)
         of_one_cell = Foreseen(foreseen.size * cells[-1] ** order / scale, foreseen.changes)
         return cls(size, count, order, of_one_cell)
 
@@ -116,7 +118,7 @@ class Scatter(NamedTuple):
         count = self.changes + known
         squares = self.changes * self.size**2 + known * before.size**2
         size = sqrt(squares / count) if count else 0.0
-        return self._replace(size=size, changes=count, foreseen=foreseen)
+        return Scatter(size, count, self.order, foreseen)
 
     def error(self, cells: int, scale: float) -> float:
         """Return the told error on a mesh of so many cells; nan where no change tells it."""
