@@ -22,6 +22,7 @@ other two it leaves the stick-slip problem in q and xi, which has a safe way.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -152,7 +153,9 @@ class NipEquations(PairEquations):
         right = np.concatenate([made.gap, [0.0], -made.offset])
         own = np.concatenate([np.arange(n)] * 2)
         rigid = RigidFace(slice(n, 2 * n), made.weights) if self.problem.drum.rigid else None
-        return Joint(made.whole, right, self._friction, own, self.stick_slip, rigid=rigid)
+        # a copy has no joint: matrices that lead to themselves would wait for the garbage collector
+        condensed = copy(self).stick_slip
+        return Joint(made.whole, right, self._friction, own, condensed, rigid=rigid)
 
     @cached_property
     def _size(self) -> float:

@@ -11,6 +11,7 @@ With z = (p+, p-, Delta/R*) and q = (q+, q-),
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
@@ -66,7 +67,8 @@ class WrapJoint(Joint):
         matrix[k + 1 :, -1] = order > n_q
         right[k + 1 :] = -equations.slip_offset[order]
         return cls(
-            matrix, right, equations.friction, equations.own_pressure, equations.stick_slip,
+            matrix, right, equations.friction, equations.own_pressure,
+            copy(equations).stick_slip,  # that has no joint, which would lead to itself
             order, size, force_size,
         )  # fmt: skip
 

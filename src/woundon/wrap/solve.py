@@ -287,14 +287,16 @@ class WrapContact(PairContact):
             assert self.near is not None
             before = self.near.before
         if before is not None:
-            known = before.about
-
-            def carried(part: Any) -> Any:
-                if isinstance(part, Tractions):
-                    return Tractions(*map(carried, part))
-                return np.interp(grid.nodes, before.places, part)
-
-            return Known(*map(carried, (known.tension, known.bend, known.roll, known.drum)))
+            places, known = before.places, before.about
+            tension, bend = (
+                np.interp(grid.nodes, places, part) for part in (known.tension, known.bend)
+            )
+            loads = (
+                None if load is None
+                else Tractions(*(np.interp(grid.nodes, places, part) for part in load))
+                for load in (known.roll, known.drum)
+            )  # fmt: skip
+            return Known(tension, bend, *loads)
         upstream = np.arange(grid.size) <= grid.last
         gained = max(problem.winding_force, 0.0) + 0.2 * problem.roll_friction * problem.nip_load
         tension = problem.web_tension + np.where(upstream, 0.0, gained)
