@@ -207,17 +207,19 @@ def carter_table(baseline: Baseline) -> str:
 def wrapped_table(baseline: Baseline) -> str:
     """Return the times of wrapped nips beside the plain one of the same bodies, next load."""
     text = ("| wrapped nip; another load, from its neighbour | plain | wrapped | ratio | asked "
-            "| without a neighbour |\n|---|---|---|---|---|---|\n")  # fmt: skip
+            "| without a neighbour: plain | wrapped | ratio |\n"
+            "|---|---|---|---|---|---|---|---|\n")  # fmt: skip
     for name, plain in (("hard drum", paper_nip(web_tension=350.0)),
                         ("20 mm cover", COVERED.replace(web_tension=350.0))):  # fmt: skip
-        alone = _next_load(baseline, plain)
+        alone, others = _next_load(baseline, plain), _others(plain)
+        afresh = baseline.ratio(lambda: wo.solve(next(others)), 25)  # noqa: B023
         for both, asked in ((False, 2.5), (True, 4.0)):
             wrapped = plain.wrapped(roll_wrap=pi, drum_wrap=1.5 * both)
             label = f"{name}, {'both wraps' if both else 'wrapped on the roll'}"
             loads, near = _others(wrapped), _next_load(baseline, wrapped)
             first = baseline.ratio(lambda: wo.solve(next(loads)), 9)  # noqa: B023
             text += (f"| {label} | {alone:.1f} | {near:.1f} | {near / alone:.1f} | {asked} "
-                     f"| {first:.1f} |\n")  # fmt: skip
+                     f"| {afresh:.1f} | {first:.1f} | {first / afresh:.1f} |\n")  # fmt: skip
     return text
 
 

@@ -67,15 +67,16 @@ def by_misses(
     outputs, table = (effects @ gradients).tolist(), laws.tolist()
     slopes = np.zeros((gradients.shape[1], nodes.size))
 
-    def of(border: int, by: Array) -> Array:
-        changes = Changes(table, by.tolist(), outputs)  # by nodes, (4, outputs)
-        return np.array(changes.of_border(4 * border, borders[border]))
+    def of(border: int, by: list[float]) -> list[tuple[float, ...]]:
+        changes = Changes(table, by, outputs).of_border(4 * border, borders[border])
+        return list(zip(*changes, strict=True))  # of each output by -2, -1, 1 and 2 nodes
 
     for border in range(len(borders)):
-        at = of(border, misses)
+        at = of(border, misses.tolist())
         for turn in range(4 * border, 4 * border + 4):
-            change = of(border, np.where(np.arange(nodes.size) == turn, 1.0, 0.0))
-            slopes[:, turn] = [_slope(*both) for both in zip(at.T, change.T, strict=True)]
+            alone = [0.0] * nodes.size
+            alone[turn] = 1.0
+            slopes[:, turn] = list(map(_slope, at, of(border, alone)))
     found = Resting.of(joint, nodes, ways, slopes)
     return (
         found.beside(Resting.of(joint, *jumps.slopes(joint, solution, gradients)))
@@ -84,10 +85,12 @@ def by_misses(
     )
 
 
-def _slope(at: Array, on: Array) -> float:
+def _slope(at: Sequence[float], on: Sequence[float]) -> float:
     """Return the derivative of :func:`rest_of` at some changes by nodes along others."""
-    size, way = (float(np.nan_to_num(np.abs(changes)).max()) for changes in (at, on))
+    size, way = (max((abs(c) for c in by if isfinite(c)), default=0.0) for by in (at, on))
     step = STEP * size / (way or 1.0)
-    more, less = (rest_of(*(at + side * step * on).tolist())[0] for side in (1, -1))
+    more, less = (
+        rest_of(*(a + side * step * b for a, b in zip(at, on, strict=True)))[0] for side in (1, -1)
+    )
     slope = (more - less) / (2 * step) if step else 0.0
     return slope if isfinite(slope) else 0.0
