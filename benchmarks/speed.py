@@ -78,6 +78,19 @@ class Baseline:
             ratios.append(2 * spent / (before + self.once()))
         return float(np.median(ratios))
 
+    def in_turns(
+        self, one: Callable[[], object], two: Callable[[], object], repeats: int = 25
+    ) -> tuple[float, float, float]:
+        """Return the medians of both works over the baseline's, and of the second over the first.
+
+        They take turns, so that a busy machine slows both.
+        """
+        one(), two()
+        times = [(_timed(one), _timed(two), self.once()) for _ in range(repeats)]
+        first, second, dense = np.array(times).T
+        ratios = first / dense, second / dense, second / first
+        return tuple(float(np.median(part)) for part in ratios)  # type: ignore[return-value]
+
 
 def _timed(work: Callable[[], object]) -> float:
     start = time.process_time()
@@ -211,22 +224,20 @@ def wrapped_table(baseline: Baseline) -> str:
             "|---|---|---|---|---|---|---|---|\n")  # fmt: skip
     for name, plain in (("hard drum", paper_nip(web_tension=350.0)),
                         ("20 mm cover", COVERED.replace(web_tension=350.0))):  # fmt: skip
-        alone, others = _next_load(baseline, plain), _others(plain)
-        afresh = baseline.ratio(lambda: wo.solve(next(others)), 25)  # noqa: B023
         for both, asked in ((False, 2.5), (True, 4.0)):
             wrapped = plain.wrapped(roll_wrap=pi, drum_wrap=1.5 * both)
+            near = baseline.in_turns(*(_next_load(nip, wo.solve(nip)) for nip in (plain, wrapped)))
+            first = baseline.in_turns(*map(_next_load, (plain, wrapped)), repeats=15)
             label = f"{name}, {'both wraps' if both else 'wrapped on the roll'}"
-            loads, near = _others(wrapped), _next_load(baseline, wrapped)
-            first = baseline.ratio(lambda: wo.solve(next(loads)), 9)  # noqa: B023
-            text += (f"| {label} | {alone:.1f} | {near:.1f} | {near / alone:.1f} | {asked} "
-                     f"| {afresh:.1f} | {first:.1f} | {first / afresh:.1f} |\n")  # fmt: skip
+            told = (f"{one:.1f} | {two:.1f} | {ratio:.1f}" for one, two, ratio in (near, first))
+            text += f"| {label} | {f' | {asked} | '.join(told)} |\n"
     return text
 
 
-def _next_load(baseline: Baseline, problem: Any) -> float:
-    """Return the time of a solution from its neighbour's, default accuracy."""
-    loads, start = _others(problem), wo.solve(problem)
-    return baseline.ratio(lambda: wo.solve(next(loads), start=start))
+def _next_load(problem: Any, start: Any = None) -> Callable[[], object]:
+    """Return what solves it with another load, from a neighbour's solution or from nothing."""
+    loads = _others(problem)
+    return lambda: wo.solve(next(loads), start=start)
 
 
 def rollers_table(baseline: Baseline) -> str:
