@@ -135,6 +135,23 @@ def test_kernels_between_nip_and_arc_are_interpolated_as_inside_the_nip(result):
             np.testing.assert_allclose(a, b, rtol=0, atol=5e-5 * np.abs(two).max())
 
 
+@pytest.mark.parametrize("name", ["roll", "cover"])
+def test_beyond_half_a_turn_kernels_are_those_of_the_short_way_round(name):
+    """As tables that go farther have them, or by exchanging singular parts there."""
+    problem = WRAPS[name] if name == "roll" else WRAPS[name].replace(drum_wrap=3.14)
+    equations = equations_of(wo.solve(problem, **MESH))
+    side, a = getattr(equations.laws, "roll" if name == "roll" else "drum"), equations.half_width
+    kernels, grid = side.body.kernels(), OpenGrid(side.points.columns, side.points.points)
+    period, width = 2 * np.pi * side.body.radius, a * np.ptp(grid.points)
+    assert period / 2 < width < kernels.reach
+    farther, exchanged = (
+        Influence(grid, side.points.within, a, kernels.length, period, reach)
+        for reach in (kernels.reach, None)
+    )
+    one, two = (put.together(kernels.gradients, kernels.smooth) for put in (farther, exchanged))
+    np.testing.assert_allclose(one, two, rtol=0, atol=1e-9 * np.abs(two).max())  # of the series
+
+
 def test_at_one_point_kernels_are_those_at_all(result):
     """Of the end, and of the point beside the edge, where v is asked for alone."""
     equations = equations_of(result)

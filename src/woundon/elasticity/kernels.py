@@ -80,8 +80,8 @@ class SurfaceKernels:
         t -> those of ``normal_p`` and ``normal_q``, (2, *t.shape), alike.
     lag : Lag, optional
         The lags of ``gradients`` together.
-    reach : float
-        Largest |t| for which the smooth parts hold [m], half the circumference or a little more.
+    reach : float, optional
+        Largest |t| for which the smooth parts hold [m]; half the circumference without.
     """
 
     normal_p: Kernel = field(default_factory=Kernel)
@@ -98,7 +98,7 @@ class SurfaceKernels:
     together: Callable[[Array], Array] | None = None
     lag: Lag | None = None
     normal_together: Callable[[Array], Array] | None = None
-    reach: float = np.inf
+    reach: float | None = None
 
     @property
     def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:

@@ -126,7 +126,7 @@ def _kernels(
     return SurfaceKernels(
         normal_p, coupling, coupling, tangent_q, slope_p, slope_q, strain_p, strain_q,
         length=R * min(1.0, 2 * decay), truncation_error=error, terms=n.size,
-        together=together, lag=lag, reach=pi * R,
+        together=together, lag=lag,
     )  # fmt: skip
 
 

@@ -104,16 +104,16 @@ class Influence:
         Length on which the smooth parts vary [m].
     period : float
         Circumference [m]; inf for a half-plane.
-    reach : float
-        Largest |t| for which smooth parts hold [m].
+    reach : float, optional
+        Largest |t| for which smooth parts hold [m]; half the circumference without.
     """
 
     def __init__(
         self, grid: OpenGrid, within: Within | None, scale: float, length: float, period: float,
-        reach: float,
+        reach: float | None = None,
     ) -> None:  # fmt: skip
         self.grid, self.scale, self.length = grid, scale, length
-        self.period, self.reach = period, reach
+        self.period, self.reach = period, period / 2 if reach is None else reach
         self.rank = interpolation_rank(length, scale)
         # too short for polynomials
         self.short = self.rank > (within.nip.highest_rank if within else HIGHEST_RANK)
