@@ -3,7 +3,8 @@
 Each kind of problem has a command of its own name (:mod:`.solve_command`), and any package may add
 commands by the entry-point group ``woundon.commands``.
 
-Exit codes: 0 done, 2 bad input (one line a fault), 3 not solved to tolerance.
+Exit codes: 0 done, 2 bad input (one line a fault), 3 not solved to tolerance, 130 stopped by
+Ctrl-C.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ __all__ = ["main"]
 
 BAD_INPUT = 2
 NOT_CONVERGED = 3
+STOPPED = 130  # by Ctrl-C, as shells have it
 COMMANDS = "woundon.commands"
 
 # imported when they are called: name, where, what they do
@@ -52,15 +54,19 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     for name, value in environment().items():  # before NumPy loads
         os.environ.setdefault(name, value)
+    code = STOPPED
     try:
-        code = _run(args)
-    except (_ReaderLeftError, BrokenPipeError):
-        code = 0  # head or less have read enough; nobody is there to tell
-    for stream in filter(None, (sys.stdout, sys.stderr)):
         try:
-            stream.flush()
-        except OSError:  # or Python would tell of it at its end
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            code = _run(args)
+        except (_ReaderLeftError, BrokenPipeError):
+            code = 0  # head or less have read enough; nobody is there to tell
+        for stream in filter(None, (sys.stdout, sys.stderr)):
+            try:
+                stream.flush()
+            except OSError:  # or Python would tell of it at its end
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    except KeyboardInterrupt:  # once more, when all is told: the code is that of what was done
+        pass
     return code
 
 
@@ -82,7 +88,7 @@ def _run(args: Sequence[str] | None) -> int:
     except click.ClickException as fault:
         return _refuse([fault.format_message()], BAD_INPUT)
     except click.Abort:
-        return 130
+        return STOPPED
     except BrokenPipeError:
         raise
     except OSError as fault:

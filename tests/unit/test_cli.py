@@ -233,6 +233,28 @@ def test_a_fault_is_one_line_and_no_traceback(
     assert list(tmp_path.iterdir()) == []
 
 
+class Pressed:
+    """An output at whose last flush Ctrl-C is pressed once more."""
+
+    def flush(self) -> None:
+        raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("code", [0, 3, 130])
+def test_ctrl_c_when_all_is_told_is_no_fault(code, monkeypatch):
+    monkeypatch.setattr(cli, "_run", lambda args: code)
+    monkeypatch.setattr(sys, "stderr", Pressed())
+    assert cli.main([]) == code
+
+
+def test_ctrl_c_while_a_fault_is_told_is_no_fault(monkeypatch):
+    def interrupted(args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "_run", interrupted)
+    assert cli.main([]) == 130
+
+
 def test_not_converged_has_its_own_code(monkeypatch, capsys: Capture):
     def give_up(*_: object, **__: object) -> None:
         raise wo.NotConverged("the estimated error of NIT is 0.3 N/m")
