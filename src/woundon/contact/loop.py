@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import NotConverged
+from ..errors import NoSteadyState, NotConverged
 from .contracts import Contact, Equations, State
 from .levels import Before, Level, Scalars, Start, Widths
 from .meshes import Mesh
@@ -122,7 +122,8 @@ class Ladder:
         self._forget()
         try:
             self._step(self.scheme.mesh(first), None, LOOSE)
-        except NotConverged:  # what is linearised may go on for ever about a width that is not it
+        except (NotConverged, NoSteadyState):
+            # about a width that is not it, what is linearised may go on for ever, or a web be slack
             self._step(self.scheme.mesh(first), None, COARSE)
         values, name = self.history[-1], self.target
         foreseen = self.contact.foreseen(self.level, {name: values[name]})[name].size

@@ -313,7 +313,11 @@ class FaceGrid:
             return tuple(put.together(kernels.gradients, kernels.smooth, kernels.lag))
 
         def last(points: Array | None) -> Any:
-            """Integrate at the last node; without an arc as the plain nip does."""
+            """Integrate at the last node, by what is at hand of it; elsewhere anew.
+
+            The grid's own points along an arc are at hand too; without an arc it is the plain nip's
+            trailing edge.
+            """
             normal = kernels.normal_p, kernels.normal_q
             known = self.points[-1:] if points is None else points
             if (

@@ -75,9 +75,9 @@ class Block(NamedTuple):
     Attributes
     ----------
     points : (k,) int array
-        Which, ascending.
+        Which of the grid's points, ascending.
     rows : array or slice
-        The same.
+        The same, as a slice where none between them is left out.
     columns : slice
         The nodes.
     values : (4, k, columns) array
