@@ -167,7 +167,7 @@ class HarmonicSum:
         return Kernel(delta=delta, log=log_, smooth=self, twice=self.twice)
 
     def twice(self, t: Array) -> Array:
-        """Return the second integral of the whole sum at the arc lengths t [m], of any size."""
+        """Return a second integral of the whole sum at the arc lengths t [m], of any size."""
         around = 2 * pi * self.radius
         short = t - around * np.rint(t / around)
         return self._integrated(short) + self.scale * self.mean / 2 * t * t
@@ -176,8 +176,13 @@ class HarmonicSum:
     def _integrated(self) -> HarmonicSum:
         n = np.arange(1, self.rest.size + 1)
         tail = np.concatenate([[0.0, 0.0], self.tail])
-        scale = -self.scale * self.radius**2
-        return HarmonicSum(self.odd, self.radius, scale, 0.0, tail, self.rest / (n * n))
+        scale, rest = -self.scale * self.radius**2, self.rest / (n * n)
+        whole = HarmonicSum(self.odd, self.radius, scale, 0.0, tail, rest)
+        # constant and line are free; kept, they would drown the differences of short cells
+        less = np.zeros(POWERS)
+        first = scale * float(rest @ n if self.odd else rest.sum())
+        less[int(self.odd)] = -float(whole.series[int(self.odd)]) - first
+        return replace(whole, power=less)
 
     def __call__(self, t: Array) -> Array:
         """Return the smooth part at the arc lengths t [m], any shape, |t| <= pi R."""
