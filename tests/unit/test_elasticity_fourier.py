@@ -65,6 +65,33 @@ def test_table_is_of_sixth_order(odd: bool) -> None:
     assert 50 < errors[0] / errors[1] < 75
 
 
+@pytest.mark.parametrize("odd", [False, True], ids=["cos", "sin"])
+@pytest.mark.parametrize(
+    ("h", "middles"),
+    [
+        (1e-6, [5e-6, -3e-5, 4e-4]),
+        (0.03, [0.15, -0.5, pi - 0.01, pi + 0.2, -2 * pi + 0.15, 3 * pi + 0.1]),
+        (0.4, [0.5, -2.0, pi - 0.1, pi + 0.2, -3 * pi + 0.1]),
+    ],
+)
+def test_hats_by_second_integrals(odd: bool, h: float, middles: list[float]) -> None:
+    """Hats of half width h R about any angle: short ones are not drowned, nor turns forgotten."""
+    tail, rest = np.array([0.0, -1.3, 2.0, 0.4, -0.9, 1.1, 0.3]), 5 * np.exp(-0.5 * np.arange(1, 61))
+    series = HarmonicSum(odd, R, 3.0, 0.0 if odd else 0.25, tail, rest)
+    kernel = series.kernel()
+    s, weights = np.polynomial.legendre.leggauss(24)
+    for middle in middles:
+        found = np.diff(series.twice(R * (middle + h * np.array([-1.0, 0.0, 1.0]))), 2)[0] / (h * R)
+        expected = 0.0
+        for side in (-1, 1):
+            x = middle + side * h * (s + 1) / 2
+            around = x - 2 * pi * np.rint(x / (2 * pi))
+            expected += h * R / 2 * weights @ ((1 - s) / 2 * whole(kernel, R * around))
+        # the quintics' error, as above; rounding of t^2, of which short hats are the differences
+        rounding = 1e-15 * (middle / h) ** 2
+        assert found == pytest.approx(expected, rel=1e-7 + rounding, abs=1e-8 * h * R)
+
+
 def test_smooth_keeps_shape_and_parity() -> None:
     """Any shape goes, 0-d included; odd sums vanish at 0, even ones are continuous there."""
     tail, rest = np.array([1.0, 1.0, 1.0, 1.0]), np.ones(4)

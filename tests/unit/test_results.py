@@ -155,8 +155,9 @@ def test_a_pickle_holds_what_a_file_does_and_no_matrices(results, kind: str) -> 
 def test_what_needs_the_mesh_works_on_what_was_sent(results) -> None:  # type: ignore[no-untyped-def]
     result, again = results["nip"], as_sent(results["nip"])
     slopes, theirs = result.sensitivity(), again.sensitivity()
-    # forward differences of matrices, good to 1e-6, and of what borders leave, to 1e-5
-    np.testing.assert_allclose(theirs.derivatives, slopes.derivatives, rtol=3e-5, atol=1e-12)
+    # forward differences of matrices, good to 1e-6, and of what borders leave, to 1e-5; what has
+    # no effect, as the web's tension on NIT, is told by rounding
+    np.testing.assert_allclose(theirs.elasticities, slopes.elasticities, rtol=3e-5, atol=1e-7)
     assert again.wound_on_tension_estimate() == result.wound_on_tension_estimate()
     assert str(again) == str(result)
 

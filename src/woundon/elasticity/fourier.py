@@ -168,9 +168,12 @@ class HarmonicSum:
 
     def twice(self, t: Array) -> Array:
         """Return a second integral of the whole sum at the arc lengths t [m], of any size."""
-        around = 2 * pi * self.radius
-        short = t - around * np.rint(t / around)
-        return self._integrated(short) + self.scale * self.mean / 2 * t * t
+        around, whole = 2 * pi * self.radius, self._integrated
+        turned = around * np.rint(t / around)
+        found = whole(t - turned) + self.scale * self.mean / 2 * t * t
+        if self.odd and whole.power is not None:
+            found += whole.power[1] / self.radius * turned  # the line that it lacks goes on
+        return found
 
     @cached_property
     def _integrated(self) -> HarmonicSum:
