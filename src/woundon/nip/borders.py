@@ -89,7 +89,7 @@ class OnElements(Ladder):
         self._jacobian: Array | None
         self._cells = 0
         self._layered, self._most = careful, MOST_CAREFUL if careful else MOST_CELLS
-        self._begin(faces_of(self.level), self.level.half_width)
+        self._begin(self._met(faces_of(self.level)), self.level.half_width)
 
     def refine(self, rtol: float) -> None:
         """Raise the order until the target's told error is below rtol.
@@ -164,13 +164,22 @@ class OnElements(Ladder):
         for f, (zones, at) in enumerate(here):
             gone = (np.diff(at) < VANISHING) & (np.diff(at + moves[f].borders) < 0)
             for k in np.nonzero(gone)[0].tolist():
-                same = zones[k] == zones[k + 2]
-                if same or self.problem.bodies[f].rigid:  # there slip may turn at a point
-                    meeting = [] if same else [float(at[k : k + 2].mean())]
-                    left = (*zones[: k + 1], *zones[k + 2 + same :])
-                    here[f] = Face(left, np.array([*at[:k], *meeting, *at[k + 2 :]]))
+                if zones[k] == zones[k + 2] or self.problem.bodies[f].rigid:
+                    here[f] = _without(here[f], k + 1)
                     return here
         return None
+
+    def _met(self, faces: Sequence[Face]) -> list[Face]:
+        """Return the zones of a mesh; what one of its nodes holds may be a point where slip turns.
+
+        There stick that is short is found again if it is asked for.
+        """
+        found = list(faces)
+        for f, (zones, at) in enumerate(found):
+            short = (np.diff(at) < VANISHING) & (np.diff(zones[:-1]) * np.diff(zones[1:]) == 1)
+            if self.problem.bodies[f].rigid and short.any():
+                found[f] = _without(found[f], int(short.argmax()) + 1)
+        return found
 
     # ---- Newton's method -------------------------------------------------------------------------
 
@@ -246,6 +255,15 @@ class OnElements(Ladder):
             lost = -np.diff(np.concatenate([[0.0], moves, [0.0]]))
             moves *= np.min(SHRUNK * lengths / np.maximum(lost, SHRUNK * lengths))  # in place
         return made
+
+
+def _without(face: Face, zone: int) -> Face:
+    """Return a face without a zone: those beside it are one, or meet in its middle."""
+    zones, at = face
+    same = zones[zone - 1] == zones[zone + 1]
+    meeting = [] if same else [float(at[zone - 1 : zone + 1].mean())]
+    left = (*zones[:zone], *zones[zone + 1 + same :])
+    return Face(left, np.array([*at[: zone - 1], *meeting, *at[zone + 1 :]]))
 
 
 def scales(unknowns: Array) -> Array:
