@@ -76,7 +76,10 @@ def test_table_is_of_sixth_order(odd: bool) -> None:
 )
 def test_hats_by_second_integrals(odd: bool, h: float, middles: list[float]) -> None:
     """Hats of half width h R about any angle: short ones are not drowned, nor turns forgotten."""
-    tail, rest = np.array([0.0, -1.3, 2.0, 0.4, -0.9, 1.1, 0.3]), 5 * np.exp(-0.5 * np.arange(1, 61))
+    tail, rest = (
+        np.array([0.0, -1.3, 2.0, 0.4, -0.9, 1.1, 0.3]),
+        5 * np.exp(-0.5 * np.arange(1, 61)),
+    )
     series = HarmonicSum(odd, R, 3.0, 0.0 if odd else 0.25, tail, rest)
     kernel = series.kernel()
     s, weights = np.polynomial.legendre.leggauss(24)

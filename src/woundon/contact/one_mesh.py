@@ -109,7 +109,7 @@ class OneMesh:
         about = contact.about(mesh, a, None if start is None else start.before)
         step = _Step(self, mesh, Known(about, None), start, tolerance)
         for _ in range(MOST_PASSES):
-            (equations, state), power = self._width(step.at, a, tolerance.load, power)
+            (equations, state), power = self._width(step.at, a, tolerance.load, power, step)
             a = state.half_width
             if step.followed:
                 power = step.power
@@ -150,7 +150,7 @@ class OneMesh:
 
     def _width(
         self, evaluate: Callable[[float], tuple[Any, float]], guess: float, rtol: float,
-        power: float,
+        power: float, step: _Step | None = None,
     ) -> tuple[Any, float]:  # fmt: skip
         contact = self.contact
         try:
@@ -158,6 +158,8 @@ class OneMesh:
                 evaluate, contact.load, guess, rtol, power, contact.widest, lambda: contact.beyond
             )
         except WidthNotFound as stop:
+            if step is not None and step.latest is not None:
+                contact.refuse(*step.latest)
             raise self.stopped(str(stop)) from None
 
 
