@@ -18,6 +18,11 @@ def test_solved_or_refused(seed: int) -> None:
     assert residual <= 1e-8
 
 
+def test_a_mesh_that_friction_changes_to_and_fro_is_kept() -> None:
+    """Chosen anew in every turn it was 41, 65, 41, 65 ... nodes, and friction went with it."""
+    assert ending(142)[0] == "solved"
+
+
 def test_the_sample_is_of_every_sort() -> None:
     problems = [random_air(seed) for seed in SEEDS]
     assert {p.viscoelastic for p in problems} == {True, False}

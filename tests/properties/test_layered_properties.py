@@ -14,8 +14,9 @@ import woundon as wo
 ending = cache(_ending)
 
 # some of the 300 of benchmarks/layered.py: coatings of micrometres, open bores, graded rolls, and
-# cases that are refused: 3, 34 and 219 are tubes that the load flattens
-SEEDS = [0, 1, 3, 4, 5, 6, 13, 17, 24, 34, 42, 219]
+# cases that are refused: 3, 34 and 219 are tubes that the load flattens; of 349 the load jumps with
+# the width on 33 nodes, so that the mesh between 17 and 65 has no answer
+SEEDS = [0, 1, 3, 4, 5, 6, 13, 17, 24, 34, 42, 219, 349]
 
 
 @pytest.mark.parametrize("seed", [seldom(seed) if seed in (5, 34, 42) else seed for seed in SEEDS])

@@ -27,6 +27,7 @@ from .result import AirNipResult
 __all__ = ["air_warnings", "check_options", "solve_air_nip", "solved_with_air"]
 
 MOST_TURNS = 30
+FREE_TURNS = 5  # after which the mesh stays: one that friction changes may change friction back
 SETTLED = 1e-10
 LONG = 0.3  # of the half width: up to there the film is known to 2 % (tests/verification/test_air)
 
@@ -88,8 +89,13 @@ def solved_with_air(
         If film and friction do not settle.
     """
     frictions = frictions or (problem.roll_friction, problem.friction_behind)
-    for _ in range(MOST_TURNS):
+    finest, chooses = 0, options.get("nodes") is None and options.get("rtol") is None
+    for turn in range(MOST_TURNS):
+        if chooses and turn >= FREE_TURNS:
+            options["nodes"] = finest
         solved = solve_wrapped_nip(problem.without_air(*frictions), **options)
+        if turn:
+            finest = max(finest, len(range(*solved.in_nip.indices(solved.x.size))))
         found = films_of(problem, edge_of(problem, solved), solved.half_width)
         left = found["roll_friction"], found["wrap_friction"]
         if np.allclose(left, frictions, rtol=settled, atol=0):

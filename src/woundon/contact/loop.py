@@ -102,12 +102,20 @@ class Ladder:
     # ---- ladders -------------------------------------------------------------------------------
 
     def climb(self, counts: Sequence[int], start: Start | None = None) -> None:
-        """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them."""
+        """Solve on the scheme's own meshes, the last one to tolerance; tell errors from them.
+
+        One between the first and the last may have no answer, where the load jumps with the width.
+        """
         self._forget()
         self._take_over(start)
         tolerances = [COARSEST] * (len(counts) - 2) + [COARSE, self.tolerance]
         for count, tolerance in zip(counts, tolerances[-len(counts) :], strict=True):
-            self._step(self.scheme.mesh(count), start, tolerance)
+            try:
+                self._step(self.scheme.mesh(count), start, tolerance)
+            except NotConverged:
+                if count in (counts[0], counts[-1]):
+                    raise
+                continue
             if count != counts[-1]:
                 start = self.level.start
         if self.contact.settles_apart:  # there the coarsest mesh is but a start

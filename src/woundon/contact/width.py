@@ -10,6 +10,8 @@ __all__ = ["WidthNotFound", "width_for_load"]
 
 T = TypeVar("T")
 
+PATIENCE = 10  # evaluations, after which a step stays between loads too small and too large
+
 
 class WidthNotFound(ArithmeticError):
     """The secant iteration did not settle."""
@@ -58,7 +60,8 @@ def width_for_load(
     """
     ln_a = log(guess)
     last: tuple[float, float] | None = None
-    for _ in range(60):
+    under, over = -inf, inf  # ln a of the last loads too small and too large
+    for k in range(60):
         state, carried = evaluate(exp(ln_a))
         miss = log(carried / load) if carried > 0 else -2.0
         # a shorter step tells rounding, not the power
@@ -72,5 +75,9 @@ def width_for_load(
                 f"{max(carried, 0.0):.3g} N/m; {beyond()}"
             )
         last = (ln_a, miss)
+        under, over = (ln_a, over) if miss < 0 else (under, ln_a)
         ln_a = min(ln_a - min(max(miss / power, -1.5), 1.5), log(widest))
+        # a load that rises faster than any power would be missed to either side for ever
+        if k >= PATIENCE and abs(over - under) < inf and not under < ln_a < over:
+            ln_a = (under + over) / 2
     raise WidthNotFound(f"the half width did not settle: last {exp(ln_a):.6g} m, off by {miss:.2g}")
