@@ -30,6 +30,14 @@ def test_a_power_is_known_after_one_step(power: float) -> None:
     assert len(asked) <= 4
 
 
+def test_a_load_that_hardly_grows_with_the_width_is_met() -> None:
+    """As that of a tube that is flattened; taken for a power of 0.7 it took 60 steps and more."""
+    evaluate, asked = counted(lambda a: 1e3 * (a / 4e-3) ** 0.1)
+    a, _ = width_for_load(evaluate, 1.1e3, 3e-3, 1e-9)
+    assert a == pytest.approx(4e-3 * 1.1**10, rel=1e-7)  # ten times what the load may be off by
+    assert len(asked) < 20
+
+
 def test_a_load_that_rises_by_a_percent_at_once_is_met() -> None:
     """Steeper than any power that is taken for one, steps went from one side to the other."""
 

@@ -11,6 +11,7 @@ __all__ = ["WidthNotFound", "width_for_load"]
 T = TypeVar("T")
 
 PATIENCE = 10  # evaluations, after which a step stays between loads too small and too large
+USUAL, LEAST = 0.7, 0.05  # powers: a tube that the load flattens carries hardly more as it widens
 
 
 class WidthNotFound(ArithmeticError):
@@ -66,7 +67,8 @@ def width_for_load(
         miss = log(carried / load) if carried > 0 else -2.0
         # a shorter step tells rounding, not the power
         if last is not None and abs(ln_a - last[0]) > 1e-9:
-            power = min(max((miss - last[1]) / (ln_a - last[0]), 0.7), 12.0)
+            least = USUAL if k < PATIENCE else LEAST
+            power = min(max((miss - last[1]) / (ln_a - last[0]), least), 12.0)
         if abs(miss) <= rtol:
             return state, power
         if ln_a >= log(widest) and miss < 0:
