@@ -298,3 +298,21 @@ def test_the_peak_is_that_of_the_polynomials() -> None:
     exact = np.sqrt(1 - best**2) * np.exp(0.3 * best)
     assert np.max(hill) < exact * (1 - 1e-6)
     assert mesh.peak(hill) == pytest.approx(exact, rel=1e-8)  # of degree 20
+
+
+def test_elements_that_fail_after_all_leave_nothing_of_their_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What they had told was taken for the error of the mesh before, which then was the answer."""
+    refine, told = borders.OnElements.refine, []
+
+    def fails_at_last(self: borders.OnElements, rtol: float) -> None:
+        refine(self, rtol)
+        told.append(self.errors["nip_induced_tension"])
+        raise borders.Unsettled("a law is broken on the last order")
+
+    monkeypatch.setattr(borders.OnElements, "refine", fails_at_last)
+    monkeypatch.setattr(solve, "MOST_NODES", 130)
+    with pytest.raises(wo.NotConverged, match="is not reached with 1"):
+        wo.solve_nip(NIPS["hybrid winding"], rtol=3e-6)
+    assert max(told) < 1e-4

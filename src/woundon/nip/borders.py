@@ -75,11 +75,20 @@ class OnElements(Ladder):
     careful : bool
         Whether to begin with borders from a mesh fitted to them, and with short elements about
         them, not only where laws that stay broken ask for these.
+    turning : bool
+        Whether what one node of the mesh holds is taken for a point where slip turns.
+
+    Raises
+    ------
+    Unsettled
+        Where no such node is.
     """
 
-    def __init__(self, ladder: Ladder, careful: bool = False) -> None:
+    def __init__(self, ladder: Ladder, careful: bool = False, turning: bool = False) -> None:
         self.__dict__.update(ladder.__dict__)
-        self.history, self._by_nodes = [], dict(self._by_nodes)
+        self.history, self.values, self.errors = [], {}, {}
+        self.cells, self._by_nodes = list(self.cells), dict(self._by_nodes)
+        self._scatters = dict(self._scatters)
         if careful:
             self._step(self._fitted(self.level.mesh.nodes.size), self.level.start)
         self.scheme, self.history = ELEMENTS, []
@@ -89,7 +98,8 @@ class OnElements(Ladder):
         self._jacobian: Array | None
         self._cells = 0
         self._layered, self._most = careful, MOST_CAREFUL if careful else MOST_CELLS
-        self._begin(self._met(faces_of(self.level)), self.level.half_width)
+        faces = faces_of(self.level)
+        self._begin(self._met(faces) if turning else faces, self.level.half_width)
 
     def refine(self, rtol: float) -> None:
         """Raise the order until the target's told error is below rtol.
@@ -170,16 +180,14 @@ class OnElements(Ladder):
         return None
 
     def _met(self, faces: Sequence[Face]) -> list[Face]:
-        """Return the zones of a mesh; what one of its nodes holds may be a point where slip turns.
-
-        There stick that is short is found again if it is asked for.
-        """
+        """Return the zones of a mesh, slip both ways meeting where stick is short."""
         found = list(faces)
         for f, (zones, at) in enumerate(found):
             short = (np.diff(at) < VANISHING) & (np.diff(zones[:-1]) * np.diff(zones[1:]) == 1)
             if self.problem.bodies[f].rigid and short.any():
                 found[f] = _without(found[f], int(short.argmax()) + 1)
-        return found
+                return found
+        raise Unsettled("no stick is short")
 
     # ---- Newton's method -------------------------------------------------------------------------
 

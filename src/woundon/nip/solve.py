@@ -157,12 +157,14 @@ def _on_elements(
     """Return the result on Chebyshev elements; None without, or where borders are not found."""
     if rtol is None or not _asks_for_elements(problem, rtol) or (careful and rtol > CAREFUL):
         return None
-    try:
-        ladder = OnElements(climbed, careful)
-        ladder.refine(rtol)
-        return _result(ladder, problem, algorithm).checked()
-    except (ArithmeticError, np.linalg.LinAlgError, NotConverged):
-        return None
+    for turning in (False, True) if careful else (False,):
+        try:
+            ladder = OnElements(climbed, careful, turning)
+            ladder.refine(rtol)
+            return _result(ladder, problem, algorithm).checked()
+        except (ArithmeticError, np.linalg.LinAlgError, NotConverged):
+            continue
+    return None
 
 
 def check_options(
