@@ -1,8 +1,8 @@
 """Tests and answers as on other processors: with the instructions that those have, and no others.
 
-    python benchmarks/processors.py                     the ordinary tests, two minutes each
-    python benchmarks/processors.py -m slow -n 2        further arguments go to pytest
-    python benchmarks/processors.py answers 2000        random nips, a quarter of them wrapped
+    python benchmarks/processors.py tests                 the ordinary ones, two minutes each
+    python benchmarks/processors.py tests -m slow -n 2    further arguments go to pytest
+    python benchmarks/processors.py answers --cases 2000  random nips, a quarter of them wrapped
 
 Sums are then rounded otherwise.  Where that decides whether a case is solved, it was solved by
 chance.  On processors that are not x86 the first of them is all that there is.
@@ -10,6 +10,7 @@ chance.  On processors that are not x86 the first of them is all that there is.
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import re
@@ -64,7 +65,7 @@ def answers(count: int) -> int:
     """Solve random nips as on every processor; tell how far apart the answers are."""
     found = {}
     for name in PROCESSORS:
-        done = run(name, __file__, "solve", str(count))
+        done = run(name, __file__, "solve", "--cases", str(count))
         if done.returncode:
             print(f"{name}: {done.stderr[-500:]}")
             return 1
@@ -72,11 +73,12 @@ def answers(count: int) -> int:
     apart, otherwise = [], 0
     for case, first in found["this one"].items():
         others = [solved[case] for solved in found.values()]
-        if any(isinstance(one, str) != isinstance(first, str) for one in others):
+        if any(one != first for one in others if isinstance(one, str) or isinstance(first, str)):
             otherwise += 1
             print(f"{case} ends otherwise: {dict(zip(found, others, strict=True))}")
         elif not isinstance(first, str):
-            apart.append((max(abs(value - first[0]) for value, _ in others) / first[1], case))
+            most = max(abs(value - first[0]) for value, _ in others)
+            apart.append((most / first[1] if most else 0.0, case))
     print(f"{len(apart)} of {count} nips solved as on {len(found)} processors, {otherwise} not on "
           f"all; {sum(part > APART for part, _ in apart)} answers more than {APART:g} of their "
           f"told errors apart")  # fmt: skip
@@ -105,14 +107,18 @@ def solve(count: int) -> None:
 
 
 def main() -> int:
-    match sys.argv[1:]:
-        case ["answers", count]:
-            return min(answers(int(count)), 1)
-        case ["solve", count]:
-            solve(int(count))
-            return 0
-        case arguments:
-            return min(tests(arguments), 1)
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("what", choices=["tests", "answers", "solve"])
+    parser.add_argument("--cases", type=int, default=2000, help="random nips of answers")
+    given, rest = parser.parse_known_args()
+    if given.what == "tests":
+        return min(tests(rest), 1)
+    if rest:
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    if given.what == "solve":  # as on one processor, for answers
+        solve(given.cases)
+        return 0
+    return min(answers(given.cases), 1)
 
 
 if __name__ == "__main__":

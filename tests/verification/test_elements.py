@@ -221,11 +221,14 @@ HARD = {
     39: "laws that stay broken until short elements lie about borders",
     1025: "borders of both faces that pass one another",
     1048: "a short stick zone far from where coarse meshes have it",
+    900280: "a jump that every mesh before has as stick of one node",
 }
 LOST = 1036  # zones come and go for good
 
 
-@pytest.mark.parametrize("seed", [seldom(seed) if seed in (2, 39, 1048) else seed for seed in HARD])
+@pytest.mark.parametrize(
+    "seed", [seldom(seed) if seed in (2, 39, 1048, 900280) else seed for seed in HARD]
+)
 def test_hard_borders_are_found(seed: int) -> None:
     problem = random_nip(seed)
     result, graded = wo.solve_nip(problem, rtol=1e-6), wo.solve_nip(problem, nodes=257)

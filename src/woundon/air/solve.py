@@ -95,7 +95,7 @@ def solved_with_air(
             options["nodes"] = finest
         solved = solve_wrapped_nip(problem.without_air(*frictions), **options)
         if turn:
-            finest = max(finest, len(range(*solved.in_nip.indices(solved.x.size))))
+            finest = max(finest, solved.x[solved.in_nip].size)
         found = films_of(problem, edge_of(problem, solved), solved.half_width)
         left = found["roll_friction"], found["wrap_friction"]
         if np.allclose(left, frictions, rtol=settled, atol=0):

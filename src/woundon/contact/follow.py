@@ -93,13 +93,11 @@ def follow(
         rest = 0.0 if abs(miss) <= tolerance.load else -miss / power
         bends = abs(rest * step) > tolerance.load or tolerance.balance < ROUGH
         straight = not rest or (k == 0 and linear and not bends)
-        slips = None
-        if straight and error <= max(LEFT * tolerance.balance, 1e-15):
-            slips = joint.slips(change)
-            # a light nip's gap and slips may be told by the last digits of pressures
-            missed = contracts * moved.missed(left, slips)
-            slips = slips - left[n + 2 :] if missed <= SAFELY * tolerance.balance else None
-        if slips is not None:
+        settled = error <= max(LEFT * tolerance.balance, 1e-15)
+        if settled and not linear:  # a light nip's gap may be told by the last digits of pressures
+            settled = contracts * moved.missed(left) <= SAFELY * tolerance.balance
+        if straight and settled:
+            slips = joint.slips(change) - left[n + 2 :]
             if rest:  # on, the way that led here
                 slips += (slips - _slips(state)) * (rest / step)
                 moved, x = equations.moved(exp(at + rest)), x + along * rest

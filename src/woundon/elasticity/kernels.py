@@ -33,8 +33,9 @@ Array = np.ndarray
 class Kernel:
     """One influence function; the coefficients' units follow from the quantity (per N/m).
 
-    ``twice`` is its second integral, singular parts included but for the lag, where it is known: K
-    with K'' = k.  ``lag`` is what the past of a viscoelastic surface adds.
+    ``twice`` is a second integral of it, K with K'' = k, whatever its constant and line; singular
+    parts are included but for the lag, where one is known.  ``lag`` is what the past of a
+    viscoelastic surface adds.
     """
 
     inverse: float = 0.0

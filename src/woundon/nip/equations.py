@@ -216,11 +216,6 @@ class NipEquations(PairEquations):
         out[n + 1] = self._size * force
         return out
 
-    def missed(self, left: Array, slips: Array) -> float:
-        """Return what is left of the gap's slope, and slips changed by, relative as certified."""
-        gap = np.abs(left[: self.mesh.unknowns + 1]).max()
-        return float(max(gap, np.abs(slips).max()) / self.matrices.top)
-
     def load_of(self, p: Array) -> float:
         """Return the load that a pressure carries [N/m]."""
         return float(self.matrices.weights @ p)

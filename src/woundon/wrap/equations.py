@@ -370,16 +370,15 @@ class WrapEquations(WrapColumns):
         out[k + 1 :] = slips[joint.order]
         return np.negative(out, out=out)
 
-    def missed(self, left: Array, slips: Array) -> float:
-        """Return what is left of the gap's slope, of slips and of the web's balance, relative.
+    def missed(self, left: Array) -> float:
+        """Return what is left of the gap's slope and of the web's balance, relative.
 
-        As :meth:`imbalance` and the certificate measure them; slips by what they changed.
+        As :meth:`imbalance` and the certificate measure them.
         """
         joint, grid = self.joint, self.grid
         assert joint is not None
         M = grid.last - grid.first
         gap, balance = np.abs(left[:M]).max(), np.abs(left[M : M + grid.size]).max()
-        gap = max(gap, np.abs(slips).max())
         top = joint.size * np.abs(self.about.tension * self.about.bend)[self.weighs].max(
             initial=0.0
         )
