@@ -1,15 +1,19 @@
-"""The nip loads of a two-drum winder: statics, closed forms, and what is refused."""
+"""The nip loads of a two-drum winder: statics, closed forms, invalid input, and their use."""
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from refusals import refused_in_one_line
 
+import woundon as wo
 from woundon.problems.two_drums import GRAVITY, drum_loads, rider_load_for, roll_weight
 
+ROOT = Path(__file__).parents[2]
 R = np.array([0.1, 0.3, 0.6])
 
 
@@ -75,3 +79,37 @@ def test_the_rider_makes_the_wanted_nip_load():
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str):
     refused_in_one_line(make, told)
+
+
+# ---- use: the nip of a winding is on the drum on which the web arrives ---------------------------
+
+
+def on_the_rear_drum(problem: wo.WindingProblem, names: dict[str, Any], rider: Any) -> None:
+    """Require the nip of ``problem`` to be that on the rear drum of two unequal drums."""
+    rear, front, r, gap = (names[name] for name in ("rear", "front", "r", "gap"))
+    assert rear != front
+    assert problem.drum.radius == rear
+    loads = drum_loads(r, names["weight"], (rear, front), gap, rider)
+    np.testing.assert_allclose(problem.at("nip_load", r), loads.rear, rtol=1e-12)
+
+
+def test_the_example_winds_on_the_rear_drum(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("matplotlib").use("Agg")
+    source = (ROOT / "examples/winder/n_two_drum_winder.py").read_text(encoding="utf-8")
+    names: dict[str, Any] = {}
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    exec(compile(source, "n_two_drum_winder.py", "exec"), names)
+    riders = {"constant rider": 2500.0, "rider relieved": np.maximum(names["rider"], 0.0)}
+    assert set(names["wound"]) == set(riders)
+    for name, run in names["wound"].items():
+        on_the_rear_drum(run.problem, names, riders[name])
+
+
+def test_the_guide_winds_on_the_rear_drum() -> None:
+    text = (ROOT / "docs/theory/winding.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, re.S)
+    [block] = [code for code in blocks if "drum_loads(" in code]
+    names: dict[str, Any] = {"np": np, "wo": wo, "problem": wo.WindingProblem.example()}
+    exec(block, names)
+    assert "gap=0.02, rider_load=1500" in block
+    on_the_rear_drum(names["problem"], names | {"gap": 0.02}, 1500.0)

@@ -15,6 +15,9 @@ left out: N_r sin a = N_f sin b and N_r cos a + N_f cos b = W + rider load, so t
 
 and (W + rider)/(2 cos a) where the drums are alike.  A roll grows into the valley's opening: its
 weight grows like R^2, while cos a tends to 1.
+
+The nip of a :class:`~woundon.WindingProblem` is the nip on the drum on which the web arrives,
+usually the rear drum.  Its ``drum`` is that drum, and its ``nip_load`` the load ``rear``.
 """
 
 from __future__ import annotations
@@ -35,7 +38,10 @@ GRAVITY = 9.80665  # m/s^2, standard
 
 
 class DrumLoads(NamedTuple):
-    """Nip loads on the rear and the front drum [N/m]."""
+    """Nip loads on the rear and the front drum [N/m].
+
+    The web usually arrives on the rear drum, whose load is then the nip load of a winding.
+    """
 
     rear: Any
     front: Any
@@ -95,6 +101,12 @@ def drum_loads(
     rider_load : array_like
         Line load of a rider roll, straight down [N/m].
 
+    Returns
+    -------
+    DrumLoads
+        ``rear`` and ``front``; the nip load of a winding is that of the drum on which the web
+        arrives, usually ``rear``.
+
     Raises
     ------
     InvalidProblem
@@ -119,7 +131,7 @@ def rider_load_for(
     nip_load : array_like
         Wanted [N/m].
     drum : "rear" or "front"
-        Which one.
+        Which one; the web usually arrives on the rear drum.
     """
     if drum not in ("rear", "front"):
         raise InvalidProblem.at("drum", f"{shown(drum)} is unknown; must be 'rear' or 'front'")
