@@ -56,7 +56,9 @@ def test_this_machine_is_served(bare, host):
 @pytest.mark.parametrize(
     "host",
     ["evil.example", "127.0.0.1.evil.example", "evil.example:8321", "", "localhost@evil.example",
-     "127.0.0.2", "0.0.0.0", "[::", "localhost.evil", "a" * 5000],
+     "127.0.0.2", "0.0.0.0", "[::", "localhost.evil", "a" * 5000, "127.0.0.1/evil",
+     "127.0.0.1:8321/evil", "127.0.0.1?evil", "127.0.0.1#evil", "127.0.0.1\\evil",
+     "127.0.0.1:port", "127.0.0.1:8321:1", "[127.0.0.1", "user@127.0.0.1"],
 )  # fmt: skip
 def test_a_foreign_host_is_refused(bare, host):
     answer = bare.get("/api/catalogue", headers={"host": host})
@@ -67,7 +69,8 @@ def test_a_foreign_host_is_refused(bare, host):
 @pytest.mark.parametrize(
     "origin",
     ["http://evil.example", "null", "http://127.0.0.1:9999", "https://127.0.0.1:8321.evil",
-     "file://", "http://localhost:8321", "ftp://127.0.0.1:8321"],
+     "file://", "http://localhost:8321", "ftp://127.0.0.1:8321", "http://[", "http://[::1",
+     "//127.0.0.1:8321", "http://127.0.0.1:8321/path", ""],
 )  # fmt: skip
 @pytest.mark.parametrize("path", ["/api/solve", "/api/catalogue", "/"])
 def test_a_foreign_origin_is_refused(bare, path, origin):
@@ -141,7 +144,38 @@ def test_programs_carry_the_token_in_their_head(shared):
     assert shared.get("/api/catalogue", headers=headers).status_code == 200
 
 
+def test_a_query_with_too_many_fields_is_refused(shared):
+    """Before and after the token is known, with the headers of every answer."""
+    query = "&".join(f"field{k}=1" for k in range(100))
+    for path in (f"/?{query}", f"/?token=secret-token&{query}"):
+        answer = shared.get(path)
+        assert answer.status_code == 400
+        assert answer.headers["content-type"] == "application/problem+json"
+        assert "50" in answer.json()["detail"]
+
+
 # ---- bodies -----------------------------------------------------------------------------------
+
+
+def test_a_client_that_disconnects_within_the_body_raises_no_error(bare):
+    """An exception that leaves the application is a traceback in the server's log."""
+    parts = [{"type": "http.request", "body": b"{", "more_body": True}, {"type": "http.disconnect"}]
+    sent = []
+    scope = {
+        "type": "http", "asgi": {"version": "3.0"}, "http_version": "1.1", "method": "POST",
+        "scheme": "http", "path": "/api/solve", "raw_path": b"/api/solve", "query_string": b"",
+        "root_path": "", "client": ("127.0.0.1", 1), "server": ("127.0.0.1", 8321),
+        "headers": [(b"host", b"127.0.0.1:8321"), (b"content-type", b"application/json")],
+    }  # fmt: skip
+
+    async def receive():
+        return parts.pop(0)
+
+    async def send(message):
+        sent.append(message)
+
+    run(bare.app(scope, receive, send))
+    assert sent[0]["status"] == 400
 
 
 @pytest.mark.parametrize(
@@ -238,6 +272,15 @@ def test_a_port_that_is_taken_is_told(server, served, capsys):
     port = str(urlsplit(server).port)
     assert main(["app", "--no-browser", "--port", port]) == 2
     assert capsys.readouterr().err.startswith(f"error: port {port}: cannot listen at 127.0.0.1")
+    assert served == []
+
+
+@pytest.mark.parametrize("host", ["", " "])
+def test_an_empty_host_does_not_listen_at_all_addresses(served, capsys, host):
+    assert main(["app", "--no-browser", "--port", "0", "--host", host]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: host: ")
+    assert "127.0.0.1" in error
     assert served == []
 
 

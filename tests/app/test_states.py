@@ -236,6 +236,8 @@ def test_a_curve_stays_within_what_the_field_admits(client, cases):
     [({"field": "nip_lod"}, "nip_lod"), ({"field": "drum"}, "drum"),
      ({"field": "nip_load", "points": 1000}, "points"),
      ({"field": "nip_load", "low": 5e3, "high": 1e3}, "low"),
+     ({"field": "nip_load", "low": -5, "high": -1}, "high"),
+     ({"field": "nip_load", "low": 2e7, "high": 3e7}, "low"),
      ({"field": "nip_load", "low": "nan"}, "low"), ({}, "field"),
      ({"field": "nip_load", "outputs": "no_such"}, "no_such")],
 )  # fmt: skip

@@ -22,7 +22,7 @@ from ..contact.zones import zone_runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..io.units import parse
-from ..problems.fields import Problem, bounds, shown
+from ..problems.fields import Problem, admissible, bounds, shown
 from ..problems.schedules import Profile
 from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result
@@ -329,16 +329,27 @@ def _usual_outputs(problem: Problem) -> tuple[str, ...]:
 def _spread(
     problem: Problem, field: str, at: float, points: int, low: float | None, high: float | None
 ) -> list[float]:
-    """Return values around one, within what the field admits."""
+    """Return values between ``low`` and ``high``, within the range that the field permits.
+
+    Raises
+    ------
+    InvalidProblem
+        If ``low`` is not less than ``high``, or both are out of the permitted range.
+    """
     span = max(abs(at) / 2, 0.0) or _typical_span(problem, field)
     ends = [at - span if low is None else low, at + span if high is None else high]
     if not ends[0] < ends[1]:
         text = f"{shown(ends[0])} is out of range; must be < high = {shown(ends[1])}"
         raise InvalidProblem.at("low", text)
+    asked = ends
     for place in find(problem, field)[:1]:
         for sign, bound in bounds(place.field):
             pick = max if sign.startswith(">") else min
             ends = [pick(end, bound) for end in ends]
+        if not ends[0] < ends[1]:
+            name, value = ("high", asked[1]) if ends[1] > asked[1] else ("low", asked[0])
+            text = f"{shown(value)} is out of range of {field}; must be {admissible(place.field)}"
+            raise InvalidProblem.at(name, text)
     return [float(value) for value in np.linspace(ends[0], ends[1], points)]
 
 

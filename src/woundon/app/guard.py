@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import asyncio
 import hmac
+import re
 from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
 
 from pydantic_core import from_json
+from starlette.requests import ClientDisconnect
 
 from .catalogue import LIMITS
 from .refusals import MEDIA, Refusal
@@ -23,8 +25,12 @@ from .refusals import MEDIA, Refusal
 __all__ = ["LOOPBACK", "Guard", "json_of", "whole_body"]
 
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+SCHEMES = ("http", "https")
 SECONDS = 10.0  # for a body to arrive
 COOKIE = "woundon-token"
+MOST_QUERY_FIELDS = 50
+# a name, an IPv4 address or an IPv6 address in brackets, then perhaps a port: no user, no path
+_HOST = re.compile(r"(\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:\d{0,5})?", re.ASCII)
 
 _PAGE = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -60,7 +66,7 @@ class Guard:
 
     def __init__(self, app: Any, names: Iterable[str] = (), token: str = "") -> None:
         self.app, self.token = app, token
-        self.names = LOOPBACK | {name.lower() for name in names}
+        self.names = LOOPBACK | {name.lower() for name in names if name}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or refuse it."""
@@ -86,8 +92,7 @@ class Guard:
             text = f"Host {told[:80]!r} is not served here; start with --name to add one"
             raise Refusal(403, "refused", text)
         for origin in headers.get("origin", []):
-            parts = urlsplit(origin)
-            if parts.scheme not in ("http", "https") or parts.netloc.lower() != hosts[0].lower():
+            if origin.lower() not in (f"{scheme}://{hosts[0].lower()}" for scheme in SCHEMES):
                 raise Refusal(403, "refused", f"Origin {origin[:80]!r} is another site's")
         site = headers.get("sec-fetch-site", ["none"])[-1]
         to_the_page = scope["path"] == "/" and headers.get("sec-fetch-mode") == ["navigate"]
@@ -98,8 +103,7 @@ class Guard:
         """Return the cookie to set where a token came in the address."""
         if not self.token:
             return ""
-        asked = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=50)
-        by_address = asked.get("token", [""])[0]
+        by_address = _query_of(scope).get("token", [""])[0]
         told = [v.removeprefix("Bearer ") for v in headers.get("authorization", [])]
         told += [_cookie(value) for value in headers.get("cookie", [])]
         if not any(self._is_token(one) for one in [by_address, *told]):
@@ -132,12 +136,25 @@ def _headers_of(scope: Scope) -> dict[str, list[str]]:
     return found
 
 
-def _name_of(host: str) -> str:
-    """Return the name of a Host header without its port; '' for what is none."""
+def _query_of(scope: Scope) -> dict[str, list[str]]:
+    """Return the fields of a request's query string.
+
+    Raises
+    ------
+    Refusal
+        For more fields than any request needs.
+    """
     try:
-        return (urlsplit(f"//{host}").hostname or "").lower() if "@" not in host else ""
+        return parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=MOST_QUERY_FIELDS)
     except ValueError:
-        return ""
+        text = f"the query has too many fields; must be at most {MOST_QUERY_FIELDS}"
+        raise Refusal(400, "invalid", text) from None
+
+
+def _name_of(host: str) -> str:
+    """Return the name of a Host header without its port; '' for an invalid header."""
+    match = _HOST.fullmatch(host.lower())
+    return match[1].strip("[]") if match else ""
 
 
 def _cookie(header: str) -> str:
@@ -163,8 +180,8 @@ async def whole_body(request: Any) -> bytes:
     Raises
     ------
     Refusal
-        If it is larger than any case, arrives too slowly, or is not called JSON: such bodies a
-        browser sends to other sites without asking them.
+        If it is larger than any case, arrives too slowly or incompletely, or is not called JSON:
+        such bodies a browser sends to other sites without asking them.
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
@@ -182,6 +199,8 @@ async def whole_body(request: Any) -> bytes:
     except TimeoutError:
         text = f"the body did not arrive within {SECONDS:g} s"
         raise Refusal(408, "too-slow", text) from None
+    except ClientDisconnect:  # nobody reads this answer; raised further, it would be a traceback
+        raise Refusal(400, "incomplete", "the connection was closed within the body") from None
     return bytes(body)
 
 

@@ -65,8 +65,12 @@ def listening(host: str, port: int) -> socket.socket:
     Raises
     ------
     InvalidProblem
-        If it cannot, e.g. for a port that is taken.
+        If it cannot, e.g. for a port that is taken, or if the host is empty: the operating system
+        would take that for all addresses of the machine.
     """
+    if not host.strip():
+        text = f"{host!r} is not an address; must be one, as 127.0.0.1, or 0.0.0.0 for all"
+        raise InvalidProblem.at("host", text)
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # asyncio lets an answer's body follow its head at once (no Nagle, who would wait 40 ms for an
     # acknowledgement) on sockets that call themselves TCP
