@@ -391,6 +391,33 @@ def test_a_sweep_is_drawn_in_the_units_of_its_quantities():
     np.testing.assert_allclose(high.get_ydata(), 2e-3 * np.geomspace(100.0, 1e4, 6))
 
 
+def grid(*shape: int) -> Any:
+    """Return a sweep over so many values of one to four fields, its output their product."""
+    names = ("nip_load", "web_tension", "roll_friction", "drum_friction")[: len(shape)]
+    values = [np.linspace(1.0, 2.0, size) for size in shape]
+    columns = [SimpleNamespace(name=name, values=one, labels=one, numeric=True)
+               for name, one in zip(names, values, strict=True)]  # fmt: skip
+    product = np.prod(np.meshgrid(*values, indexing="ij"), axis=0).ravel()
+    design = SimpleNamespace(columns=columns, shape=shape, gridded=True)
+    return SimpleNamespace(design=design, outputs={"output": product}, quantities={})
+
+
+@pytest.mark.parametrize(
+    ("shape", "curves", "panels", "stated"),
+    [((50, 10), 7, 1, [(7, 10)]), ((50, 7), 7, 1, []), ((50,), 1, 1, []),
+     ((50, 10, 6), 7, 4, [(7, 10), (4, 6)]), ((50, 7, 6), 7, 4, [(4, 6)]),
+     ((50, 8, 3, 2), 7, 3, [(7, 8)])],
+)  # fmt: skip
+def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panels, stated):
+    figure = plot_sweep(grid(*shape), "output")
+    assert len(figure.axes) == panels
+    assert all(len(axes.get_lines()) == curves for axes in figure.axes)
+    title = figure.get_suptitle()
+    assert [f"{n} of {count}" in title for n, count in stated] == [True] * len(stated)
+    assert title.count(" of ") == len(stated)
+    assert ("drum friction" in title) == (len(shape) > 3)
+
+
 def test_a_long_meaning_is_set_in_lines():
     rig = quantities.output(wo.NipResult, "rig_tension").quantity
     (axes,) = plot_sweep(table("rig_tension", rig), "rig_tension").axes

@@ -36,7 +36,9 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
     """Draw one output of a study.
 
     Of a grid: curves over the longest axis, a curve for each value of the next, a panel for each
-    of a third; further inputs at their middle values.  Of a table: the output over every input.
+    of a third; further inputs at their middle values.  At most seven curves and four panels are
+    shown, spread over the values; the title gives their numbers if there are more.  Of a
+    table: the output over every input.
 
     Parameters
     ----------
@@ -78,10 +80,23 @@ def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
     axes[0].set_ylabel(text)
     if len(drawn) > 1:
         axes[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    if fixed:
-        held_at = ", ".join(_at(table, k, place) for k, place in fixed.items())
-        figure.suptitle(held_at, fontsize=9)
+    held_at = ", ".join(_at(table, k, place) for k, place in fixed.items())
+    title = "; ".join(filter(None, [held_at, _omissions(values.shape)]))
+    if title:
+        figure.suptitle(title, fontsize=9)
     return figure
+
+
+def _omissions(shape: tuple[int, ...]) -> str:
+    """Return how many of the curves and panels are shown; '' if all are."""
+    parts = [
+        f"{most} of {count} {name}"
+        for count, most, name in zip(
+            shape[1:], (_MOST_CURVES, _MOST_PANELS), ("curves", "panels"), strict=True
+        )
+        if count > most
+    ]
+    return f"{' and '.join(parts)} shown" if parts else ""
 
 
 def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
