@@ -18,7 +18,7 @@ from typing import Any
 import click
 
 from . import __version__, kinds
-from .errors import InvalidProblem, NotConverged, one_of
+from .errors import InvalidProblem, NotConverged, one_of, printable_line
 from .kinds import entry_points
 from .solve_command import SolveCommand
 from .threads import environment
@@ -99,7 +99,7 @@ def _run(args: Sequence[str] | None) -> int:
 def _refuse(lines: Sequence[str], code: int) -> int:
     with suppress(OSError):  # the code is told even where nobody reads why
         for line in lines:
-            click.secho(f"error: {line}", fg="red", err=True)
+            click.secho(f"error: {printable_line(line)}", fg="red", err=True)
     return code
 
 

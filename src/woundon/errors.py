@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import sys
 import warnings
 from collections.abc import Iterable, Iterator
@@ -18,6 +19,7 @@ RESOLUTION = "resolution: "  # how a warning on the grid begins
 
 MOST_LINES = 50
 LONGEST_LINE = 1000
+LONGEST_WORD = 200  # names and values are shorter, and most paths
 
 
 class InvalidProblem(ValueError):
@@ -35,7 +37,10 @@ class InvalidProblem(ValueError):
         self.faults: tuple[tuple[str, str], ...] = (
             (("", faults),) if isinstance(faults, str) else tuple(faults)
         )
-        lines = [_line(field, text) for field, text in self.faults[:MOST_LINES]]
+        lines = [
+            printable_line(f"{field}: {text}" if field else text)
+            for field, text in self.faults[:MOST_LINES]
+        ]
         beyond = len(self.faults) - len(lines)
         super().__init__("\n".join([*lines, *[f"and {beyond} more"] * (beyond > 0)]))
 
@@ -54,13 +59,23 @@ class InvalidProblem(ValueError):
         )
 
 
-def _line(field: str, text: str) -> str:
-    """Return a fault on one line that any terminal shows, whatever names and values are in it."""
-    line = f"{field}: {text}" if field else text
-    if not line.isprintable():
+def printable_line(line: str) -> str:
+    """Return an error text as one line of bounded length that any terminal can display.
+
+    Long words are quoted inputs; they are shortened, so that the rest of the text stays readable.
+    """
+    long_word = rf"\S{{{LONGEST_WORD + 1},}}"
+    line = re.sub(long_word, lambda word: _shortened(word[0], LONGEST_WORD), line)
+    line = _shortened(line, LONGEST_LINE)
+    if not line.isprintable():  # the escapes are longer than the characters
         line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
-    half = LONGEST_LINE // 2
-    return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"
+    return _shortened(line, LONGEST_LINE)
+
+
+def _shortened(text: str, longest: int) -> str:
+    """Return a text without its middle if it is longer than ``longest``."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
 
 
 class NoSteadyState(InvalidProblem):

@@ -26,7 +26,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
-    "OF_FIELD", "Place", "Quantity", "angle", "find", "is_list", "length", "line_load",
+    "OF_FIELD", "Place", "Quantity", "angle", "find", "is_item", "is_list", "length", "line_load",
     "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain",
     "stress", "value_of",
     "velocity", "walk",
@@ -246,7 +246,7 @@ def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place
     found: tuple[Place, ...] = ()
     parts = path.split(".")
     for k, name in enumerate(parts):
-        if found and name.isdigit() and is_list(found[0].field.annotation):
+        if found and name.isascii() and name.isdecimal() and is_list(found[0].field.annotation):
             continue
         below = ".".join(parts[: k + 1])
         fields = ((m, m.model_fields[name], above) for m, above in models if name in m.model_fields)
@@ -273,6 +273,12 @@ def members_of(annotation: Any) -> tuple[type, ...]:
         return (annotation,) if members is None else tuple(members.values())
     found = (model for part in get_args(annotation) for model in members_of(part))
     return tuple(dict.fromkeys(found))
+
+
+def is_item(name: str, count: int) -> bool:
+    """Return whether a part of a dotted name is the number of an item in a list of ``count``."""
+    # Python limits the digits of int(), and isdecimal() admits digits of other scripts.
+    return name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < count
 
 
 def is_list(annotation: Any) -> bool:

@@ -91,12 +91,12 @@ def report(
     from ..io.files import check_writable, write_whole
     from ..show.report_file import report_file
 
+    problems = [_of(path, load_case, settings) for path in cases]
     out = out or cases[0].with_suffix(".html")
     if out.suffix not in (".html", ".htm"):
         text = f"the ending {out.suffix!r} is not that of a report; must be .html"
         raise InvalidProblem.at(str(out), text)
     check_writable(out)
-    problems = [_of(path, load_case, settings) for path in cases]
     with unwarned(), units_of(chosen):
         results = [kinds.solve(problem) for problem in problems]
         labels = [path.stem for path in cases]

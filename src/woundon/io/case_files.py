@@ -16,9 +16,9 @@ from typing import Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
-from ..problems.fields import Problem, is_word, shown
+from ..problems.fields import Problem, is_word, no_such_field, shown
 from ..problems.materials import Material, material
-from ..quantities import Place, Quantity, find, is_list, members_of
+from ..quantities import Place, Quantity, find, is_item, is_list, members_of
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
 from .files import read_whole
@@ -163,7 +163,8 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     Raises
     ------
     InvalidProblem
-        For a text that is not a setting, or a dotted name through a field that has no fields.
+        For a text that is not a setting, a dotted name through a field that has no fields, or a
+        field to leave out that does not exist.
     """
     changed = deepcopy(dict(case))
     for setting in [settings] if isinstance(settings, str) else settings:
@@ -172,6 +173,9 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         if not sign or not all((*parts, value.strip())):
             text = "is not a setting; write field=value, e.g. nip_load='3.5 kN/m'"
             raise InvalidProblem.at(setting, text)
+        if len(parts) > DEEPEST:
+            text = f"a name of {len(parts)} parts; must have at most {DEEPEST}"
+            raise InvalidProblem.at(path.strip(), text)
         model = _kind_of([*changed, parts[0]]).problem
         if len(parts) == 1:
             # beside a table that groups it, a field is changed in its table
@@ -182,18 +186,47 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
 
 
 def _set(case: dict[str, Any], parts: list[str], value: Any, model: type[Any]) -> None:
-    """Set one value in a case's tables; tables that are not there are made."""
+    """Set one value in a case's tables and add the tables above it; None leaves the field out."""
     *heads, leaf = parts
     path = ".".join(parts)
     inner: Any = case
     for k, head in enumerate(heads):
+        if value is None and isinstance(inner, dict) and head not in inner:
+            inner = {}  # The table is not given, so that nothing needs to be left out of it.
+            break
         inner = _below(inner, head, path, find(model, ".".join(heads[: k + 1])))
     if isinstance(inner, list):
         inner[_place(inner, leaf, path)] = value
-    elif value is None:
-        inner.pop(leaf, None)
-    else:
+    elif value is not None:
         inner[leaf] = value
+    elif leaf in inner:
+        del inner[leaf]
+    else:
+        _check_exists(parts, model)
+
+
+def _check_exists(parts: list[str], model: type[Any]) -> None:
+    """Reject a dotted name that is neither a field of a problem's class nor of one of its tables.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    head, *below = parts
+    if parts == ["schema"] or (head in model.tables and set(below) <= {*model.tables[head]}):
+        return
+    path = ".".join(parts)
+    models: tuple[type[Any], ...] = (model,)
+    for k, name in enumerate(parts):
+        if not models:
+            raise InvalidProblem.at(path, f"{parts[k - 1]} has no fields of its own")
+        places = find(model, ".".join(parts[: k + 1]))
+        if not places and k == 0:
+            raise InvalidProblem.at(path, no_such_field(name, model))
+        if not places:
+            known = {field for of in models for field in of.model_fields}
+            raise InvalidProblem.at(path, f"no such field{did_you_mean(name, known)}")
+        models = tuple(of for place in places for of in members_of(place.field.annotation))
 
 
 def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
@@ -210,7 +243,7 @@ def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
 
 
 def _place(items: list[Any], name: str, path: str) -> int:
-    if not (name.isdecimal() and int(name) < len(items)):
+    if not is_item(name, len(items)):
         raise InvalidProblem.at(path, f"no item {name!r}; known: 0 to {len(items) - 1}")
     return int(name)
 

@@ -38,7 +38,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
-from ..quantities import members_of, quantity_of
+from ..quantities import is_item, members_of, quantity_of
 
 __all__ = [
     "Description", "Family", "Number", "Numbers", "Problem", "admissible", "best_match", "bounds",
@@ -227,7 +227,7 @@ def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
     items = list(value)
     for path, new in changes.items():
         place, dot, rest = path.partition(".")
-        if not (place.isdigit() and int(place) < len(items)):
+        if not is_item(place, len(items)):
             text = f"{name} has no item {place!r}; known: 0 to {len(items) - 1}"
             raise InvalidProblem.at(path, text)
         k = int(place)

@@ -18,7 +18,7 @@ from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
-from ..quantities import Quantity, find, members_of, scalar_outputs, value_of, walk
+from ..quantities import Quantity, find, is_item, members_of, scalar_outputs, value_of, walk
 from .model import Answer
 
 __all__ = [
@@ -271,7 +271,7 @@ def get_field(base: Description, path: str) -> Any:
                 raise InvalidProblem.at(path, no_such_field(name, type(value)))
             value = getattr(value, name)
         elif isinstance(value, tuple):
-            if not (name.isdigit() and int(name) < len(value)):
+            if not is_item(name, len(value)):
                 text = f"no item {name!r} in this list; known: 0 to {len(value) - 1}"
                 raise InvalidProblem.at(path, text)
             value = value[int(name)]

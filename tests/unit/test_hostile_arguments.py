@@ -1,0 +1,164 @@
+"""Arguments that no user means: misspelt fields to leave out, very deep or long names, folders.
+
+Evidence: every such argument is rejected with exit code 2 and short lines, within seconds.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+import woundon as wo
+from woundon import cli
+from woundon.io.case_files import template
+
+EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
+LONG = "a" * 5000
+DEEP = ".".join("a" * 2000)
+DIGITS = "9" * 5000
+LONGEST_LINE = 1100  # characters of an error line that a terminal still shows readably
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> str:
+    path = tmp_path / "case.toml"
+    path.write_text(template("nip"), encoding="utf-8")
+    return str(path)
+
+
+# ---- fields to leave out ------------------------------------------------------------------------
+
+MISSPELT = (
+    "misspelt", "nip_laod", "web.misspelt", "drum.misspelt", "drum.misspelt.deeper",
+    "web.material.sheer", "wrap.rol_wrap", "nip_load.deeper", "web.thickness.deeper",
+    "misspelt.web", "drum.layers.0.misspelt", "misspelt.0", "roll.layers.\N{SUPERSCRIPT TWO}",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MISSPELT)
+@pytest.mark.parametrize("none", ["none", "None", " NONE "])
+def test_an_unknown_field_cannot_be_left_out(case: str, name: str, none: str):
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.load_case(case, [f"{name}={none}"])
+    assert fault.value.faults[0][0] == name
+
+
+@pytest.mark.parametrize("command", ["solve", "nip", "report"])
+def test_commands_reject_an_unknown_field_to_leave_out(case: str, command: str, capsys: Capture):
+    assert cli.main([command, case, "--set", "misspelt_name=none"]) == 2
+    said = capsys.readouterr()
+    assert "misspelt_name" in said.err
+    assert said.out == ""
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["web_speed", "wrap", "roll_wrap", "wrap.roll_wrap", "drum.layers", "roll.layers",
+     "roll.layers.0.thickness"],
+)  # fmt: skip
+def test_an_optional_field_that_is_not_given_can_be_left_out(case: str, name: str):
+    assert wo.load_case(case, [f"{name}=none"]) == wo.load_case(case)
+
+
+def test_a_misspelt_field_of_a_file_can_be_left_out(case: str):
+    path = Path(case)
+    path.write_text("nip_laod = 3\n" + path.read_text("utf-8"), encoding="utf-8")
+    assert wo.load_case(case, ["nip_laod=none"]) == wo.NipProblem.example()
+
+
+# ---- deep and long names ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("value", ["5", "none", "5 mm"])
+@pytest.mark.parametrize("name", [DEEP, f"web.{DEEP}", f"drum.layers.{'.'.join('0' * 2000)}"])
+def test_a_very_deep_name_is_rejected_at_once(case: str, name: str, value: str, capsys: Capture):
+    start = time.perf_counter()
+    assert cli.main(["solve", case, "--set", f"{name}={value}"]) == 2
+    assert time.perf_counter() - start < 5.0
+    assert len(capsys.readouterr().err) < LONGEST_LINE
+
+
+@pytest.mark.parametrize("item", [DIGITS, "\N{SUPERSCRIPT TWO}", "-1", "1e3"])
+def test_an_item_that_a_list_does_not_have_is_rejected(item: str):
+    layer = wo.Layer(thickness=1e-3, material=wo.material("rubber"))
+    problem = wo.NipProblem.example()
+    layered = problem.replace(drum=wo.Layered(radius=0.1, core="rigid", layers=(layer,)))
+    with pytest.raises(wo.InvalidProblem):
+        layered.replace(**{f"drum.layers.{item}.thickness": 2e-3})
+    with pytest.raises(wo.InvalidProblem):
+        wo.sweep(layered, {f"drum.layers.{item}.thickness": [2e-3]}, nodes=17, workers=1)
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        [LONG],
+        [f"\x1b[31m{LONG}"],
+        ["new", LONG],
+        ["solve", LONG],
+        ["report", LONG],
+        ["sweep", LONG, "--out", "out"],
+        ["solve", "CASE", f"--{LONG}"],
+        ["solve", "CASE", "--nodes", LONG],
+        ["solve", "CASE", "--nodes", DIGITS],
+        ["solve", "CASE", "--scheme", LONG],
+        ["solve", "CASE", "--unit", LONG],
+        ["solve", "CASE", "--unit", f"nip_load={LONG}"],
+        ["solve", "CASE", "--unit", f"{DEEP}=mm"],
+        ["solve", "CASE", "--save", f"{LONG}.nc"],
+        ["solve", "CASE", "--save", f"x.{LONG}"],
+        ["solve", "CASE", "--plot", f"{LONG}/x.png"],
+        ["solve", "CASE", "--set", LONG],
+        ["solve", "CASE", "--set", f"{LONG}=5"],
+        ["solve", "CASE", "--set", f"{LONG}={LONG}"],
+        ["solve", "CASE", "--set", f"nip_load={LONG}"],
+        ["solve", "CASE", "--set", f"nip_load={DIGITS} N/m"],
+        ["solve", "CASE", "--set", f"nip_load=5 {LONG}"],
+        ["solve", "CASE", "--set", f"web.material={LONG}"],
+        ["solve", "CASE", "--set", f"drum={LONG}"],
+        ["report", "CASE", "--out", f"{LONG}.html"],
+    ],
+    ids=lambda args: " ".join(arg[:12] for arg in args),
+)
+def test_error_lines_are_short_whatever_they_quote(args: list[str], case: str, capsys: Capture):
+    assert cli.main([case if arg == "CASE" else arg for arg in args]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert max(map(len, said.splitlines())) < LONGEST_LINE
+    assert said.replace("\n", "").isprintable()
+
+
+def test_a_long_quotation_leaves_the_rest_of_the_text():
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.load_case(EXAMPLE, [f"nip_load={LONG}"])
+    said = str(fault.value)
+    assert len(said) < 500
+    assert said.startswith("nip_load: ")
+    assert "N/m" in said
+
+
+# ---- folders in place of files ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("folder", [".", "..", "/", "", "./", "../."])
+@pytest.mark.parametrize("out", [[], ["--out", "report.html"]])
+def test_a_report_of_a_folder_is_rejected(
+    folder: str, out: list[str], capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["report", folder, *out]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("out", [".", "..", "", "/"])
+def test_a_folder_is_no_file_to_write(out: str, case: str, capsys: Capture):
+    for option in (["report", case, "--out", out], ["solve", case, "--save", out]):
+        assert cli.main(option) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
