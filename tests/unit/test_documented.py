@@ -1,0 +1,92 @@
+"""Every kind, command, extra and package is documented on the page where readers look for it.
+
+Evidence: consistency.  The lists come from the program: the registry of kinds, the group of
+commands, ``pyproject.toml`` and the package directories.  The pages are read as text.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+import re
+import tomllib
+from pathlib import Path
+
+import click
+import pytest
+
+import woundon
+from woundon import cli, kinds
+
+ROOT = Path(__file__).parents[2]
+
+KINDS = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+# plug-ins add commands by entry points; those of this project are documented too
+PLUG_INS = {found.name for found in kinds.entry_points(group="woundon.commands")}
+COMMANDS = (
+    set(cli.commands.list_commands(click.Context(cli.commands)))
+    - PLUG_INS
+    - {kind.command for kind in kinds.every()}
+) | set(PROJECT["entry-points"]["woundon.commands"])
+MODULES = {
+    f"{module.name}/" if module.ispkg else f"{module.name}.py"
+    for module in pkgutil.iter_modules(woundon.__path__)
+    if not module.name.startswith("__")
+}
+
+
+def page(path: str) -> str:
+    return (ROOT / path).read_text("utf-8")
+
+
+def first_column(path: str, heading: str) -> list[str]:
+    """Return the names in code type in the first column of the table with this heading."""
+    lines = page(path).splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith(f"| {heading} |"))
+    names: list[str] = []
+    for line in lines[start + 2 :]:
+        if not line.startswith("|"):
+            break
+        names += re.findall(r"`([^`]+)`", line.split("|")[1])
+    return names
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_every_kind_is_documented(kind: kinds.Kind) -> None:
+    name = kind.problem.__name__
+    assert f"wo.{name}" in page("docs/howto/python.md")
+    assert f".{name}\n" in page("docs/reference/problems.md")
+    assert f".{kind.result.__name__}\n" in page("docs/reference/results.md")
+    assert f"wo.{name}" in page("docs/start/faq.md")
+
+
+def test_the_command_line_page_lists_the_kinds() -> None:
+    listed = first_column("docs/howto/command_line.md", "kind")
+    assert sorted(listed) == sorted(kind.command for kind in KINDS)
+
+
+def test_the_command_line_page_lists_the_commands() -> None:
+    listed = first_column("docs/howto/command_line.md", "command")
+    assert sorted(listed) == sorted(f"woundon {name}" for name in COMMANDS)
+
+
+def test_the_installation_page_lists_the_extras() -> None:
+    assert sorted(first_column("docs/start/installation.md", "extra")) == sorted(EXTRAS)
+
+
+@pytest.mark.parametrize("path", ["docs/house.md", "CONTRIBUTING.md"])
+def test_the_packages_are_listed(path: str) -> None:
+    assert sorted(first_column(path, "package")) == sorted(MODULES)
+
+
+def test_the_test_folders_are_listed() -> None:
+    folders = {f"tests/{found.parent.name}" for found in ROOT.glob("tests/*/test_*.py")}
+    assert sorted(first_column("CONTRIBUTING.md", "folder")) == sorted(folders)
+
+
+def test_the_gallery_header_names_the_cases_of_the_examples() -> None:
+    scripts = "\n".join(path.read_text("utf-8") for path in ROOT.glob("examples/*/*.py"))
+    used = {kind.problem.__name__ for kind in KINDS if f"wo.{kind.problem.__name__}" in scripts}
+    header = page("examples/GALLERY_HEADER.rst")
+    assert {name for name in used if f"wo.{name}" not in header} == set()
