@@ -80,7 +80,7 @@ def _one_point(kept: list[dict[str, Any]]) -> Iterator[str]:
         own = [one for one in kept if one["setting"] == model]
         for one in sorted(own, key=lambda one: one.get("Q", 0.0)):
             Q, misses = one.get("Q"), np.array(one["misses"])
-            told = _told(one["fitted"], one["value"]) if one["fitted"] else "nothing"
+            told = _told(one["fitted"], one["value"]) if one["fitted"] else "Table 2"
             p = lack_of_fit(rms(misses), bool(one["fitted"]))
             others = f"{rms(misses[~_fitted()]):.1f}" if one["fitted"] else ""
             where = "" if Q is None else f"{Q / 1e3:.0f}"

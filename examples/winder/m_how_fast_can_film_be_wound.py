@@ -9,7 +9,8 @@ slip margin is lost, and the roll telescopes.
 **Answer:** 23 um polyester under a lay-on roll with 300 N/m loses it a little above 2 m/s. Up to
 there the friction in the nip falls to a third and the roll gets 4 % lighter; the tension that the
 nip adds hardly changes, as a softer roll yields more, and falls then to nothing at 3 m/s.
-Roughness, cover and stack constants are illustrative.
+Roughness, cover and stack constants are illustrative; the shear modulus of a film stack is rarely
+known.
 """
 
 # %%
