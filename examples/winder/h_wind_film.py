@@ -11,9 +11,9 @@ lay-on roll pulls, only what friction in the nip hands on arrives: surface windi
 between the torque split sets the hardness without touching web tension and nip load. And a taper
 of the web tension does nothing to a surface-wound roll: taper the nip load.
 
-The constants of the film stack and of the cover are illustrative, and entrained air is not included. The
-shear modulus of a film stack is rarely known: between 10 and 100 MPa the tension of the centre-wound roll
-varies from 160 to 171 N/m.
+The constants of the film stack and of the cover are illustrative, and entrained air is not
+included. The shear modulus of a film stack is rarely known: between 10 and 100 MPa the tension of
+the centre-wound roll varies from 160 to 171 N/m.
 """
 
 # %%
