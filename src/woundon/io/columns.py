@@ -10,7 +10,6 @@ too, empty lines and lines that open with # are left out.
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,10 +17,12 @@ from typing import Any
 
 from ..errors import InvalidProblem
 from .files import read_whole
+from .sheets import check_cells, check_header, check_lines, split_rows
 
 __all__ = ["with_columns"]
 
 LARGEST = 10_000_000  # bytes
+MOST_ROWS = 100_000
 _HEADER = re.compile(r"\s*([^\[]*?)\s*(?:\[\s*([^\]]*?)\s*\])?\s*")
 
 
@@ -59,12 +60,18 @@ def _columns(path: Path) -> dict[str, list[str | float]]:
     except UnicodeDecodeError as fault:
         why = f"is no UTF-8 text, from byte {fault.start}; save it as UTF-8"
         raise InvalidProblem.at(str(path), why) from None
+    if max(map(text.count, "\r\n")) > MOST_ROWS:
+        raise InvalidProblem.at(str(path), f"has too many rows; must be at most {MOST_ROWS}")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     between = next((sign for sign in ";\t" if sign in "".join(lines[:1])), ",")
-    header, *rows = csv.reader(lines, delimiter=between, skipinitialspace=True) if lines else ([],)
+    check_lines(lines, str(path))
+    header, *rows = split_rows(lines, between, str(path)) if lines else ([],)
+    for column, title in enumerate(header, 1):
+        check_header(title, column, str(path), 1)
     if not rows:
         raise InvalidProblem.at(str(path), "holds no header with rows below it")
     for number, row in enumerate(rows, 1):
+        check_cells(row, number, str(path))
         if len(row) != len(header):
             text = f"row {number} has {len(row)} cells, the header {len(header)}"
             raise InvalidProblem.at(str(path), text)

@@ -9,24 +9,38 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
+import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+from xml.parsers import expat
 
 from ..errors import InvalidProblem
+from ..problems.fields import shown
 from .files import read_whole
 from .units import is_unit
 
-if TYPE_CHECKING:
-    from openpyxl.worksheet.worksheet import Worksheet
+__all__ = [
+    "Sheet", "check_cells", "check_header", "check_lines", "need_openpyxl", "read_sheet",
+    "split_rows", "write_workbook",
+]  # fmt: skip
 
-__all__ = ["Sheet", "need_openpyxl", "read_sheet", "write_workbook"]
-
-LARGEST = 200_000_000  # bytes of a file
-MOST_CELLS = 10_000_000
+LARGEST = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
+MOST_CELLS = 2_000_000
+MOST_SPANNED = 5 * MOST_CELLS  # of an Excel sheet, empty cells included
+MOST_COLUMNS = 500
+MOST_ROWS = 1_048_576  # as Excel has
+MOST_BLANK_ROWS = 1000  # between rows of a table; a cell farther down is not part of it
+MOST_MERGED = 1000  # blocks of merged cells
+LONGEST_HEADER = 200  # characters; the search for names in a header takes the square of its length
+LONGEST_CELL = 32_767  # characters, as Excel admits
+LONGEST_LINE = 100_000  # characters of a text file; the csv module admits 131 072 in a cell
 WIDEST = 60  # characters of a column
 EXCEL = (".xlsx", ".xlsm")
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # zip archives, Excel before 2007
@@ -76,22 +90,48 @@ def read_sheet(data: Any, name: str) -> Sheet:
     InvalidProblem
         If it cannot be read or is no table, naming the row at fault.
     """
-    if hasattr(data, "items"):
-        columns = {str(header): list(cells) for header, cells in data.items()}
-        sizes = {len(cells) for cells in columns.values()}
-        if len(sizes) > 1:
-            raise InvalidProblem.at(name, f"columns differ in length: {sorted(sizes)}")
-        return Sheet(name, columns, range(1, 1 + max(sizes, default=0)), in_si=True)
+    if isinstance(data, Mapping) or (hasattr(data, "iloc") and not isinstance(data, type)):
+        return _in_memory(data, name)
+    if not isinstance(data, (str, os.PathLike)):
+        text = "is not a table; must be columns by name, or the path of a .csv or .xlsx file"
+        raise InvalidProblem.at(name, f"{shown(data)} {text}")
     excel = Path(data).suffix.lower() in EXCEL
     if excel:
         need_openpyxl()
-    where, content = str(data), read_whole(data, LARGEST)
+    where = os.fspath(data)
+    content = read_whole(where, LARGEST)
     if excel:
         return _sheet(where, _excel_rows(content, where))
     if content[:4] in _BINARY:
         raise InvalidProblem.at(where, "is no text; save it as .xlsx or .csv")
     rows, between = _text_rows(_decoded(content, where), where)
     return _sheet(where, rows)._replace(between=between)
+
+
+def _in_memory(data: Any, name: str) -> Sheet:
+    """Return the sheet of columns by name, from a mapping or a DataFrame."""
+    columns: dict[str, list[Any]] = {}
+    for given, cells in data.items():  # a DataFrame may have two columns of one name
+        header = str(given)
+        check_header(header, len(columns) + 1, name)
+        if header in columns:
+            raise InvalidProblem.at(name, f"two columns have the same header {header!r}")
+        columns[header] = _listed(cells, f"{name}: column {header!r}")
+    sizes = {len(cells) for cells in columns.values()}
+    if len(sizes) > 1:
+        raise InvalidProblem.at(name, f"columns differ in length: {sorted(sizes)}")
+    return Sheet(name, columns, range(1, 1 + max(sizes, default=0)), in_si=True)
+
+
+def _listed(cells: Any, where: str) -> list[Any]:
+    """Return the cells of a column; reject what is not a sequence of one dimension."""
+    no_cells = isinstance(cells, (str, bytes, bytearray, Mapping, set, frozenset, type))
+    if not no_cells and getattr(cells, "ndim", 1) == 1:
+        try:
+            return list(cells)
+        except TypeError:
+            pass
+    raise InvalidProblem.at(where, f"{shown(cells)} is not a column; must be a list of its cells")
 
 
 # ---- from rows to a sheet -----------------------------------------------------------------------
@@ -108,10 +148,13 @@ def _sheet(where: str, rows: Rows) -> Sheet:
     names = [" ".join(str(cell).split()) for cell in header]
     while not names[-1]:
         names.pop()
-    twice = [name for name in dict.fromkeys(names) if name and names.count(name) > 1]
-    if twice:
-        text = f"row {number}: two columns have the same header {twice[0]!r}"
-        raise InvalidProblem.at(where, text)
+    found: set[str] = set()
+    for k, name in enumerate(names, 1):
+        check_header(name, k, where, number)
+        if name and name in found:
+            text = f"row {number}: two columns have the same header {name!r}"
+            raise InvalidProblem.at(where, text)
+        found.add(name)
     for number, cells in below:
         if len(cells) < len(names) or _filled(cells[len(names) :]):
             text = f"row {number} has {len(cells)} cells, the header {len(names)}"
@@ -123,6 +166,33 @@ def _sheet(where: str, rows: Rows) -> Sheet:
         del below[0]
     columns = {name: [cells[k] for _, cells in below] for k, name in enumerate(names) if name}
     return Sheet(where, columns, [number for number, _ in below], units)
+
+
+def check_header(header: str, column: int, where: str, row: int = 0) -> None:
+    """Reject a header that is too long, and columns that are too many."""
+    place = f"row {row}, column {column}" if row else f"column {column}"
+    if column > MOST_COLUMNS:
+        text = f"{place}: the table has too many columns; must be at most {MOST_COLUMNS}"
+        raise InvalidProblem.at(where, text)
+    if len(header) > LONGEST_HEADER:
+        text = f"the header has {len(header)} characters; must be at most {LONGEST_HEADER}"
+        raise InvalidProblem.at(where, f"{place}: {text}")
+
+
+def check_cells(cells: Sequence[Any], row: int, where: str) -> None:
+    """Reject a row that has too many cells, or a cell that is too long."""
+    if len(cells) > MOST_COLUMNS and (filled := _last_filled(cells)) > MOST_COLUMNS:
+        text = f"the row has too many cells; must be at most {MOST_COLUMNS}"
+        raise InvalidProblem.at(where, f"row {row}, column {filled}: {text}")
+    for column, cell in enumerate(cells, 1):
+        if isinstance(cell, str) and len(cell) > LONGEST_CELL:
+            text = f"the cell has {len(cell)} characters; must be at most {LONGEST_CELL}"
+            raise InvalidProblem.at(where, f"row {row}, column {column}: {text}")
+
+
+def _last_filled(cells: Sequence[Any]) -> int:
+    """Return the number of the last cell of a row that is not empty, 0 without one."""
+    return next((k for k in range(len(cells), 0, -1) if cells[k - 1] not in (None, "")), 0)
 
 
 def _filled(cells: Iterable[Any]) -> list[str]:
@@ -156,40 +226,80 @@ def _text_rows(text: str, where: str) -> tuple[Rows, str]:
     By the standard library: pandas.read_csv would fill short rows up, and take the first column
     for an index where a row is longer than the header.
     """
+    if max(map(text.count, "\r\n")) > MOST_ROWS:
+        raise InvalidProblem.at(where, f"has too many rows; must be at most {MOST_ROWS}")
     # comments become blank lines, so that the rows keep their numbers
     lines = ["\n" if line.startswith("#") else line for line in text.splitlines(keepends=True)]
-    told = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines else None
+    told = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines and len(lines[0]) < 20 else None
     if told:  # as Excel reads it
         lines[0] = "\n"
 
-    def cells(between: str, lines: list[str]) -> Rows:
-        return list(csv.reader(lines, delimiter=between, skipinitialspace=True))
-
     def alike(between: str) -> int:
         """Return how many of the first rows have as many cells as most of them."""
-        sizes = [len(row) for row in cells(between, lines[:100]) if len(row) > 1]
+        sizes = [len(row) for row in split_rows(lines[:100], between, where) if len(row) > 1]
         return max(map(sizes.count, sizes), default=0)
 
+    check_lines(lines, where)
+    # the first of equals: "1,5;2,5" could be three cells too
+    between = told[1] if told else max(";\t,", key=alike)
+    rows, size = [], 0
+    for number, row in enumerate(split_rows(lines, between, where), 1):
+        check_cells(row, number, where)
+        rows.append(row)
+        size += len(row)
+        if size > MOST_CELLS:
+            raise InvalidProblem.at(where, f"row {number}: has more than {MOST_CELLS} cells so far")
+    return rows, between
+
+
+def check_lines(lines: Sequence[str], where: str) -> None:
+    """Reject lines that are too long or have a cell that is, whatever stands between the cells."""
+    for number, line in enumerate(lines, 1):
+        if len(line) <= LONGEST_CELL:
+            continue
+        end = 0
+        for cell in re.split("[;\t,]", line[:LONGEST_LINE]):
+            end += len(cell) + 1
+            if len(cell) > LONGEST_CELL:
+                text = f"the cell has too many characters; must be at most {LONGEST_CELL}"
+                break
+        else:
+            text = f"the line has {len(line)} characters; must be at most {LONGEST_LINE}"
+            if len(line) <= LONGEST_LINE:
+                continue
+        column = 1 + max(line.count(sign, 0, end - 1) for sign in ";\t,")
+        raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
+
+
+def split_rows(lines: Sequence[str], between: str, where: str) -> Iterator[list[str]]:
+    """Yield the cells of each row of a text."""
+    reader = csv.reader(lines, delimiter=between, skipinitialspace=True)
     try:
-        # the first of equals: "1,5;2,5" could be three cells too
-        between = told[1] if told else max(";\t,", key=alike)
-        return cells(between, lines), between
+        yield from reader
     except csv.Error as fault:
-        raise InvalidProblem.at(where, f"is no table: {fault}") from None
+        raise InvalidProblem.at(where, f"row {reader.line_num}: is no table: {fault}") from None
 
 
 # ---- Excel --------------------------------------------------------------------------------------
 
 
 def _excel_rows(content: bytes, where: str) -> Rows:
-    import openpyxl
+    """Return the rows of the first sheet of an Excel file, merged cells repeated.
 
+    The sheet is read as a stream: otherwise openpyxl creates a cell for each place that a merged
+    block or a single distant cell spans.
+    """
     try:
-        sheet = openpyxl.load_workbook(io.BytesIO(content), data_only=True).worksheets[0]
-        rows = _cells(sheet, where)
-        if any(cell == "" for row in rows for cell in row):
-            formulas = openpyxl.load_workbook(io.BytesIO(content)).worksheets[0]
-            _mark_unknown(rows, formulas)
+        _check_unpacked(content, where)
+        with _first_sheet(content, formulas=False) as sheet:
+            # first, since openpyxl reads the blocks too, whatever their number
+            blocks, calculated = _merged_and_calculated(content, sheet._worksheet_path, where)
+            rows = _streamed(sheet, where)
+        if calculated:
+            with _first_sheet(content, formulas=True) as sheet:
+                rows = _marked_unknown(rows, _streamed(sheet, where))
+        rows = _even(rows, where)
+        _repeat_merged(rows, blocks, where)
     except InvalidProblem:
         raise
     except Exception as fault:  # whatever damage makes the readers of zip archives and XML raise
@@ -197,26 +307,136 @@ def _excel_rows(content: bytes, where: str) -> Rows:
     return rows
 
 
-def _cells(sheet: Worksheet, where: str) -> Rows:
-    """Return the cells, merged ones repeated."""
-    if sheet.max_row * sheet.max_column > MOST_CELLS:
-        raise InvalidProblem.at(where, f"has more than {MOST_CELLS} cells")
-    rows = [["" if cell is None else cell for cell in row]
-            for row in sheet.iter_rows(values_only=True)]  # fmt: skip
-    for block in sheet.merged_cells.ranges:
-        value = rows[block.min_row - 1][block.min_col - 1]
-        for row in rows[block.min_row - 1 : block.max_row]:
-            if len(_filled(row)) > (row[block.min_col - 1] != ""):  # else it is a title
-                row[block.min_col - 1 : block.max_col] = [value] * block.size["columns"]
+def _check_unpacked(content: bytes, where: str) -> None:
+    """Reject an archive whose parts are too large when they are unpacked."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        size = sum(part.file_size for part in archive.infolist())
+    if size > LARGEST:
+        text = f"has {size / 1e6:.0f} MB when it is unpacked; must be at most {LARGEST / 1e6:g} MB"
+        raise InvalidProblem.at(where, text)
+
+
+@contextmanager
+def _first_sheet(content: bytes, *, formulas: bool) -> Iterator[Any]:
+    """Provide the first sheet of an Excel file, to be read as a stream: formulas or values."""
+    import openpyxl
+
+    book = openpyxl.load_workbook(
+        io.BytesIO(content), read_only=True, data_only=not formulas, keep_links=False
+    )
+    with closing(book):
+        sheet: Any = book.worksheets[0]
+        sheet.reset_dimensions()  # the file may state others than it has
+        yield sheet
+
+
+def _streamed(sheet: Any, where: str) -> Rows:
+    """Return the rows of a sheet, each up to its last cell with a value."""
+    rows: Rows = []
+    blank = size = spanned = 0
+    for number, cells in enumerate(sheet.iter_rows(values_only=True), 1):
+        spanned += len(cells)
+        if spanned > MOST_SPANNED:
+            text = f"more than {MOST_SPANNED} cells are spanned so far, empty ones included"
+            raise InvalidProblem.at(where, f"row {number}, column {len(cells)}: {text}")
+        filled = _last_filled(cells)
+        if number > MOST_ROWS or (filled and blank > MOST_BLANK_ROWS and rows):
+            text = f"{blank} rows above it are blank; must be at most {MOST_BLANK_ROWS}"
+            raise InvalidProblem.at(where, f"row {number}, column {max(filled, 1)}: {text}")
+        if not filled:
+            blank += 1
+            continue
+        row = ["" if cell is None else cell for cell in cells[:filled]]
+        check_cells(row, number, where)
+        rows += [[] for _ in range(number - 1 - len(rows))]
+        rows.append(row)
+        blank, size = 0, size + len(row)
+        if size > MOST_CELLS:
+            text = f"row {number}: has more than {MOST_CELLS} cells so far"
+            raise InvalidProblem.at(where, text)
     return rows
 
 
-def _mark_unknown(rows: Rows, formulas: Worksheet) -> None:
-    """Put formulas that no spreadsheet has calculated yet in place of their missing values."""
-    for row, told in zip(rows, formulas.iter_rows(values_only=True), strict=False):
-        for k, formula in enumerate(told):
-            if row[k] == "" and str(formula).startswith("="):
-                row[k] = formula
+class Block(NamedTuple):
+    """Ends of a block of merged cells, counted from 1."""
+
+    top: int
+    first: int
+    bottom: int
+    last: int
+
+
+_BLOCK = re.compile(r"\$?([A-Z]{1,3})\$?(\d{1,7})(?::\$?([A-Z]{1,3})\$?(\d{1,7}))?")
+
+
+def _even(rows: Rows, where: str) -> Rows:
+    """Return rows of equal length."""
+    width = max(map(len, rows), default=0)
+    if width * len(rows) > MOST_CELLS:
+        raise InvalidProblem.at(where, f"has more than {MOST_CELLS} cells")
+    return [row + [""] * (width - len(row)) for row in rows]
+
+
+def _merged_and_calculated(content: bytes, part: str, where: str) -> tuple[list[Block], bool]:
+    """Return the merged blocks of a sheet, and whether the sheet has formulas."""
+    from openpyxl.utils import column_index_from_string as column
+
+    blocks: list[Block] = []
+    formulas: list[str] = []
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        local = name.rpartition(" ")[2]
+        if local == "f" and not formulas:
+            formulas.append(local)
+        if local != "mergeCell":
+            return
+        ends = _BLOCK.fullmatch(attributes.get("ref", ""))
+        if ends is None or len(blocks) == MOST_MERGED:
+            text = f"merged cells: must be at most {MOST_MERGED} blocks, each as A1:B2"
+            raise InvalidProblem.at(where, text)
+        first, top, last, bottom = ends.groups()
+        block = Block(int(top), column(first), int(bottom or top), column(last or first))
+        blocks.append(block)
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = start
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        parser.Parse(archive.read(part), True)
+    return blocks, bool(formulas)
+
+
+def _repeat_merged(rows: Rows, blocks: Iterable[Block], where: str) -> None:
+    """Put the value of each merged block into all its cells; titles stay."""
+    repeated = 0
+    for top, first, bottom, last in blocks:
+        block = rows[top - 1 : bottom]
+        width = len(block[0][first - 1 : last]) if block else 0
+        repeated += sum(map(len, block))
+        if bottom > len(rows) + MOST_BLANK_ROWS or repeated > MOST_CELLS:
+            text = f"merged cells reach down to row {bottom}, far below the table"
+            raise InvalidProblem.at(where, f"row {top}, column {first}: {text}")
+        if not width:  # outside the table
+            continue
+        value = block[0][first - 1]
+        for row in block:  # Excel shows the first cell alone
+            row[first - 1 : last] = [""] * width
+        block[0][first - 1] = value
+        for row in block:
+            if len(_filled(row)) > (row[first - 1] != ""):  # else it is a title
+                row[first - 1 : last] = [value] * width
+
+
+def _marked_unknown(rows: Rows, formulas: Rows) -> Rows:
+    """Return the rows with formulas that no spreadsheet has calculated yet as their values."""
+    marked: Rows = []
+    empty: list[Any] = []
+    for row, told in itertools.zip_longest(rows, formulas, fillvalue=empty):
+        pairs = itertools.zip_longest(row, told, fillvalue="")
+        marked.append([
+            formula if cell == "" and str(formula).startswith("=") else cell
+            for cell, formula in pairs
+        ])  # fmt: skip
+    return marked
 
 
 def need_openpyxl() -> None:

@@ -11,11 +11,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from types import NoneType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
+from ..problems.fields import shown
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
 from .units import factor, is_unit, parse
@@ -26,6 +28,8 @@ Array = np.ndarray
 Faults = list[tuple[str, str]]
 
 MOST_TOLD = 10  # faulty cells of a table
+MOST_COUNTED = 1000  # faulty cells that are looked for
+LONGEST_NUMBER = 60  # characters, with the unit
 NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # how pure numbers are headed
 _BETWEEN = re.compile(r"[\s_.\-]+")
 _BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
@@ -113,6 +117,7 @@ def match_columns(
     InvalidProblem
         Naming all columns that are of no known name, or of one that another column has.
     """
+    _check_renaming(columns)
     faults: Faults = []
     found: list[Column] = []
     strange: list[str] = []
@@ -136,6 +141,19 @@ def match_columns(
     if faults:
         raise InvalidProblem(faults)
     return found
+
+
+def _check_renaming(columns: Any) -> None:
+    """Reject what is not a mapping of headers to names."""
+    if columns is None:
+        return
+    if not isinstance(columns, Mapping):
+        text = f"{shown(columns)} is not a mapping; must be {{header: name or None}}"
+        raise InvalidProblem.at("columns", text)
+    for header, target in columns.items():
+        if not isinstance(header, str) or not isinstance(target, (str, NoneType)):
+            text = f"{shown(header)}: {shown(target)}: header and name must be texts"
+            raise InvalidProblem.at("columns", text)
 
 
 def _renamed(header: str, left: dict[str, tuple[str, str | None]]) -> tuple[str | None, str]:
@@ -231,6 +249,8 @@ def numbers(
         faults.append((sheet.where, f"column {column.header!r}: {fault}"))
         return values
     for row, cell in enumerate(column.cells):
+        if len(faults) >= MOST_COUNTED:
+            break
         if gaps and _missing(cell):
             continue
         try:
@@ -258,11 +278,14 @@ def _scale(column: Column, quantity: Quantity, in_si: bool) -> Fraction | None:
 
 
 def _missing(cell: Any) -> bool:
+    if isinstance(cell, int):  # Python limits the digits of the text of one
+        return False
     return cell is None or str(cell).strip() in ("", "nan", "<NA>")  # of pandas too
 
 
 def _with_unit(cell: Any) -> bool:
-    number = _NUMBER.match(cell.strip()) if isinstance(cell, str) else None
+    short = isinstance(cell, str) and len(cell) <= LONGEST_NUMBER
+    number = _NUMBER.match(cell.strip()) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
 
 
@@ -274,9 +297,13 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     InvalidProblem
         Without a field, saying what is wrong with the cell.
     """
-    text = str(cell).strip()
     if _missing(cell):
         raise InvalidProblem("the cell is empty")
+    huge = isinstance(cell, int) and cell.bit_length() > 1024
+    text = "inf" if huge else str(cell).strip()
+    if len(text) > LONGEST_NUMBER:
+        most = f"must have at most {LONGEST_NUMBER} characters"
+        raise InvalidProblem(f"{shown(cell)} is not a number; {most}")
     if isinstance(cell, str):
         text = _with_point(text, sign)
     try:
@@ -289,7 +316,7 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     finite = " finite" if text in ("inf", "-inf") else ""
     formula = "; open and save the file in a spreadsheet, which calculates its formulas"
     hint = formula if text.startswith("=") else ""
-    raise InvalidProblem(f"{cell!r} is not a{finite} number{hint}")
+    raise InvalidProblem(f"{shown(cell)} is not a{finite} number{hint}")
 
 
 def _with_point(text: str, sign: str) -> str:
@@ -312,8 +339,9 @@ def decimal_sign(sheet: Sheet) -> str:
     """
     if sheet.between == ",":
         return "."
-    with_comma = [cell.strip() for cells in sheet.columns.values() for cell in cells
-                  if isinstance(cell, str) and _COMMA.fullmatch(cell.strip())]  # fmt: skip
+    short = (cell.strip() for cells in sheet.columns.values() for cell in cells
+             if isinstance(cell, str) and len(cell) <= LONGEST_NUMBER)  # fmt: skip
+    with_comma = [text for text in short if _COMMA.fullmatch(text)]
     unlike = with_comma if sheet.between == ";" else [
         text for text in with_comma if not _THOUSANDS.fullmatch(text)
     ]  # fmt: skip
@@ -324,5 +352,6 @@ def tell(faults: Faults) -> None:
     """Raise InvalidProblem with the first faults of a table, if there are any."""
     if not faults:
         return
-    more = [(faults[0][0], f"{len(faults) - MOST_TOLD} more faults")]
+    at_least = "at least " if len(faults) >= MOST_COUNTED else ""
+    more = [(faults[0][0], f"{at_least}{len(faults) - MOST_TOLD} more faults")]
     raise InvalidProblem(faults[:MOST_TOLD] + more * (len(faults) > MOST_TOLD))

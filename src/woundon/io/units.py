@@ -162,6 +162,8 @@ def known_units() -> tuple[str, ...]:
 
 def is_unit(text: str) -> bool:
     """Tell whether a text is a unit that is understood."""
+    if len(text) > _LONGEST:
+        return False
     return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
 
 
@@ -290,7 +292,7 @@ def _as_float(value: float, unit: str, field: str) -> float:
 
 def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     """Return how many of ``unit`` the unit written as ``text`` is."""
-    if not _UNIT.fullmatch(text):
+    if len(text) > _LONGEST or not _UNIT.fullmatch(text):
         raise _fault(field, value, f"has the unreadable unit {text!r}", unit)
     for name in re.findall(_NAME, text):
         if name not in known_units():

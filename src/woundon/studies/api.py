@@ -327,9 +327,11 @@ def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _bounds(vary: Any) -> dict[str, Any]:
-    given = dict(vary) if isinstance(vary, Mapping) else dict.fromkeys(
-        [vary] if isinstance(vary, str) else vary
-    )  # fmt: skip
+    names = [vary] if isinstance(vary, str) else vary
+    if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
+        text = f"{shown(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
+        raise InvalidProblem.at("vary", text)
+    given = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
     if not given:
         raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
     return given

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..io.case_files import check_like_a_case
 from ..io.sheets import Sheet, read_sheet
-from ..io.tables import Column, Names, decimal_sign, match_columns, numbers, tell
+from ..io.tables import MOST_COUNTED, Column, Names, decimal_sign, match_columns, numbers, tell
 from ..quantities import Quantity
 
 __all__ = ["BESIDE", "Measured", "read_cases", "read_measured"]
@@ -155,12 +156,16 @@ def _things(
     things: list[Any] = []
     for number, cell in zip(sheet.numbers, column.cells, strict=True):
         thing = cell.strip() if isinstance(cell, str) else cell
+        if len(faults) >= MOST_COUNTED:
+            break
         try:
             if thing in ("", None):
                 raise InvalidProblem("the cell is empty")
             if isinstance(thing, str) and thing.startswith("{"):
-                thing = made(column.name, json.loads(thing))
-        except (InvalidProblem, ValueError) as fault:
+                table = json.loads(thing)
+                check_like_a_case(table, "a table of fields")
+                thing = made(column.name, table)
+        except (InvalidProblem, ValueError, RecursionError) as fault:
             told = str(fault).replace("\n", "; ")
             faults.append((sheet.where, f"row {number}, column {column.header!r}: {told}"))
         things.append(thing)
