@@ -139,12 +139,15 @@ class Result(ReadOnly):
         Fields that may be nan; in a file all others must be finite.  None where that is not told.
     ALONG : mapping of str to str
         Arrays that run along another one than the first, with its name.
+    ESTIMATES : set of str
+        Fields that no law of the certificate determines: estimates, and records of the solution.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ()
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({})
     MAY_BE_NAN: ClassVar[frozenset[str] | None] = None
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset()
 
     problem: Any
     residuals: Residuals

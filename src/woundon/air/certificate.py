@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..contact.certificate import largest
 from ..errors import InvalidProblem
 from ..results import Residuals
 from .films import escaped_film, foil_film, friction_share, nip_film
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
     from ..wrap.result import WrappedNipResult
     from .result import AirNipResult
 
-__all__ = ["certificate", "edge_of", "films_of", "friction_between"]
+__all__ = ["OF_THE_NIP", "certificate", "edge_of", "films_of", "friction_between"]
+
+OF_THE_NIP = "wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure"
 
 LEAST = 1e-6  # a nip without any friction is not solved, nor an inlet without any pressure
 LENGTHS = 1e-12, 1e3  # between which an inlet's is sought [m]
@@ -97,15 +100,25 @@ def films_of(problem: AirNipProblem, edge: float, half_width: float) -> dict[str
     }  # fmt: skip
 
 
-def certificate(result: AirNipResult) -> Residuals:
+def certificate(result: AirNipResult, solved: WrappedNipResult, *, same_mesh: bool) -> Residuals:
     """Measure every law of a result.
+
+    Parameters
+    ----------
+    result : AirNipResult
+    solved : WrappedNipResult
+        The nip with the frictions held.
+    same_mesh : bool
+        Whether the outputs are those on this mesh.  On another one with as many nodes they may
+        differ by three times the estimated errors.
 
     film
         That films and frictions are those of the edge's rise and the half-width held.
     film_over_nip
         That the film in the nip is what passes, under the pressure held.
     nip
-        The nip's own certificate, as it was solved with these frictions.
+        The nip's own certificate, as it was solved with these frictions; that its outputs are the
+        ones held, tensions relative to the nip load, and that the nodes go from edge to edge.
     """
     found = films_of(result.problem, result.edge, result.half_width)
     off = [abs(getattr(result, name) - value) / max(value, 1e-300)
@@ -113,7 +126,22 @@ def certificate(result: AirNipResult) -> Residuals:
     profile = result.passed / (result.problem.air.ambient_pressure + result.pressure)
     missed = np.abs(result.air_film - profile)
     return Residuals(
-        film=max(off, default=0.0),
+        film=largest(off),
         film_over_nip=float(np.max(missed)) / max(result.film_in_nip, 1e-300),
-        nip=result.nip_residual,
+        nip=largest(
+            [
+                result.nip_residual if result.nip_residual >= 0 else np.inf,
+                *(_missed(result, solved, name, same_mesh) for name in OF_THE_NIP),
+                largest(np.abs(result.x[[0, -1]] / result.half_width - [-1.0, 1.0])),
+                0.0 if (np.diff(result.x) > 0).all() else np.inf,
+            ]
+        ),
     )
+
+
+def _missed(result: AirNipResult, solved: WrappedNipResult, name: str, same_mesh: bool) -> float:
+    """Return by how much an output differs from that of the nip, relative."""
+    value, due = getattr(result, name), getattr(solved, name)
+    unit = result.problem.nip_load if name.endswith("tension") else due
+    known = 0.0 if same_mesh else 3 * result.errors.get(name, 0.0) + 1e-6 * abs(due)
+    return float(np.maximum(abs(value - due) - known, 0.0) / unit)

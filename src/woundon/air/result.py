@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Annotated, ClassVar
 
 import numpy as np
 
+from .. import kinds
 from ..errors import InvalidProblem
 from ..problems.air import AirNipProblem, with_film
 from ..problems.fields import shown
@@ -16,6 +17,7 @@ from ..problems.nip import WrappedNipProblem
 from ..problems.roll import WoundRollProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
+from ..wrap.result import WrappedNipResult
 from .certificate import friction_between
 
 __all__ = ["AirNipResult"]
@@ -51,6 +53,8 @@ class AirNipResult(Result):
         Of the nip with these frictions; its other outputs by ``woundon.solve(result.nip)``.
     nip_residual : float
         The largest violation of a law of that nip.
+    solved : WrappedNipResult, optional
+        That nip; none after loading.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension", "film", "friction_share")
@@ -77,6 +81,9 @@ class AirNipResult(Result):
     half_width: Annotated[float, length("a", "half-width of the nip")]
     peak_pressure: Annotated[float, stress("p_max", "largest pressure")]
     nip_residual: Annotated[float, pure("r_n", "largest violation of a law of the nip")]
+    solved: WrappedNipResult | None = field(
+        default=None, repr=False, compare=False, metadata={"saved": False}
+    )
 
     @property
     def friction_share(self) -> Annotated[float, strain("mu/mu0", "share of the friction left")]:
@@ -148,7 +155,13 @@ class AirNipResult(Result):
         return with_film(roll, self.film, self.problem.air)
 
     def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the numbers held here."""
+        """Return the certificate measured anew, from the problem and the numbers held here.
+
+        A result that was loaded solves its nip again, on as many nodes.
+        """
         from .certificate import certificate
 
-        return certificate(self)
+        if self.solved is not None:
+            return certificate(self, self.solved, same_mesh=True)
+        solve = kinds.fetch("woundon.wrap.solve:solve_wrapped_nip")
+        return certificate(self, solve(self.nip, nodes=self.nodes), same_mesh=False)

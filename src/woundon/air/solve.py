@@ -21,7 +21,7 @@ from ..results import Residuals
 from ..threads import one_thread
 from ..wrap.result import WrappedNipResult
 from ..wrap.solve import check_options, solve_wrapped_nip
-from .certificate import certificate, edge_of, films_of
+from .certificate import OF_THE_NIP, certificate, edge_of, films_of
 from .result import AirNipResult
 
 __all__ = ["air_warnings", "check_options", "solve_air_nip", "solved_with_air"]
@@ -108,7 +108,6 @@ def _result(
     problem: AirNipProblem, solved: WrappedNipResult, found: dict[str, float]
 ) -> AirNipResult:
     own = solved.in_nip
-    names = "wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure"
     pressure = solved.roll_pressure[own]
     result = AirNipResult(
         problem=problem,
@@ -117,15 +116,17 @@ def _result(
         air_film=pressure,
         edge=edge_of(problem, solved),
         nip_residual=solved.residual,
+        solved=solved,
         residuals=Residuals(),
-        errors={name: solved.errors[name] for name in names if name in solved.errors},
+        errors={name: solved.errors[name] for name in OF_THE_NIP if name in solved.errors},
         warnings=(*air_warnings(problem, found, solved.half_width), *solved.warnings),
         **found,
-        **{name: getattr(solved, name) for name in names},
+        **{name: getattr(solved, name) for name in OF_THE_NIP},
     )
     film = result.passed / (problem.air.ambient_pressure + pressure)
     result = result.replace(air_film=film)
-    return result.replace(residuals=certificate(result)).checked().warned()
+    residuals = certificate(result, solved, same_mesh=True)
+    return result.replace(residuals=residuals).checked().warned()
 
 
 def air_warnings(

@@ -5,13 +5,13 @@ Every function takes what a result holds and measures it; nothing is taken from 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 __all__ = [
     "ROUNDING", "beyond_rounding", "friction_laws", "from_edge", "integral", "largest",
-    "positive_pressure",
+    "misplaced_slips", "positive", "positive_pressure",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -19,8 +19,11 @@ Array = np.ndarray
 ROUNDING = 4 * np.finfo(float).eps
 
 
-def largest(values: Array) -> float:
-    """Return the largest of some violations, 0 of none; nan if one is nan."""
+def largest(values: Array | Sequence[float]) -> float:
+    """Return the largest of some violations, 0 of none; nan if one is nan.
+
+    Python's ``max`` drops a nan that does not come first.
+    """
     return float(np.maximum.reduce(values, axis=None, initial=0.0))
 
 
@@ -36,6 +39,17 @@ def positive_pressure(*pressures: Array) -> float:
     """Return how far a pressure falls below zero, relative to the largest."""
     values = np.concatenate(pressures)
     return largest(np.maximum(-values, 0.0)) / float(np.abs(values).max())
+
+
+def positive(*values: Array) -> float:
+    """Return 0 if all values are positive, else inf; nan counts as a violation."""
+    return 0.0 if all((each > 0).all() for each in values) else float("inf")
+
+
+def misplaced_slips(slip_x: Array, x: Array) -> float:
+    """Return by how much the points of the slips are outside the cells next to their nodes [m]."""
+    before, behind = np.append(x[:1], x[:-1]), np.append(x[1:], x[-1:])
+    return largest(np.maximum(before - slip_x, slip_x - behind))
 
 
 def friction_laws(

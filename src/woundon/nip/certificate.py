@@ -10,6 +10,7 @@ from ..contact.certificate import (
     beyond_rounding,
     friction_laws,
     largest,
+    misplaced_slips,
     positive_pressure,
 )
 from ..losses import Surface, balance_law, pressed, surfaces
@@ -67,21 +68,26 @@ def certificate(result: NipResult, made: Matrices) -> Residuals:
         result.web_tension - T_in - gain,
         [result.nip_induced_tension - result.extrapolation - gain[-1]],
     ])  # fmt: skip
+    unit = friction * np.abs(p).max()
+    laws = friction_laws(
+        zones, q, v[: q.size], friction * np.concatenate([p, p]), unit=unit, slip_scale=top,
+        strain=result.drum_creep,
+    )  # fmt: skip
+    # without pressure at the edges of the contact there is no traction
+    edges = np.abs(np.concatenate([q_roll[[0, -1]], q_drum[[0, -1]]]))
+    bound = largest([laws["friction_bound"], largest(edges) / unit.min()])
+    places = np.concatenate([x - a * mesh.nodes, x[[0, -1]] - [-a, a]])
     return Residuals(
         indentation=largest(np.abs(miss)) / top,
         positive_pressure=positive_pressure(result.pressure),
-        **friction_laws(
-            zones, q, v[: q.size], friction * np.concatenate([p, p]),
-            unit=friction * np.abs(p).max(), slip_scale=top,
-            strain=result.drum_creep,
-        ),
+        **{**laws, "friction_bound": bound},
         slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / top,
         load_equilibrium=abs(mesh.integral(result.pressure, x) / P - 1),
         force_equilibrium=abs(
             mesh.facing(problem.drum.rigid).integral(q_drum, x) - problem.winding_force
         ) / P,
         web_equilibrium=beyond_rounding(tension, result.web_tension) / P,
-        half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
+        half_width=largest([largest(np.abs(places)), misplaced_slips(result.slip_x, x)]) / a,
         **within(problem, made.responses),
         **balance_law(
             result,

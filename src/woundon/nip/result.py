@@ -82,6 +82,7 @@ class WindingNipResult(Losses, Result):
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("roll_slip", "drum_slip", "roll_strain"), "slip_x")
     )
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"iterations", "series_error", "series_terms"})
 
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]

@@ -68,6 +68,7 @@ class WoundRollResult(Result):
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("growth", "stage_order", "lap_growth"), "stage_radius")
     )
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"lap_growth", "steps", "surface_slope"})
 
     radius: Annotated[Array, length("r", "radius")]
     pressure: Annotated[Array, stress("P", "pressure between the laps")]

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import friction_laws, integral, largest, positive_pressure
+from ..contact.certificate import (
+    friction_laws,
+    integral,
+    largest,
+    misplaced_slips,
+    positive_pressure,
+)
 from ..losses import Surface, balance_law, pressed, surfaces
 from ..results import Residuals
 from ..two_bodies import Matrices, mesh_of, within
@@ -50,15 +56,16 @@ def certificate(result: RollerResult, made: Matrices) -> Residuals:
         asked = problem.tangential_load or 0.0
     # creepage is found, where it is not given
     astray = 0.0 if problem.creepage is None else abs(result.creepage - problem.creepage)
+    places = np.concatenate([x - a * mesh_of(result).nodes, x[[0, -1]] - [-a, a]])
     return Residuals(
         indentation=largest(np.abs(made.indentation(p, q, shift))) / made.top,
         positive_pressure=positive_pressure(result.pressure),
         **friction_laws(zone, q, v, bound, unit=unit, slip_scale=scale),
         slip_speed=largest(np.abs(result.slip - np.concatenate([v[:1], v, v[-1:]]))) / scale,
         load_equilibrium=abs(integral(result.pressure, x) / problem.load - 1),
-        force_equilibrium=max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
+        force_equilibrium=largest([abs(Q - asked), abs(Q - result.tangential_load)]) / problem.load,
         creepage=astray / made.top,
-        half_width=largest(np.abs(x[[0, -1]] - [-a, a])) / a,
+        half_width=largest([largest(np.abs(places)), misplaced_slips(result.slip_x, x)]) / a,
         **within(problem, made.responses),
         **balance_law(
             result,

@@ -54,6 +54,7 @@ class RollerResult(Losses, Result):
         {"creepage", "rolling_resistance", "shift", "traction_error"}
     )
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType({"slip": "slip_x"})
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"iterations", "traction_error"})
 
     problem: RollerProblem
     creepage: Annotated[

@@ -6,14 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import largest
+from ..contact.certificate import largest, positive
 from ..problems.schedules import Curve
 from ..results import ACCEPTED_RESIDUAL, Residuals
 
 if TYPE_CHECKING:
     from .result import WindingResult
 
-__all__ = ["certificate"]
+__all__ = ["MOST_AGREED", "certificate"]
+
+MOST_AGREED = 1e-2  # largest tolerance that may be requested of nips and roll
 
 
 def certificate(result: WindingResult) -> Residuals:
@@ -24,10 +26,12 @@ def certificate(result: WindingResult) -> Residuals:
     roll_tension
         That it is this tension, at every radius told; of the largest.
     nips
-        The largest violation of a law of any nip.
+        The largest violation of a law of any nip; that their half-widths, pressures and frictions
+        are positive.
     coupling
         That each nip, on the roll wound so far, answers the tension told, less by what that departs
-        under schedules that wander: to ``agreed`` of it, which counts as 1e-8.
+        under schedules that wander: to the requested tolerance ``agreed`` of it, which counts as
+        1e-8.
     air
         That the laps hold the mean of the nips' films: to ``agreed`` of a lap, which counts as
         1e-8.
@@ -45,23 +49,34 @@ def certificate(result: WindingResult) -> Residuals:
     answers = told / result.nip_wound_on_tension - 1
     unit = max(float(np.max(np.abs(WOT))), 1e-300)
     steps = np.diff(r)
+    # no other tolerance can have been requested
+    scale = ACCEPTED_RESIDUAL / result.agreed if 0 < result.agreed <= MOST_AGREED else np.inf
+    schedules = [
+        largest(np.abs(getattr(result, name) - problem.at(name, r)))
+        / max(float(np.max(np.abs(problem.at(name, r)))), 1e-300)
+        for name in ("web_tension", "nip_load", "winding_force")
+    ]
     return Residuals(
         roll=roll.certified().largest,
         roll_tension=largest(np.abs(wound - WOT)) / unit,
-        nips=largest(result.nip_residual),
-        coupling=largest(np.abs(answers)) * ACCEPTED_RESIDUAL / result.agreed,
-        air=_air_missed(result) * ACCEPTED_RESIDUAL / result.agreed,
+        nips=largest([largest(result.nip_residual), _impossible(result)]),
+        coupling=largest(np.abs(answers)) * scale,
+        air=_air_missed(result) * scale,
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
-        schedules=max(
-            largest(np.abs(getattr(result, name) - problem.at(name, r)))
-            / max(float(np.max(np.abs(problem.at(name, r)))), 1e-300)
-            for name in ("web_tension", "nip_load", "winding_force")
-        ),
-        reach=max(
-            largest(np.abs(r[[0, -1]] / problem.ends - 1)), 0.0 if (steps > 0).all() else 1.0
+        schedules=largest(schedules),
+        reach=largest(
+            [largest(np.abs(r[[0, -1]] / problem.ends - 1)), 0.0 if (steps > 0).all() else 1.0]
         ),
     )
+
+
+def _impossible(result: WindingResult) -> float:
+    """Return 0 if the nips have widths, pressures and frictions that a nip can have, else inf."""
+    quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
+    if result.problem.roll_body == "effective":
+        quantities.append(result.nip_felt_pressure)
+    return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 
 def _air_missed(result: WindingResult) -> float:

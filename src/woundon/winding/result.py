@@ -57,7 +57,8 @@ class WindingResult(WithMargins, Result):
     nodes, nips_solved : int
         Of each nip, and how many were solved in all turns.
     roll_rtol, agreed : float
-        To which the roll was solved, and to which it and the nips agree, of the tension [1].
+        The requested tolerances: of the roll's pressure, and of the wound-on tension on which roll
+        and nips agree [1].
     nips : tuple of Felt
         The nips themselves, for a neighbouring winding to start from; none after loading.
     """
@@ -77,6 +78,10 @@ class WindingResult(WithMargins, Result):
         ("nip_wound_on_tension", "nip_half_width", "nip_peak_pressure", "nip_felt_pressure",
          "nip_departure", "nip_error", "nip_residual"), "nip_radius",
     ))  # fmt: skip
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset({
+        "core_interpolation_error", "interpolation_error", "nip_error", "nips_solved", "nodes",
+        "roll_rtol",
+    })  # fmt: skip
 
     problem: WindingProblem
     radius: Annotated[Array, length("r", "radius")]

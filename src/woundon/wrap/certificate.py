@@ -13,6 +13,7 @@ from ..contact.certificate import (
     from_edge,
     integral,
     largest,
+    misplaced_slips,
     positive_pressure,
 )
 from ..contact.response import Tractions
@@ -115,15 +116,19 @@ def certificate(result: WrappedNipResult, equations: WrapEquations) -> Residuals
         indentation=_indentation(equations, z, along.gap / top, top),
         positive_pressure=positive_pressure(result.roll_pressure, result.pressure),
         **_friction(result, equations, q, slips, top),
-        slip_speed=max(_differ(np.array([result.roll_slip, result.drum_slip]), slips,
-                               result.drum_creep),
-                       _differ(result.roll_strain, roll_strain(equations, along))) / top,
+        slip_speed=largest([
+            _differ(np.array([result.roll_slip, result.drum_slip]), slips, result.drum_creep),
+            _differ(result.roll_strain, roll_strain(equations, along)),
+        ]) / top,
         load_equilibrium=abs(carried / P - 1),
         force_equilibrium=beyond_rounding(np.asarray(force), T) / P,
         web_equilibrium=beyond_rounding(T - problem.web_tension - gained, T) / P,
         hoop_pressure=_hoop(result, equations),
         curvature=_curvature(result, equations, along.bend, top) / largest(np.abs(along.bend)),
-        half_width=largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
+        half_width=largest([
+            largest(np.abs(x / a - grid.nodes) / np.maximum(1.0, np.abs(grid.nodes))),
+            misplaced_slips(result.slip_x, x) / a,
+        ]),
         **within(problem, (face.response for face in equations.laws.both)),
         **balance_law(
             result, lambda: surfaces_of(result, equations),
@@ -202,7 +207,7 @@ def _hoop(result: WrappedNipResult, equations: WrapEquations) -> float:
     own = float(np.max(np.abs(weight)))
     top = own if equations.weighs.any() else float(np.max(result.roll_pressure))
     miss = np.abs(result.roll_pressure - result.pressure - weight)
-    return max(largest(miss), largest(np.abs(result.hoop_pressure - weight))) / top
+    return largest([largest(miss), largest(np.abs(result.hoop_pressure - weight))]) / top
 
 
 def _curvature(

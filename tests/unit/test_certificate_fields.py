@@ -1,0 +1,134 @@
+"""No field of a result can be wrong without notice: NaN and reversed signs, field by field.
+
+Every field of every kind of result is corrupted. Then either the certificate fails, or the field is
+declared an estimate. Evidence: error injection.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from thesis_cases import newsprint_nip, paper_nip
+
+import woundon as wo
+from woundon import kinds
+
+ACCEPTED = 1e-8
+RUBBER = wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48, prony=[(1e6, 1e-3)])
+ROLLERS = wo.RollerProblem(
+    upper=wo.HalfPlane(radius=0.25, material="steel"),
+    lower=wo.HalfPlane(radius=0.2, material="soft-cover"), load=2e3, tangential_load=150.0,
+    friction=0.3,
+)  # fmt: skip
+WINDING = wo.WindingProblem.example().replace(radius=0.08)
+COARSE: dict[str, Any] = {"nodes": 25, "rtol": 5e-2}
+CASES: dict[str, Callable[[], Any]] = {
+    "nip": lambda: wo.solve(newsprint_nip(), nodes=33),
+    "nip, polynomial elements": lambda: wo.solve(newsprint_nip(), rtol=1e-6),
+    "nip, viscoelastic drum": lambda: wo.solve(
+        paper_nip(drum=wo.HalfPlane(radius=0.25, material=RUBBER), web_speed=2.0), nodes=33
+    ),
+    "nip with wraps": lambda: wo.solve(newsprint_nip().wrapped(drum_wrap=1.0), nodes=33),
+    "nip with air": lambda: wo.solve(wo.AirNipProblem.example(), nodes=33),
+    "rollers": lambda: wo.solve(ROLLERS, nodes=41),
+    "rollers, static": lambda: wo.solve(ROLLERS.replace(motion="static"), nodes=41),
+    "rollers, creepage": lambda: wo.solve(
+        ROLLERS.replace(tangential_load=None, creepage=1e-3), nodes=41
+    ),
+    "roll": lambda: wo.solve(wo.WoundRollProblem.example()),
+    "winding": lambda: wo.solve(WINDING, **COARSE),
+    "winding with air": lambda: wo.solve(
+        WINDING.replace(web_speed=20.0, air=wo.Air(roughness=3e-6)), **COARSE
+    ),
+    "winding without nips": lambda: wo.solve(
+        WINDING.replace(tension_law="friction", winding_force=-50.0)
+    ),
+}
+HEADS = {"problem", "residuals", "errors", "warnings"}
+
+
+@cache
+def solved(case: str) -> Any:
+    return CASES[case]()
+
+
+def is_certified(result: Any) -> bool:
+    """Tell whether the certificate holds, evaluated from the fields of the result."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # of the logarithm of a negative radius
+            largest = result.certified().largest
+            again = dict(result.recomputed())
+    except (wo.InvalidProblem, ValueError, ArithmeticError, LookupError):
+        return False  # it cannot be evaluated
+    told = (np.isclose(getattr(result, name), value, rtol=1e-9, atol=within)
+            for name, (value, within) in again.items())  # fmt: skip
+    return bool(largest <= ACCEPTED and all(told))
+
+
+def corrupted(result: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """Yield wrong values of a field with a description; none for text and what is not reported."""
+    value = getattr(result, name)
+    if isinstance(value, np.ndarray) and value.size:
+        if value.dtype.kind == "f":
+            everywhere = np.full_like(value, np.nan)
+            yield "nan everywhere", everywhere
+            for k in {0, 1, value.size // 2, value.size - 1} & set(range(value.size)):
+                if value[k] == value[k]:
+                    one = value.copy()
+                    one[k] = np.nan
+                    yield f"nan at {k}", one
+        if np.nan_to_num(value).any():
+            yield "reversed sign", -value
+    elif isinstance(value, (int, float)) and value == value:
+        if isinstance(value, float):
+            yield "nan", float("nan")
+        if value:
+            yield "reversed sign", -value
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_field_that_is_nan_or_reversed_is_noticed(case: str) -> None:
+    result = solved(case)
+    assert is_certified(result)
+    unnoticed = [
+        f"{part.name}: {how}"
+        for part in fields(result)
+        if part.name not in HEADS | result.ESTIMATES and part.metadata.get("saved", True)
+        for how, value in corrupted(result, part.name)
+        if is_certified(result.replace(**{part.name: value}))
+    ]
+    assert unnoticed == []
+
+
+def test_every_kind_of_result_is_corrupted() -> None:
+    own = {kind.result for kind in kinds.every() if kind.result.__module__.startswith("woundon.")}
+    assert own == {type(solved(case)) for case in CASES}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_main_outputs_are_no_estimates(case: str) -> None:
+    result = solved(case)
+    names = {part.name for part in fields(result)}
+    assert names >= result.ESTIMATES
+    assert not result.ESTIMATES & set(result.MAIN)
+
+
+def test_a_nip_with_air_is_certified_after_it_was_loaded(tmp_path: Any) -> None:
+    """Its outputs are those of the nip, solved again."""
+    for options in ({}, {"nodes": 33, "wrap_nodes": 100}):
+        result = wo.solve(wo.AirNipProblem.example(), **options)
+        path = tmp_path / "air.json"
+        result.save(path)
+        assert wo.load_result(path, verify=True) == result
+        loaded = wo.load_result(path)
+        assert is_certified(loaded)
+        for name in ("wound_on_tension", "nip_induced_tension", "peak_pressure"):
+            for wrong in (-getattr(loaded, name), float("nan")):
+                assert not is_certified(loaded.replace(**{name: wrong})), name
