@@ -34,7 +34,7 @@ from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..roll.solve import ThinLaps
 from ..threads import one_thread
-from .certificate import certificate
+from .certificate import MOST_AGREED, certificate
 from .curve import NOMINAL, TensionCurve, looked_at, told_radii
 from .interpolation import Piece
 from .measured import Departure, largest_miss, smoothed
@@ -52,7 +52,7 @@ RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
 MOST_TURNS = 30
-PATIENT = 10  # turns, after which an agreement to rtol will do: nips whose zones jump do no better
+PATIENT = 10  # turns, after which radii are added whatever the tension still changes by
 EXPECTED_TURNS = 4  # for the progress told
 SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
 # and from which on their answers tell whether more radii are needed, and which: not sooner, or that
@@ -134,7 +134,7 @@ def check_options(
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     whole_number("nodes", nodes, LEAST_NODES, 1025)
     if agreed is not None:
-        tolerance("agreed", agreed, LEAST_AGREED, 1e-2)
+        tolerance("agreed", agreed, LEAST_AGREED, MOST_AGREED)
 
 
 @dataclass
@@ -176,16 +176,14 @@ class _Winder:
         for number in range(MOST_TURNS):
             if solve and self.nips.coarse and change <= SETTLED:
                 self.nips.coarse, before = False, None
-            rough, patient = change > SETTLED, number < PATIENT
+            rough = change > SETTLED
             turn = self._turned(given, rough, None if solve else before)
             if solve:
-                known = turn.change <= TOLD_BY[self.problem.roll_body] or not patient
+                known = turn.change <= TOLD_BY[self.problem.roll_body] or number >= PATIENT
                 certain = known and not self.nips.coarse
             added = solve and certain and self._refined(turn)
             change = turn.change
             settled = certain and not (added or rough)
-            if settled and not patient and change <= self.rtol:
-                self.agreed = max(self.agreed, 1.001 * change / SPARE)  # as well as it will
             if settled and change <= SPARE * self.agreed:
                 return turn if solve else self._wound_anew(turn)
             direct = self.problem.roll_body == "direct"
