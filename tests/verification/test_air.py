@@ -214,6 +214,19 @@ def test_every_law_can_be_broken(with_air):
     assert {law for law, _ in with_air.residuals.items()} == {"film", "film_over_nip", "nip"}
 
 
+@pytest.mark.parametrize("tension", [20.0, 100.0, 400.0])
+def test_the_air_that_passes_the_nip_is_on_the_roll(film_nip, tension):
+    """Conservation of mass: isothermal air has the same h (p_a + p) in the nip and under a layer.
+
+    p is the mean pressure P/2a in the nip and T/R under the layer wound on.
+    """
+    problem = film_nip.replace(web_tension=tension)
+    result, p_a = wo.solve(problem, nodes=33), problem.air.ambient_pressure
+    in_nip = result.film_in_nip * (p_a + problem.nip_load / (2 * result.half_width))
+    on_roll = result.nip_film * (p_a + tension / problem.roll.radius)
+    assert on_roll == pytest.approx(in_nip, rel=1e-9)
+
+
 def test_trends_that_every_winder_knows(film_nip, with_air):
     def film(**changes):
         return wo.solve(film_nip.replace(**changes), nodes=33).nip_film

@@ -213,3 +213,25 @@ def test_capstan_behind_the_nip() -> None:
     # exact but for the rule of integration; measured 2e-6
     assert gained == pytest.approx(0.19 * turned, rel=1e-4)
     assert result.roll_pressure[last] == pytest.approx(result.web_tension[last] * kappa[-1])
+
+
+# ---- the end of slip on the roll -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("load", [800.0, 4700.0])
+def test_the_slip_angle_ends_between_the_last_node_that_slips_and_the_first_that_sticks(
+    load: float,
+) -> None:
+    """Consistency with the zones; and first-order convergence, to one cell of the wrap."""
+    problem = newsprint_nip(nip_load=load).wrapped()
+    fine = wo.solve(problem, nodes=65, wrap_nodes=300)
+    for nodes, wrap_nodes in ((33, 40), (65, 60)):
+        result = wo.solve(problem, nodes=nodes, wrap_nodes=wrap_nodes)
+        behind = (result.x - result.half_width) / problem.roll.radius
+        wrap = behind > 0
+        angle, zone = behind[wrap], result.roll_zone[wrap]
+        first = int(np.argmax(zone != zone[0]))
+        cell = angle[first] - angle[first - 1]
+        inside = (result.slip_angle - angle[first - 1]) / cell
+        assert 1e-3 < inside < 1 - 1e-3
+        assert abs(result.slip_angle - fine.slip_angle) < cell
