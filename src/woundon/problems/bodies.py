@@ -20,8 +20,10 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..contact.meshes import RESOLVED
 from ..contact.response import Response
 from ..elasticity import cylinder, half_plane, rolling
+from ..elasticity.influence import InfluenceSurface
 from ..elasticity.kernels import SurfaceKernels
 from ..elasticity.layers import stacked_compliance
+from ..elasticity.surface import RigidSurface, SurfaceResponse
 from ..errors import InvalidProblem
 from ..quantities import length
 from . import viscoelastic as viscoelastic  # it joins the materials
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
     from ..contact.response import ContactGrid, Tractions
     from ..elasticity.layers import Layers as Stacked
+    from ..elasticity.mesh import Face
     from .fields import Given
 
 __all__ = [
@@ -82,6 +85,22 @@ class Body(Family):
     def viscoelastic(self) -> bool:
         """Whether the response depends on the speed."""
         return False
+
+    def surface(
+        self, face: Face, half_width: float, speed: float | None = None
+    ) -> SurfaceResponse:
+        """Return the response of the surface on a face scaled by the half width.
+
+        Parameters
+        ----------
+        face : Face
+            Nodes of the tractions and points of slopes and strains, in units of the half width.
+        half_width : float
+            a [m].
+        speed : float, optional
+            Speed at which the surface rolls along +x [m/s]; elastic bodies do not depend on it.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no surface response")
 
     def respond(
         self,
@@ -178,6 +197,10 @@ class Rigid(Body):
 
     rigid: ClassVar[bool] = True
 
+    def surface(self, face: Face, half_width: float, speed: float | None = None) -> RigidSurface:
+        """Return a surface that does not deform."""
+        return RigidSurface(face)
+
     def respond(
         self,
         grid: ContactGrid,
@@ -203,6 +226,13 @@ class KernelBody(Body, abstract=True):
         Those of a viscoelastic body without a speed are of all that relaxes relaxed.
         """
         raise NotImplementedError
+
+    def surface(
+        self, face: Face, half_width: float, speed: float | None = None
+    ) -> InfluenceSurface:
+        """Return the response of the surface by its influence functions."""
+        kernels = self.kernels(speed) if self.viscoelastic and speed else self.kernels()
+        return InfluenceSurface(kernels, self.radius, self.curvature > 0, face, half_width)
 
     def respond(
         self,

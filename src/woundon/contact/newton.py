@@ -1,0 +1,285 @@
+r"""Semismooth Newton method (primal-dual active set) for contact with Coulomb friction.
+
+A system on one mesh has the unknowns u, the equilibrium equations E(u) = 0, and for each traction
+node a slip velocity v(u), a traction q(u) and a friction bound b(u).  The friction law
+
+    stick (0):   v = 0         while |q| <= b
+    slip (+-1):  q = s b       while s v >= 0
+
+is one of two equations; the active set says which.  An iteration solves the linear system
+
+    [ dE/du                      ]         [ E       ]
+    [ dv/du            (stick)   ] du = -  [ v       ]
+    [ dq/du - s db/du  (slip)    ]         [ q - s b ]
+
+and then updates the active set: a sticking node whose traction exceeds its bound slips in the
+direction of the traction, and a slipping node whose slip opposes its traction sticks (Hueber and
+Wohlmuth 2005).  Factorisations are reused while the step shrinks (modified Newton method).
+
+The method contains no mechanics.  All equations and unknowns are scaled to order one by
+``System.scales`` and by the system itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from scipy.linalg import get_lapack_funcs
+
+__all__ = ["Counts", "Iterate", "Jacobian", "NewtonFailed", "SemismoothNewton", "System"]
+
+Array = np.ndarray
+
+MAX_ITERATIONS = 60
+# An active set that returns more often cycles: then only the last violated node changes (Murty).
+MOST_VISITS = 2
+# A factorisation is reused as long as it reduces the step by this factor.
+CONTRACTION = 0.1
+# Change of ln a after which the matrices are assembled again; less changes them by about as much.
+REASSEMBLE = 0.02
+# A step below this size that a new factorisation does not reduce is due to rounding.
+ROUNDING = 1e-6
+# Violation of an inequality, relative to the largest bound or slip, that is due to rounding.
+VIOLATION = 1e-10
+# Largest change of ln a in a step.
+LARGEST_STEP = 0.7
+
+_getrf, _getrs = get_lapack_funcs(("getrf", "getrs"), (np.empty((1, 1)),))
+
+
+class NewtonFailed(ArithmeticError):
+    """The iteration found no solution."""
+
+
+class Iterate(Protocol):
+    """A state of a system; everything but ``u`` is dimensionless."""
+
+    u: Array
+    equilibrium: Array  # E, (m,)
+    slip: Array  # v, (k,)
+    traction: Array  # q, (k,)
+    bound: Array  # b, (k,), in the unit of the traction
+
+
+class Jacobian(NamedTuple):
+    """Derivatives of equilibrium (m, m+k), slip and bound (k, m+k) by u."""
+
+    equilibrium: Array
+    slip: Array
+    bound: Array
+
+
+class System(Protocol):
+    """Equations on one mesh.
+
+    Attributes
+    ----------
+    scales : (m+k,) array
+        Units of the unknowns.
+    traction_unknowns : slice
+        The unknowns that are tractions; there are k.
+    ln_a, load_row : int
+        The unknown ln a, and the equation of the load.
+    largest_ln_a : float
+    creep_nodes : int array
+        Traction nodes whose slip velocity contains an unknown creepage.
+    """
+
+    scales: Array
+    traction_unknowns: slice
+    ln_a: int
+    load_row: int
+    largest_ln_a: float
+    creep_nodes: Array
+
+    def evaluate(self, u: Array) -> Any:
+        """Return the :class:`Iterate` of given unknowns."""
+        ...
+
+    def jacobian(self, state: Any) -> Jacobian:
+        """Return the derivatives; the column by ln a is not needed."""
+        ...
+
+    def half_width_column(self, state: Any) -> tuple[Array, Array, Array]:
+        """Return the derivatives of equilibrium, slip and bound by ln a."""
+        ...
+
+
+@dataclass
+class Counts:
+    """Number of operations on one mesh."""
+
+    iterations: int = 0
+    factorisations: int = 0
+    assemblies: int = 0
+
+
+class SemismoothNewton:
+    """Solver of one system; it keeps its factorisation between calls.
+
+    Parameters
+    ----------
+    system : System
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system, self.counts = system, Counts()
+        self.jacobian: Jacobian | None = None
+        self.assembled_at, self.size = np.inf, np.inf
+        self.linear: _LinearSystem | None = None
+
+    def solve(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
+        """Return the solution and its active set.
+
+        Parameters
+        ----------
+        state : Iterate
+            Initial guess.
+        active : (k,) int array
+            Initial active set: 0 stick, +1 and -1 slip.
+        tolerance : float
+            Largest component of the last step, in the units of the unknowns.  A step does not
+            depend on how the equations are scaled (affine invariance, Deuflhard 2011).
+
+        Raises
+        ------
+        NewtonFailed
+        """
+        visits: dict[bytes, int] = {}
+        for _ in range(MAX_ITERATIONS):
+            self.counts.iterations += 1
+            step, size = self._step(state, active)
+            if size < tolerance:
+                return state, active
+            state = self.system.evaluate(_limited(self.system, state.u, step))
+            violated = _violated(state, active)
+            if violated.any():
+                key = active.tobytes()
+                visits[key] = visits.get(key, 0) + 1
+                if visits[key] > MOST_VISITS:
+                    violated[: np.nonzero(violated)[0][-1]] = False
+                active = _updated(self.system, state, active, violated)
+        raise NewtonFailed(
+            f"{int(violated.sum())} nodes violate the friction law; the last step is {size:.1e}"
+        )
+
+    def _step(self, state: Any, active: Array) -> tuple[Array, float]:
+        """Return the step and its size; a size of 0 where rounding permits no smaller one."""
+        residual = np.append(state.equilibrium, friction_residual(state, active))
+        if not np.isfinite(residual).all():
+            raise NewtonFailed("the residual is not finite")
+        linear, before = self.linear, self.size
+        if linear is not None and linear.active is active:
+            step, self.size = linear.newton_step(residual)
+            if self.size < CONTRACTION * before:
+                return step, self.size
+        stalled = linear is not None and linear.active is active
+        linear = self._factorise(state, active, stalled)
+        step, self.size = linear.newton_step(residual)
+        if stalled and before < ROUNDING and self.size > CONTRACTION * before:
+            return step, 0.0
+        return step, self.size
+
+    def _factorise(self, state: Any, active: Array, stalled: bool) -> _LinearSystem:
+        ln_a = state.u[self.system.ln_a]
+        if self.jacobian is None or stalled or abs(ln_a - self.assembled_at) > REASSEMBLE:
+            self.jacobian, self.assembled_at = self.system.jacobian(state), ln_a
+            self.counts.assemblies += 1
+        # tractions jump with the active set, so the column by ln a is not reused
+        columns = self.system.half_width_column(state)
+        for matrix, column in zip(self.jacobian, columns, strict=True):
+            matrix[:, self.system.ln_a] = column
+        self.linear = _LinearSystem(self.system, self.jacobian, active)
+        self.counts.factorisations += 1
+        return self.linear
+
+
+def friction_residual(state: Iterate, active: Array) -> Array:
+    """Return v of sticking nodes and q - s b of slipping nodes, (k,)."""
+    return np.where(active == 0, state.slip, state.traction - active * state.bound)
+
+
+def _limited(system: System, u: Array, step: Array) -> Array:
+    """Return u + step, with the half width at most the largest one permitted."""
+    ln_a, largest = system.ln_a, system.largest_ln_a
+    if u[ln_a] == largest and step[ln_a] > 0:
+        raise NewtonFailed("the half width exceeds the largest one permitted")
+    u = u + step
+    u[ln_a] = min(u[ln_a], largest)
+    return u
+
+
+def _violated(state: Iterate, active: Array) -> Array:
+    """Return which nodes violate the inequality of the friction law."""
+    slack = VIOLATION * np.abs(state.bound).max()
+    still = VIOLATION * np.abs(state.slip).max()
+    exceeds = np.abs(state.traction) > state.bound + slack
+    return np.where(active == 0, exceeds, active * state.slip < -still)
+
+
+def _updated(system: System, state: Iterate, active: Array, violated: Array) -> Array:
+    """Return the next active set.
+
+    One node whose slip contains the creepage keeps sticking: otherwise no equation determines the
+    creepage, and the Jacobian is singular.
+    """
+    new = np.where(violated, np.sign(state.traction) * (active == 0), active).astype(np.int8)
+    held = system.creep_nodes
+    if held.size and (new[held] != 0).all():
+        stuck = held[active[held] == 0]
+        # prefer a node between zones of opposite slip, where the slip velocity changes sign
+        direction = np.sign(new[stuck].sum()) if stuck.size else 0
+        slipped = held[active[held] != 0]
+        between = slipped[new[slipped] * direction <= 0]
+        candidates = next(set_ for set_ in (between, slipped, held) if set_.size)
+        new[candidates[np.argmin(np.abs(state.slip[candidates]))]] = 0
+    return new
+
+
+class _LinearSystem:
+    """The factorised linear system of an active set."""
+
+    def __init__(self, system: System, jacobian: Jacobian, active: Array) -> None:
+        self.system, self.active = system, active
+        matrix = system_matrix(system, jacobian, active)
+        matrix *= system.scales
+        self.row_size = np.abs(matrix).max(axis=1)
+        matrix /= self.row_size[:, None]
+        # rows are contiguous, so LAPACK factorises the transpose
+        self.lu, self.pivots, info = _getrf(matrix.T, overwrite_a=1)
+        if info != 0:
+            raise NewtonFailed("singular Jacobian")
+
+    def solve(self, right: Array) -> Array:
+        """Solve J x = right; x in the units of the unknowns."""
+        x, _ = _getrs(self.lu, self.pivots, right / self.row_size, trans=1)
+        return np.asarray(x)
+
+    def newton_step(self, residual: Array) -> tuple[Array, float]:
+        """Return -J^-1 r and its size, with the change of ln a limited.
+
+        A larger change is limited by relaxing the equation of the load; all others are kept.
+        """
+        x, ln_a = self.solve(-residual), self.system.ln_a
+        if abs(x[ln_a]) > LARGEST_STEP:
+            load = np.zeros(x.size)
+            load[self.system.load_row] = 1.0
+            by_load = self.solve(load)
+            x += by_load * ((np.copysign(LARGEST_STEP, x[ln_a]) - x[ln_a]) / by_load[ln_a])
+        return x * self.system.scales, float(np.abs(x).max())
+
+
+def system_matrix(system: System, jacobian: Jacobian, active: Array) -> Array:
+    """Return the matrix of the linear system for an active set, (m+k, m+k)."""
+    m, k = len(jacobian.equilibrium), active.size
+    matrix = np.empty((m + k, m + k))
+    matrix[:m] = jacobian.equilibrium
+    slips = active != 0
+    np.copyto(matrix[m:], jacobian.slip)
+    rows = np.nonzero(slips)[0]
+    matrix[m + rows] = jacobian.bound[rows] * -active[rows, None]
+    q = np.arange(m + k)[system.traction_unknowns]
+    matrix[m + rows, q[rows]] += 1 / system.scales[q[rows]]
+    return matrix

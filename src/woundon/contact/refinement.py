@@ -1,0 +1,211 @@
+r"""Mesh refinement with Richardson's error estimate.
+
+The system is solved on meshes of N_1 < N_2 < ... nodes, each from the solution on the one before.
+The discretisation is of order two on average.  With the changes of an output Q,
+
+    d_k = |Q_k - Q_(k-1)| / ((N_k/N_(k-1))^2 - 1),
+
+the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the last two changes.
+Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
+chance, and the factor of safety is that of Roache's grid convergence index.
+
+The first three meshes are fixed.  The next one is predicted from the ratio r of the estimate and
+the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf, sqrt
+from typing import Any
+
+import numpy as np
+
+from .newton import NewtonFailed, SemismoothNewton
+
+__all__ = ["FIRST_SIZES", "MeshSolution", "Refinement", "error_estimate", "refine"]
+
+Array = np.ndarray
+
+FIRST_SIZES = (13, 23, 41)
+# Other first meshes, tried once where the iteration fails: they have other active sets.
+OTHER_SIZES = (17, 29, 45)
+# Sizes of all further meshes: with few different ones, what depends on the mesh alone is reused,
+# and neighbouring problems are solved on the same meshes.
+SIZES = (
+    *range(49, 97, 8), *range(97, 193, 16), *range(193, 385, 32), *range(385, 769, 64),
+    *range(769, 1026, 128),
+)  # fmt: skip
+SAFETY, CHANGES = 3.0, 2
+# A predicted mesh aims at this share of the tolerance.
+AIM, LEAST_GROWTH, MOST_GROWTH = 0.6, 1.3, 2.0
+# Last Newton step, in the units of the unknowns: while meshes are refined, and on the last one.
+COARSE, FINE = 1e-5, 1e-9
+
+
+@dataclass
+class MeshSolution:
+    """The solution on one mesh."""
+
+    size: int
+    system: Any
+    state: Any
+    active: Array
+    solver: SemismoothNewton
+    outputs: Mapping[str, float]
+
+
+@dataclass
+class Refinement:
+    """The solutions on a sequence of meshes."""
+
+    meshes: list[MeshSolution] = field(default_factory=list)
+
+    @property
+    def last(self) -> MeshSolution:
+        """The solution on the finest mesh."""
+        return self.meshes[-1]
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations on all meshes."""
+        return sum(mesh.solver.counts.iterations for mesh in self.meshes)
+
+    def errors(self) -> dict[str, float]:
+        """Return the error estimates of all outputs; nan with fewer than three meshes."""
+        history = [(mesh.size, mesh.outputs) for mesh in self.meshes]
+        return {name: error_estimate(history, name) for name in self.last.outputs}
+
+
+def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str) -> float:
+    """Return the estimated error of an output on the last of several meshes.
+
+    Parameters
+    ----------
+    history : sequence of (nodes, outputs)
+        At least three for an estimate; nan with fewer.
+    name : str
+
+    Examples
+    --------
+    >>> history = [(10, {"Q": 1.04}), (20, {"Q": 1.01}), (40, {"Q": 1.0025})]
+    >>> round(error_estimate(history, "Q"), 4)
+    0.0075
+    """
+    if len(history) <= CHANGES:
+        return float("nan")
+    last, value = history[-1][0], history[-1][1][name]
+    largest = FINE * abs(value)  # the tolerance of the solver
+    pairs = list(zip(history, history[1:], strict=False))[-CHANGES:]
+    for (m, coarse), (n, fine) in pairs:
+        change = abs(fine[name] - coarse[name]) / ((n / m) ** 2 - 1)
+        largest = max(largest, SAFETY * change * (n / last) ** 2)
+    return largest
+
+
+def refine(
+    system_of: Callable[[int], Any],
+    *,
+    nodes: int | None = None,
+    criterion: Callable[[Mapping[str, float], Mapping[str, float]], float] = lambda *_: 0.0,
+    most_nodes: int = 257,
+    start: Refinement | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Refinement:
+    """Solve on a sequence of meshes until a criterion is met.
+
+    Parameters
+    ----------
+    system_of : callable
+        nodes -> :class:`~woundon.contact.newton.System` with ``initial_guess``, ``prolong`` and
+        ``outputs``.
+    nodes : int, optional
+        Size of the last mesh; by default as many as the criterion requires.
+    criterion : callable
+        (outputs, errors) -> largest ratio of an error estimate and its tolerance.
+    most_nodes : int
+        Largest mesh; there the refinement ends even if the criterion is not met.
+    start : Refinement, optional
+        Solutions of a neighbouring problem, which replace the initial guess on every mesh.
+    progress : callable, optional
+        Called with the fraction of the work that is done, estimated.
+
+    Raises
+    ------
+    NewtonFailed
+        If no first mesh leads to a solution.
+    """
+    attempts = [(FIRST_SIZES, start)] if start is not None else []
+    attempts += [(FIRST_SIZES, None), (OTHER_SIZES, None)]
+    for sizes, guess in attempts:
+        try:
+            return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, progress)
+        except NewtonFailed as failed:
+            last = failed
+    raise last
+
+
+def _refine(
+    system_of: Callable[[int], Any], first: tuple[int, ...], nodes: int | None,
+    criterion: Callable[[Mapping[str, float], Mapping[str, float]], float], most_nodes: int,
+    start: Refinement | None, progress: Callable[[float], None] | None,
+) -> Refinement:  # fmt: skip
+    found = Refinement()
+    sizes = sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
+    while True:
+        for size in sizes:
+            found.meshes.append(_solve(system_of(size), size, found, start))
+            if progress:
+                progress(min(size / (nodes or most_nodes), 1.0))
+        ratio = criterion(found.last.outputs, found.errors())
+        if nodes or not ratio > 1 or found.last.size >= most_nodes:
+            _polish(found.last)
+            return found
+        sizes = [min(predicted_size(found.last.size, ratio), most_nodes)]
+
+
+def _solve(system: Any, size: int, found: Refinement, start: Refinement | None) -> MeshSolution:
+    """Return the solution on a mesh, from a neighbouring problem's or that of the mesh before."""
+    near = None if start is None else min(start.meshes, key=lambda mesh: abs(mesh.size - size))
+    if near is not None and (not found.meshes or near.size >= size):
+        u, active = system.prolong(near.state, near.active, near.system)
+    elif found.meshes:
+        last = found.last
+        u, active = system.prolong(last.state, last.active, last.system)
+    else:
+        u, active = system.initial_guess()
+    solver = SemismoothNewton(system)
+    state, active = solver.solve(system.evaluate(u), active, COARSE)
+    return MeshSolution(size, system, state, active, solver, system.outputs(state))
+
+
+def _polish(mesh: MeshSolution) -> None:
+    """Continue the iteration on the last mesh to the final tolerance."""
+    mesh.state, mesh.active = mesh.solver.solve(mesh.state, mesh.active, FINE)
+    mesh.outputs = mesh.system.outputs(mesh.state)
+
+
+def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
+    """Return a sequence of meshes that ends with a given one, at least doubling it twice before.
+
+    Examples
+    --------
+    >>> sizes_up_to(129)
+    [13, 23, 41, 73, 129]
+    >>> sizes_up_to(41)
+    [13, 23, 41]
+    """
+    sizes = [n for n in first if n * LEAST_GROWTH <= nodes]
+    ratio = nodes / sizes[-1] if sizes else 1.0
+    steps = 1
+    while ratio ** (1 / steps) > MOST_GROWTH:
+        steps += 1
+    low = sizes[-1] if sizes else nodes
+    return [*sizes, *(round(low * ratio ** (k / steps)) for k in range(1, steps)), nodes]
+
+
+def predicted_size(last: int, ratio: float) -> int:
+    """Return the next mesh for a ratio of error estimate and tolerance."""
+    growth = min(max(sqrt(ratio / AIM), LEAST_GROWTH), MOST_GROWTH) if ratio < inf else MOST_GROWTH
+    return next((size for size in SIZES if size >= 0.97 * growth * last), SIZES[-1])

@@ -1,0 +1,144 @@
+"""Integrals of influence functions against piecewise linear tractions.
+
+A traction on the nodes s_0 < ... < s_n is a sum of nodal hat functions; those of the end nodes have
+one half.  For an influence function k and a point y the integrals  int k(y - s) hat_m(s) ds  are
+needed.  The singular parts 1/t, Dirac(t), ln|t| and sgn(t) are integrated in closed form, smooth
+functions by Gauss's rule, and functions with a known second integral K'' = k by second differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+__all__ = ["by_second_integral", "gauss_points", "singular_integrals"]
+
+Array = np.ndarray
+
+# A cell over its distance from a point, below which the difference of two logarithms would cancel.
+FAR = 0.2
+# Gauss points of a cell: enough for three a length on which the function varies, at most so many.
+MOST_POINTS = 150
+
+
+def singular_integrals(points: Array, nodes: Array) -> Array:
+    """Integrate 1/t, Dirac(t), ln|t| and sgn(t), t = y - s, against all hats.
+
+    Parameters
+    ----------
+    points : (k,) array
+        y.  A value at a node where 1/t is singular is large, but finite.
+    nodes : (n,) array
+
+    Returns
+    -------
+    (4, k, n) array
+        1/t as Cauchy principal value.
+
+    Notes
+    -----
+    For a cell of length h with the middle at the distance d = y - s_m, t0 and t1 the distances of
+    its ends and L = ln|t0/t1|,
+
+        int ds/t                = L             int (s - s_m) ds/t       = d L - h
+        int Dirac ds            = 1 (inside)    int (s - s_m) Dirac ds   = d (inside)
+        int ln|t| ds            = d L + h (ln|t0| + ln|t1|)/2 - h
+                                                int (s - s_m) ln|t| ds   = [d (d L - h) - h^2 L/4]/2
+        int sgn(t) ds           = 2 c           int (s - s_m) sgn(t) ds  = c^2 - h^2/4
+
+    with c = d limited to +-h/2.
+    """
+    t = points[:, None] - nodes
+    logs = np.log(np.maximum(np.abs(t), 1e-300))
+    t0, t1 = t[:, :-1], t[:, 1:]
+    h, d = t0 - t1, (t0 + t1) / 2
+    L = logs[:, :-1] - logs[:, 1:]
+    with np.errstate(divide="ignore"):
+        ratio = h / t1
+    np.log1p(ratio, out=L, where=np.abs(ratio) < FAR)
+    c = np.clip(d, -h / 2, h / 2)
+    inside = c == d
+    zeroth, first = np.empty((2, 4, *d.shape))
+    zeroth[0], zeroth[1], zeroth[3] = L, inside, 2 * c
+    first[0] = d * L - h
+    zeroth[2] = first[0] + h / 2 * (logs[:, :-1] + logs[:, 1:])
+    first[1] = inside * d
+    first[2] = (d * first[0] - h**2 / 4 * L) / 2
+    first[3] = c**2 - h**2 / 4
+    # a hat is 1/2 +- (s - s_m)/h in its two cells
+    out, zeroth, first = np.zeros((4, *t.shape)), zeroth / 2, first / h
+    out[..., :-1] = zeroth - first
+    out[..., 1:] += zeroth + first
+    return out
+
+
+def by_second_integral(
+    second: Callable[[Array], Array], first: Callable[[Array], Array] | None,
+    points: Array, nodes: Array,
+) -> Array:  # fmt: skip
+    """Integrate influence functions k = K'' against hats by second differences of K, exactly.
+
+    Parameters
+    ----------
+    second : callable
+        t -> K(t), (..., k, n) for t (k, n).
+    first : callable or None
+        t -> K'(t), (..., k) for t (k,); without it the columns of the end nodes stay zero.
+    points, nodes : arrays
+        [m].
+
+    Returns
+    -------
+    (..., k, n) array
+    """
+    t = points[:, None] - nodes
+    rise = np.diff(second(t), axis=-1) / np.diff(nodes)
+    if first is None:
+        out = np.zeros((*rise.shape[:-1], nodes.size))
+        out[..., 1:-1] = np.diff(rise, axis=-1)
+        return out
+    ends = [-np.asarray(first(points - node))[..., None] for node in nodes[[0, -1]]]
+    return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
+
+
+def gauss_points(nodes: Array, a: float, length: float) -> tuple[Array, Array]:
+    """Return Gauss points along neighbouring cells, and the values of all hats times weights.
+
+    Parameters
+    ----------
+    nodes : (n,) array
+        In units of a.
+    a, length : float
+        Half width, and the length on which the function varies [m].
+
+    Returns
+    -------
+    (g,), (g, n) arrays
+        Points in units of a, and hats times weights [m].
+    """
+    cells = np.diff(nodes)
+    share = a * cells / length
+    orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
+    cell, part, weight = _points_in_cells(orders.tobytes())
+    weight = weight * (cells[cell] * a)
+    hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
+    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
+    return nodes[cell] + cells[cell] * part, hats
+
+
+@lru_cache(maxsize=64)
+def _points_in_cells(orders: bytes) -> tuple[Array, Array, Array]:
+    """Return the cell of each Gauss point, its position there from 0 to 1, and its weight."""
+    counts = np.frombuffer(orders, dtype=int)
+    rules = [_gauss_rule(n) for n in counts.tolist()]
+    points, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
+    return np.repeat(np.arange(counts.size), counts), (points + 1) / 2, weights / 2
+
+
+@lru_cache
+def _gauss_rule(points: int) -> tuple[Array, Array]:
+    """Return points and weights on [-1, 1]."""
+    at, weights = np.polynomial.legendre.leggauss(points)
+    return at, weights

@@ -1,0 +1,312 @@
+"""Meshes of a nip and of the wraps next to it.
+
+Coordinates are in units of the half width a, positive in the direction of web travel:
+
+       drum wrap (optional)         nip           roll wrap (optional)
+      |--|---|-----|---|--|-|||-- ... --|||-|--|---|-----|------|------|
+    nodes[0]          nodes[first] = -1   nodes[last] = 1         nodes[-1]
+
+Pressures and tractions are continuous, and linear between the nodes.  Slopes, strains and slip
+velocities are collocated at one point in every cell.  The nip has the nodes x = -cos(theta) with
+even steps of theta, because tractions vary as the square root of the distance from a contact edge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import asinh, ceil, pi, sinh, sqrt
+
+import numpy as np
+
+__all__ = ["Face", "Mesh", "Wrap", "cosine_nodes", "nip_mesh"]
+
+Array = np.ndarray
+
+# Distance from a contact edge [a] up to which the cells of a wrap grow as those of the nip do; the
+# fields of the web change over about a tenth of the half width next to the edge.
+GRADED_LENGTH = 0.1
+# Largest cell of a wrap [rad]: coarser ones shift the tension over the last radian of the roll wrap
+# by up to 1 % of the nip-induced tension.
+LARGEST_CELL = 0.1
+# Cells at the far end of a wrap relative to those next to the nip: the hoop pressure ends there
+# abruptly, but only the outputs at the end depend on it.
+FAR_END = 2.0
+# Distance from a node at which one-sided values are evaluated, relative to the cell.
+ONE_SIDED = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Nodes and collocation points along the web.
+
+    Attributes
+    ----------
+    nodes : (N+1,) array
+    points : (N,) array
+        One in each cell.
+    first, last : int
+        Nodes at the leading and at the trailing edge of the nip.
+    """
+
+    nodes: Array
+    points: Array
+    first: int
+    last: int
+
+    @property
+    def nip_cells(self) -> slice:
+        """The cells of the nip."""
+        return slice(self.first, self.last)
+
+    @property
+    def nip_nodes(self) -> slice:
+        """The nodes of the nip, edges included."""
+        return slice(self.first, self.last + 1)
+
+    @cached_property
+    def cells(self) -> Array:
+        """Cell lengths, (N,)."""
+        return np.diff(self.nodes)
+
+    @cached_property
+    def fraction(self) -> Array:
+        """Position of each point in its cell, from 0 to 1, (N,)."""
+        return (self.points - self.nodes[:-1]) / self.cells
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrals of the nodal hat functions, (N+1,)."""
+        return hat_weights(self.cells)
+
+    @cached_property
+    def nip_weights(self) -> Array:
+        """Integrals over the nip of the hat functions that vanish at the trailing edge, (N+1,)."""
+        cells = np.zeros(self.cells.size)
+        cells[self.nip_cells] = self.cells[self.nip_cells]
+        out = hat_weights(cells)
+        out[self.last :] = 0.0
+        return out
+
+    @cached_property
+    def integral_to_nodes(self) -> Array:
+        """Integral of a nodal function from the first node to each node, (N+1, N+1)."""
+        out = np.tril(np.broadcast_to(self.weights, (self.nodes.size,) * 2), -1)
+        k = np.arange(1, self.nodes.size)
+        out[k, k] = self.cells / 2  # the half of the node's own hat that lies upstream of it
+        return out
+
+    @cached_property
+    def integral_to_points(self) -> Array:
+        """Integral from the first node to each point, (N, N+1), with lumped hats.
+
+        A hat counts entirely upstream of the next point and not at all before.  Then the slip of
+        each node grows with its own traction, on which the uniqueness of the stick-slip problem
+        rests (P-matrix); exact integrals lead to oscillating tractions against a rigid drum.
+        """
+        return np.tril(np.broadcast_to(self.weights, (self.nodes.size,) * 2))[:-1]
+
+    @cached_property
+    def hats(self) -> Array:
+        """Values of the nodal hat functions at the points, (N, N+1)."""
+        k, out = np.arange(self.cells.size), np.zeros((self.cells.size, self.nodes.size))
+        out[k, k], out[k, k + 1] = 1 - self.fraction, self.fraction
+        return out
+
+    def at_points(self, values: Array) -> Array:
+        """Interpolate nodal values (N+1,) at the collocation points."""
+        return values[:-1] * (1 - self.fraction) + values[1:] * self.fraction
+
+    @cached_property
+    def roll_face(self) -> Face:
+        """The part of the mesh on which the roll touches the web."""
+        return Face(self, self.first, self.nodes.size - 1)
+
+    @cached_property
+    def drum_face(self) -> Face:
+        """The part of the mesh on which the drum touches the web."""
+        return Face(self, 0, self.last)
+
+
+class Face:
+    """The nodes and points on which a body touches the web.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    start, stop : int
+        First and last node, both included.
+
+    Attributes
+    ----------
+    nodes : (n,) array
+    points : (n+1,) array
+        One in each cell, then one just downstream of the trailing edge of the nip, then the last
+        node.  The last two coincide where the face ends at the trailing edge.
+    nip_cells : slice
+        The cells of the nip among those of the face.
+    """
+
+    def __init__(self, mesh: Mesh, start: int, stop: int) -> None:
+        self.mesh = mesh
+        self.nodes, self.cells = mesh.nodes[start : stop + 1], mesh.cells[start:stop]
+        self.first, self.last = mesh.first - start, mesh.last - start
+        self.nip_cells = slice(self.first, self.last)
+        self.size = mesh.last - mesh.first + 1
+        edge, end = self.nodes[self.last], self.nodes[-1]
+        if self.extends_downstream:
+            edge = edge + ONE_SIDED * self.cells[self.last]
+            end = end - ONE_SIDED * self.cells[-1]
+        self.points = np.concatenate([mesh.points[start:stop], [edge, end]])
+
+    @property
+    def extends_downstream(self) -> bool:
+        """Whether the body touches the web downstream of the nip."""
+        return self.last < self.nodes.size - 1
+
+    @property
+    def is_nip(self) -> bool:
+        """Whether the face has no wrap."""
+        return self.nodes.size == self.size
+
+    @cached_property
+    def weights(self) -> Array:
+        """Integrals of the nodal hat functions of the face, (n,)."""
+        return hat_weights(self.cells)
+
+    @cached_property
+    def hats(self) -> Array:
+        """Values of the nodal hat functions at the points, (n+1, n)."""
+        k, out = np.arange(self.cells.size), np.zeros((self.points.size, self.nodes.size))
+        fraction = (self.points[:-2] - self.nodes[:-1]) / self.cells
+        out[k, k], out[k, k + 1] = 1 - fraction, fraction
+        out[-2, self.last] = out[-1, -1] = 1.0
+        return out
+
+    @cached_property
+    def derivative(self) -> Array:
+        """Derivative of a nodal function at the points, per unit of a, (n+1, n)."""
+        k, out = np.arange(self.cells.size), np.zeros((self.points.size, self.nodes.size))
+        out[k, k], out[k, k + 1] = -1 / self.cells, 1 / self.cells
+        out[-2] = out[min(self.last, self.cells.size - 1)]
+        out[-1] = out[-3]
+        return out
+
+    def displacement_at_nodes(self, slope: Array, end: Array | float, a: float) -> Array:
+        """Return v at the nodes from slopes at the points (n+1, ...) and v at the last node."""
+        steps = a * self.cells.reshape(-1, *(1,) * (slope.ndim - 1)) * slope[:-2]
+        to_end = np.concatenate([np.cumsum(steps[::-1], axis=0)[::-1], np.zeros_like(steps[:1])])
+        return np.asarray(end - to_end)
+
+    def curvature_change(self, slope: Array, a: float) -> Array:
+        """Return -v'' at the nodes from slopes at the points (n+1, ...), (n, ...).
+
+        The difference of slopes at neighbouring points over their distance makes the web's normal
+        equilibrium exact for every stretch of web.  The curvature at the trailing edge is the one
+        downstream of it: the web follows the drum upstream of the edge, and the roll downstream.
+        """
+        y, inner = self.points[:-2], slope[:-2]
+        out = np.zeros((self.nodes.size, *slope.shape[1:]))
+        distance = (a * np.diff(y)).reshape(-1, *(1,) * (slope.ndim - 1))
+        out[1:-1] = -np.diff(inner, axis=0) / distance
+        if self.extends_downstream:
+            # the mean between the edge and the first point is known; the curvature is linear there
+            e, half = self.last, (y[self.last] - self.nodes[self.last]) / 2
+            mean = (inner[e] - slope[-2]) / (-2 * a * half)
+            part = half / self.cells[e]
+            out[e] = (mean - part * out[e + 1]) / (1 - part)
+        out[0], out[-1] = out[1], out[-2]
+        return out
+
+
+def hat_weights(cells: Array) -> Array:
+    """Return the integrals of the hat functions over neighbouring cells, (N+1,)."""
+    return (np.append(cells, 0.0) + np.append(0.0, cells)) / 2
+
+
+@dataclass(frozen=True)
+class Wrap:
+    """A wrap of the web next to the nip.
+
+    Attributes
+    ----------
+    length : float
+        Outside the nip, in units of the half width; 0 for none.
+    radius : float
+        Of the body, in units of the half width; it limits the length of the cells.
+    graded_end : bool
+        Whether cells are graded to the far end too, as where the web arrives on the drum.
+    """
+
+    length: float = 0.0
+    radius: float = 1.0
+    graded_end: bool = False
+
+
+def nip_mesh(size: int, drum_wrap: Wrap, roll_wrap: Wrap, like: Mesh | None = None) -> Mesh:
+    """Return the mesh of a nip and its wraps.
+
+    Parameters
+    ----------
+    size : int
+        Nodes of the nip, edges included.
+    drum_wrap, roll_wrap : Wrap
+    like : Mesh, optional
+        A mesh whose numbers of cells are kept, for another half width of the same problem.
+    """
+    x = cosine_nodes(size)
+    step = pi / (size - 1) / sqrt(2 * GRADED_LENGTH)  # continues the growth of the nip's cells
+    cells = (0, 0) if like is None else (like.first, like.nodes.size - 1 - like.last)
+    upstream = _wrap_points(drum_wrap, step, cells[0])
+    downstream = _wrap_points(roll_wrap, step, cells[1])
+    both = np.concatenate([-1 - upstream[:0:-1], x, 1 + downstream[1:]])
+    first = upstream.size // 2
+    return Mesh(both[0::2], both[1::2], first, first + size - 1)
+
+
+@lru_cache(maxsize=64)
+def cosine_nodes(size: int) -> Array:
+    """Return nodes (even entries) and points (odd entries) of a nip, x = -cos(theta)."""
+    x = np.sin(np.linspace(-pi / 2, pi / 2, 2 * size - 1))
+    out = (x - x[::-1]) / 2  # exactly antisymmetric
+    out.setflags(write=False)
+    return out
+
+
+def _wrap_points(wrap: Wrap, step: float, cells: int) -> Array:
+    """Return distances of nodes and points from the nip along a wrap."""
+    if not wrap.length:
+        return np.zeros(1)
+    largest = LARGEST_CELL * wrap.radius
+    if not wrap.graded_end:
+        grading = _Grading(wrap.length, step, largest)
+        return grading.points(cells or grading.cells)
+    near = _Grading(wrap.length / 2, step, largest)
+    far = _Grading(wrap.length / 2, FAR_END * step, largest)
+    n_far = far.cells if not cells else max(1, round(cells * far.cells / (near.cells + far.cells)))
+    n_near = near.cells if not cells else cells - n_far
+    return np.concatenate([near.points(n_near), wrap.length - far.points(n_far)[-2::-1]])
+
+
+class _Grading:
+    """Distances d = c sinh^2(t) of nodes and points from one end, with even steps of t.
+
+    The growth is quadratic next to the end, as on a cosine mesh, then geometric, and stops where
+    cells reach the largest permitted length: there d continues linearly in t.
+    """
+
+    def __init__(self, length: float, step: float, largest: float) -> None:
+        c = GRADED_LENGTH
+        self.turn = asinh(largest / (c * step)) / 2  # c sinh(2 t) step = largest
+        self.reached, self.slope = c * sinh(self.turn) ** 2, c * sinh(2 * self.turn)
+        if length <= self.reached:
+            self.end = asinh(sqrt(length / c))
+        else:
+            self.end = self.turn + (length - self.reached) / self.slope
+        self.cells = max(2, ceil(self.end / step))
+
+    def points(self, cells: int) -> Array:
+        """Return nodes (even entries) and points (odd entries) of a number of cells."""
+        t = np.linspace(0.0, self.end, 2 * cells + 1)
+        graded = GRADED_LENGTH * np.sinh(np.minimum(t, self.turn)) ** 2
+        return np.where(t <= self.turn, graded, self.reached + self.slope * (t - self.turn))

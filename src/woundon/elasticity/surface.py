@@ -1,0 +1,123 @@
+r"""Surface response of a body: slope and strain of its surface under pressure and traction.
+
+A body touches the web on a :class:`~woundon.elasticity.mesh.Face` of a mesh that is scaled by the
+half width a.  Under nodal pressures p and tractions q its surface moves by v (outward) and u (along
++x).  The equations of a contact need, at the points of the face,
+
+    slope  dv/dx          strain  du/dx + v/R   (du/dx on a half-plane)
+
+and v at the last node.  A :class:`SurfaceResponse` returns these values for given p and q
+(``deform``, ``end_displacement``) and their derivatives.  A new body implements ``surface(face, half_width,
+speed)``, which returns such an object; :class:`LinearSurface` serves any body whose influence
+matrices are known.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from .mesh import Face
+
+__all__ = ["Deformation", "LinearSurface", "RigidSurface", "SurfaceResponse", "SurfaceTangent"]
+
+Array = np.ndarray
+
+
+class Deformation(NamedTuple):
+    """Slope and strain at the n+1 points of a face."""
+
+    slope: Array
+    strain: Array
+
+
+class SurfaceTangent(NamedTuple):
+    """Derivatives of a :class:`Deformation` by nodal pressures and tractions, (n+1, n) [1/Pa]."""
+
+    slope_p: Array
+    slope_q: Array
+    strain_p: Array
+    strain_q: Array
+
+
+class SurfaceResponse(Protocol):
+    """The surface of a body on a face."""
+
+    rigid: bool
+
+    def deform(self, p: Array, q: Array) -> Deformation:
+        """Return the deformation under nodal pressures and tractions, (n,) each [Pa]."""
+        ...
+
+    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
+        """Return the derivatives of ``deform`` at these pressures and tractions."""
+        ...
+
+    def end_displacement(self, p: Array, q: Array) -> float:
+        """Return v at the last node [m]."""
+        ...
+
+    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return the derivatives of ``end_displacement`` by p and by q, (n,) each [m/Pa]."""
+        ...
+
+
+class RigidSurface:
+    """The surface of a body that does not deform."""
+
+    rigid = True
+
+    def __init__(self, face: Face) -> None:
+        n = face.nodes.size
+        self._none = np.zeros(n + 1)
+        self._matrix, self._vector = np.zeros((n + 1, n)), np.zeros(n)
+
+    def deform(self, p: Array, q: Array) -> Deformation:
+        """Return zeros."""
+        return Deformation(self._none, self._none)
+
+    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
+        """Return zeros."""
+        return SurfaceTangent(self._matrix, self._matrix, self._matrix, self._matrix)
+
+    def end_displacement(self, p: Array, q: Array) -> float:
+        """Return zero."""
+        return 0.0
+
+    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return zeros."""
+        return self._vector, self._vector
+
+
+class LinearSurface:
+    """The surface of a linear body with known influence matrices.
+
+    Parameters
+    ----------
+    tangent : SurfaceTangent
+    end : (2, n) array
+        v at the last node by unit pressures and by unit tractions [m/Pa].
+    """
+
+    rigid = False
+
+    def __init__(self, tangent: SurfaceTangent, end: Array) -> None:
+        self._tangent, self._end = tangent, end
+
+    def deform(self, p: Array, q: Array) -> Deformation:
+        """Return the influence matrices times the pressures and tractions."""
+        slope_p, slope_q, strain_p, strain_q = self._tangent
+        return Deformation(slope_p @ p + slope_q @ q, strain_p @ p + strain_q @ q)
+
+    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
+        """Return the influence matrices."""
+        return self._tangent
+
+    def end_displacement(self, p: Array, q: Array) -> float:
+        """Return v at the last node [m]."""
+        return float(self._end[0] @ p + self._end[1] @ q)
+
+    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return the influence functions of v at the last node."""
+        return self._end[0], self._end[1]
