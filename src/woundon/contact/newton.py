@@ -148,6 +148,7 @@ class SemismoothNewton:
         NewtonFailed
         """
         visits: dict[bytes, int] = {}
+        self.size = np.inf
         for _ in range(MAX_ITERATIONS):
             self.counts.iterations += 1
             step, size = self._step(state, active)

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf, sqrt
 from typing import Any
 
@@ -41,19 +42,38 @@ SAFETY, CHANGES = 3.0, 2
 # A predicted mesh aims at this share of the tolerance.
 AIM, LEAST_GROWTH, MOST_GROWTH = 0.6, 1.3, 2.0
 # Last Newton step, in the units of the unknowns: while meshes are refined, and on the last one.
-COARSE, FINE = 1e-5, 1e-9
+COARSE, FINE = 1e-5, 1e-11
 
 
-@dataclass
 class MeshSolution:
-    """The solution on one mesh."""
+    """The solution on one mesh.
 
-    size: int
-    system: Any
-    state: Any
-    active: Array
-    solver: SemismoothNewton
-    outputs: Mapping[str, float]
+    Parameters
+    ----------
+    size : int
+        Nodes of the nip.
+    system : System
+    state : Iterate
+    active : (k,) int array
+        The active set.
+    solver : SemismoothNewton
+    """
+
+    def __init__(
+        self, size: int, system: Any, state: Any, active: Array, solver: SemismoothNewton
+    ) -> None:
+        self.size, self.system, self.solver = size, system, solver
+        self.state, self.active = state, active
+
+    @cached_property
+    def main_outputs(self) -> Mapping[str, float]:
+        """The outputs that decide where the refinement ends."""
+        return self.system.main_outputs(self.state)  # type: ignore[no-any-return]
+
+    @cached_property
+    def outputs(self) -> Mapping[str, float]:
+        """All outputs whose error is estimated."""
+        return self.system.outputs(self.state, self.active)  # type: ignore[no-any-return]
 
 
 @dataclass
@@ -72,10 +92,14 @@ class Refinement:
         """Newton iterations on all meshes."""
         return sum(mesh.solver.counts.iterations for mesh in self.meshes)
 
-    def errors(self) -> dict[str, float]:
-        """Return the error estimates of all outputs; nan with fewer than three meshes."""
-        history = [(mesh.size, mesh.outputs) for mesh in self.meshes]
-        return {name: error_estimate(history, name) for name in self.last.outputs}
+    def errors(self, names: str = "outputs") -> dict[str, float]:
+        """Return the error estimates of ``outputs`` or ``main_outputs`` by name.
+
+        They are nan with fewer than three meshes.
+        """
+        meshes = self.meshes[-CHANGES - 1 :]
+        history = [(mesh.size, getattr(mesh, names)) for mesh in meshes]
+        return {name: error_estimate(history, name) for name in history[-1][1]}
 
 
 def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str) -> float:
@@ -118,8 +142,8 @@ def refine(
     Parameters
     ----------
     system_of : callable
-        nodes -> :class:`~woundon.contact.newton.System` with ``initial_guess``, ``prolong`` and
-        ``outputs``.
+        nodes -> :class:`~woundon.contact.newton.System` with ``initial_guess``, ``prolong``,
+        ``main_outputs`` and ``outputs``.
     nodes : int, optional
         Size of the last mesh; by default as many as the criterion requires.
     criterion : callable
@@ -158,9 +182,9 @@ def _refine(
             found.meshes.append(_solve(system_of(size), size, found, start))
             if progress:
                 progress(min(size / (nodes or most_nodes), 1.0))
-        ratio = criterion(found.last.outputs, found.errors())
+        ratio = criterion(found.last.main_outputs, found.errors("main_outputs"))
         if nodes or not ratio > 1 or found.last.size >= most_nodes:
-            _polish(found.last)
+            found.meshes[-1] = _polished(found.last)
             return found
         sizes = [min(predicted_size(found.last.size, ratio), most_nodes)]
 
@@ -177,13 +201,13 @@ def _solve(system: Any, size: int, found: Refinement, start: Refinement | None) 
         u, active = system.initial_guess()
     solver = SemismoothNewton(system)
     state, active = solver.solve(system.evaluate(u), active, COARSE)
-    return MeshSolution(size, system, state, active, solver, system.outputs(state))
+    return MeshSolution(size, system, state, active, solver)
 
 
-def _polish(mesh: MeshSolution) -> None:
-    """Continue the iteration on the last mesh to the final tolerance."""
-    mesh.state, mesh.active = mesh.solver.solve(mesh.state, mesh.active, FINE)
-    mesh.outputs = mesh.system.outputs(mesh.state)
+def _polished(mesh: MeshSolution) -> MeshSolution:
+    """Return the solution after iterating to the final tolerance."""
+    state, active = mesh.solver.solve(mesh.state, mesh.active, FINE)
+    return MeshSolution(mesh.size, mesh.system, state, active, mesh.solver)
 
 
 def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:

@@ -196,7 +196,7 @@ class InfluenceSurface:
         """Interpolation points that resolve the smooth parts over the nip."""
         return max(LEAST_RANK, round(DIGITS / asinh(self.kernels.length / self.a)))
 
-    @property
+    @cached_property
     def _is_short(self) -> bool:
         """Whether the smooth parts vary too rapidly for polynomials."""
         return self._rank > min(HIGHEST_RANK, 8 * (self.face.size - 1))
@@ -220,9 +220,12 @@ class InfluenceSurface:
             return SmoothParts(points, sources, np.eye(points.size), moments)
         rank = self._rank
         at_points, nip_moments = _nip_interpolation(face.size, rank)
+        if face.is_nip:
+            chebyshev = _chebyshev_points(rank)
+            return SmoothParts(chebyshev, chebyshev, at_points, a * nip_moments)
         others = np.r_[0 : cells.start, cells.stop : points.size]
         to_points = np.zeros((points.size, rank + others.size))
-        to_points[cells, :rank] = at_points
+        to_points[cells, :rank] = at_points[:-2]
         to_points[others, rank + np.arange(others.size)] = 1.0
         sources, moments = [_chebyshev_points(rank)], [np.zeros((rank, nodes.size))]
         moments[0][:, face.first : face.last + 1] = a * nip_moments
@@ -244,6 +247,10 @@ class InfluenceSurface:
         integrated along the longer way there, so their difference belongs to the smooth part.
         """
         t = self.a * (points[:, None] - sources)
+        if self.a * max(points[-1] - sources[0], sources[-1] - points[0]) <= self.reach and (
+            self.face.is_nip
+        ):
+            return smooth(t)
         far = np.abs(t) > self.reach
         long = t[far]
         t[far] = short = long - np.sign(long) * self.period
@@ -271,6 +278,7 @@ def _nip_integrals(size: int) -> Array:
     return out
 
 
+@lru_cache(maxsize=64)
 def _chebyshev_points(rank: int) -> Array:
     """Return the Chebyshev points of the first kind, increasing."""
     return -np.cos(np.pi * (2 * np.arange(rank) + 1) / (2 * rank))
@@ -282,8 +290,8 @@ def _nip_interpolation(size: int, rank: int) -> tuple[Array, Array]:
 
     Returns
     -------
-    (size-1, rank), (rank, size) arrays
-        At the points of the cells, and integrated against the hats in units of a.
+    (size+1, rank), (rank, size) arrays
+        At the points of the face, and integrated against the hats in units of a.
     """
     chebyshev = np.polynomial.chebyshev.chebvander
     nodes = _chebyshev_points(rank)
@@ -299,4 +307,5 @@ def _nip_interpolation(size: int, rank: int) -> tuple[Array, Array]:
     moments = np.zeros((rank, size))
     moments[:, :-1] += left
     moments[:, 1:] += right
-    return chebyshev(x[1::2], rank - 1) @ transform, moments
+    at_points = np.append(x[1::2], [1.0, 1.0])
+    return chebyshev(at_points, rank - 1) @ transform, moments

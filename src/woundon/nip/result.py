@@ -116,6 +116,10 @@ class WindingNipResult(Losses, Result):
     series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
     mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
     widths: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+    refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+    consistency: Mapping[str, float] = field(
+        default_factory=dict, repr=False, compare=False, metadata={"saved": False}
+    )
 
     @property
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]:
@@ -127,6 +131,8 @@ class WindingNipResult(Losses, Result):
         """Largest pressure [Pa]: at a node, or of the polynomials of elements."""
         from ..two_bodies import mesh_of
 
+        if self.refinement is not None:
+            return float(self.pressure.max())
         return mesh_of(self).peak(self.pressure[1:-1])
 
     @property
@@ -265,6 +271,11 @@ class NipResult(WindingNipResult):
         """Return the certificate measured anew, from the problem and the arrays held here."""
         from .certificate import certificate, matrices_of
 
+        if self.refinement is not None:
+            from ..web_nip.certificate import certificate as certified
+            from ..web_nip.certificate import equations_of
+
+            return certified(self, equations_of(self))
         return certificate(self, matrices_of(self))
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:

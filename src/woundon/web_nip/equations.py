@@ -42,6 +42,7 @@ from ..elasticity.mesh import Face, Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation, SurfaceResponse, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from .layout import Layout
+from .outputs import main_outputs, nip_outputs
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
@@ -234,9 +235,12 @@ class NipEquations:
         f = self._fields(u, geometry or self.geometry(exp(u[at.ln_a])))
         rows = [self._gap_slope(u, f), *self._wraps(f), self._force_and_load(u, f)]
         p = np.append(f.p_roll[at.roll_nodes], f.p_drum[at.drum_nodes])
-        slip = self._slip(u, f) / self._slip_scales
+        # each traction node has the slip of the cell upstream of it
+        slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
         traction = u[at.q] / self.scales[at.q]
-        return NipState(u, f, np.concatenate(rows), slip, traction, p / self.pressure_scale)
+        return NipState(
+            u, f, np.concatenate(rows), slip / self._slip_scales, traction, p / self.pressure_scale
+        )
 
     @cached_property
     def _slip_scales(self) -> Array:
@@ -313,14 +317,14 @@ class NipEquations:
         mu = self.problem.drum_friction
         return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
 
-    def _slip(self, u: Array, f: Fields) -> Array:
-        """Return v of the traction nodes; each node has the slip of the cell upstream of it."""
+    def slip_velocities(self, xi: float, f: Fields) -> tuple[Array, Array]:
+        """Return v+ in the cells of the roll's face and v- in those of the drum's."""
         at, (a, mesh, *_), web = self.layout, f.geometry, self.problem.web
         stretch = a * web.compliance.c11 / web.thickness * (f.transfer[:-1] - f.transfer[-1])
         strain = stretch - web.compliance.c12 * mesh.at_points(f.p_roll)
         at_end = -web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1]
-        on_roll = strain[at.first : at.end - 1] - f.roll.strain[: at.end - 1 - at.first] - at_end
-        return np.append(on_roll, strain[: at.last - 1] - f.drum.strain[: at.last - 1] + u[at.xi])
+        roll = strain[at.first :] - f.roll.strain[:-2] - at_end
+        return roll, strain[: at.last] - f.drum.strain[:-2] + xi
 
     # ---- Jacobian ------------------------------------------------------------------------------
 
@@ -344,24 +348,13 @@ class NipEquations:
             (moved.bound - state.bound) / step,
         )
 
-    # ---- outputs -------------------------------------------------------------------------------
+    def main_outputs(self, state: NipState) -> dict[str, float]:
+        """Return the outputs that decide where mesh refinement ends."""
+        return main_outputs(self, state)
 
-    def outputs(self, state: NipState) -> dict[str, float]:
+    def outputs(self, state: NipState, active: Array) -> dict[str, float]:
         """Return the outputs whose discretisation error is estimated."""
-        at, f, web = self.layout, state.fields, self.problem.web
-        a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
-        # integrals of the tractions: differences of tensions lose digits at high web tension
-        gained = a * mesh.integral_to_nodes[[at.first, at.last]] @ (f.q_roll + f.q_drum)
-        return {
-            "wound_on_tension": float(T[-1]),
-            "nip_induced_tension": float(gained[1] - gained[0]),
-            "tension_behind_nip": float(T[at.last]),
-            "half_width": a,
-            "nip_width": 2 * a,
-            "peak_pressure": float(f.p_drum.max()),
-            "drum_creep": float(state.u[at.xi] - web.compliance.c11 / web.thickness * T[-1]),
-            "offset": float(state.u[at.shift] * self.problem.contact_radius),
-        }
+        return nip_outputs(self, state, active)
 
     # ---- transfer to another mesh --------------------------------------------------------------
 

@@ -1,0 +1,206 @@
+"""The certificate of a nip: contact conditions evaluated from the arrays of a result.
+
+``residuals`` concern the discretised equations: pressures, tractions, slips and scalars of the
+result are put into the equations of its mesh.  They do not detect an error of an influence function,
+because both sides use the same matrices.  ``consistency`` does: the balance of power and
+equilibrium by another quadrature hold for the continuous fields, and their defects vary as the
+discretisation error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf, isnan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contact.newton import friction_residual
+from ..results import Residuals
+from .energy import power_balance, rolling_resistance
+from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
+
+if TYPE_CHECKING:
+    from .equations import NipEquations, NipState
+
+__all__ = ["certificate", "consistency", "equations_of", "recomputed", "state_of"]
+
+Array = np.ndarray
+
+EPS = float(np.finfo(float).eps)
+# Rounding of a sum of some hundred terms, in units of the largest one.
+ROUNDING = 50 * EPS
+
+
+def equations_of(result: Any) -> NipEquations:
+    """Return the equations on the mesh of a result."""
+    from .equations import NipEquations
+
+    return NipEquations(result.problem, result.nodes)
+
+
+def state_of(result: Any, equations: NipEquations) -> NipState:
+    """Return the state of the unknowns that a result reports.
+
+    Raises
+    ------
+    ValueError
+        If the nodes are not those of such a nip.
+    """
+    at, web, problem = equations.layout, result.problem.web, result.problem
+    if result.x.size != at.end + 1:
+        raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {at.end + 1}")
+    p_roll = getattr(result, "roll_pressure", result.pressure)
+    u = np.empty(at.size)
+    u[at.drum_p] = result.pressure[at.p_nodes[at.drum_p]]
+    u[at.wrap_p] = p_roll[at.p_nodes[at.wrap_p]]
+    u[at.shift] = result.offset / problem.contact_radius
+    # the creepage of the equations refers to the web's strain at the end
+    u[at.xi] = result.drum_creep + web.compliance.c11 / web.thickness * result.web_tension[-1]
+    u[at.ln_a] = np.log(result.half_width)
+    u[at.roll_q], u[at.drum_q] = (
+        result.roll_traction[at.roll_nodes], result.drum_traction[at.drum_nodes]
+    )
+    return equations.evaluate(u)
+
+
+def certificate(result: Any, equations: NipEquations) -> Residuals:
+    """Return the largest violation of every contact condition, dimensionless.
+
+    Parameters
+    ----------
+    result : NipResult or WrappedNipResult
+    equations : NipEquations
+        Those of its mesh.
+    """
+    problem = result.problem
+    problem.web.refuse(float(result.pressure.max()))
+    try:
+        state = state_of(result, equations)
+    except ValueError:
+        return Residuals(mesh=inf)
+    at, f, problem = equations.layout, state.fields, result.problem
+    peak, top = float(np.abs(f.p_drum).max()), equations.slope_scale
+    zones = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
+    active = zones.astype(np.int8)
+    n_gap = at.last - at.first
+    gap, wraps = state.equilibrium[:n_gap], state.equilibrium[n_gap:-2]
+    # values that the equations imply, as the result reports them
+    implied = web_arrays(equations, state, active)
+    tension_scale = problem.nip_load + ROUNDING * float(np.abs(f.tension).max()) / 1e-8
+    conditions = {
+        "gap_slope": _largest(gap) * equations.slope_scale / top,
+        "positive_pressure": _largest(np.maximum(-np.append(f.p_roll, f.p_drum), 0.0)) / peak,
+        **_friction_law(state, active),
+        "slip_velocity": max(
+            _differ(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
+        ) / top,
+        "winding_force": abs(float(state.equilibrium[-2])),
+        "nip_load": abs(float(state.equilibrium[-1])),
+        "web_tension": _differ(result.web_tension, f.tension) / tension_scale,
+        "zones": 0.0 if _zones_are_valid(result, implied) else inf,
+        "mesh": max(
+            _differ(result.x, implied["x"]), _differ(result.slip_x, implied["slip_x"])
+        ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
+    }  # fmt: skip
+    pressures = {"pressure": f.p_drum}
+    if hasattr(result, "roll_pressure"):
+        pressures |= {"roll_pressure": f.p_roll, "hoop_pressure": f.p_roll - f.p_drum}
+        kappa = implied["curvature"]
+        conditions["hoop_pressure"] = _largest(wraps) * equations.pressure_scale / peak
+        conditions["curvature"] = _differ(result.curvature, kappa) / (
+            float(np.abs(kappa).max()) or 1.0
+        )
+        conditions["roll_strain"] = _differ(result.roll_strain, implied["roll_strain"]) / top
+    else:
+        gained = state.fields.geometry.a * f.geometry.mesh.weights @ (f.q_roll + f.q_drum)
+        conditions["nip_induced_tension"] = (
+            abs(result.nip_induced_tension - gained) / problem.nip_load
+        )
+    conditions["normal_equilibrium"] = max(
+        _differ(getattr(result, name), value) for name, value in pressures.items()
+    ) / peak
+    tractions = ("roll_traction", f.q_roll), ("drum_traction", f.q_drum)
+    conditions["free_surface"] = max(
+        _differ(getattr(result, name), value) for name, value in tractions
+    ) / peak
+    for name in ("equilibrium_residual",):
+        for side, body in zip((f.geometry.roll, f.geometry.drum), ("roll", "drum"), strict=True):
+            residual = getattr(side.surface, name, None)
+            if residual is not None:
+                conditions[f"{body}_equilibrium"] = float(residual)
+    return Residuals(**conditions)
+
+
+def _friction_law(state: NipState, active: Array) -> dict[str, float]:
+    """Return the violations of the friction law: slips relative to the slope of the gap at the
+    edge, tractions relative to the friction at the largest pressure."""
+    residual, stuck = friction_residual(state, active), active == 0
+    unit = float(np.abs(state.bound).max())
+    return {
+        "stick": _largest(residual[stuck]),
+        "friction_bound": _largest(
+            np.maximum(np.abs(state.traction) - state.bound, 0.0)[stuck]
+        ) / unit,
+        "slip_traction": _largest(residual[~stuck]) / unit,
+        "slip_direction": _largest(np.maximum(-active * state.slip, 0.0)[~stuck]),
+    }  # fmt: skip
+
+
+def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
+    """Return whether zones are -1, 0 or 1, and nodes without a traction repeat their neighbour."""
+    zones = result.roll_zone, result.drum_zone
+    known = all(np.isin(zone, (-1, 0, 1)).all() for zone in zones)
+    same = all(
+        np.array_equal(getattr(result, name), implied[name])
+        for name in ("roll_zone", "drum_zone")
+    )
+    return known and same
+
+
+def _largest(values: Array) -> float:
+    """Return the largest size of some values, 0 of none, nan if one is nan."""
+    return float(np.max(np.abs(values), initial=0.0))
+
+
+def _differ(one: Array, two: Array) -> float:
+    """Return the largest difference; nan must stand at the same places, else it is inf."""
+    if not np.array_equal(np.isnan(one), np.isnan(two)):
+        return inf
+    both = ~np.isnan(one)
+    return _largest(one[both] - two[both])
+
+
+def consistency(equations: NipEquations, state: NipState) -> dict[str, float]:
+    """Return the defects of conditions that hold for the continuous fields, dimensionless.
+
+    ``power_balance`` is relative to P a/R*; ``load`` and ``tension`` compare the integrals of the
+    hat functions with the trapezoidal rule in theta, x = -cos(theta), relative to P and mu+ P.
+    """
+    f, problem, mesh = state.fields, equations.problem, state.fields.geometry.mesh
+    nip, a = mesh.nip_nodes, f.geometry.a
+    theta = np.linspace(0.0, np.pi, nip.stop - nip.start)
+    by_theta = a * np.sin(theta) * (theta[1] - theta[0])
+    load = float(by_theta @ f.p_drum[nip])
+    tension = float(by_theta[1:-1] @ (f.q_roll + f.q_drum)[nip][1:-1])
+    gained = float(f.tension[mesh.last] - f.tension[mesh.first])
+    return {
+        "power_balance": power_balance(equations, state),
+        "load": abs(load / problem.nip_load - 1),
+        "tension": abs(tension - gained) / (problem.roll_friction * problem.nip_load),
+    }
+
+
+def recomputed(result: Any) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no condition determines: values from the arrays, and tolerances."""
+    equations = equations_of(result)
+    state = state_of(result, equations)
+    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
+    ratios = slip_ratios(result.problem, arrays, result.in_nip)
+    indented = approach(equations, state)
+    values = {"approach": (indented, 1e-8 * abs(indented))}
+    values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
+    if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
+        lost = rolling_resistance(equations, state)
+        values["rolling_resistance"] = lost, 1e-7 * abs(lost)
+    return values

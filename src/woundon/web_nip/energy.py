@@ -1,0 +1,114 @@
+r"""Dissipation in viscoelastic bodies, and the balance of power of a nip.
+
+A material point that meets the tractions p and q at the speed V moves at V v' and V u' in the
+body's own frame.  Per length rolled and width, the tractions do the work
+
+    W = int (-p v' + q u') dx,      u' = eps - v/R,
+
+on a body: zero for an elastic one, the dissipation for a viscoelastic one.  The work on both bodies
+and the friction work int q v_slip dx of both faces equal the work that shafts and web tensions
+supply.  Without the last two, for every stretch of web (kappa its curvature, eps its strain),
+
+    W+ + W- = P e/R* + int q+ (eps - eps_end) dx + int q- (eps + xi) dx - friction + wraps
+              - int (q+ v+/R+ + q- v-/R-) dx,
+
+P e the moment of the pressure about the line of centres.  The balance is exact for the continuous
+equations; its defect on a mesh is of the order of the discretisation error.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..elasticity.surface import Deformation
+    from .equations import NipEquations, NipState, Side
+
+__all__ = ["body_work", "power_balance", "rolling_resistance"]
+
+Array = np.ndarray
+
+
+class BodyWork(NamedTuple):
+    """Fields in the cells of a face, and integrals over it.
+
+    Attributes
+    ----------
+    p, q, slope : (n-1,) arrays
+    lengths : (n-1,) array
+        Of the cells [m].
+    turned : float
+        int q v/R dx [N/m].
+    work : float
+        W [N/m].
+    """
+
+    p: Array
+    q: Array
+    slope: Array
+    lengths: Array
+    turned: float
+    work: float
+
+
+def body_work(
+    side: Side, deformation: Deformation, p: Array, q: Array, a: float
+) -> BodyWork:
+    """Return the work of nodal pressures and tractions on a body."""
+    face, lengths = side.face, a * side.face.cells
+    slope, strain = deformation.slope[:-2], deformation.strain[:-2]
+    p_cell, q_cell = (face.hats[:-2] @ part for part in (p, q))
+    turned = 0.0
+    if side.flattening and q.any():
+        end = side.surface.end_displacement(p, q)
+        v = face.displacement_at_nodes(deformation.slope, end, a)
+        turned = float(lengths @ (q_cell * (v[:-1] + v[1:]) / 2)) / side.radius
+    work = float(lengths @ (q_cell * strain - p_cell * slope)) - turned
+    return BodyWork(p_cell, q_cell, slope, lengths, turned, work)
+
+
+def _works(equations: NipEquations, state: NipState) -> tuple[BodyWork, BodyWork]:
+    at, f = equations.layout, state.fields
+    a, _, roll, drum = f.geometry
+    on_roll, on_drum = slice(at.first, None), slice(0, at.last + 1)
+    return (
+        body_work(roll, f.roll, f.p_roll[on_roll], f.q_roll[on_roll], a),
+        body_work(drum, f.drum, f.p_drum[on_drum], f.q_drum[on_drum], a),
+    )
+
+
+def rolling_resistance(equations: NipEquations, state: NipState) -> float:
+    """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
+    bodies = zip(equations.problem.bodies, _works(equations, state), strict=True)
+    return sum(work.work for body, work in bodies if body.viscoelastic)
+
+
+def power_balance(equations: NipEquations, state: NipState) -> float:
+    """Return the defect of the balance of power, relative to P a/R*."""
+    at, f, problem = equations.layout, state.fields, equations.problem
+    a, mesh = f.geometry.a, f.geometry.mesh
+    web, first, last = problem.web, at.first, at.last
+    c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
+    roll, drum = _works(equations, state)
+    slip_roll, slip_drum = equations.slip_velocities(state.u[at.xi], f)
+    tension = problem.web_tension + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
+    # strains of the web relative to the roll at the end, less the slip of the friction
+    reference = f.roll.strain[-1] + c12 * f.p_roll[-1] - c11 * f.tension[-1]
+    creepage = state.u[at.xi] - c11 * f.tension[-1]
+    supplied = (roll.lengths * roll.q) @ (c11 * tension[first:] + reference - slip_roll)
+    supplied += (drum.lengths * drum.q) @ (c11 * tension[:last] + creepage - slip_drum)
+    wrap = slice(last - first, None)
+    supplied -= c12 * (roll.lengths[wrap] * roll.q[wrap]) @ roll.p[wrap]
+    # T kappa moves with the web along a path that is not a circle
+    hoop = a * mesh.cells * mesh.at_points(f.p_roll - f.p_drum)
+    supplied += hoop[:last] @ drum.slope - hoop[last:] @ roll.slope[wrap]
+    nip = slice(0, last - first)
+    lever = state.u[at.shift] - a * mesh.points[first:last] / problem.contact_radius
+    thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
+    supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
+    supplied -= roll.turned + drum.turned
+    # an elastic body takes no work: what the cells leave of it is a defect
+    lost = rolling_resistance(equations, state)
+    return float(abs(lost - supplied) / (problem.nip_load * a / problem.contact_radius))

@@ -1,0 +1,145 @@
+"""Scalar outputs of a state of the nip equations whose discretisation error is estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .energy import rolling_resistance
+from .zones import slip_lengths
+
+if TYPE_CHECKING:
+    from .equations import NipEquations, NipState
+
+__all__ = ["SLIP_RATIOS", "approach", "main_outputs", "nip_outputs", "slip_ratios", "web_arrays"]
+
+Array = np.ndarray
+
+SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
+
+
+def main_outputs(equations: NipEquations, state: NipState) -> dict[str, float]:
+    """Return the tensions that decide where mesh refinement ends [N/m]."""
+    at, f = equations.layout, state.fields
+    a, mesh = f.geometry.a, f.geometry.mesh
+    # an integral of the tractions: the difference of tensions loses digits at high web tension
+    gained = a * mesh.integral_to_nodes[[at.first, at.last]] @ (f.q_roll + f.q_drum)
+    return {
+        "wound_on_tension": float(f.tension[-1]),
+        "nip_induced_tension": float(gained[1] - gained[0]),
+    }
+
+
+def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict[str, float]:
+    """Return all outputs whose discretisation error is estimated, by name, in SI units."""
+    at, f, web = equations.layout, state.fields, equations.problem.web
+    a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
+    out = {
+        **main_outputs(equations, state),
+        "tension_before_nip": float(T[at.first]),
+        "tension_behind_nip": float(T[at.last]),
+        "half_width": a,
+        "nip_width": 2 * a,
+        "peak_pressure": float(f.p_drum.max()),
+        "drum_creep": float(state.u[at.xi] - web.compliance.c11 / web.thickness * T[-1]),
+        "offset": float(state.u[at.shift] * equations.problem.contact_radius),
+        "approach": approach(equations, state),
+        **slip_ratios(equations.problem, web_arrays(equations, state, active), mesh.nip_nodes),
+    }
+    if equations.problem.viscoelastic:
+        out["rolling_resistance"] = rolling_resistance(equations, state)
+    return out
+
+
+def approach(equations: NipEquations, state: NipState) -> float:
+    """Return the mutual approach of the centres, from the indentation at the trailing edge [m].
+
+    Thesis eq. 82: the gap closes there, v+ + v- + change of the web's thickness + Delta a/R* =
+    a^2/(2 R*) - delta.
+    """
+    at, f, problem = equations.layout, state.fields, equations.problem
+    a, _, roll, drum = f.geometry
+    v = 0.0
+    for side, deformation, nodes, p, q in (
+        (roll, f.roll, slice(at.first, None), f.p_roll, f.q_roll),
+        (drum, f.drum, slice(0, at.last + 1), f.p_drum, f.q_drum),
+    ):
+        if not side.surface.rigid:
+            end = side.surface.end_displacement(p[nodes], q[nodes])
+            v += side.face.displacement_at_nodes(deformation.slope, end, a)[side.face.last]
+    v += problem.web.compliance.c12 * f.tension[at.last]
+    v -= problem.web.thinned(f.p_roll[at.last : at.last + 1])[0][0]
+    return float(a**2 / (2 * problem.contact_radius) - v - state.u[at.shift] * a)
+
+
+def _on_nodes(values: Array, first: int, size: int, fill: float = np.nan) -> Array:
+    """Place values of the cells of a face on all nodes: each node takes the cell upstream of it.
+
+    The first node of the face repeats the next one; nodes outside of the face are filled.
+    """
+    out = np.full(size, fill)
+    out[first + 1 : first + 1 + values.size] = values
+    out[first] = values[0]
+    return out
+
+
+def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[str, Array]:
+    """Return the fields along the web on all nodes, by the names of the results."""
+    at, f = equations.layout, state.fields
+    a, mesh, n = f.geometry.a, f.geometry.mesh, at.end + 1
+    roll_slip, drum_slip = equations.slip_velocities(float(state.u[at.xi]), f)
+    zones = np.zeros((2, n), dtype=np.int8)
+    k = at.roll_nodes.size
+    zones[0, at.roll_nodes], zones[1, at.drum_nodes] = active[:k], active[k:]
+    # nodes without a traction of their own take the zone of their neighbour
+    zones[0, at.first], zones[0, -1] = zones[0, at.first + 1], zones[0, -2]
+    zones[1, 0], zones[1, at.last] = zones[1, 1], zones[1, at.last - 1]
+    slip_x = np.append(mesh.points[:1], mesh.points)
+    slip_x[at.first] = slip_x[at.first + 1]
+    kappa = np.zeros(n)
+    if f.drum_curvature.size:
+        kappa[: at.last + 1] = -f.drum_curvature
+    if f.roll_curvature.size:
+        kappa[at.last :] = f.roll_curvature[at.last - at.first :]
+    return {
+        "x": a * mesh.nodes,
+        "slip_x": a * slip_x,
+        "pressure": f.p_drum,
+        "roll_pressure": f.p_roll,
+        "hoop_pressure": f.p_roll - f.p_drum,
+        "curvature": kappa,
+        "roll_traction": f.q_roll,
+        "drum_traction": f.q_drum,
+        "roll_slip": _on_nodes(roll_slip, at.first, n),
+        "drum_slip": _on_nodes(drum_slip, 0, n),
+        "roll_zone": zones[0],
+        "drum_zone": zones[1],
+        "web_tension": f.tension,
+        "roll_strain": _on_nodes(f.roll.strain[:-2], at.first, n),
+    }
+
+
+def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[str, float]:
+    """Return the signed slip lengths over the nip width (thesis eq. 172), by name.
+
+    Parameters
+    ----------
+    problem : NipProblem or WrappedNipProblem
+    arrays : mapping
+        As :func:`web_arrays` has them; ``roll_pressure`` may be missing where it is ``pressure``.
+    nip : slice
+        The nodes of the nip.
+    """
+    x, p, lengths = arrays["x"][nip], arrays["pressure"], []
+    for face, pressure, friction in (
+        ("roll", arrays.get("roll_pressure", p), problem.roll_friction),
+        ("drum", p, problem.drum_friction),
+    ):
+        zone, slip, q = (arrays[f"{face}_{name}"][nip] for name in ("zone", "slip", "traction"))
+        lengths.append(slip_lengths(x, zone, slip, friction * pressure[nip] - np.abs(q)))
+    (leading, trailing), (_, drum) = lengths
+    dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
+    values = np.array([leading, trailing, dual]) / (x[-1] - x[0])
+    return dict(zip(SLIP_RATIOS, values.tolist(), strict=True))

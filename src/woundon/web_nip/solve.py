@@ -1,0 +1,201 @@
+"""Solve a web nip, with and without wraps, on a sequence of meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import exp, nan
+from typing import Any
+
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
+from ..contact.newton import NewtonFailed
+from ..contact.refinement import Refinement, refine
+from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
+from ..nip.result import NipResult
+from ..nip.validity import nip_warnings, web_far_outside
+from ..problems.bodies import half_width_guess
+from ..problems.nip import NipProblem, WrappedNipProblem
+from ..results import Residuals, measured
+from ..threads import one_thread
+from ..two_bodies import far_outside
+from ..wrap.result import WrappedNipResult
+from .capacity import check_load
+from .certificate import certificate, consistency
+from .equations import NipEquations, NipState
+from .outputs import SLIP_RATIOS, web_arrays
+
+__all__ = ["check_options", "solve_nip"]
+
+# Default criterion: relative error of the wound-on tension, and the nip-induced tension's error
+# relative to it; the largest mesh of the default and of an explicit tolerance.
+RTOL, TENSION_RATIO = 1e-3, 20.0
+MOST_NODES, MOST_NODES_RTOL = 257, 1025
+# A nonlinear body costs seconds on a fine mesh.
+RTOL_NONLINEAR, MOST_NODES_NONLINEAR = 3e-3, 129
+LEAST_RTOL = 1e-5
+# The nip-induced tension is compared with at least this share of the roll's friction limit: it may
+# be zero.
+LEAST_TENSION = 0.01
+
+
+@one_thread
+def solve_nip(
+    problem: NipProblem | WrappedNipProblem,
+    *,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    start: NipResult | WrappedNipResult | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> NipResult | WrappedNipResult:
+    """Solve a web nip: where the web sticks and slips, and the tension that the nip adds.
+
+    Parameters
+    ----------
+    problem : NipProblem or WrappedNipProblem
+    nodes : int, optional
+        Nodes of the nip on the last mesh, 13 to 1025.  By default as many as it takes until the
+        estimated error of the wound-on tension is below 0.1 % of it (0.3 % with nonlinear bodies),
+        and that of the nip-induced tension below 20 times as much of itself, at most 257 (129).
+    rtol : float, optional
+        Relative error of the wound-on tension in place of the default, 1e-5 to 0.1; up to 1025
+        nodes.
+    start : NipResult or WrappedNipResult, optional
+        A solved neighbouring case, which replaces the initial guess on every mesh.  The result
+        does not depend on it beyond the tolerance of the solver.
+    progress : callable, optional
+        Called with the fraction of the work that is done.
+
+    Raises
+    ------
+    InvalidProblem
+        For options out of range, and loads that no contact of the bodies carries.
+    NoSteadyState
+        If the web would be slack on a wrap.
+    NotConverged
+        If a contact condition is not satisfied to 1e-8, or ``rtol`` is not reached; it carries the
+        best result.
+    """
+    check_type("problem", problem, NipProblem, WrappedNipProblem)
+    check_options(nodes=nodes, rtol=rtol)
+    if start is not None:
+        check_type("start", start, NipResult, WrappedNipResult)
+    check_bodies(problem)
+    equations = NipEquations(problem, 13)
+    check_load(problem, "nip_load", exp(equations.largest_ln_a))
+    default = RTOL if problem.linear else RTOL_NONLINEAR
+    most = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
+    criterion = _criterion(problem, rtol or default)
+    try:
+        found = refine(
+            lambda size: NipEquations(problem, size), nodes=nodes, criterion=criterion,
+            most_nodes=MOST_NODES_RTOL if rtol else most, progress=progress,
+            start=getattr(start, "refinement", None),
+        )  # fmt: skip
+    except NewtonFailed as failed:
+        outside = _outside_model(problem)
+        raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", outside)))) from None
+    _check_taut(problem, found.last.system, found.last.state)
+    result = result_of(problem, found).checked()
+    ratio = nan if nodes else criterion(found.last.outputs, found.errors())
+    if rtol is not None and not ratio <= 1:
+        text = f"rtol = {rtol:g} is not reached with {result.nodes} nodes"
+        raise NotConverged(f"{text}: the estimated error is {ratio:.2g} times as large", result)
+    if ratio > 1:
+        text = f"{RESOLUTION}the error estimate is {ratio:.2g} times the default tolerance"
+        result = result.replace(warnings=(*result.warnings, text))
+    return result.warned()
+
+
+def check_options(*, nodes: Any = None, rtol: Any = None) -> None:
+    """Check the options of :func:`solve_nip`.
+
+    Raises
+    ------
+    InvalidProblem
+        For an option out of range.
+    """
+    if nodes is not None:
+        whole_number("nodes", nodes, 13, MOST_NODES_RTOL)
+    if rtol is not None:
+        tolerance("rtol", rtol, LEAST_RTOL, 0.1)
+    nodes_or_rtol(nodes, rtol)
+
+
+def check_bodies(problem: Any) -> None:
+    """Raise where the influence functions of a body are not resolved."""
+    for name, body in zip(problem.pair, problem.bodies, strict=True):
+        if body.unresolved:
+            raise InvalidProblem.at(name, body.unresolved)
+
+
+def _criterion(
+    problem: Any, rtol: float
+) -> Callable[[Mapping[str, float], Mapping[str, float]], float]:
+    """Return the ratio of the error estimates and their tolerances."""
+    least = LEAST_TENSION * problem.roll_friction * problem.nip_load
+
+    def ratio(outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
+        WOT, NIT = outputs["wound_on_tension"], outputs["nip_induced_tension"]
+        by_WOT = errors["wound_on_tension"] / (rtol * max(abs(WOT), least))
+        by_NIT = errors["nip_induced_tension"] / (TENSION_RATIO * rtol * max(abs(NIT), least))
+        return max(by_WOT, by_NIT)
+
+    return ratio
+
+
+def _outside_model(problem: Any) -> str:
+    """Return where a case that is not solved lies far outside the model."""
+    width = 2 * half_width_guess(problem.nip_load, *problem.bodies)
+    texts = (*web_far_outside(problem, width), *far_outside(problem, problem.nip_load))
+    return "; ".join(texts)
+
+
+def _check_taut(problem: Any, equations: NipEquations, state: NipState) -> None:
+    """Raise where the web is slack on a wrap: nothing presses it on the body there."""
+    at, T, T_in = equations.layout, state.fields.tension, problem.web_tension
+    for name, tension, wrapped in (
+        ("downstream of the nip", T[at.last :], equations.roll_wrap > 0),
+        ("upstream of the nip", T[: at.first + 1], equations.drum_wrap > 0),
+    ):
+        least = float(tension.min())
+        if wrapped and least <= 0:
+            raise NoSteadyState.at(
+                "web_tension",
+                f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} [N/m]; "
+                f"about {T_in - least:.4g} or more is needed",
+            )
+
+
+def result_of(problem: Any, found: Refinement) -> Any:
+    """Return the result of the last mesh with its certificate, errors and warnings."""
+    equations, state, active = found.last.system, found.last.state, found.last.active
+    f, errors, outputs = state.fields, found.errors(), found.last.outputs
+    arrays, mesh = web_arrays(equations, state, active), f.geometry.mesh
+    for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
+        errors[name] = max(errors[name], float(mesh.cells[mesh.nip_cells].max()) / 4)
+    kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
+    fields = {
+        **{name: outputs[name] for name in (
+            "half_width", "approach", "offset", "drum_creep", *SLIP_RATIOS
+        )},
+        **arrays,
+        "iterations": found.iterations,
+        "series_terms": max((k.terms for k in kernels), default=0),
+        "series_error": max((k.truncation_error for k in kernels), default=0.0),
+        "rolling_resistance": outputs.get("rolling_resistance", nan),
+        "refinement": found,
+        "consistency": consistency(equations, state),
+    }  # fmt: skip
+    result: Any
+    if isinstance(problem, WrappedNipProblem):
+        result = WrappedNipResult(problem=problem, residuals=Residuals(), **fields)
+    else:
+        for name in ("roll_pressure", "hoop_pressure", "curvature", "roll_strain"):
+            del fields[name]
+        NIT = outputs["nip_induced_tension"]
+        result = NipResult(
+            problem=problem, residuals=Residuals(), nip_induced_tension=NIT, **fields
+        )
+    return measured(
+        result, errors=errors, residuals=certificate(result, equations),
+        warnings=nip_warnings(result),
+    )  # fmt: skip
