@@ -176,23 +176,23 @@ def register(
 
 register(
     "woundon.problems.nip:NipProblem",
-    "woundon.nip.solve:solve_nip",
+    "woundon.web_nip.solve:solve_nip",
     "woundon.nip.result:NipResult",
     about="The winding nip alone, the web held at its trailing edge.",
     report="woundon.show.report:nip_report",
     plot="woundon.show.nip_plots:nip_panels",
-    check="woundon.nip.solve:check_options",
+    check="woundon.web_nip.solve:check_options",
     neighbour="woundon.nip.winding_theorem:neighbour",
     shifted="woundon.nip.winding_theorem:SHIFTED",
 )
 register(
     "woundon.problems.nip:WrappedNipProblem",
-    "woundon.wrap.solve:solve_wrapped_nip",
+    "woundon.web_nip.solve:solve_nip",
     "woundon.wrap.result:WrappedNipResult",
     about="The winding nip with the web wrapped on roll and drum: the wound-on tension.",
     report="woundon.show.report:wrapped_report",
     plot="woundon.show.nip_plots:wrapped_panels",
-    check="woundon.wrap.solve:check_options",
+    check="woundon.web_nip.solve:check_options",
 )
 register(
     "woundon.problems.rollers:RollerProblem",

@@ -20,7 +20,7 @@ from ..problems.air import AirNipProblem
 from ..results import Residuals
 from ..threads import one_thread
 from ..wrap.result import WrappedNipResult
-from ..wrap.solve import check_options, solve_wrapped_nip
+from ..web_nip.solve import check_options, solve_nip
 from .certificate import OF_THE_NIP, certificate, edge_of, films_of
 from .result import AirNipResult
 
@@ -37,7 +37,6 @@ def solve_air_nip(
     problem: AirNipProblem,
     *,
     nodes: int | None = None,
-    wrap_nodes: int | None = None,
     rtol: float | None = None,
 ) -> AirNipResult:
     """Solve a winding nip with the air that its web brings.
@@ -45,8 +44,8 @@ def solve_air_nip(
     Parameters
     ----------
     problem : AirNipProblem
-    nodes, wrap_nodes, rtol
-        Of :func:`~woundon.solve_wrapped_nip`.
+    nodes, rtol
+        Of :func:`~woundon.solve_nip`.
 
     Returns
     -------
@@ -61,7 +60,7 @@ def solve_air_nip(
     """
     check_type("problem", problem, AirNipProblem)
     with unwarned():
-        solved, found = solved_with_air(problem, nodes=nodes, wrap_nodes=wrap_nodes, rtol=rtol)
+        solved, found = solved_with_air(problem, nodes=nodes, rtol=rtol)
     return _result(problem, solved, found)
 
 
@@ -81,7 +80,7 @@ def solved_with_air(
     settled : float
         To what of them they are to agree.
     options
-        Of :func:`~woundon.solve_wrapped_nip`.
+        Of :func:`~woundon.solve_nip`.
 
     Raises
     ------
@@ -93,7 +92,7 @@ def solved_with_air(
     for turn in range(MOST_TURNS):
         if chooses and turn >= FREE_TURNS:
             options["nodes"] = finest
-        solved = solve_wrapped_nip(problem.without_air(*frictions), **options)
+        solved = solve_nip(problem.without_air(*frictions), **options)
         if turn:
             finest = max(finest, solved.x[solved.in_nip].size)
         found = films_of(problem, edge_of(problem, solved), solved.half_width)

@@ -78,6 +78,14 @@ def solve_nip(
     check_options(nodes=nodes, rtol=rtol)
     if start is not None:
         check_type("start", start, NipResult, WrappedNipResult)
+    if not problem.linear:
+        from ..nip.solve import solve_nip as solve_plain
+        from ..wrap.solve import solve_wrapped_nip
+
+        wrapped = isinstance(problem, WrappedNipProblem)
+        return (solve_wrapped_nip if wrapped else solve_plain)(
+            problem, nodes=nodes, rtol=rtol, start=start  # type: ignore[arg-type]
+        )
     check_bodies(problem)
     equations = NipEquations(problem, 13)
     check_load(problem, "nip_load", exp(equations.largest_ln_a))

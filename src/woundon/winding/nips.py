@@ -16,7 +16,7 @@ from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..roll.stages import wound_so_far
 from ..wrap.result import WrappedNipResult
-from ..wrap.solve import solve_wrapped_nip
+from ..web_nip.solve import solve_nip
 from .bodies import Felt, foreseen, solved_nip
 
 __all__ = ["Nips", "warnings_of"]
@@ -146,7 +146,7 @@ class Nips:
         radius = nip.roll.radius
         if self.problem.air is None:
             self.films[radius] = 0.0
-            return solve_wrapped_nip(nip, nodes=nodes, start=start)
+            return solve_nip(nip, nodes=nodes, start=start)
         near = min(self.films, key=lambda other: abs(other - radius), default=None)
         with_air = self.problem.with_air(nip)
         result, found = solved_with_air(
