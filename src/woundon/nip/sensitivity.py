@@ -79,6 +79,8 @@ class Sensitivity(ReadOnly):
     zone_change : str
         Empty, or the nodes that are about to change between stick and slip: there the
         derivatives to both sides differ.
+    errors : (outputs, parameters) array
+        Estimated discretisation errors of the derivatives; nan where they are not known.
     """
 
     outputs: tuple[str, ...]
@@ -87,6 +89,7 @@ class Sensitivity(ReadOnly):
     values: Array
     fields: Array
     zone_change: str = ""
+    errors: Array | None = None
 
     def derivative(self, output: str, parameter: str) -> float:
         """Return d output / d parameter."""
@@ -149,6 +152,7 @@ class Sensitivity(ReadOnly):
             parameters=tuple(self.parameters[k] for k in order),
             derivatives=self.derivatives[:, order],
             fields=self.fields[order],
+            errors=None if self.errors is None else self.errors[:, order],
         )
 
 

@@ -131,9 +131,11 @@ class NipEquations:
     ----------
     problem : NipProblem or WrappedNipProblem
     size : int
+    like : Mesh, optional
+        A mesh whose numbers of cells are taken; by default those of the initial guess.
     """
 
-    def __init__(self, problem: Any, size: int) -> None:
+    def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
         self.problem, self.size = problem, size
         self.roll_wrap = getattr(problem, "roll_wrap", 0.0)
         self.drum_wrap = getattr(problem, "drum_wrap", 0.0)
@@ -141,7 +143,7 @@ class NipEquations:
         guess = half_width_guess(P, *problem.bodies)
         self.start = a = min(guess, 0.9 * exp(self.largest_ln_a))
         self._neighbour: Geometry | None = None
-        self._first_mesh: Mesh | None = None
+        self._first_mesh = like
         self._first_mesh = self.mesh(a)
         self.layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
         # units: Hertz's largest pressure, and the slope of the gap at the contact edge
@@ -195,6 +197,18 @@ class NipEquations:
     def creep_nodes(self) -> Array:
         """Tractions on the drum: their slip contains the creepage."""
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
+
+    def for_problem(self, problem: Any) -> NipEquations:
+        """Return the equations of a neighbouring problem with the same numbering."""
+        return NipEquations(problem, self.size, self._first_mesh)
+
+    def node_names(self, tractions: Array) -> list[str]:
+        """Return the faces and nodes of some tractions in words."""
+        at, k = self.layout, self.layout.roll_nodes.size
+        return [
+            f"roll node {at.roll_nodes[i]}" if i < k else f"drum node {at.drum_nodes[i - k]}"
+            for i in tractions.tolist()
+        ]
 
     def initial_guess(self) -> tuple[Array, Array]:
         """Return zero fields at Hertz's half width, and full stick.

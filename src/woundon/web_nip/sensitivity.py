@@ -1,0 +1,202 @@
+r"""Sensitivities of a solved contact by implicit differentiation.
+
+On its last mesh and with its active set, a solution u of a problem with the inputs theta satisfies
+R(u, theta) = 0.  For another theta one Newton step from u with the Jacobian J = dR/du,
+
+    u(theta + h) = u - J^-1 R(u, theta + h) + O(h^2),
+
+gives the solution to first order.  The derivative of any output Q(u, theta) follows from the central
+difference of Q(u(theta + h), theta + h), with an error of the order h^2.  J is factorised once; each
+input needs two residuals and two back-substitutions.  The derivatives on the last three meshes
+give the error estimates.
+
+The active set is kept: where a node is about to change its zone, derivatives to both sides differ,
+and slip lengths have a kink.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from ..contact.newton import friction_residual, system_matrix
+from ..contact.refinement import CHANGES, MeshSolution, error_estimate
+from ..errors import InvalidProblem, did_you_mean
+from ..nip.sensitivity import Sensitivity
+from ..quantities import walk
+from ..threads import one_thread
+
+__all__ = ["continuous_fields", "contact_sensitivity"]
+
+Array = np.ndarray
+
+# Step relative to the scale of an input: the error of a central difference is its square, rounding
+# of residuals (1e-14) over it.
+STEP = 1e-4
+# Margin of a node's inequality, relative to the largest value, below which its zone may change.
+NEAR_CHANGE = 1e-6
+
+
+def continuous_fields(problem: Any) -> dict[str, float]:
+    """Return every continuous field of a problem by its dotted name."""
+    return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
+
+
+def _list_items(problem: Any) -> dict[str, float]:
+    """Return the numbers of all lists, as the values of a profile, by dotted name."""
+    return {
+        f"{place.path}.{k}": item
+        for place in walk(problem) if isinstance(place.value, tuple)
+        for k, item in enumerate(place.value) if isinstance(item, float)
+    }  # fmt: skip
+
+
+@one_thread
+def contact_sensitivity(
+    result: Any,
+    meshes: list[MeshSolution],
+    parameters: tuple[str, ...] = (),
+    outputs: tuple[str, ...] = (),
+    default: Iterable[str] = (),
+    excluded: Mapping[str, str] | None = None,
+) -> Sensitivity:
+    """Return derivatives of the outputs of a contact.
+
+    Parameters
+    ----------
+    result : Result
+    meshes : list of MeshSolution
+        Its solutions; derivatives are taken on the last one.
+    parameters : tuple of str
+        Dotted names; all continuous fields, without the items of lists, if empty.
+    outputs : tuple of str
+        Names; ``default`` if empty.
+    default : iterable of str
+    excluded : mapping
+        Fields without a derivative, with the reason.
+
+    Raises
+    ------
+    InvalidProblem
+        For a name that is not a continuous field or not an output, and for excluded fields.
+    """
+    problem, known, excluded = result.problem, continuous_fields(result.problem), excluded or {}
+    available = tuple(meshes[-1].outputs)
+    for name in outputs:
+        if name not in available:
+            text = f"no derivative of {name!r} is available{did_you_mean(name, available)}"
+            raise InvalidProblem.at("outputs", text)
+    outputs = outputs or tuple(default)
+    if not known.keys() >= set(parameters):
+        known |= _list_items(problem)
+    for name in parameters:
+        if name not in known:
+            raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
+        if name in excluded:
+            raise InvalidProblem.at(name, excluded[name])
+    names = parameters or tuple(name for name in known if name not in excluded)
+    history = [
+        (mesh.size, _derivatives(mesh, problem, names, known, outputs))
+        for mesh in meshes[-CHANGES - 1 :]
+    ]
+    errors = {key: error_estimate(history, key) for key in history[-1][1]}
+    shape = len(outputs), len(names)
+    keys = [f"{output}/{name}" for output in outputs for name in names]
+    return Sensitivity(
+        outputs, names,
+        np.array([history[-1][1][key] for key in keys]).reshape(shape),
+        np.array([meshes[-1].outputs[name] for name in outputs]),
+        np.array([known[name] for name in names]),
+        near_zone_change(meshes[-1]),
+        np.array([errors[key] for key in keys]).reshape(shape),
+    )  # fmt: skip
+
+
+def _derivatives(
+    mesh: MeshSolution, problem: Any, names: tuple[str, ...], known: Mapping[str, float],
+    outputs: tuple[str, ...],
+) -> dict[str, float]:  # fmt: skip
+    """Return the derivatives on one mesh by "output/parameter"."""
+    solved = _Perturbed(mesh, outputs)
+    found = {}
+    for name in names:
+        derivative = _difference(solved, problem, name, known[name])
+        found |= {
+            f"{output}/{name}": value
+            for output, value in zip(outputs, derivative.tolist(), strict=True)
+        }
+    return found
+
+
+class _Perturbed:
+    """Outputs of perturbed problems on one mesh, by one Newton step from its solution."""
+
+    def __init__(self, mesh: MeshSolution, outputs: tuple[str, ...]) -> None:
+        self.mesh, self.outputs = mesh, outputs
+        system, state, active = mesh.system, mesh.state, mesh.active
+        jacobian = system.jacobian(state)
+        columns = system.half_width_column(state)
+        for matrix, column in zip(jacobian, columns, strict=True):
+            matrix[:, system.ln_a] = column
+        matrix = system_matrix(system, jacobian, active) * system.scales
+        self.row_size = np.abs(matrix).max(axis=1)
+        self.factors = lu_factor(matrix / self.row_size[:, None], check_finite=False)
+        self.residual = self._residual(state)
+
+    def _residual(self, state: Any) -> Array:
+        return np.append(state.equilibrium, friction_residual(state, self.mesh.active))
+
+    def __call__(self, problem: Any) -> Array:
+        """Return the outputs of a problem next to the solved one."""
+        own, system = self.mesh.system, self.mesh.system.for_problem(problem)
+        change = self._residual(system.evaluate(self.mesh.state.u)) - self.residual
+        step = lu_solve(self.factors, change / self.row_size, check_finite=False) * own.scales
+        outputs = system.outputs(system.evaluate(self.mesh.state.u - step), self.mesh.active)
+        return np.array([outputs[name] for name in self.outputs])
+
+
+def _difference(solved: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:
+    """Return the central difference of outputs by a field; one-sided at the end of its range."""
+    step = STEP * _size(problem, name, value)
+
+    def shifted(steps: int) -> Array | None:
+        try:
+            return solved(problem.replace(**{name: value + steps * step}))
+        except InvalidProblem:
+            return None
+
+    above, below = shifted(1), shifted(-1)
+    if above is not None and below is not None:
+        return (above - below) / (2 * step)
+    side = 1 if above is not None else -1
+    near, far, here = shifted(side), shifted(2 * side), shifted(0)
+    if near is None or far is None or here is None:
+        raise InvalidProblem.at(name, "has no derivative: no neighbouring value is permitted")
+    return np.asarray((4 * near - far - 3 * here) / (2 * step * side))
+
+
+def _size(problem: Any, name: str, value: float) -> float:
+    """Return the scale on which a field matters."""
+    head, _, rest = name.partition(".")
+    thickness = getattr(getattr(problem, head), "thickness", np.inf)
+    if head in problem.pair and rest.endswith("radius") and np.isfinite(thickness):
+        return float(thickness)  # radii of a thin layer matter by their difference
+    if value != 0:
+        return abs(value)
+    if name in ("winding_force", "web_tension"):
+        return float(problem.drum_friction * problem.nip_load)
+    if name in ("tangential_load", "load"):
+        return float(problem.friction * problem.load)
+    return 1 / problem.web.compliance.c22 if name.endswith("cross") else 1.0
+
+
+def near_zone_change(mesh: MeshSolution) -> str:
+    """Return the traction nodes whose inequality holds by a small margin only, in words."""
+    state, active = mesh.state, mesh.active
+    slack = (state.bound - np.abs(state.traction)) / np.abs(state.bound).max()
+    slip = np.abs(state.slip) / max(np.abs(state.slip).max(), 1e-300)
+    close = np.nonzero(np.where(active == 0, slack, slip) < NEAR_CHANGE)[0]
+    return ", ".join(mesh.system.node_names(close))
