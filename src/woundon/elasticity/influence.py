@@ -18,7 +18,7 @@ more degrees of freedom than the mesh resolves, the second integral of the whole
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from math import asinh, ceil, inf, log, pi
 from typing import NamedTuple
 
@@ -30,7 +30,7 @@ from .lag import Lag
 from .mesh import Face, cosine_nodes
 from .surface import Deformation, SurfaceTangent
 
-__all__ = ["InfluenceSurface"]
+__all__ = ["InfluenceSurface", "surface_strain"]
 
 Array = np.ndarray
 Smooth = Callable[[Array], Array]
@@ -181,12 +181,7 @@ class InfluenceSurface:
 
     def _lag_integrals(self, lag: Lag, points: Array) -> Array:
         """Integrals of the lags, (kernels, points, nodes)."""
-        def second(t: Array) -> Array:
-            return lag.twice(t < 0, np.log(np.maximum(np.abs(t), 1e-300)))
-
-        def first(t: Array) -> Array:
-            return lag.exactly(t, 1)
-
+        second, first = partial(_lag_second, lag), partial(lag.exactly, order=1)
         return by_second_integral(second, first, self.a * points, self.a * self.face.nodes)
 
     # ---- smooth parts --------------------------------------------------------------------------
@@ -258,6 +253,53 @@ class InfluenceSurface:
         if long.size:
             values[:, far] += singular(kernels, short) - singular(kernels, long)
         return values
+
+
+def surface_strain(
+    kernels: SurfaceKernels, radius: float, curved: bool, nodes: Array, p: Array, q: Array, at: Array
+) -> Array:
+    """Return the surface strain of a body outside of a contact.
+
+    Parameters
+    ----------
+    kernels, radius, curved
+        As of :class:`InfluenceSurface`.
+    nodes, p, q : (n,) arrays
+        Nodes [m], pressures and tractions [Pa].
+    at : (k,) array
+        Positions along the surface [m], outside of the nodes or at their ends.
+
+    Returns
+    -------
+    (k,) array
+    """
+    both, out = (kernels.strain_p, kernels.strain_q), np.zeros(at.size)
+    period = 2 * pi * radius if curved else inf
+    reach = kernels.reach or period / 2
+    singular_parts = singular_integrals(at, nodes)
+    sources, hats = gauss_points(nodes, 1.0, kernels.length)
+    t = at[:, None] - sources
+    far = np.abs(t) > reach
+    short = np.where(far, t - np.sign(t) * period, t)
+    for kernel, load in zip(both, (p, q), strict=True):
+        out += (_factors((kernel,), 1.0)[0] @ singular_parts.reshape(4, -1)).reshape(
+            at.size, -1
+        ) @ load
+        if kernel.smooth is not None:
+            values = kernel.smooth(short)
+            values[far] += singular((kernel,), short[far])[0] - singular((kernel,), t[far])[0]
+            out += values @ (hats @ load)
+        lag = kernel.lag
+        if lag is not None:
+            out += by_second_integral(
+                partial(_lag_second, lag), partial(lag.exactly, order=1), at, nodes
+            )[0] @ load
+    return out
+
+
+def _lag_second(lag: Lag, t: Array) -> Array:
+    """Return the second integrals of lags at t."""
+    return lag.twice(t < 0, np.log(np.maximum(np.abs(t), 1e-300)))
 
 
 def _factors(kernels: tuple[Kernel, ...], a: float) -> Array:
