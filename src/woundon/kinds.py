@@ -23,7 +23,7 @@ from .errors import InvalidProblem, did_you_mean, one_of
 
 if TYPE_CHECKING:
     from .air.result import AirNipResult
-    from .nip.result import NipResult
+    from .nip.result import NipResult, WrappedNipResult
     from .problems.air import AirNipProblem
     from .problems.fields import Problem
     from .problems.nip import NipProblem, WrappedNipProblem
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from .roll.result import WoundRollResult
     from .rollers.result import RollerResult
     from .winding.result import WindingResult
-    from .wrap.result import WrappedNipResult
 
 __all__ = [
     "Kind", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
@@ -61,8 +60,6 @@ class Kind:
     _report: Any
     _plot: Any
     _check: Any
-    _neighbour: Any
-    _shifted: Any
 
     @cached_property
     def problem(self) -> type[Any]:
@@ -93,16 +90,6 @@ class Kind:
     def check(self) -> Callable[..., Any] | None:
         """What refuses options before anything is solved: (**options); None without."""
         return None if self._check is None else _got(self._check)
-
-    @cached_property
-    def neighbour(self) -> Callable[..., Any] | None:
-        """What a solved result tells of a problem without solving: (problem, result) -> or None."""
-        return None if self._neighbour is None else _got(self._neighbour)
-
-    @cached_property
-    def shifted(self) -> Mapping[str, frozenset[str]]:
-        """By field: the outputs that ``neighbour`` gives for another value of that field alone."""
-        return _got(self._shifted) if self._shifted is not None else {}
 
     def example(self) -> Any:
         """Return a problem to start from.
@@ -141,8 +128,6 @@ def register(
     report: Callable[..., Any] | str = "woundon.show.report:outputs_report",
     plot: Callable[..., Any] | str = "woundon.show.plots:output_panels",
     check: Callable[..., Any] | str | None = None,
-    neighbour: Callable[..., Any] | str | None = None,
-    shifted: Mapping[str, frozenset[str]] | str | None = None,
 ) -> None:
     """Register a kind of problem.
 
@@ -162,37 +147,31 @@ def register(
         outputs, all arrays.
     check : callable or name
         What refuses options of the solver before anything is solved.
-    neighbour, shifted : callable, mapping, or their names
-        What a solved case tells of another that differs in certain fields alone, and by field the
-        outputs that keep their derivatives then; studies and fits save such solves.
     """
     title = problem.rpartition(":")[2] if isinstance(problem, str) else problem.__name__
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
     name = name or snake
     text = about or (getattr(problem, "__doc__", "") or title).strip().partition("\n")[0]
-    _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check,
-                        neighbour, shifted)  # fmt: skip
+    _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check)
 
 
 register(
     "woundon.problems.nip:NipProblem",
-    "woundon.web_nip.solve:solve_nip",
+    "woundon.nip.solve:solve_nip",
     "woundon.nip.result:NipResult",
     about="The winding nip alone, the web held at its trailing edge.",
     report="woundon.show.report:nip_report",
     plot="woundon.show.nip_plots:nip_panels",
-    check="woundon.web_nip.solve:check_options",
-    neighbour="woundon.nip.winding_theorem:neighbour",
-    shifted="woundon.nip.winding_theorem:SHIFTED",
+    check="woundon.nip.solve:check_options",
 )
 register(
     "woundon.problems.nip:WrappedNipProblem",
-    "woundon.web_nip.solve:solve_nip",
-    "woundon.wrap.result:WrappedNipResult",
+    "woundon.nip.solve:solve_nip",
+    "woundon.nip.result:WrappedNipResult",
     about="The winding nip with the web wrapped on roll and drum: the wound-on tension.",
     report="woundon.show.report:wrapped_report",
     plot="woundon.show.nip_plots:wrapped_panels",
-    check="woundon.web_nip.solve:check_options",
+    check="woundon.nip.solve:check_options",
 )
 register(
     "woundon.problems.rollers:RollerProblem",

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "measured"]
+__all__ = [
+    "ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "largest", "measured", "positive",
+    "zone_runs",
+]  # fmt: skip
 
 ResultT = TypeVar("ResultT", bound="Result")
 
@@ -45,6 +48,30 @@ class Zone(IntEnum):
     def word(self) -> str:
         """What the web, or the lower surface, is against the body: "slower", "stick", "faster"."""
         return ("slower", "stick", "faster")[self + 1]
+
+
+def zone_runs(x: np.ndarray, zones: np.ndarray) -> list[tuple[int, float, float]]:
+    """Return runs (zone, from, to) [m] of neighbouring nodes in the same zone.
+
+    Boundaries lie halfway between nodes.
+    """
+    changes = np.nonzero(np.diff(zones))[0]
+    ends = [float(x[0]), *((x[changes] + x[changes + 1]) / 2).tolist(), float(x[-1])]
+    first = [0, *(changes + 1).tolist()]
+    return [(int(zones[k]), a, b) for k, a, b in zip(first, ends, ends[1:], strict=False)]
+
+
+def largest(values: Any) -> float:
+    """Return the largest of some violations, 0 of none, nan if one is nan.
+
+    Python's ``max`` drops a nan that does not come first.
+    """
+    return float(np.maximum.reduce(values, axis=None, initial=0.0))
+
+
+def positive(*values: np.ndarray) -> float:
+    """Return 0 if all values are positive, else inf; nan counts as a violation."""
+    return 0.0 if all((each > 0).all() for each in values) else float("inf")
 
 
 class Residuals:

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .elasticity.mesh import Wrap, nip_mesh
 from .errors import RESOLUTION
-from .problems.bodies import Body
+from .problems.bodies import Body, ContactProblem, half_width_guess
 from .results import Result, Zone
-from .two_bodies import mesh_of
 
-__all__ = ["LIMITS", "Limit", "pair_warnings", "past", "zone_warnings"]
+__all__ = ["LIMITS", "Limit", "far_outside", "pair_warnings", "past", "zone_warnings"]
 
 Array = np.ndarray
 
@@ -95,9 +95,27 @@ def _indentation(result: Any, body: Body, traction: Array) -> float:
     if not body.linear:
         return float(result.approach)  # all of it at most
     own = result.in_nip
-    response = result.problem.respond(body, mesh_of(result), result.half_width)
-    by_p, by_q = response.normal(np.zeros(1))
-    return -float((by_p @ result.pressure[own][1:-1] + by_q @ traction[1:-1])[0])
+    p, q, speed = result.pressure[own], traction, result.problem.rolling_speed
+    mesh = nip_mesh(p.size, Wrap(), Wrap())
+    a, face = result.half_width, mesh.roll_face
+    surface = body.surface(face, a, speed)
+    slope, _ = surface.deform(p, q)
+    v = face.displacement_at_nodes(slope, surface.end_displacement(p, q), a)
+    return -float(np.interp(0.0, mesh.nodes, v))
+
+
+def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
+    """Yield which bodies a load presses by more than their own stiffness, and what to change."""
+    p = load / (2 * half_width_guess(load, *problem.bodies))
+    for name, body in zip(problem.pair, problem.bodies, strict=True):
+        if body.surface_material is not None:
+            modulus = min(body.surface_material.stiffness[:2])
+            if p > modulus:
+                yield (
+                    f"this is far outside the model: a mean pressure of about {p:.2g} Pa is more "
+                    f"than the {name}'s stiffness, {modulus:.2g} Pa; take a smaller load or a "
+                    f"stiffer {name}"
+                )
 
 
 def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:

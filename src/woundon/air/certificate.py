@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contact.certificate import largest
+from ..results import largest
 from ..errors import InvalidProblem
 from ..results import Residuals
 from .films import escaped_film, foil_film, friction_share, nip_film

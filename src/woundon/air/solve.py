@@ -19,8 +19,8 @@ from ..errors import NotConverged, unwarned
 from ..problems.air import AirNipProblem
 from ..results import Residuals
 from ..threads import one_thread
-from ..wrap.result import WrappedNipResult
-from ..web_nip.solve import check_options, solve_nip
+from ..nip.result import WrappedNipResult
+from ..nip.solve import check_options, solve_nip
 from .certificate import OF_THE_NIP, certificate, edge_of, films_of
 from .result import AirNipResult
 

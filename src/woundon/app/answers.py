@@ -18,7 +18,7 @@ import numpy as np
 from pydantic_core import to_json
 
 from .. import kinds
-from ..contact.zones import zone_runs
+from ..results import zone_runs
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..io.units import parse

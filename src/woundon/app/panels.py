@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from .. import kinds, quantities
-from ..contact.zones import zone_runs
+from ..results import zone_runs
 from ..quantities import Quantity
 from ..results import Result
 from ..show.parts import friction_bounds, zone_strips

@@ -41,6 +41,7 @@ Array = np.ndarray
 MOST_MODULUS = 0.95  # of E_t/nu^2: beyond, trial states find this modulus
 LEAST_MODULUS = 0.05  # of that at zero pressure: there a stack counts as torn
 LOCAL_STEPS = 50
+LOCAL_STEP = 1e-9  # of the pressure: the error after a step of Newton's method is its square
 
 
 class RadialLaw(Protocol):
@@ -132,8 +133,8 @@ class HardeningLaw:
         D = 1 - nu * nu * E_r / E_t
         return E_r / D, E_t / D, nu * E_r / D, self.shear
 
-    def stressed(self, strain: Array, P0: Array) -> Stressed:
-        """Return what strains do to a stack wound under P0.
+    def stressed(self, strain: Array, P0: Array, guess: Array | None = None) -> Stressed:
+        """Return the stresses that strains add to a stack wound under P0.
 
         Parameters
         ----------
@@ -141,10 +142,12 @@ class HardeningLaw:
             e_r, e_t, gamma.
         P0 : (...) array
             [Pa].
+        guess : (...) array, optional
+            Pressures P to start from [Pa]; they change rounding only.
         """
         e_r, e_t, gamma = np.moveaxis(strain, -1, 0)
         E_t, nu = self.tangential, self.poissons_ratio
-        P = self._pressure(-(e_r + nu * e_t), gamma, P0)
+        P = self._pressure(-(e_r + nu * e_t), gamma, P0, guess)
         rise, G, G_slope = self._rise(P, gamma, P0)
         M, coupling = 1 / rise, -G_slope * gamma / rise
         stress = np.stack([P0 - P, E_t * e_t - nu * (P - P0), G * gamma], axis=-1)
@@ -157,21 +160,21 @@ class HardeningLaw:
         tangent[..., 2, 2] = G + M * (G_slope * gamma) ** 2
         return Stressed(stress, tangent, P)
 
-    def _pressure(self, h: Array, gamma: Array, P0: Array) -> Array:
-        """Return the root P of f(P) = h."""
+    def _pressure(self, h: Array, gamma: Array, P0: Array, guess: Array | None) -> Array:
+        """Return the root P of f(P) = h by Newton's method, from a guess or from F(P) = F(P0) + h."""
         radial, give = self.radial, self.poissons_ratio**2 / self.tangential
         F0 = radial.strain_at(P0)
-        P = self._inverse(F0 + h)
-        if give == 0 and self.shear_exponent == 0:
+        P = self._inverse(F0 + h) if guess is None else guess
+        if guess is None and give == 0 and self.shear_exponent == 0:
             return P
         for _ in range(LOCAL_STEPS):
             rise, _, G_slope = self._rise(P, gamma, P0)
             miss = h - (self._strain(P) - F0 - give * (P - P0) - G_slope * gamma**2 / 2)
             step = miss / rise
             P = P + step
-            if np.all(np.abs(step) <= 1e-14 * (np.abs(P) + np.abs(P0))):
-                break
-        return P
+            if np.all(np.abs(step) <= LOCAL_STEP * (np.abs(P) + np.abs(P0))):
+                return P
+        return P if guess is None else self._pressure(h, gamma, P0, None)
 
     def _rise(self, P: Array, gamma: Array, P0: Array) -> tuple[Array, Array, Array]:
         """Return f'(P), G and G'; f' positive beyond the law's range too."""

@@ -210,7 +210,7 @@ class RingMesh:
     """
 
     def __init__(self, radius: float, core_radius: float, fineness: Fineness, a: float) -> None:
-        self.radius, self.half_width = radius, a
+        self.radius, self.half_width, self.fineness = radius, a, fineness
         self.topology = topology(fineness.columns, fineness.rows)
         t = np.arange(fineness.inside + 1) / fineness.inside
         inside = a * (2 * t**2 / (t**2 + (1 - t) ** 2) - 1)
@@ -246,8 +246,8 @@ class RingMesh:
             np.append(self.nodes, self.x[-1]), np.vstack([one, one[:1]]), bc_type="periodic"
         )
 
-    def drawn(self, at: Array) -> tuple[Array, Array]:
-        """Return what values at the surface's nodes are at given x, and their slopes, (n, k)."""
+    def splines(self, at: Array) -> tuple[Array, Array]:
+        """Return values and slopes at given x of splines through unit nodal values, (n, k)."""
         at = (at - self.x[0]) % self.period + self.x[0]
         return self._spline(at), self._spline(at, 1)
 
@@ -319,8 +319,8 @@ class RingMesh:
         elements = B.transpose(0, 2, 1) @ right.reshape(-1, 27, 18)
         return Factors(self.topology, self.topology.matrix(elements))
 
-    def carried(self, u: Array, other: RingMesh) -> Array:
-        """Return another mesh's unknowns on this one, between its nodes linearly."""
+    def interpolate(self, u: Array, other: RingMesh) -> Array:
+        """Return the unknowns of another mesh on this one, by linear interpolation."""
         field = other.topology.on_nodes(u)
         x = np.append(other.nodes, other.x[-1])
         closed = np.concatenate([field, field[:, :1]], axis=1)

@@ -1,1 +1,1 @@
-"""The winding nip alone, the web held to the roll at its trailing edge (thesis ch. 3)."""
+"""The rolling nip: one nonlinear system for web nips with and without wraps, and for rollers."""

@@ -1,120 +1,206 @@
-"""The certificate of a nip: every law measured on the arrays that its result reports."""
+"""The certificate of a nip: contact conditions evaluated from the arrays of a result.
+
+``residuals`` concern the discretised equations: pressures, tractions, slips and scalars of the
+result are put into the equations of its mesh.  They do not detect an error of an influence function,
+because both sides use the same matrices.  ``consistency`` does: the balance of power and
+equilibrium by another quadrature hold for the continuous fields, and their defects vary as the
+discretisation error.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from math import inf, isnan
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contact.certificate import (
-    beyond_rounding,
-    friction_laws,
-    largest,
-    misplaced_slips,
-    positive_pressure,
-)
-from ..losses import Surface, balance_law, pressed, surfaces
+from ..contact.newton import friction_residual
 from ..results import Residuals
-from ..two_bodies import Matrices, mesh_of, within
-from .equations import NipMatrices, gained
+from .energy import power_balance, rolling_resistance
+from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
 
 if TYPE_CHECKING:
-    from .result import NipResult
+    from .equations import NipEquations, NipState
 
-__all__ = ["certificate", "matrices_of"]
+__all__ = ["certificate", "consistency", "equations_of", "recomputed", "state_of"]
 
 Array = np.ndarray
 
-
-def matrices_of(result: NipResult) -> Matrices:
-    """Assemble the equations of a result anew, bodies that are not linear about its tractions."""
-    q = np.concatenate([result.roll_traction[1:-1], result.drum_traction[1:-1]])
-    about = NipMatrices.loads(result.pressure[1:-1], q)
-    return NipMatrices.at(result.problem, mesh_of(result), result.half_width, about)
+EPS = float(np.finfo(float).eps)
+# Rounding of a sum of some hundred terms, in units of the largest one.
+ROUNDING = 50 * EPS
 
 
-def certificate(result: NipResult, made: Matrices) -> Residuals:
-    """Measure every law of a result.
+def equations_of(result: Any) -> NipEquations:
+    """Return the equations on the mesh of a result."""
+    from .equations import NipEquations
+
+    return NipEquations(result.problem, result.nodes)
+
+
+def state_of(result: Any, equations: NipEquations) -> NipState:
+    """Return the state of the unknowns that a result reports.
+
+    Raises
+    ------
+    ValueError
+        If the nodes are not those of such a nip.
+    """
+    at, web, problem = equations.layout, result.problem.web, result.problem
+    if result.x.size != at.end + 1:
+        raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {at.end + 1}")
+    p_roll = getattr(result, "roll_pressure", result.pressure)
+    u = np.empty(at.size)
+    u[at.drum_p] = result.pressure[at.p_nodes[at.drum_p]]
+    u[at.wrap_p] = p_roll[at.p_nodes[at.wrap_p]]
+    u[at.shift] = result.offset / problem.contact_radius
+    # the creepage of the equations refers to the web's strain at the end
+    u[at.xi] = result.drum_creep + web.compliance.c11 / web.thickness * result.web_tension[-1]
+    u[at.ln_a] = np.log(result.half_width)
+    u[at.roll_q], u[at.drum_q] = (
+        result.roll_traction[at.roll_nodes], result.drum_traction[at.drum_nodes]
+    )
+    return equations.evaluate(u)
+
+
+def certificate(result: Any, equations: NipEquations) -> Residuals:
+    """Return the largest violation of every contact condition, dimensionless.
 
     Parameters
     ----------
-    result : NipResult
-    made : Matrices
-        Its equations; see :func:`matrices_of`.
+    result : NipResult or WrappedNipResult
+    equations : NipEquations
+        Those of its mesh.
     """
-    problem, a, inside = result.problem, result.half_width, slice(1, -1)
-    problem.web.refuse(float(np.max(result.pressure)))
-    P, T_in = problem.nip_load, problem.web_tension
-    p, x = result.pressure[inside], result.x
-    q_roll, q_drum = result.roll_traction, result.drum_traction
-    q = np.concatenate([q_roll[inside], q_drum[inside]])
-    zones = np.concatenate([result.roll_zone[inside], result.drum_zone[inside]])
-    mesh = mesh_of(result)
-    gain = gained(problem, mesh, x, q_roll, q_drum)
-    c11 = problem.web.compliance.c11
-    # the solved rigid slip holds the web's strain behind the nip too
-    creep = result.drum_creep + c11 / problem.web.thickness * (T_in + gain[-1])
-    shift = result.offset / problem.contact_radius
-    miss, v = made.laws(p, q, shift, creep)
-    n, top = p.size, made.top
-    # a node has the slip of the cell before it; that at the leading edge repeats the first
-    slips = np.empty((2, n + 2))
-    slips[:, 1:-1], slips[:, -1] = v[: 2 * n].reshape(2, n), v[2 * n :]
-    slips[:, 0] = slips[:, 1]
-    told = np.array([result.roll_slip, result.drum_slip])
-    friction = np.empty(2 * n)
-    friction[:n], friction[n:] = problem.roll_friction, problem.drum_friction
-    tension = np.concatenate([
-        result.web_tension - T_in - gain,
-        [result.nip_induced_tension - result.extrapolation - gain[-1]],
-    ])  # fmt: skip
-    unit = friction * np.abs(p).max()
-    laws = friction_laws(
-        zones, q, v[: q.size], friction * np.concatenate([p, p]), unit=unit, slip_scale=top,
-        strain=result.drum_creep,
-    )  # fmt: skip
-    # without pressure at the edges of the contact there is no traction
-    edges = np.abs(np.concatenate([q_roll[[0, -1]], q_drum[[0, -1]]]))
-    bound = largest([laws["friction_bound"], largest(edges) / unit.min()])
-    places = np.concatenate([x - a * mesh.nodes, x[[0, -1]] - [-a, a]])
-    return Residuals(
-        indentation=largest(np.abs(miss)) / top,
-        positive_pressure=positive_pressure(result.pressure),
-        **{**laws, "friction_bound": bound},
-        slip_speed=beyond_rounding(told - slips, np.asarray(result.drum_creep)) / top,
-        load_equilibrium=abs(mesh.integral(result.pressure, x) / P - 1),
-        force_equilibrium=abs(
-            mesh.facing(problem.drum.rigid).integral(q_drum, x) - problem.winding_force
-        ) / P,
-        web_equilibrium=beyond_rounding(tension, result.web_tension) / P,
-        half_width=largest([largest(np.abs(places)), misplaced_slips(result.slip_x, x)]) / a,
-        **within(problem, made.responses),
-        **balance_law(
-            result,
-            lambda: surfaces(problem, made.responses, mesh, a, made.loads(p, q)),
-            lambda one, two: _put_in(result, made, one, two),
-        ),
-    )  # fmt: skip
+    problem = result.problem
+    problem.web.refuse(float(result.pressure.max()))
+    try:
+        state = state_of(result, equations)
+    except ValueError:
+        return Residuals(mesh=inf)
+    at, f, problem = equations.layout, state.fields, result.problem
+    peak, top = float(np.abs(f.p_drum).max()), equations.slope_scale
+    zones = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
+    active = zones.astype(np.int8)
+    n_gap = at.last - at.first
+    gap, wraps = state.equilibrium[:n_gap], state.equilibrium[n_gap:-2]
+    # values that the equations imply, as the result reports them
+    implied = web_arrays(equations, state, active)
+    tension_scale = problem.nip_load + ROUNDING * float(np.abs(f.tension).max()) / 1e-8
+    conditions = {
+        "gap_slope": _largest(gap) * equations.slope_scale / top,
+        "positive_pressure": _largest(np.maximum(-np.append(f.p_roll, f.p_drum), 0.0)) / peak,
+        **_friction_law(state, active),
+        "slip_velocity": max(
+            _differ(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
+        ) / top,
+        "winding_force": abs(float(state.equilibrium[-2])),
+        "nip_load": abs(float(state.equilibrium[-1])),
+        "web_tension": _differ(result.web_tension, f.tension) / tension_scale,
+        "zones": 0.0 if _zones_are_valid(result, implied) else inf,
+        "mesh": max(
+            _differ(result.x, implied["x"]), _differ(result.slip_x, implied["slip_x"])
+        ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
+    }  # fmt: skip
+    pressures = {"pressure": f.p_drum}
+    if hasattr(result, "roll_pressure"):
+        pressures |= {"roll_pressure": f.p_roll, "hoop_pressure": f.p_roll - f.p_drum}
+        kappa = implied["curvature"]
+        conditions["hoop_pressure"] = _largest(wraps) * equations.pressure_scale / peak
+        conditions["curvature"] = _differ(result.curvature, kappa) / (
+            float(np.abs(kappa).max()) or 1.0
+        )
+        conditions["roll_strain"] = _differ(result.roll_strain, implied["roll_strain"]) / top
+    else:
+        gained = state.fields.geometry.a * f.geometry.mesh.weights @ (f.q_roll + f.q_drum)
+        conditions["nip_induced_tension"] = (
+            abs(result.nip_induced_tension - gained) / problem.nip_load
+        )
+    conditions["normal_equilibrium"] = max(
+        _differ(getattr(result, name), value) for name, value in pressures.items()
+    ) / peak
+    tractions = ("roll_traction", f.q_roll), ("drum_traction", f.q_drum)
+    conditions["free_surface"] = max(
+        _differ(getattr(result, name), value) for name, value in tractions
+    ) / peak
+    for name in ("equilibrium_residual",):
+        for side, body in zip((f.geometry.roll, f.geometry.drum), ("roll", "drum"), strict=True):
+            residual = getattr(side.surface, name, None)
+            if residual is not None:
+                conditions[f"{body}_equilibrium"] = float(residual)
+    return Residuals(**conditions)
 
 
-def _put_in(result: NipResult, made: Matrices, roll: Surface, drum: Surface) -> float:
-    """Return what shafts and web tension put in less what friction takes [N/m]."""
-    problem, mesh, a = result.problem, mesh_of(result), result.half_width
-    web = problem.web.compliance
-    work = pressed(problem, a * mesh.middle, result.offset / problem.contact_radius, roll, drum)
-    tension = (
-        problem.web_tension
-        + a * mesh.upstream @ (result.roll_traction + result.drum_traction)[1:-1]
+def _friction_law(state: NipState, active: Array) -> dict[str, float]:
+    """Return the violations of the friction law: slips relative to the slope of the gap at the
+    edge, tractions relative to the friction at the largest pressure."""
+    residual, stuck = friction_residual(state, active), active == 0
+    unit = float(np.abs(state.bound).max())
+    return {
+        "stick": _largest(residual[stuck]),
+        "friction_bound": _largest(
+            np.maximum(np.abs(state.traction) - state.bound, 0.0)[stuck]
+        ) / unit,
+        "slip_traction": _largest(residual[~stuck]) / unit,
+        "slip_direction": _largest(np.maximum(-active * state.slip, 0.0)[~stuck]),
+    }  # fmt: skip
+
+
+def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
+    """Return whether zones are -1, 0 or 1, and nodes without a traction repeat their neighbour."""
+    zones = result.roll_zone, result.drum_zone
+    known = all(np.isin(zone, (-1, 0, 1)).all() for zone in zones)
+    same = all(
+        np.array_equal(getattr(result, name), implied[name])
+        for name in ("roll_zone", "drum_zone")
     )
-    stretched = web.c11 / problem.web.thickness * tension
-    behind = web.c11 / problem.web.thickness * float(result.web_tension[-1])
-    p = result.pressure[1:-1]
-    _, _, strain_p, strain_q = made.responses[0].gradients
-    edge = float(strain_p[-1] @ p + strain_q[-1] @ result.roll_traction[1:-1]) - behind
-    edge += float(np.ravel(made.responses[0].strain)[-1])  # of a roll that is not linear
-    thinner = mesh.slope[:-1] @ problem.web.thinned(p)[0] / -a
-    # a node has the slip of the cell before it
-    each = roll.traction * (stretched + edge - result.roll_slip[1:])
-    each += drum.traction * (stretched + result.drum_creep - result.drum_slip[1:])
-    each += roll.pressure * thinner
-    return work + float(roll.length @ each)
+    return known and same
+
+
+def _largest(values: Array) -> float:
+    """Return the largest size of some values, 0 of none, nan if one is nan."""
+    return float(np.max(np.abs(values), initial=0.0))
+
+
+def _differ(one: Array, two: Array) -> float:
+    """Return the largest difference; nan must stand at the same places, else it is inf."""
+    if not np.array_equal(np.isnan(one), np.isnan(two)):
+        return inf
+    both = ~np.isnan(one)
+    return _largest(one[both] - two[both])
+
+
+def consistency(equations: NipEquations, state: NipState) -> dict[str, float]:
+    """Return the defects of conditions that hold for the continuous fields, dimensionless.
+
+    ``power_balance`` is relative to P a/R*; ``load`` and ``tension`` compare the integrals of the
+    hat functions with the trapezoidal rule in theta, x = -cos(theta), relative to P and mu+ P.
+    """
+    f, problem, mesh = state.fields, equations.problem, state.fields.geometry.mesh
+    nip, a = mesh.nip_nodes, f.geometry.a
+    theta = np.linspace(0.0, np.pi, nip.stop - nip.start)
+    by_theta = a * np.sin(theta) * (theta[1] - theta[0])
+    load = float(by_theta @ f.p_drum[nip])
+    tension = float(by_theta[1:-1] @ (f.q_roll + f.q_drum)[nip][1:-1])
+    gained = float(f.tension[mesh.last] - f.tension[mesh.first])
+    return {
+        "power_balance": power_balance(equations, state),
+        "load": abs(load / problem.nip_load - 1),
+        "tension": abs(tension - gained) / (problem.roll_friction * problem.nip_load),
+    }
+
+
+def recomputed(result: Any) -> dict[str, tuple[float, float]]:
+    """Return the scalars that no condition determines: values from the arrays, and tolerances."""
+    equations = equations_of(result)
+    state = state_of(result, equations)
+    arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
+    ratios = slip_ratios(result.problem, arrays, result.in_nip)
+    indented = approach(equations, state)
+    values = {"approach": (indented, 1e-8 * abs(indented))}
+    values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
+    if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
+        lost = rolling_resistance(equations, state)
+        values["rolling_resistance"] = lost, 1e-7 * abs(lost)
+    return values

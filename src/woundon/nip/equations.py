@@ -1,234 +1,530 @@
-r"""The nip's equations on a mesh: bodies and web joined into a normal and a stick-slip problem.
+r"""The rolling nip of a web as one nonlinear system.
 
-With tractions of the web on the roll q+ and on the drum q- (along +x), pressure p on both faces,
-T = T_in + int (q+ + q-), 1/R* = 1/R1 + 1/R2 and the web's compliances c:
+A web (tension T, thickness 2h, compliances c11, c12, c22) passes between the roll (+, pressure p+)
+and the drum (-, pressure p-), and may be wrapped on the drum upstream of the nip and on the roll
+downstream of it.  kappa is the curvature of the web, positive with the centre in the roll; v and
+eps are normal displacement and strain of a surface (thesis eqs. 64 to 98, 131 to 160).
 
-    indentation (82), differentiated      v1' + v2' + c12 (q+ + q-) - 2h F(p)' + Delta/R* = x/R*
-    slip at the roll (133)                v+ = eps - eps1 - [eps - eps1](x = a)
-    slip at the drum (133)                v- = eps - eps2 + xi-
-    strain of the web (72)                eps = c11 T/(2h) - c12 p
+    gap slope      v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R* - x/R* = 0   cells of the nip
+    equilibrium    p+ - p- - T kappa = 0                                         nodes of the wraps
+    force          int q- dx = F
+    load           int_nip p- dx = P
+    tension        T = T_in + int (q+ + q-) dx
+    slip velocity  v+ = eps - eps+ - (eps - eps+)(end),      v- = eps - eps- + xi,
+                   eps = c11 (T - T(end))/2h - c12 p+
+    friction law   stick: v = 0;   slip: q = s mu p, s = +1 or -1                traction nodes
 
-F = c22 p, but of a web that hardens: there it is linearised about known pressures, as bodies are.
-They are solved together, for p, Delta, q = (q+, q-) and one rigid slip, xi = xi- + c11 T_out/(2h),
-which the winding force fixes (the joint system).  T_in drops out: the winding theorem.  Where that
-wanders, the first is solved for p and Delta,  p = p0 + K q  (the normal problem); put into the
-other two it leaves the stick-slip problem in q and xi, which has a safe way.
+F(p) is the compression of the web (c22 p of a linear one).  On a wrap one face is free: p+ = 0 and
+kappa = -kappa- on the drum, p- = 0 and kappa = kappa+ on the roll.  In the nip the web follows the
+drum, kappa = -kappa-, so that p+ = p- + T kappa is explicit.  Without a roll wrap the web is held to
+the roll at the trailing edge (thesis eq. 97), and p+ = p- = p in the nip.
 
-                 p          q+                    q-              xi
-    v+  [  S+ = -c12 -E1p | L - E1q           |   L             |  0 ]     E: strain of a body
-    v-  [  S- = -c12 -E2p | L                 |   L - E2q       |  1 ]     (E1 less its last row)
-    L = c11/(2h) (upstream integral - whole integral)
+Unknowns and Jacobian, d by a difference of two residuals (:mod:`.layout`):
+
+                    p         Delta  xi  ln a   q+       q-
+    gap slope    [ S           1     .    d     S        S         ]   S  slopes
+    equilibrium  [ I - T B     .     .    d    -kappa   -kappa-T B ]   B  curvatures
+    force, load  [ w           .     .    d     .        w         ]   w  integrals
+    slip         [ -c12 - E    .     1    d     L - E    L - E     ]   E  strains, L web stretch
 """
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from math import exp, log, pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact.joint import Joint
-from ..contact.meshes import Mesh
-from ..contact.response import Response, Tractions
-from ..contact.stick_slip import RigidFace, StickSlip, StickSlipSolution
-from ..two_bodies import About, Matrices, PairEquations, PairState
-from .laws import NipLaws
+from ..contact.newton import Jacobian
+from ..elasticity.mesh import Face, Mesh, Wrap, nip_mesh
+from ..elasticity.surface import Deformation, SurfaceResponse, SurfaceTangent
+from ..problems.bodies import half_width_guess
+from .layout import Layout
+from .outputs import main_outputs, nip_outputs
 
-__all__ = ["NipEquations", "NipMatrices", "gained", "jointly"]
+__all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
 Array = np.ndarray
-# below, tractions drown in the rounding of the pressures if both are solved for together
-LEAST_FRICTION = 0.01
+
+# Step of ln a for the difference quotient (error 1e-5 by its size, 1e-10 by rounding), and the
+# distance of half widths between which the surfaces of a neighbouring half width serve again.
+DIFFERENCE, NEAREST, FARTHEST = 1e-5, 1e-7, 1e-2
+# Friction coefficient of the slip scale: with less friction slip is still of the order of the gap's
+# slope, and with more it is not larger.
+LARGEST_SLIP = 1.0
 
 
-@dataclass(frozen=True, eq=False)
-class NipMatrices(Matrices):
-    """The nip's matrices: tractions are stacked (q+, q-), m = 2n.
+class Side(NamedTuple):
+    """One body on its part of the mesh."""
 
-    Slips are those of the nodes' cells first, roll then drum; the last cell, which belongs to no
-    unknown, follows for both, (2n + 2,).  All are parts of one matrix, that of the joint system.
-    """
+    face: Face
+    surface: SurfaceResponse
+    radius: float
+    flattening: float  # 1/R^2 of a cylinder, 0 of a half-plane
 
-    whole: Array  # (3n + 4, 3n + 2)
-
-    @classmethod
-    def of(
-        cls, problem: Any, mesh: Mesh, a: float, one: Response, two: Response, about: About = None
-    ) -> Self:
-        """Assemble for the half width ``a`` [m] and given responses of roll and drum."""
-        web, thickness = problem.web.compliance, problem.web.thickness
-        n, N = mesh.unknowns, mesh.unknowns + 1
-        gap = mesh.middle * (a / problem.contact_radius)
-        top, offset, thinning = float(gap[-1]), np.zeros(2 * N), problem.thinning
-        if not problem.web.linear:
-            # the web's thinning varies linearly between the nodes, as the pressure does
-            known = np.zeros(n) if about is None else np.maximum(about[0].pressure, 0.0)
-            thinned, by_pressure = problem.web.thinned(known)
-            gap, thinning = (
-                gap + mesh.slope[:-1] @ (thinned - by_pressure * known) / a,
-                -by_pressure,
-            )
-        whole = np.empty((3 * N + 1, 3 * N - 1))
-        slope_p, slope_q = whole[:N, :n], whole[:N, N:-1]
-        through, direct = whole[N + 1 :, :n], whole[N + 1 :, N:-1]
-        moves = whole[N + 1 :, -1]
-        whole[:N, n], whole[:N, -1], whole[N + 1 :, n] = 1.0, 0.0, 0.0
-        np.multiply(mesh.slope[:-1], thinning / a, out=slope_p)
-        # the web: its tension between the point and the trailing edge, and its squeezing
-        value = web.c12 * mesh.value[:-1]
-        stretched = a * web.c11 / thickness
-        behind = stretched * mesh.behind
-        for face, (body, response) in enumerate(((problem.roll, one), (problem.drum, two))):
-            own, last = slice(face * n, (face + 1) * n), 2 * n + face
-            other, facing = slice((1 - face) * n, (2 - face) * n), mesh.facing(body.rigid)
-            stretch = behind if facing is mesh else stretched * facing.behind
-            direct[other, own], direct[2 * n + 1 - face, own] = stretch[:-1], stretch[-1]
-            if body.rigid:
-                slope_q[:, own] = web.c12 * facing.value[:-1]
-                direct[own, own], direct[last, own] = stretch[:-1], stretch[-1]
-                through[own], through[last] = -value[:-1], -value[-1]
-                continue
-            body_slope_p, body_slope_q, strain_p, strain_q = response.gradients
-            slope_p += body_slope_p[:-1]
-            np.add(value, body_slope_q[:-1], out=slope_q[:, own])
-            by_p, by_q = -value - strain_p[:-1], stretch - strain_q[:-1]
-            if face == 0:  # the wound-on condition refers the roll's strain to the trailing edge
-                by_p += strain_p[-1]
-                by_q += strain_q[-1]
-            through[own], through[last] = by_p[:-1], by_p[-1]
-            direct[own, own], direct[last, own] = by_q[:-1], by_q[-1]
-            if not body.linear:
-                rest = np.broadcast_to(response.strain, (N + 1,))
-                rest = rest[:-1] - (rest[-1] if face == 0 else 0.0)
-                offset[own], offset[last] = -rest[:-1], -rest[-1]
-                gap = gap - np.broadcast_to(response.slope, (N + 1,))[:-1]
-        moves[:] = 0.0
-        moves[n : 2 * n] = moves[-1] = 1.0
-        weights = a * mesh.grid.weights
-        return cls(
-            a, slope_p, slope_q, gap, top, direct, through, offset, moves, weights, (one, two),
-            whole,
-        )  # fmt: skip
-
-    @staticmethod
-    def loads(p: Array, q: Array) -> tuple[Tractions, Tractions]:
-        """Return what loads roll and drum."""
-        return Tractions(p, q[: p.size]), Tractions(p, q[p.size :])
-
-
-@dataclass(frozen=True, eq=False)
-class NipEquations(PairEquations):
-    """The equations of a nip for one half width."""
-
-    made_of: ClassVar[type[Matrices]] = NipMatrices
-    face_count: ClassVar[int] = 2
-
-    @cached_property
-    def _friction(self) -> Array:
-        """mu of each node, (2n,)."""
-        n, friction = self.mesh.unknowns, np.empty(2 * self.mesh.unknowns)
-        friction[:n], friction[n:] = self.problem.roll_friction, self.problem.drum_friction
-        return friction
-
-    @property
-    def _share(self) -> float:
-        """F by the load that a half width carries: a steady state at any width."""
-        return float(self.problem.winding_force / self.problem.nip_load)
-
-    @cached_property
-    def joint(self) -> Joint | None:
-        """The system of pressure and tractions together.
-
-        None where rounding blurs tractions, and on elements, which have a search of their own.
-        """
-        if not jointly(self.problem) or self.mesh.facing(True) is not self.mesh:
-            return None
-        made, n = self.matrices, self.mesh.unknowns
-        row = made.whole[n + 1]
-        row[...] = 0.0
-        row[:n], row[2 * n + 1 : -1] = -self._share * made.weights, made.weights
-        row *= self._size
-        right = np.concatenate([made.gap, [0.0], -made.offset])
-        own = np.concatenate([np.arange(n)] * 2)
-        rigid = RigidFace(slice(n, 2 * n), made.weights) if self.problem.drum.rigid else None
-        # a copy has no joint: matrices that lead to themselves would wait for the garbage collector
-        condensed = copy(self).stick_slip
-        return Joint(made.whole, right, self._friction, own, condensed, rigid=rigid)
-
-    @cached_property
-    def _size(self) -> float:
-        """What makes the row of the force as large as those of slopes."""
-        # slopes are largest beside their own node, in the middle cell as in any
-        middle = self.matrices.slope_p[self.mesh.unknowns // 2]
-        return float(np.abs(middle).max() / self.matrices.weights.max())
-
-    def stick_slip(self) -> StickSlip:
-        """Return the stick-slip problem of both faces; slips are strains, tractions in Pa."""
-        n, made = self.mesh.unknowns, self.matrices
-        nodes, p0, K = slice(0, 2 * n), self.pressure, self.pressure_response
-        held = made.half_width * self.mesh.facing(self.problem.drum.rigid).grid.weights
-        carried = self._share * (made.weights @ K)
-        return StickSlip(
-            made.direct[nodes], made.through_pressure[nodes], made.offset[nodes],
-            p0, K, self._friction, faces=2,
-            creep=made.moves[nodes],
-            resultant=np.concatenate([np.zeros(n), held]) - carried,
-            force=self._share * float(made.weights @ p0),
-        )  # fmt: skip
-
-    def state(self, solution: StickSlipSolution) -> PairState:
-        """Return the state that belongs to solved tractions."""
-        if solution.joint is None:
-            return super().state(solution)
-        n, found = self.mesh.unknowns, solution.joint[1]
-        p, q = found[:n], solution.traction
-        known = self.matrices.loads(p, q)
-        return PairState(self.matrices.half_width, solution, p, float(found[n]), known)
-
-    def last_slips(self, state: PairState) -> tuple[float, float]:
-        """Return v+ and v- in the last cell, which belongs to no unknown."""
-        if state.solution.joint is not None:
-            last = state.solution.joint[2]
-        else:
-            made, q = self.matrices, state.traction
-            last = made.slips(state.pressure, q, state.solution.creep)[q.size :]
-        return float(last[0]), float(last[1])
-
-    # ---- from one half width to another --------------------------------------------------------
-
-    def moved(self, a: float) -> Self:
-        """Return the equations for another half width [m], as laws without matrices."""
-        other = type(self)(self.problem, self.mesh, NipLaws.at(self.problem, self.mesh, a))
-        vars(other).update(_size=self._size, joint=self.joint)  # the factors stay
-        return other
-
-    def left(self, found: Array) -> Array:
-        """Return what unknowns leave of the joint system's right sides; less all slips."""
-        n, made, weights = self.mesh.unknowns, self.matrices, self.matrices.weights
-        p, q = found[:n], found[n + 1 : -1]
-        out = np.empty(3 * n + 4)
-        miss, slips = made.laws(p, q, float(found[n]), float(found[-1]))
-        force = self._share * float(weights @ p) - float(weights @ q[n:])
-        np.negative(miss, out=out[: n + 1])
-        np.negative(slips, out=out[n + 2 :])
-        out[n + 1] = self._size * force
+    def curvature(self, slope: Array, p: Array, q: Array, a: float) -> Array:
+        """Return the curvature of the deformed surface at the nodes, 1/R - v'' - v/R^2."""
+        out = 1 / self.radius + self.face.curvature_change(slope, a)
+        if self.flattening:
+            end = self.surface.end_displacement(p, q)
+            out -= self.flattening * self.face.displacement_at_nodes(slope, end, a)
         return out
 
-    def load_of(self, p: Array) -> float:
-        """Return the load that a pressure carries [N/m]."""
-        return float(self.matrices.weights @ p)
+    def curvature_tangent(
+        self, tangent: SurfaceTangent, p: Array, q: Array, a: float
+    ) -> tuple[Array, Array] | None:
+        """Return the derivatives of the curvature by p and by q; None of a rigid body."""
+        if self.surface.rigid:
+            return None
+        slopes = tangent.slope_p, tangent.slope_q
+        by_p, by_q = (self.face.curvature_change(slope, a) for slope in slopes)
+        if self.flattening:
+            ends = self.surface.end_tangent(p, q)
+            for out, slope, end in zip((by_p, by_q), slopes, ends, strict=True):
+                out -= self.flattening * self.face.displacement_at_nodes(slope, end, a)
+        return by_p, by_q
 
 
-def jointly(problem: Any) -> bool:
-    """Tell whether there is friction enough for pressure and tractions to be solved together."""
-    return bool(min(problem.roll_friction, problem.drum_friction) >= LEAST_FRICTION)
+class Geometry(NamedTuple):
+    """Everything that depends on the half width alone."""
+
+    a: float
+    mesh: Mesh
+    roll: Side
+    drum: Side
 
 
-def gained(problem: Any, mesh: Mesh, x: Array, q_roll: Array, q_drum: Array) -> Array:
-    """Return what nodal tractions add to the web's tension up to every node, (M,) [N/m]."""
-    roll, drum = (mesh.facing(body.rigid) for body in problem.bodies)
-    if roll is drum:
-        return roll.from_edge(q_roll + q_drum, x)
-    return roll.from_edge(q_roll, x) + drum.from_edge(q_drum, x)
+class Fields(NamedTuple):
+    """Fields along the web, on all nodes; zero where a face has none."""
+
+    geometry: Geometry
+    p_roll: Array
+    p_drum: Array
+    q_roll: Array
+    q_drum: Array
+    transfer: Array  # int (q+ + q-) from the first node, lumped, behind each node [unit of a]
+    tension: Array
+    roll: Deformation
+    drum: Deformation
+    roll_curvature: Array  # on the nodes of the roll's face; empty without a roll wrap
+    drum_curvature: Array  # on the nodes of the drum's face; empty without a wrap
+
+
+@dataclass(frozen=True, eq=False)
+class NipState:
+    """An iterate; residuals, slip, traction and bound are dimensionless."""
+
+    u: Array
+    fields: Fields
+    equilibrium: Array
+    slip: Array
+    traction: Array
+    bound: Array
+
+
+class NipEquations:
+    """Residual and Jacobian of a nip on a mesh of ``size`` nodes in the nip.
+
+    Parameters
+    ----------
+    problem : NipProblem or WrappedNipProblem
+    size : int
+    like : Mesh, optional
+        A mesh whose numbers of cells are taken; by default those of the initial guess.
+    """
+
+    def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
+        self.problem, self.size = problem, size
+        self.roll_wrap = getattr(problem, "roll_wrap", 0.0)
+        self.drum_wrap = getattr(problem, "drum_wrap", 0.0)
+        P, R = problem.nip_load, problem.contact_radius
+        guess = half_width_guess(P, *problem.bodies)
+        self.start = a = min(guess, 0.9 * exp(self.largest_ln_a))
+        self._neighbour: Geometry | None = None
+        self._first_mesh = like
+        self._first_mesh = self.mesh(a)
+        self.layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
+        # units: Hertz's largest pressure, and the slope of the gap at the contact edge
+        self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
+
+    # ---- what Newton's method needs ------------------------------------------------------------
+
+    @cached_property
+    def friction(self) -> Array:
+        """Coefficient of friction at each traction node, roll then drum."""
+        at, problem = self.layout, self.problem
+        mu = problem.roll_friction
+        on_wrap = getattr(problem, "friction_behind", mu)
+        roll = np.where(at.roll_nodes >= at.last, on_wrap, mu)
+        return np.append(roll, np.full(at.drum_nodes.size, problem.drum_friction))
+
+    @cached_property
+    def scales(self) -> Array:
+        """Units of the unknowns."""
+        at = self.layout
+        out = np.full(at.size, self.pressure_scale)
+        out[[at.shift, at.xi]], out[at.ln_a] = self.slope_scale, 1.0
+        out[at.q] = self.friction * self.pressure_scale
+        return out
+
+    @property
+    def traction_unknowns(self) -> slice:
+        """Places of the tractions in u."""
+        return self.layout.q
+
+    @property
+    def ln_a(self) -> int:
+        """Place of ln a in u."""
+        return self.layout.ln_a
+
+    @property
+    def load_row(self) -> int:
+        """The equation of the load."""
+        return self.layout.q.start - 1
+
+    @cached_property
+    def largest_ln_a(self) -> float:
+        """ln of the largest half width that the bodies and the roll wrap permit."""
+        problem = self.problem
+        a = min(min(body.radius, body.widest) for body in problem.bodies)
+        if self.roll_wrap:
+            a = min(a, self.roll_wrap * problem.roll.radius / 2)
+        return log(a)
+
+    @property
+    def creep_nodes(self) -> Array:
+        """Tractions on the drum: their slip contains the creepage."""
+        return np.arange(self.layout.roll_nodes.size, self.friction.size)
+
+    def for_problem(self, problem: Any) -> NipEquations:
+        """Return the equations of a neighbouring problem with the same numbering."""
+        return NipEquations(problem, self.size, self._first_mesh)
+
+    def node_names(self, tractions: Array) -> list[str]:
+        """Return the faces and nodes of some tractions in words."""
+        at, k = self.layout, self.layout.roll_nodes.size
+        return [
+            f"roll node {at.roll_nodes[i]}" if i < k else f"drum node {at.drum_nodes[i - k]}"
+            for i in tractions.tolist()
+        ]
+
+    def initial_guess(self) -> tuple[Array, Array]:
+        """Return zero fields at Hertz's half width, and full stick.
+
+        For linear bodies the first step finds all fields of that half width.
+        """
+        u = np.zeros(self.layout.size)
+        u[self.ln_a] = log(self.start)
+        return u, np.zeros(self.friction.size, dtype=np.int8)
+
+    # ---- geometry ------------------------------------------------------------------------------
+
+    def mesh(self, a: float) -> Mesh:
+        """Return the mesh for a half width; its numbers of cells are those of the initial guess."""
+        if self._first_mesh is not None and not (self.roll_wrap or self.drum_wrap):
+            return self._first_mesh
+        roll, drum = (body.radius / a for body in self.problem.bodies)
+        return nip_mesh(
+            self.size, Wrap(self.drum_wrap * drum, drum, graded_end=True),
+            Wrap(max(self.roll_wrap * roll - 1, 0.0), roll), self._first_mesh,
+        )  # fmt: skip
+
+    def geometry(self, a: float) -> Geometry:
+        """Return mesh and surfaces for a half width."""
+        mesh, problem = self.mesh(a), self.problem
+        sides = []
+        for body, face in ((problem.roll, mesh.roll_face), (problem.drum, mesh.drum_face)):
+            surface = body.surface(face, a, problem.rolling_speed)
+            flattening = body.curvature**2 if not body.rigid else 0.0
+            sides.append(Side(face, surface, body.radius, flattening))
+        return Geometry(a, mesh, *sides)
+
+    # ---- residual ------------------------------------------------------------------------------
+
+    def evaluate(self, u: Array, geometry: Geometry | None = None) -> NipState:
+        """Return the state of given unknowns."""
+        at = self.layout
+        f = self._fields(u, geometry or self.geometry(exp(u[at.ln_a])))
+        rows = [self._gap_slope(u, f), *self._wraps(f), self._force_and_load(u, f)]
+        p = np.append(f.p_roll[at.roll_nodes], f.p_drum[at.drum_nodes])
+        # each traction node has the slip of the cell upstream of it
+        slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
+        traction = u[at.q] / self.scales[at.q]
+        return NipState(
+            u, f, np.concatenate(rows), slip / self._slip_scales, traction, p / self.pressure_scale
+        )
+
+    @cached_property
+    def _slip_scales(self) -> Array:
+        """Slip varies as the friction where there is little of it."""
+        return self.slope_scale * np.minimum(self.friction, LARGEST_SLIP)
+
+    def _fields(self, u: Array, g: Geometry) -> Fields:
+        at, a, mesh = self.layout, g.a, g.mesh
+        p_roll, p_drum, q_roll, q_drum = np.zeros((4, at.end + 1))
+        p_drum[at.p_nodes[at.drum_p]], p_roll[at.p_nodes[at.wrap_p]] = u[at.drum_p], u[at.wrap_p]
+        q_roll[at.roll_nodes], q_drum[at.drum_nodes] = u[at.roll_q], u[at.drum_q]
+        q = q_roll + q_drum
+        transfer = np.cumsum(mesh.weights * q)
+        T = self.problem.web_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
+        on_drum = p_drum[: at.last + 1], q_drum[: at.last + 1]
+        drum = g.drum.surface.deform(*on_drum)
+        kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
+        if self.roll_wrap or self.drum_wrap:
+            kappa_drum = g.drum.curvature(drum.slope, *on_drum, a)
+        nip = self._hoop_nodes
+        p_roll[at.first + 1 : at.last] = p_drum[at.first + 1 : at.last]
+        p_roll[nip] = p_drum[nip] - T[nip] * kappa_drum[nip]
+        on_roll = p_roll[at.first :], q_roll[at.first :]
+        roll = g.roll.surface.deform(*on_roll)
+        if self.roll_wrap:
+            kappa_roll = g.roll.curvature(roll.slope, *on_roll, a)
+        return Fields(
+            g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, drum, kappa_roll, kappa_drum
+        )  # fmt: skip
+
+    @cached_property
+    def _hoop_nodes(self) -> slice:
+        """Nodes of the nip at which the tension changes the pressure: p+ = p- + T kappa.
+
+        p+ starts from zero at the leading edge, except on a rigid roll.
+        """
+        at = self.layout
+        if not self.roll_wrap:
+            return slice(0, 0)
+        return slice(at.first + (not self.problem.roll.rigid), at.last)
+
+    def _gap_slope(self, u: Array, f: Fields) -> Array:
+        """Return the slope of the gap in the cells of the nip."""
+        (a, mesh, *_), web, nip = f.geometry, self.problem.web, f.geometry.mesh.nip_cells
+        thinning, _ = web.thinned(f.p_roll[mesh.nip_nodes])
+        gap = f.roll.slope[: mesh.last - mesh.first] + f.drum.slope[nip] + u[self.layout.shift]
+        gap += web.compliance.c12 * mesh.at_points(f.q_roll + f.q_drum)[nip]
+        gap -= np.diff(thinning) / (a * mesh.cells[nip])
+        return (gap - mesh.points[nip] * (a / self.problem.contact_radius)) / self.slope_scale
+
+    def _wraps(self, f: Fields) -> list[Array]:
+        """Return the normal equilibrium of the web on the wraps."""
+        at, T, rows = self.layout, f.tension, []
+        if self.drum_wrap:
+            on = slice(0, at.first + 1)
+            rows.append((f.p_drum[on] - T[on] * f.drum_curvature[on]) / self.pressure_scale)
+        if self.roll_wrap:
+            on, kappa = slice(at.last, None), f.roll_curvature[at.last - at.first :]
+            rows.append((f.p_roll[on] - T[on] * kappa) / self.pressure_scale)
+        return rows
+
+    def _force_and_load(self, u: Array, f: Fields) -> Array:
+        problem, a = self.problem, f.geometry.a
+        load = a * (f.geometry.mesh.nip_weights[self.layout.p_nodes] @ u[self.layout.p])
+        force = a * (f.geometry.mesh.weights @ f.q_drum)
+        P, F = problem.nip_load, problem.winding_force
+        # a share of the force varies as the load, so that every half width has a steady state
+        missing = force - F - self._force_by_load * (load - P)
+        return np.array([missing / (problem.drum_friction * P), load / P - 1])
+
+    @cached_property
+    def _force_by_load(self) -> float:
+        """Change of the force with the load of an iterate; the drum wrap carries the rest of F."""
+        mu = self.problem.drum_friction
+        return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
+
+    def slip_velocities(self, xi: float, f: Fields) -> tuple[Array, Array]:
+        """Return v+ in the cells of the roll's face and v- in those of the drum's."""
+        at, (a, mesh, *_), web = self.layout, f.geometry, self.problem.web
+        stretch = a * web.compliance.c11 / web.thickness * (f.transfer[:-1] - f.transfer[-1])
+        strain = stretch - web.compliance.c12 * mesh.at_points(f.p_roll)
+        at_end = -web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1]
+        roll = strain[at.first :] - f.roll.strain[:-2] - at_end
+        return roll, strain[: at.last] - f.drum.strain[:-2] + xi
+
+    # ---- Jacobian ------------------------------------------------------------------------------
+
+    def jacobian(self, state: NipState) -> Jacobian:
+        """Return the derivatives of equilibrium, slip and bound; the column by ln a is empty."""
+        return _Assembly(self, state).jacobian()
+
+    def half_width_column(self, state: NipState) -> tuple[Array, Array, Array]:
+        """Return the derivatives of equilibrium, slip and bound by ln a.
+
+        A difference to a neighbouring half width, whose surfaces serve as long as it is near: an
+        error of 1 % in this column only costs digits in one step.
+        """
+        a, near = state.fields.geometry.a, self._neighbour
+        if near is None or not NEAREST < abs(log(near.a / a)) < FARTHEST:
+            near = self._neighbour = self.geometry(a * exp(DIFFERENCE))
+        moved, step = self.evaluate(state.u, near), log(near.a / a)
+        return (
+            (moved.equilibrium - state.equilibrium) / step,
+            (moved.slip - state.slip) / step,
+            (moved.bound - state.bound) / step,
+        )
+
+    def main_outputs(self, state: NipState) -> dict[str, float]:
+        """Return the outputs that decide where mesh refinement ends."""
+        return main_outputs(self, state)
+
+    def outputs(self, state: NipState, active: Array) -> dict[str, float]:
+        """Return the outputs whose discretisation error is estimated."""
+        return nip_outputs(self, state, active)
+
+    # ---- transfer to another mesh --------------------------------------------------------------
+
+    def prolong(
+        self, state: NipState, active: Array, coarse: NipEquations
+    ) -> tuple[Array, Array]:
+        """Interpolate the unknowns of another mesh; nodes take the zone of the nearest node."""
+        at, was, f = self.layout, coarse.layout, state.fields
+        old, new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
+        u = np.empty(at.size)
+        pressure = np.where(np.arange(old.size) < was.last, f.p_drum, f.p_roll)
+        u[at.p] = np.interp(new[at.p_nodes], old, pressure)
+        u[[at.shift, at.xi, at.ln_a]] = state.u[[was.shift, was.xi, was.ln_a]]
+        u[at.roll_q] = np.interp(new[at.roll_nodes], old, f.q_roll)
+        u[at.drum_q] = np.interp(new[at.drum_nodes], old, f.q_drum)
+        k = was.roll_nodes.size
+        roll = nearest(old[was.roll_nodes], active[:k], new[at.roll_nodes])
+        drum = nearest(old[was.drum_nodes], active[k:], new[at.drum_nodes])
+        return u, np.append(roll, drum)
+
+
+def nearest(old: Array, values: Array, new: Array) -> Array:
+    """Return the values of the nearest old nodes."""
+    return values[np.searchsorted((old[1:] + old[:-1]) / 2, new)]
+
+
+class _Assembly:
+    """The Jacobian of a state, block by block."""
+
+    def __init__(self, equations: NipEquations, state: NipState) -> None:
+        self.equations, self.problem = equations, equations.problem
+        self.at, self.fields = equations.layout, state.fields
+        f, first, last = state.fields, self.at.first, self.at.last
+        self.a, self.mesh, roll, drum = f.geometry
+        on_roll = f.p_roll[first:], f.q_roll[first:]
+        on_drum = f.p_drum[: last + 1], f.q_drum[: last + 1]
+        self.roll, self.drum = roll.surface.tangent(*on_roll), drum.surface.tangent(*on_drum)
+        self.kappa_roll = self.kappa_drum = None
+        if f.roll_curvature.size:
+            self.kappa_roll = roll.curvature_tangent(self.roll, *on_roll, self.a)
+        if f.drum_curvature.size:
+            self.kappa_drum = drum.curvature_tangent(self.drum, *on_drum, self.a)
+        self.hoop = self._hoop()
+
+    def jacobian(self) -> Jacobian:
+        """Return all blocks."""
+        at, equations = self.at, self.equations
+        gap = self._gap_slope() / equations.slope_scale
+        wraps = [rows / equations.pressure_scale for rows in self._wraps()]
+        slip = self._slip() / equations._slip_scales[:, None]
+        bound = np.zeros((at.q.stop - at.q.start, at.size))
+        k = at.roll_nodes.size
+        bound[:k] = self._roll_pressure(np.eye(at.end + 1 - at.first)[1 : k + 1])
+        bound[k + np.arange(at.drum_nodes.size), at.drum_nodes - at.p_nodes[0]] = 1.0
+        rows = np.concatenate([gap, *wraps, self._force_and_load()])
+        return Jacobian(rows, slip, bound / equations.pressure_scale)
+
+    def _hoop(self) -> Array:
+        """Derivative of p+ = p- + T kappa at the nodes of the nip where it is no unknown."""
+        at, nodes = self.at, self.equations._hoop_nodes
+        k = np.arange(nodes.start, nodes.stop)
+        out = np.zeros((k.size, at.size))
+        if not k.size:
+            return out
+        own = k >= at.p_nodes[0]
+        out[own, k[own] - at.p_nodes[0]] = 1.0
+        self._subtract_hoop(out, nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
+        return out
+
+    def _subtract_hoop(
+        self, rows: Array, nodes: slice, kappa: Array, tangent: tuple[Array, Array] | None
+    ) -> None:
+        """Subtract d(T kappa) of the drum's curvature from rows that belong to nodes."""
+        at = self.at
+        by_q = self.a * self.mesh.integral_to_nodes[nodes]
+        rows[:, at.roll_q] -= kappa[:, None] * by_q[:, at.roll_nodes]
+        rows[:, at.drum_q] -= kappa[:, None] * by_q[:, at.drum_nodes]
+        if tangent is not None:
+            T = self.fields.tension[nodes, None]
+            rows[:, at.drum_p] -= T * tangent[0][nodes, at.p_nodes[at.drum_p]]
+            rows[:, at.drum_q] -= T * tangent[1][nodes, 1:-1]
+
+    def _roll_pressure(self, matrix: Array) -> Array:
+        """Return the product of a matrix, by p+ on the nodes of the roll's face, with dp+/du."""
+        at, nip = self.at, self.equations._hoop_nodes
+        n = at.last - at.first
+        out = np.zeros((len(matrix), at.size))
+        out[:, at.wrap_p] = matrix[:, n : n + at.wrap_p.stop - at.wrap_p.start]
+        if self.hoop.size:
+            out += matrix[:, nip.start - at.first : n] @ self.hoop
+        else:
+            out[:, at.drum_p.stop - (n - 1) : at.drum_p.stop] += matrix[:, 1:n]
+        return out
+
+    def _gap_slope(self) -> Array:
+        at, mesh, web, nip = self.at, self.mesh, self.problem.web, self.mesh.nip_cells
+        n = at.last - at.first
+        by_p = self.roll.slope_p[:n].copy()
+        _, thinning = web.thinned(self.fields.p_roll[mesh.nip_nodes])
+        k, h = np.arange(n), self.a * mesh.cells[nip]
+        by_p[k, k] += thinning[:-1] / h
+        by_p[k, k + 1] -= thinning[1:] / h
+        rows = self._roll_pressure(by_p)
+        value = web.compliance.c12 * mesh.hats[nip]
+        rows[:, at.roll_q] += value[:, at.roll_nodes] + self.roll.slope_q[:n, 1:-1]
+        rows[:, at.drum_q] += value[:, at.drum_nodes] + self.drum.slope_q[nip, 1:-1]
+        rows[:, at.drum_p] += self.drum.slope_p[nip, at.p_nodes[at.drum_p]]
+        rows[:, at.shift] = 1.0
+        return rows
+
+    def _wraps(self) -> list[Array]:
+        at, equations, f, blocks = self.at, self.equations, self.fields, []
+        if equations.drum_wrap:
+            on, k = slice(0, at.first + 1), np.arange(at.first + 1)
+            rows = np.zeros((k.size, at.size))
+            rows[k, k] = 1.0
+            self._subtract_hoop(rows, on, f.drum_curvature[on], self.kappa_drum)
+            blocks.append(rows)
+        if equations.roll_wrap:
+            on, own = slice(at.last, at.end + 1), slice(at.last - at.first, None)
+            k = np.arange(at.end + 1 - at.last)
+            rows = np.zeros((k.size, at.size))
+            if self.kappa_roll is not None:
+                T = f.tension[on, None]
+                rows = self._roll_pressure(-T * self.kappa_roll[0][own])
+                rows[:, at.roll_q] -= T * self.kappa_roll[1][own, 1:-1]
+            rows[k, at.wrap_p.start + k] += 1.0
+            self._subtract_hoop(rows, on, f.roll_curvature[own], None)
+            blocks.append(rows)
+        return blocks
+
+    def _force_and_load(self) -> Array:
+        at, problem = self.at, self.problem
+        rows, weights = np.zeros((2, at.size)), self.a * self.mesh.nip_weights[at.p_nodes]
+        rows[0, at.p] = -self.equations._force_by_load * weights
+        rows[0, at.drum_q] = self.a * self.mesh.weights[at.drum_nodes]
+        rows[0] /= problem.drum_friction
+        rows[1, at.p] = weights
+        return rows / problem.nip_load
+
+    def _slip(self) -> Array:
+        at, mesh, web = self.at, self.mesh, self.problem.web
+        stretch = mesh.integral_to_points - mesh.weights
+        stretch = stretch * (self.a * web.compliance.c11 / web.thickness)
+        through = -web.compliance.c12 * mesh.hats[:, at.first :]
+        on_roll, on_drum = slice(at.first, at.end - 1), slice(0, at.last - 1)
+        n, m = at.end - 1 - at.first, at.last - 1
+        strain_p, strain_q = (s[:n] - s[-1] for s in (self.roll.strain_p, self.roll.strain_q))
+        by_p = through[on_roll] - strain_p
+        by_p[:, -1] += web.compliance.c12
+        roll, drum = self._roll_pressure(by_p), self._roll_pressure(through[on_drum])
+        for rows, cells in ((roll, on_roll), (drum, on_drum)):
+            rows[:, at.roll_q] += stretch[cells][:, at.roll_nodes]
+            rows[:, at.drum_q] += stretch[cells][:, at.drum_nodes]
+        roll[:, at.roll_q] -= strain_q[:, 1:-1]
+        drum[:, at.drum_p] -= self.drum.strain_p[:m, at.p_nodes[at.drum_p]]
+        drum[:, at.drum_q] -= self.drum.strain_q[:m, 1:-1]
+        drum[:, at.xi] = 1.0
+        return np.concatenate([roll, drum])

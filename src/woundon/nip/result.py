@@ -5,26 +5,64 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import pi
+from math import nan, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 
 import numpy as np
 
-from .. import kinds
-from ..losses import Losses
-from ..problems.nip import NipProblem
-from ..quantities import length, line_load, pure, strain, stress
+from ..problems.nip import NipProblem, WrappedNipProblem
+from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 
 if TYPE_CHECKING:
     from .sensitivity import Sensitivity
 
-__all__ = ["NipResult", "SlipRatios", "WindingNipResult"]
+__all__ = ["Dissipation", "NipResult", "SlipRatios", "WindingNipResult", "WrappedNipResult"]
 
 Array = np.ndarray
 
 RIG_ANGLE = pi / 2  # behind the nip, where the laboratory winder leads the web to its load cell
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Dissipation:
+    """Outputs of rolling contacts with a viscoelastic body; nan without one.
+
+    Attributes
+    ----------
+    rolling_resistance : float
+        Dissipation of the viscoelastic bodies per length rolled [N/m], a force per metre of width.
+    """
+
+    rolling_resistance: Annotated[
+        float, line_load("F_R", "rolling resistance of the viscoelastic bodies")
+    ] = nan
+
+    @property
+    def dissipated_power(
+        self,
+    ) -> Annotated[
+        float, Quantity("D", "W/m", "power that the viscoelastic bodies turn into heat, per width")
+    ]:
+        """V F_R [W/m]: the heat that goes into the covers."""
+        V = self.problem.rolling_speed  # type: ignore[attr-defined]
+        return nan if V is None else float(V * self.rolling_resistance)
+
+    @property
+    def pressure_shift(
+        self,
+    ) -> Annotated[
+        float,
+        length("e_p", "the pressure's resultant downstream of the line of centres, < 0: upstream"),
+    ]:
+        """Position of the pressure's resultant along +x, from the line of centres [m]."""
+        own: Any = self
+        if own.problem.rolling_speed is None:
+            return nan
+        x, p = own.x[own.in_nip], own.pressure[own.in_nip]
+        moment = np.diff(x) @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:])) / 6
+        return float(moment / np.trapezoid(p, x) - own.offset)
 
 
 @dataclass(frozen=True)
@@ -37,7 +75,7 @@ class SlipRatios:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingNipResult(Losses, Result):
+class WindingNipResult(Dissipation, Result):
     """What every solved winding nip has; the arrays along the web.
 
     Attributes
@@ -66,19 +104,19 @@ class WindingNipResult(Losses, Result):
         :class:`~woundon.results.Zone` of each node.
     web_tension : (M,) array
         T(x) [N/m].
-    scheme, algorithm : str
-        How it was solved.
     iterations : int
-        Number of linear stick-slip systems solved.
+        Number of Newton iterations on all meshes.
     series_terms, series_error : int, float
         Fourier terms summed for the bodies, their estimated relative truncation error.
-    mesh : Mesh
-        On which it was solved.
-    widths : Widths
-        The half widths of all meshes: what a neighbouring case starts from.
+    refinement : Refinement
+        The solutions on all meshes, from which a neighbouring case starts; None of a result that
+        was loaded from a file.
+    consistency : mapping of str to float
+        Defects of conditions that hold for the continuous fields: of the order of the
+        discretisation error, relative; see :func:`woundon.nip.certificate.consistency`.
     """
 
-    DIFFERENTIATED: ClassVar[str]  # where its derivatives are found
+    DIFFERENTIATED: ClassVar[tuple[str, ...]]  # outputs of ``sensitivity`` where none is named
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("roll_slip", "drum_slip", "roll_strain"), "slip_x")
     )
@@ -109,13 +147,9 @@ class WindingNipResult(Losses, Result):
         Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
     web_tension: Annotated[Array, line_load("T", "web tension along the nip")]
-    scheme: str = "graded"
-    algorithm: str = "pivoting"
-    iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
+    iterations: Annotated[int, pure("n_it", "Newton iterations")] = 0
     series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
     series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
-    mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
-    widths: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
     refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
     consistency: Mapping[str, float] = field(
         default_factory=dict, repr=False, compare=False, metadata={"saved": False}
@@ -128,12 +162,8 @@ class WindingNipResult(Losses, Result):
 
     @property
     def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
-        """Largest pressure [Pa]: at a node, or of the polynomials of elements."""
-        from ..two_bodies import mesh_of
-
-        if self.refinement is not None:
-            return float(self.pressure.max())
-        return mesh_of(self).peak(self.pressure[1:-1])
+        """Largest nodal pressure on the drum [Pa]."""
+        return float(self.pressure.max())
 
     @property
     def slip_ratios(self) -> SlipRatios:
@@ -168,11 +198,37 @@ class WindingNipResult(Losses, Result):
         parameters : str
             Dotted names (``"roll.material.shear"``); every continuous field if none is given.
         outputs : sequence of str
-            Names; the main ones if none is given.  Of a nip alone ``"rig_tension"`` too.
+            Names; the main ones if none is given.
         """
         outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-        found: Sensitivity = kinds.fetch(self.DIFFERENTIATED)(self, parameters, outputs)
-        return found
+        # imported late: many results are never differentiated
+        from .sensitivity import contact_sensitivity
+        from .solve import solutions
+
+        return contact_sensitivity(
+            self, solutions(self), parameters, outputs, self.DIFFERENTIATED, self._excluded
+        )
+
+    @property
+    def _excluded(self) -> dict[str, str]:
+        """Fields without a derivative, with the reason."""
+        text = "0 has no derivative: with a wrap the path of the web changes"
+        return {
+            name: text for name in ("roll_wrap", "drum_wrap")
+            if getattr(self.problem, name, None) == 0
+        }  # fmt: skip
+
+    def certified(self) -> Residuals:
+        """Return the certificate, evaluated from the problem and the arrays of this result."""
+        from .certificate import certificate, equations_of
+
+        return certificate(self, equations_of(self))
+
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no condition determines: values from the arrays, tolerances."""
+        from .certificate import recomputed
+
+        return recomputed(self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -183,18 +239,15 @@ class NipResult(WindingNipResult):
     ----------
     problem : NipProblem
     nip_induced_tension : float
-        NIT = Q+ + Q- [N/m]: the integral of the tractions, plus ``extrapolation``.
-    extrapolation : float
-        What is added to that integral [N/m]: on graded meshes for where borders of stick and jumps
-        come to rest within their cells and for what these miss at the trailing edge, with ``rtol``
-        what extrapolation to zero cells adds.  It is about as large as the told error; 0 on
-        elements, and by the thesis's scheme.
+        NIT = Q+ + Q- [N/m], the integral of the tractions.
 
     The others as of :class:`WindingNipResult`.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("nip_induced_tension",)
-    DIFFERENTIATED: ClassVar[str] = "woundon.nip.sensitivity:nip_sensitivity"
+    DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
+        "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep",
+    )  # fmt: skip
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
         "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
         "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
@@ -204,9 +257,6 @@ class NipResult(WindingNipResult):
 
     problem: NipProblem
     nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
-    extrapolation: Annotated[
-        float, line_load("dNIT", "part of it beyond the integral of the tractions")
-    ] = 0.0
 
     @property
     def in_nip(self) -> slice:
@@ -247,8 +297,9 @@ class NipResult(WindingNipResult):
             T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With the confined ``tension_behind_nip``
             it brackets the wound-on tension of the wrapped nip.
         """
-        estimate = kinds.fetch("woundon.nip.roll_surface:wound_on_tension_estimate")
-        return float(estimate(self, angle))
+        from .roll_strain import wound_on_tension_estimate
+
+        return wound_on_tension_estimate(self, angle)
 
     @property
     def rig_tension(
@@ -267,18 +318,137 @@ class NipResult(WindingNipResult):
         """Not a nip's alone: the error names what it has instead."""
         raise AttributeError(f"no wound_on_tension: {self.REPLACED['wound_on_tension']}")
 
-    def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the arrays held here."""
-        from .certificate import certificate, matrices_of
 
-        if self.refinement is not None:
-            from ..web_nip.certificate import certificate as certified
-            from ..web_nip.certificate import equations_of
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class WrappedNipResult(WindingNipResult):
+    """The state of a winding nip with the web wrapped on the roll behind it and the drum before it.
 
-            return certified(self, equations_of(self))
-        return certificate(self, matrices_of(self))
+    The arrays run along the whole web that touches anything: from the drum's arc, if any, through
+    the nip (``in_nip`` tells which nodes) to the far side of the roll.
 
-    def recomputed(self) -> Mapping[str, tuple[float, float]]:
-        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
-        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.nip.solve:recomputed")(self)
-        return told
+    Attributes
+    ----------
+    problem : WrappedNipProblem
+    roll_pressure, hoop_pressure : (N,) arrays
+        p+ on the roll, and T kappa, the web's weight on what it lies on [Pa]; ``pressure`` is p-.
+    curvature : (N,) array
+        kappa of the web, centre on the roll's side > 0 [1/m].
+    roll_strain : (N,) array
+        eps_theta1 of the roll's surface where the slips are taken; nan before the nip.
+
+    The others as of :class:`WindingNipResult`; slips are nan where the web does
+    not touch the body.
+    """
+
+    MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
+    DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
+        "wound_on_tension", "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width",
+        "drum_creep",
+    )  # fmt: skip
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
+        "nip": "take the nodes in_nip of the arrays, or confined() for the nip alone",
+        "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
+        "wound_on_tension_estimate": "the wrapped web's wound_on_tension is solved, not estimated",
+    })  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
+        {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
+    )
+    ESTIMATES: ClassVar[frozenset[str]] = WindingNipResult.ESTIMATES | {
+        "extrapolation", "extrapolation_behind", "extrapolation_of_nip",
+    }  # fmt: skip
+
+    problem: WrappedNipProblem
+    roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
+    hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
+    curvature: Annotated[
+        Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
+    ]
+    roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
+
+    @property
+    def wound_on_tension(
+        self,
+    ) -> Annotated[float, line_load("WOT", "wound-on tension, far behind the nip")]:
+        """WOT, the tension at the far side of the roll [N/m]: what the roll keeps."""
+        return float(self.web_tension[-1])
+
+    @property
+    def wound_on_tension_error(
+        self,
+    ) -> Annotated[
+        float, line_load("WOT error", "estimated discretisation error of the wound-on tension")
+    ]:
+        """Its estimated discretisation error [N/m]; nan where only one grid was solved."""
+        return self.errors.get("wound_on_tension", float("nan"))
+
+    @property
+    def tension_before_nip(
+        self,
+    ) -> Annotated[float, line_load("T_n", "web tension at the leading edge of the nip")]:
+        """T at x = -a [N/m]."""
+        return float(self.web_tension[self.in_nip.start])
+
+    @property
+    def tension_behind_nip(
+        self,
+    ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
+        """T_out at x = a [N/m]."""
+        return float(self.web_tension[self.in_nip.stop - 1])
+
+    @property
+    def nip_induced_tension(
+        self,
+    ) -> Annotated[float, line_load("NIT", "nip-induced tension, of the nip between its edges")]:
+        """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
+        return self.tension_behind_nip - self.tension_before_nip
+
+    @property
+    def roll_wrap_traction(
+        self,
+    ) -> Annotated[float, line_load("Q_w+", "traction on the roll behind the nip, integrated")]:
+        """Q_w+ [N/m]."""
+        return self.wound_on_tension - self.tension_behind_nip
+
+    @property
+    def drum_wrap_traction(
+        self,
+    ) -> Annotated[float, line_load("Q_w-", "traction on the drum before the nip, integrated")]:
+        """Q_w- [N/m]."""
+        return self.tension_before_nip - float(self.web_tension[0])
+
+    @property
+    def slip_angle(
+        self,
+    ) -> Annotated[float, angle("theta_s", "how far the web slips on the roll behind the nip")]:
+        """How far behind the trailing edge the web slips on the roll before it sticks [rad]."""
+        last = self.in_nip.stop - 1
+        zones, x = self.roll_zone[last:], self.x[last:]
+        if zones[0] == 0 or self.problem.roll_wrap == 0:
+            return 0.0
+        other = np.nonzero(zones != zones[0])[0]
+        border = (x[other[0]] + x[other[0] - 1]) / 2 if other.size else x[-1]
+        return float((border - self.half_width) / self.problem.roll.radius)
+
+    @property
+    def slip_zone(self) -> Zone:
+        """The way the web slips on the roll just behind the nip; STICK where it does not."""
+        return super().slip_zone if self.slip_angle else Zone.STICK
+
+    def confined(self, **options: Any) -> NipResult:
+        """Solve the nip alone, the web held at its trailing edge (thesis eq. 97).
+
+        Its ``tension_behind_nip`` and ``wound_on_tension_estimate()`` bracket ``wound_on_tension``.
+
+        Parameters
+        ----------
+        options
+            Of :func:`~woundon.nip.solve.solve_nip`.
+
+        Raises
+        ------
+        NoSteadyState
+            If the nip alone cannot carry the winding force.
+        """
+        from .solve import solve_nip
+
+        return solve_nip(self.problem.confined(), **options)  # type: ignore[return-value]

@@ -1,9 +1,9 @@
-"""The bodies in contact, wound roll or drum: geometry and material in, surface response out.
+"""The bodies in contact, wound roll and drum: geometry and material, and their surface response.
 
-A body answers one question, :meth:`Body.respond`: what its surface does on a grid under nodal
-pressures and tractions, as matrices (:class:`~woundon.contact.response.Response`).  How it knows is
-its own affair.  The bodies here are linear and homogeneous along their circumference, so that they
-are told by influence functions (:class:`KernelBody`), which the grid integrates.
+A body implements :meth:`Body.surface`: the slope and the strain of its surface under nodal
+pressures and tractions (:class:`~woundon.elasticity.surface.SurfaceResponse`).  The bodies of this
+module are linear and homogeneous along their circumference, so that influence functions describe
+them (:class:`KernelBody`).
 
 The set of bodies is open: a subclass of :class:`Body` is a body like these.
 """
@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
-from ..contact.meshes import RESOLVED
-from ..contact.response import Response
 from ..elasticity import cylinder, half_plane, rolling
 from ..elasticity.influence import InfluenceSurface
 from ..elasticity.kernels import SurfaceKernels
@@ -33,7 +31,6 @@ from .materials import AnyMaterial, Material
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from ..contact.response import ContactGrid, Tractions
     from ..elasticity.layers import Layers as Stacked
     from ..elasticity.mesh import Face
     from .fields import Given
@@ -46,6 +43,9 @@ __all__ = [
 
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
+# Half widths, in lengths on which a body's influence functions vary, up to which their interpolation
+# has at most 1200 points.
+RESOLVED = 60
 # of a truncated series, relative to the half-plane's response: above, nothing of it can be trusted
 SERIES_ERROR = 1e-2
 
@@ -67,8 +67,6 @@ class Body(Family):
         Whether the surface does not deform at all.
     linear : bool
         Whether the response is the same about every state.
-    confined_only : bool
-        Whether it is good only for nips whose web is held at the trailing edge.
     caution : str
         What is to be said with every result, empty for nothing.
     viscoelastic : bool
@@ -78,7 +76,6 @@ class Body(Family):
     radius: Radius
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
-    confined_only: ClassVar[bool] = False
     caution: ClassVar[str] = ""
 
     @property
@@ -101,29 +98,6 @@ class Body(Family):
             Speed at which the surface rolls along +x [m/s]; elastic bodies do not depend on it.
         """
         raise NotImplementedError(f"{type(self).__name__} has no surface response")
-
-    def respond(
-        self,
-        grid: ContactGrid,
-        a: float,
-        about: Tractions | None = None,
-        speed: float | None = None,
-    ) -> Response:
-        """Return the linear response of the surface on a grid scaled by the half width.
-
-        Parameters
-        ----------
-        grid : ContactGrid
-            Nodes of the tractions and points where slopes and strains are wanted, in units of a.
-        a : float
-            Half width [m].
-        about : Tractions, optional
-            Pressure and traction at the nodes about which a body that is not linear is linearised;
-            the unloaded state where None.
-        speed : float, optional
-            At which the surface rolls along +x [m/s]; only viscoelastic bodies are told.
-        """
-        raise NotImplementedError(f"{type(self).__name__} does not say how it responds")
 
     @property
     def curvature(self) -> float:
@@ -172,13 +146,6 @@ class Body(Family):
         """
         return inf
 
-    def stand_in(self, pressure: float) -> Body | None:
-        """Return a linear body as stiff as this one is under a pressure; None where unknown.
-
-        An iteration starts from it, nothing else.
-        """
-        return self if self.linear else None
-
 
 if TYPE_CHECKING:
     AnyBody = Given[Body, Body | Mapping[str, Any]]
@@ -200,16 +167,6 @@ class Rigid(Body):
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> RigidSurface:
         """Return a surface that does not deform."""
         return RigidSurface(face)
-
-    def respond(
-        self,
-        grid: ContactGrid,
-        a: float,
-        about: Tractions | None = None,
-        speed: float | None = None,
-    ) -> Response:
-        """Return the response of a body that does not deform: none."""
-        return Response.none(grid)
 
 
 class KernelBody(Body, abstract=True):
@@ -233,17 +190,6 @@ class KernelBody(Body, abstract=True):
         """Return the response of the surface by its influence functions."""
         kernels = self.kernels(speed) if self.viscoelastic and speed else self.kernels()
         return InfluenceSurface(kernels, self.radius, self.curvature > 0, face, half_width)
-
-    def respond(
-        self,
-        grid: ContactGrid,
-        a: float,
-        about: Tractions | None = None,
-        speed: float | None = None,
-    ) -> Response:
-        """Return the influence functions integrated over the grid."""
-        kernels = self.kernels() if speed is None else self.kernels(speed)
-        return grid.integrated(kernels, self.curvature, self.radius, a)
 
     @property
     def widest(self) -> float:
@@ -493,8 +439,6 @@ class ContactProblem(Problem):
 
     pair: ClassVar[tuple[str, str]]
     speed_field: ClassVar[str]
-    # whether bodies may be in it that are good for a web held at the trailing edge only
-    _admits_estimates: ClassVar[bool] = False
 
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
@@ -518,15 +462,6 @@ class ContactProblem(Problem):
         """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
         return 0.0
 
-    def stand_in(self, pressure: float) -> Self | None:
-        """Return the problem of linear bodies, as stiff as these under a pressure [Pa].
-
-        None where a body tells none.
-        """
-        pairs = zip(self.pair, self.bodies, strict=True)
-        linear = {name: body.stand_in(pressure) for name, body in pairs}
-        return None if None in linear.values() else self.replace(**linear)
-
     @property
     def rolling_speed(self) -> float | None:
         """V, at which both surfaces roll along +x [m/s]."""
@@ -537,17 +472,6 @@ class ContactProblem(Problem):
     def viscoelastic(self) -> bool:
         """Whether a body is."""
         return any(body.viscoelastic for body in self.bodies)
-
-    def respond(
-        self, body: Body, grid: ContactGrid, a: float, about: Tractions | None = None
-    ) -> Response:
-        """Return a body's response at the problem's speed; see :meth:`Body.respond`."""
-        if not self.viscoelastic:
-            return body.respond(grid, a, about)
-        speed = {"speed": self.rolling_speed} if body.viscoelastic else {}
-        response = body.respond(grid, a, about, **speed)
-        response.kept = True  # what is dissipated asks again
-        return response
 
     def uses_of_speed(self) -> Iterator[tuple[str, str]]:
         """Yield what depends on the speed: the field, and a text that says why."""
@@ -578,12 +502,4 @@ class ContactProblem(Problem):
             raise InvalidProblem.at(
                 first, f"{first} and {second} are both Rigid; one must be elastic"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _admits(self) -> Self:
-        for name, body in zip(self.pair, self.bodies, strict=True):
-            if body.confined_only and not self._admits_estimates:
-                text = "'estimate' is for a nip without wraps only; must be 'direct' or 'frozen'"
-                raise InvalidProblem.at(f"{name}.hardening", text)
         return self

@@ -1,4 +1,4 @@
-"""Wound rolls as linear bodies: about the wound state, and with an estimated effective modulus."""
+"""Wound rolls as linear bodies about the wound state."""
 
 from __future__ import annotations
 
@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.response import Response
 from ..elasticity import cylinder
 from ..elasticity.kernels import SurfaceKernels
 from ..elasticity.layers import Layers, stacked_compliance
 from .schedules import Profile
 
 if TYPE_CHECKING:
-    from ..contact.response import ContactGrid, Tractions
     from .wound_roll import WoundRoll
 
-__all__ = ["estimated", "graded_layers", "wound_kernels"]
+__all__ = ["graded_layers", "wound_kernels"]
 
 Array = np.ndarray
 
@@ -78,51 +76,3 @@ def wound_kernels(roll: WoundRoll) -> SurfaceKernels:
     # of sums over n, which are integrals over ln n of n Y_n
     error = np.max(np.abs(fine - coarse).sum(axis=-1)) / np.max(np.abs(fine).sum(axis=-1))
     return replace(kernels, truncation_error=max(kernels.truncation_error, float(error)))
-
-
-def estimated(roll: WoundRoll, grid: ContactGrid, a: float, about: Tractions | None) -> Response:
-    """Return the response of a linear cylinder with E_r at the wound pressure and a share of p_max.
-
-    p_max is that of the half ellipse whose mean square is the pressure's: smooth in all that it
-    depends on, so that the response has a tangent about the loads.
-    """
-    p, q = about or (np.zeros(grid.columns.size),) * 2
-    peak, growth = _peak(grid.columns, p)
-    here, stiffer, softer = (
-        roll.stand_in(SHARE * peak * (1 + step)).respond(grid, a) for step in (0.0, STEP, -STEP)
-    )
-    if peak <= 0:
-        return here
-
-    def bent(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
-        """Return a map's tangent by p and by q, and what it leaves at zero tractions."""
-        (by_p, by_q), (more_p, more_q), (less_p, less_q) = parts
-        change = ((more_p - less_p) @ p + (more_q - less_q) @ q) / (2 * STEP)  # by ln p_max
-        return by_p + np.outer(change, growth), by_q, -change
-
-    made = [response.gradients for response in (here, stiffer, softer)]
-    slope, strain = bent([part[:2] for part in made]), bent([part[2:] for part in made])
-
-    def displaced(points: Array | None) -> tuple[tuple[Array, Array, Array], ...]:
-        responses = (here, stiffer, softer)
-        v, u = ([getattr(r, name)(points) for r in responses] for name in ("normal", "tangent"))
-        return bent(v), bent(u)
-
-    return Response(
-        (*slope[:2], *strain[:2]), lambda at: displaced(at)[0][:2], lambda at: displaced(at)[1][:2],
-        slope=slope[2], strain=strain[2],
-        rest=lambda at: (displaced(at)[0][2], displaced(at)[1][2]),
-        terms=here.terms, truncation_error=here.truncation_error,
-    )  # fmt: skip
-
-
-def _peak(columns: Array, p: Array) -> tuple[float, Array]:
-    """Return p_max of the half ellipse with the same integrals of p and p^2, and d ln p_max/dp."""
-    h = np.diff(np.concatenate([[-1.0], columns, [1.0]]))
-    weights = (h[1:] + h[:-1]) / 2
-    mass = (2 * (h[1:] + h[:-1]) * p + h[:-1] * np.append(0.0, p[:-1])
-            + h[1:] * np.append(p[1:], 0.0)) / 6  # fmt: skip
-    mean, square = weights @ p, mass @ p
-    if not (mean > 0 and square > 0):
-        return 0.0, np.zeros_like(p)
-    return float(3 * pi / 8 * square / mean), 2 * mass / square - weights / mean

@@ -123,13 +123,6 @@ class Web(Description):
                 f"{self.material.limit:.4g}: a lower nip load or another law is needed",
             )
 
-    def stand_in(self, pressure: float) -> Self:
-        """Return the linear web that is as thin as this one under a pressure [Pa]."""
-        if not isinstance(self.material, Stack):
-            return self
-        modulus = min(self.radial_modulus(pressure), 0.9 * self.material.stiffest)
-        return self.replace(material=self.material.replace(radial=modulus))
-
 
 class WindingNip(ContactProblem):
     """What a nip has with and without its wraps; not a problem of its own."""
@@ -192,11 +185,6 @@ class WindingNip(ContactProblem):
         """-2h c22 of the web [m/Pa], without pressure."""
         return -self.web.thickness * self.web.compliance.c22
 
-    def stand_in(self, pressure: float) -> Self | None:
-        """Return the nip of linear bodies and a linear web; None where a body tells none."""
-        linear = super().stand_in(pressure)
-        return None if linear is None else linear.replace(web=self.web.stand_in(pressure))
-
     @classmethod
     def example(cls) -> Self:
         """Return newsprint on a hard drum (thesis Table 2)."""
@@ -240,8 +228,6 @@ class NipProblem(WindingNip):
     NoSteadyState
         If |F| >= mu- P: the web would slide on the whole drum.
     """
-
-    _admits_estimates: ClassVar[bool] = True
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

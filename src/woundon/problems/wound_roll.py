@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from ..contact.response import Response
+from ..elasticity import cylinder
 from ..elasticity.half_plane import coefficients
+from ..elasticity.hardening import HardeningLaw
+from ..elasticity.hardening_surface import HardeningSurface
+from ..elasticity.influence import InfluenceSurface
+from ..elasticity.ring_equilibrium import RingPair
 from ..errors import InvalidProblem
 from ..quantities import stress
 from .bodies import Body, CoreRadius, Cylinder, core_inside
 from .fields import shown
-from .graded import estimated, wound_kernels
+from .graded import wound_kernels
 from .materials import Orthotropic
 from .schedules import Schedule, at_radius, values_of
 from .stack import AnyStack
 
 if TYPE_CHECKING:
-    from ..contact.response import ContactGrid, Tractions
+    from ..elasticity.mesh import Face
+    from ..elasticity.surface import SurfaceResponse
 
 __all__ = ["WoundRoll"]
 
 Array = np.ndarray
-
-
-ALMOST = 0.9  # of the pressure at which a law ends
 
 
 class WoundRoll(Body):
@@ -40,23 +43,21 @@ class WoundRoll(Body):
     stack : Stack
     pressure : float or Profile
         P0, wound in [Pa], >= 0.
-    hardening : "direct", "estimate" or "frozen"
-        "direct": the equilibrium of the roll under all loads, by finite elements.  "estimate": a
-        linear cylinder with E_r at P0 + 0.3 p_max, for sweeps that bear 3 % of NIT; only for nips
-        without wraps.  "frozen": linear about the wound state, as if the nip pressed nothing
-        together; too soft under a nip, for checks.
+    hardening : "direct" or "frozen"
+        "direct": the equilibrium of the roll under all loads, by finite elements.  "frozen": linear
+        about the wound state, without the hardening under the nip's own pressure; too soft under a
+        nip, for checks.
 
     Raises
     ------
     InvalidProblem
-        For a core that is not smaller than the roll, a pressure at which the stack's law ends, or
-        an estimate where it is known to fail.
+        For a core that is not smaller than the roll, or a pressure at which the stack's law ends.
     """
 
     core_radius: CoreRadius
     stack: AnyStack
     pressure: Annotated[Schedule, stress("P0", "pressure wound into the roll", "kPa", (10e3, 1e6))]
-    hardening: Literal["direct", "estimate", "frozen"] = "direct"
+    hardening: Literal["direct", "frozen"] = "direct"
 
     @model_validator(mode="after")
     def _admissible(self) -> Self:
@@ -68,8 +69,6 @@ class WoundRoll(Body):
                     f"{shown(P)} is out of range; must be >= 0 and < {self.stack.limit:.6g} [Pa], "
                     "where the stack's law ends or its modulus is tangential/poissons_ratio^2",
                 )
-        if self.hardening == "estimate":
-            _estimable(self)
         if self.hardening == "direct" and self.stack.shear_exponent > 0:
             _has_slope(self.stack)
         return self
@@ -78,11 +77,6 @@ class WoundRoll(Body):
     def linear(self) -> bool:  # type: ignore[override]
         """Whether the response is the same about every state."""
         return self.hardening == "frozen"
-
-    @property
-    def confined_only(self) -> bool:  # type: ignore[override]
-        """Whether only nips without wraps can have it."""
-        return self.hardening == "estimate"
 
     @property
     def caution(self) -> str:  # type: ignore[override]
@@ -102,47 +96,29 @@ class WoundRoll(Body):
         wound = float(self.wound_pressure(self.radius))
         return coefficients(*self.stack.tangent(wound, wound)[:4]).C
 
-    def stand_in(self, pressure: float) -> Cylinder:
-        """Return the cylinder that is as stiff as the roll is under a pressure of the nip too.
-
-        The wound pressure counts by its value at the surface.
-        """
-        wound = float(self.wound_pressure(self.radius))
-        P = min(wound + pressure, ALMOST * self.stack.limit)
-        rr, tt, rt, shear, _ = self.stack.tangent(P, wound)
-        material = Orthotropic(radial=rr, tangential=tt, cross=rt, shear=shear)
-        return Cylinder(radius=self.radius, core_radius=self.core_radius, material=material)
-
     def wound_pressure(self, r: Any) -> Any:
         """Return P0 at radii [Pa]."""
         return at_radius(self.pressure, r)
 
-    def respond(
-        self,
-        grid: ContactGrid,
-        a: float,
-        about: Tractions | None = None,
-        speed: float | None = None,
-    ) -> Response:
-        """Return the response, linearised about the loads unless it is frozen."""
-        if self.hardening == "direct":
-            from .direct import respond, ring  # imported late: most never ask for it
-
-            return respond(ring(self), self.stack.limit, grid, a, about)
-        if self.hardening == "estimate":
-            return estimated(self, grid, a, about)
-        return grid.integrated(wound_kernels(self), self.curvature, self.radius, a)
+    def surface(
+        self, face: Face, half_width: float, speed: float | None = None
+    ) -> SurfaceResponse:
+        """Return the response of the surface on a face scaled by the half width."""
+        if self.hardening == "frozen":
+            return InfluenceSurface(wound_kernels(self), self.radius, True, face, half_width)
+        ring = ring_of(self)
+        kernels = cylinder.surface_kernels(self.radius, self.core_radius, *ring.stiffness)
+        linear = InfluenceSurface(kernels, self.radius, True, face, half_width)
+        return HardeningSurface(ring, linear, face, half_width, self.stack.limit)
 
 
 CAUTIONS = {
     "direct": "",
-    "estimate": "its modulus is an estimate, E_r at P0 + 0.3 p_max: the tension may be 3 % off",
     "frozen": "it is taken as linear about the wound state, without the nip's own pressure: too "
     "soft under the nip, by up to a factor of six",
 }
 
 POOR = 0.01  # misfit of a stack test, of its strain, from which it is told
-SOFTEST_ESTIMATE = 100e3  # Pa, of E_r/E_r' (Pfeiffer's K1 + P0): below, 3 % are not kept
 
 
 def _has_slope(stack: Any) -> None:
@@ -158,18 +134,11 @@ def _has_slope(stack: Any) -> None:
         )
 
 
-def _estimable(roll: WoundRoll) -> None:
-    """Refuse an estimate where a direct solution has shown that it fails."""
-    if roll.stack.shear_exponent > 0:
-        text = "'estimate' is out of place where the shear modulus hardens (stack.shear_exponent "
-        raise InvalidProblem.at("hardening", f"{text}> 0); must be 'direct' or 'frozen'")
-    surface = roll.wound_pressure(roll.radius)
-    radial = roll.stack.radial
-    slope = float(radial.modulus_slope(surface))
-    own = float(radial.modulus(surface)) / slope if slope > 0 else inf
-    if own < SOFTEST_ESTIMATE:
-        raise InvalidProblem.at(
-            "hardening",
-            f"'estimate' needs a stack of E_r/E_r' >= {SOFTEST_ESTIMATE:g} [Pa] at the surface "
-            f"(K1 + P0 of Pfeiffer's law), and it is {shown(own)}; must be 'direct' or 'frozen'",
-        )
+@lru_cache(maxsize=4)
+def ring_of(roll: WoundRoll) -> RingPair:
+    """Return the finite-element rings of a roll; they keep the last state to start from."""
+    stack = roll.stack
+    law = HardeningLaw(
+        stack.radial, stack.tangential, stack.poissons_ratio, stack.shear, stack.shear_exponent
+    )
+    return RingPair(roll.radius, roll.core_radius, law, roll.wound_pressure)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import largest
+from ..results import largest
 from ..results import Residuals
 from .build_up import cell_source
 from .equations import CellSource, StageEquations

@@ -39,7 +39,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..contact import lapack
+from scipy.linalg import lapack
 
 __all__ = ["CellSource", "Solved", "StageEquations", "pressure_between"]
 

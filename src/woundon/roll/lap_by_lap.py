@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact import lapack
+from scipy.linalg import lapack
 
 __all__ = ["wind_laps"]
 

@@ -24,7 +24,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch
 
 from .. import quantities
-from ..contact.zones import zone_runs
+from ..results import zone_runs
 from ..errors import InvalidProblem
 from ..io.files import write_whole
 from ..quantities import Quantity

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from ..contact.zones import zone_runs
+from ..results import zone_runs
 from ..problems.fields import Description
 from .parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
 from .report import field_rows, report_parts

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..nip.result import NipResult, WindingNipResult
-from ..wrap.result import WrappedNipResult
+from ..nip.result import NipResult, WindingNipResult, WrappedNipResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
 from .panels import NEUTRAL, Case, Panel
 from .parts import nip_zones

@@ -15,12 +15,11 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..contact.zones import zone_runs
-from ..nip.result import WindingNipResult
+from ..results import zone_runs
+from ..nip.result import WindingNipResult, WrappedNipResult
 from ..quantities import Quantity
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone
 from ..rollers.result import RollerResult
-from ..wrap.result import WrappedNipResult
 
 __all__ = [
     "Line", "Part", "Row", "Section", "Verdict", "Verdicts", "ZoneStrips", "certificate_line",

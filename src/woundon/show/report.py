@@ -18,7 +18,7 @@ from rich.text import Text
 
 from .. import kinds, quantities, theories
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
-from ..nip.result import NipResult, WindingNipResult
+from ..nip.result import NipResult, WindingNipResult, WrappedNipResult
 from ..problems.bodies import Body
 from ..problems.fields import Description
 from ..problems.nip import WindingNip, WrappedNipProblem
@@ -27,7 +27,6 @@ from ..problems.wound_roll import WoundRoll
 from ..quantities import Quantity
 from ..results import Result
 from ..rollers.result import RollerResult
-from ..wrap.result import WrappedNipResult
 from .parts import (
     Line,
     Part,

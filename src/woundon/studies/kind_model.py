@@ -125,11 +125,6 @@ class KindModel:
         """Solve; a start that leads nowhere is put aside."""
         kind = self.kind
         if isinstance(start, kind.result):
-            nodes = getattr(start, "nodes", None)  # one on few nodes is no neighbour on many
-            if kind.neighbour is not None and self.options.get("nodes", nodes) == nodes:
-                known = kind.neighbour(problem, start)
-                if known is not None:
-                    return known
             if "start" in _keywords(kind.solver):
                 try:
                     return kind.solver(problem, start=start, **self.options)
@@ -158,15 +153,6 @@ class KindModel:
         except InvalidProblem:
             return None
         return few
-
-    @property
-    def free_inputs(self) -> frozenset[str]:
-        """Inputs that shift the outputs in a known way, if nothing else follows them."""
-        return frozenset(
-            name
-            for name, shifted in self.kind.shifted.items()
-            if set(self.outputs) <= shifted and not self._followers(name)
-        )
 
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
         """Return exact derivatives of the outputs, None where one of them has none."""

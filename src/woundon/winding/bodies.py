@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import NotConverged
+from ..nip.result import WrappedNipResult
 from ..problems.bodies import Body, Cylinder
 from ..problems.materials import Material, Orthotropic
 from ..problems.schedules import Profile
@@ -27,7 +28,6 @@ from ..problems.winding import WindingProblem
 from ..problems.wound_roll import WoundRoll
 from ..roll.result import WoundRollResult
 from ..roll.stages import Stage
-from ..wrap.result import WrappedNipResult
 
 __all__ = [
     "Felt",

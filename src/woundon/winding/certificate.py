@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..contact.certificate import largest, positive
+from ..results import largest, positive
 from ..problems.schedules import Curve
 from ..results import ACCEPTED_RESIDUAL, Residuals
 

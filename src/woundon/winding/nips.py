@@ -10,13 +10,13 @@ import numpy as np
 
 from ..air.solve import air_warnings, solved_with_air
 from ..errors import RESOLUTION, InvalidProblem, NotConverged
+from ..nip.result import WrappedNipResult
+from ..nip.solve import solve_nip
 from ..problems.bodies import Body
 from ..problems.nip import WrappedNipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..roll.stages import wound_so_far
-from ..wrap.result import WrappedNipResult
-from ..web_nip.solve import solve_nip
 from .bodies import Felt, foreseen, solved_nip
 
 __all__ = ["Nips", "warnings_of"]

@@ -1,0 +1,245 @@
+r"""Equilibrium of a hardening ring and of a linear one under forces on the surface.
+
+The ring R0 <= r <= R on a rigid core is wound under the pressure P0(r).  Displacements u of its
+finite elements (:mod:`.ring_elements`) add strains B u and stresses s(B u) (:mod:`.hardening`); the
+surface carries nodal forces f:
+
+    F(u) = int B^T s(B u) dV = f,        K = dF/du = int B^T (ds/de) B dV.
+
+The energy is convex, so the solution is unique.  Newton's method finds it.  A factorisation of K
+costs as much as a hundred evaluations of F and is therefore reused: while it reduces the residual
+(modified Newton method), under other forces, and for other half widths, because K of a deep ring
+does not change if the mesh is scaled.  The linear ring has the moduli of the wound surface; its
+displacements follow by conjugate gradients with an earlier factorisation as preconditioner.
+
+Neither depends on the states before, except for the residual that remains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import log
+from typing import Any
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator, cg
+
+from .hardening import HardeningLaw, Stressed
+from .ring_elements import Factors, Fineness, RingMesh
+
+__all__ = ["NoEquilibrium", "RingPair", "RingState"]
+
+Array = np.ndarray
+
+# Largest nodal force that remains, relative to the sum of all: difference quotients by ln a with
+# steps of 1e-5 keep six digits.  Very thin rows of elements may leave the larger one by rounding.
+TOLERANCE, ROUNDING = 1e-11, 5e-9
+MAX_ITERATIONS = 200
+# Largest change of ln E_r in a step.
+LARGEST_CHANGE = 1.0
+# A step reduces the residual to this share, or K is factorised again: 40 steps of this size cost as
+# much as a factorisation and a few steps after it.
+SLOW = 0.5
+# A factorisation that reduced the residual to this share is the tangent to the same accuracy.
+ACCURATE = 1e-2
+# Change of ln a after which the linear ring is factorised again.
+NEAR = 0.1
+CONJUGATE_GRADIENTS = 100
+
+
+class NoEquilibrium(ArithmeticError):
+    """Newton's method found no equilibrium of the ring."""
+
+
+@dataclass(frozen=True, eq=False)
+class RingState:
+    """A ring in equilibrium.
+
+    Attributes
+    ----------
+    mesh : RingMesh
+    u : array
+        Displacements [m].
+    stressed : Stressed
+        Stresses, moduli and pressure at the quadrature points.
+    residual : float
+        Largest nodal force that is not balanced, relative to the sum of the given forces.
+    factors : Factors
+        A factorisation of K at this state or a neighbouring one.
+    accurate : bool
+        Whether the factorisation serves as the tangent of this state.
+    """
+
+    mesh: RingMesh
+    u: Array
+    stressed: Stressed
+    residual: float
+    factors: Factors
+    accurate: bool
+
+    @property
+    def lowest(self) -> float:
+        """Least pressure in the ring [Pa]."""
+        return float(self.stressed.pressure.min())
+
+    @property
+    def highest(self) -> float:
+        """Largest pressure in the ring [Pa]."""
+        return float(self.stressed.pressure.max())
+
+
+class RingPair:
+    """The hardening ring and the linear ring on the same elements.
+
+    Parameters
+    ----------
+    radius, core_radius : float
+        R and R0 [m].
+    law : HardeningLaw
+    wound : callable
+        P0(r) [Pa], vectorised.
+    """
+
+    def __init__(
+        self, radius: float, core_radius: float, law: HardeningLaw,
+        wound: Callable[[Array], Array],
+    ) -> None:  # fmt: skip
+        self.radius, self.core_radius, self.law, self.wound = radius, core_radius, law, wound
+        self._latest: RingState | None = None
+        self._reference: tuple[RingMesh, Factors] | None = None
+        self.factorisations = 0
+
+    @property
+    def stiffness(self) -> tuple[float, float, float, float]:
+        """A_rr, A_tt, A_rt, G of the linear ring: those of the wound surface [Pa]."""
+        return self.law.stiffness(float(self.wound(np.array(self.radius))))
+
+    def mesh(self, fineness: Fineness, a: float) -> RingMesh:
+        """Return the elements for a half width."""
+        return RingMesh(self.radius, self.core_radius, fineness, a)
+
+    # ---- hardening ring ------------------------------------------------------------------------
+
+    def equilibrium(self, mesh: RingMesh, forces: Array) -> RingState:
+        """Return the hardening ring in equilibrium.
+
+        Parameters
+        ----------
+        mesh : RingMesh
+        forces : (2, k) array
+            Nodal forces of the surface along r and x [N/m].
+
+        Raises
+        ------
+        NoEquilibrium
+        """
+        f = np.zeros(mesh.topology.size)
+        f[mesh.topology.surface] = forces
+        latest, start, factors = self._latest, None, None
+        if latest is not None and latest.mesh.fineness == mesh.fineness:
+            start, factors = latest.u * (mesh.half_width / latest.mesh.half_width), latest.factors
+        elif latest is not None:
+            start = mesh.interpolate(latest.u, latest.mesh)
+        try:
+            state = self._newton(mesh, f, np.zeros(f.size) if start is None else start, factors)
+        except NoEquilibrium:
+            if start is None:
+                raise
+            state = self._newton(mesh, f, np.zeros(f.size), None)
+        self._latest = state
+        return state
+
+    def _newton(
+        self, mesh: RingMesh, f: Array, u: Array, factors: Factors | None
+    ) -> RingState:
+        """Solve F(u) = f by the modified Newton method."""
+        wound, unit = self.wound(mesh.heights), float(np.sum(np.abs(f))) or 1.0
+        stressed = self.law.stressed(mesh.strain(u), wound)
+        before, rate = np.inf, 0.0  # rate: worst reduction by a step with these factors
+        for _ in range(MAX_ITERATIONS):
+            rest = f - mesh.forces(stressed.stress)
+            residual = float(np.max(np.abs(rest))) / unit
+            if residual <= TOLERANCE or (residual <= ROUNDING and residual > before / 2):
+                break
+            rate, before = max(rate, residual / before), residual
+            if factors is None or rate > SLOW:
+                factors, rate = self._factorise(mesh, stressed.tangent), 0.0
+            u, stressed = self._advance(mesh, wound, u, factors.solve(rest), stressed, f)
+        else:
+            raise NoEquilibrium(f"the roll finds no equilibrium: residual {residual:.2g}")
+        if factors is None:
+            factors, rate = self._factorise(mesh, stressed.tangent), 0.0
+        return RingState(mesh, u, stressed, residual, factors, rate <= ACCURATE)
+
+    def _advance(
+        self, mesh: RingMesh, wound: Array, u: Array, step: Array, stressed: Stressed, f: Array
+    ) -> tuple[Array, Stressed]:
+        """Take a step, reduced where moduli would change by much or the energy would increase."""
+        steep = self.law.radial.modulus_slope(stressed.pressure)
+        change = float(np.max(np.abs(steep * mesh.strain(step)[..., 0])))
+        share = min(1.0, LARGEST_CHANGE / change) if change > 0 else 1.0
+        descent = (f - mesh.forces(stressed.stress)) @ step
+        for _ in range(30):
+            new = self.law.stressed(mesh.strain(u + share * step), wound, stressed.pressure)
+            if (mesh.forces(new.stress) - f) @ step <= descent / 2:
+                break
+            share /= 2
+        return u + share * step, new
+
+    def _factorise(self, mesh: RingMesh, moduli: Array) -> Factors:
+        self.factorisations += 1
+        return mesh.stiffness(moduli)
+
+    # ---- linear ring ---------------------------------------------------------------------------
+
+    def linear(self, mesh: RingMesh, forces: Array) -> Array:
+        """Return the surface displacements of the linear ring, (2, k) [m]."""
+        size, surface = mesh.topology.size, mesh.topology.surface
+        f = np.zeros(size)
+        f[surface] = forces
+        at, factors = self._linear_factors(mesh, np.inf)
+        u = factors.solve(f)
+        if at is mesh:
+            return u[surface]
+        moduli, unit = self._moduli, float(np.linalg.norm(f))
+        K = LinearOperator((size, size), lambda v: mesh.forces(mesh.strain(v.ravel()) @ moduli))
+        M = LinearOperator((size, size), factors.solve)
+        u, info = cg(K, f, u, rtol=0.0, atol=TOLERANCE * unit, maxiter=CONJUGATE_GRADIENTS, M=M)
+        if info:
+            _, factors = self._linear_factors(mesh, 0.0)
+            u = factors.solve(f)
+        return u[surface]
+
+    def _linear_factors(self, mesh: RingMesh, near: float) -> tuple[RingMesh, Factors]:
+        """Return the factors of the linear ring on a mesh of a half width at most so far away."""
+        last = self._reference
+        if last is None or last[0].fineness != mesh.fineness or (
+            last[0] is not mesh and abs(log(last[0].half_width / mesh.half_width)) >= near
+        ):  # fmt: skip
+            moduli = np.broadcast_to(self._moduli, (*mesh.weights.shape, 3, 3))
+            last = self._reference = mesh, self._factorise(mesh, moduli)
+        return last
+
+    @property
+    def _moduli(self) -> Array:
+        A_rr, A_tt, A_rt, G = self.stiffness
+        return np.array([[A_rr, A_rt, 0], [A_rt, A_tt, 0], [0, 0, G]])
+
+    # ---- difference ----------------------------------------------------------------------------
+
+    def difference(self, state: RingState, forces: Array) -> Array:
+        """Return the surface displacements of a state minus those of the linear ring, (2, k)."""
+        return state.u[state.mesh.topology.surface] - self.linear(state.mesh, forces)
+
+    def tangent(self, state: RingState) -> Array:
+        """Return the derivative of :meth:`difference` by the nodal forces, (2, k, 2, k)."""
+        factors = state.factors
+        if not state.accurate:
+            factors = self._factorise(state.mesh, state.stressed.tangent)
+            if self._latest is state:
+                self._latest = RingState(
+                    state.mesh, state.u, state.stressed, state.residual, factors, True
+                )
+        _, linear = self._linear_factors(state.mesh, NEAR)
+        return factors.compliance - linear.compliance

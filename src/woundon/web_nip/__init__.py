@@ -1,1 +1,0 @@
-"""The rolling nip: one nonlinear system for web nips with and without wraps, and for rollers."""
