@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .hat_integrals import by_second_integral, gauss_points, singular_integrals
-from .kernels import Kernel, SurfaceKernels, singular
+from .kernels import Kernel, SurfaceKernels, singular, smooth_parts
 from .lag import Lag
 from .mesh import Face, cosine_nodes
 from .surface import Deformation, SurfaceTangent
@@ -113,6 +113,13 @@ class InfluenceSurface:
         """Return the influence functions of v at the last node."""
         return self._end[0], self._end[1]
 
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return u at the last node [m]."""
+        kernels = self.kernels
+        both = kernels.tangent_p, kernels.tangent_q
+        by_p, by_q = self._at_end(both, smooth_parts(both))
+        return float(by_p @ p + by_q @ q)
+
     @cached_property
     def _matrices(self) -> Array:
         """Slope and strain by p and by q, (2, 2, n+1, n)."""
@@ -137,11 +144,14 @@ class InfluenceSurface:
     @cached_property
     def _end(self) -> Array:
         """v at the last node by p and by q, (2, n) [m/Pa]."""
-        face, kernels, end = self.face, self.kernels, self.face.points[-1:]
-        both = kernels.normal_p, kernels.normal_q
+        kernels = self.kernels
+        return self._at_end((kernels.normal_p, kernels.normal_q), kernels.normal_smooth)
+
+    def _at_end(self, both: tuple[Kernel, Kernel], smooth: Smooth | None) -> Array:
+        """Integrals of the influence functions of a displacement at the last node, (2, n)."""
+        face, end = self.face, self.face.points[-1:]
         out = _factors(both, self.a) @ singular_integrals(end, face.nodes)[:, 0]
         out += _log_factors(both, self.a)[:, None] * face.weights
-        smooth = kernels.normal_smooth
         if smooth is not None:
             parts = self._smooth_parts
             out += self._smooth_between(both, smooth, end, parts.sources)[:, 0] @ parts.moments

@@ -24,7 +24,7 @@ import numpy as np
 if TYPE_CHECKING:
     from .lag import Lag
 
-__all__ = ["Kernel", "SurfaceKernels", "singular"]
+__all__ = ["Kernel", "SurfaceKernels", "singular", "smooth_parts"]
 
 Array = np.ndarray
 
@@ -111,12 +111,12 @@ class SurfaceKernels:
         """The smooth parts of ``gradients``, t -> (4, *t.shape); None where there are none."""
         if self.together is not None:
             return self.together
-        return _together(self.gradients)
+        return smooth_parts(self.gradients)
 
     @property
     def normal_smooth(self) -> Callable[[Array], Array] | None:
         """Those of ``normal_p`` and ``normal_q``, t -> (2, *t.shape)."""
-        return self.normal_together or _together((self.normal_p, self.normal_q))
+        return self.normal_together or smooth_parts((self.normal_p, self.normal_q))
 
 
 def singular(kernels: Sequence[Kernel], t: Array) -> Array:
@@ -129,7 +129,7 @@ def singular(kernels: Sequence[Kernel], t: Array) -> Array:
     return values
 
 
-def _together(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:
+def smooth_parts(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:
     """Return the smooth parts of some kernels as one function; None where there are none."""
     parts = [kernel.smooth for kernel in kernels]
     if not any(parts):

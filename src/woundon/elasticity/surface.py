@@ -62,6 +62,13 @@ class SurfaceResponse(Protocol):
         """Return the derivatives of ``end_displacement`` by p and by q, (n,) each [m/Pa]."""
         ...
 
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return u at the last node [m]; nan where it is not known.
+
+        Only the rigid displacement of static rollers depends on it.
+        """
+        ...
+
 
 class RigidSurface:
     """The surface of a body that does not deform."""
@@ -88,6 +95,10 @@ class RigidSurface:
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return zeros."""
         return self._vector, self._vector
+
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return zero."""
+        return 0.0
 
 
 class LinearSurface:
@@ -121,3 +132,7 @@ class LinearSurface:
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return the influence functions of v at the last node."""
         return self._end[0], self._end[1]
+
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return nan: strains determine u up to a constant."""
+        return float("nan")
