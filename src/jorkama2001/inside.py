@@ -10,14 +10,14 @@ from math import pi
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from woundon.nip.roll_surface import roll_strain
+from woundon.wrap.influence import Influence
+from woundon.wrap.integrals import OpenGrid
 
 import woundon as wo
-from woundon.nip.roll_surface import roll_strain
 from woundon.show.figures import figure_bytes, legend_above, save_figure, style
 from woundon.show.nip_plots import nip_panels
 from woundon.show.panels import Case, drawn
-from woundon.wrap.influence import Influence
-from woundon.wrap.integrals import OpenGrid
 
 __all__ = [
     "draw_slips", "figure_bytes", "nip_figure", "roll_strain", "save_figure",

@@ -14,11 +14,9 @@ _HOME = {
     "AirNipResult": "air.result",
     "Body": "problems.bodies",
     "Core": "problems.roll",
-    "ContactGrid": "contact.response",
     "Cylinder": "problems.bodies",
     "DynamicTest": "problems.viscoelastic",
     "FitResult": "studies.fit",
-    "Graded": "contact.schemes",
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
     "Isotropic": "problems.materials",
@@ -44,19 +42,16 @@ _HOME = {
     "Quantity": "quantities",
     "Residuals": "results",
     "ResolutionWarning": "errors",
-    "Response": "contact.response",
     "Result": "results",
     "Rigid": "problems.bodies",
     "RollerProblem": "problems.rollers",
-    "RollerResult": "rollers.result",
+    "RollerResult": "nip.roller_result",
     "Sensitivity": "nip.sensitivity",
     "SobolIndices": "studies.sobol",
     "Stack": "problems.stack",
     "StackTest": "problems.radial_laws",
     "Taper": "problems.schedules",
     "TensionDesign": "roll.design",
-    "Thesis": "contact.schemes",
-    "Tractions": "contact.response",
     "ValidityWarning": "errors",
     "Web": "problems.nip",
     "WindingProblem": "problems.winding",
@@ -65,7 +60,7 @@ _HOME = {
     "WoundRollProblem": "problems.roll",
     "WoundRollResult": "roll.result",
     "WrappedNipProblem": "problems.nip",
-    "WrappedNipResult": "wrap.result",
+    "WrappedNipResult": "nip.result",
     "Zone": "results",
     "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
@@ -79,12 +74,6 @@ _HOME = {
     "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
     "solve": "kinds",
-    "solve_air_nip": "air.solve",
-    "solve_nip": "nip.solve",
-    "solve_rollers": "rollers.solve",
-    "solve_winding": "winding.solve",
-    "solve_wound_roll": "roll.solve",
-    "solve_wrapped_nip": "wrap.solve",
     "sweep": "studies.api",
     "theories": "",
     "units": "io.chosen_units",
@@ -97,12 +86,10 @@ __all__ = [
     "AirNipProblem",
     "AirNipResult",
     "Body",
-    "ContactGrid",
     "Core",
     "Cylinder",
     "DynamicTest",
     "FitResult",
-    "Graded",
     "HalfPlane",
     "InvalidProblem",
     "Isotropic",
@@ -128,7 +115,6 @@ __all__ = [
     "Quantity",
     "Residuals",
     "ResolutionWarning",
-    "Response",
     "Result",
     "Rigid",
     "RollerProblem",
@@ -139,8 +125,6 @@ __all__ = [
     "StackTest",
     "Taper",
     "TensionDesign",
-    "Thesis",
-    "Tractions",
     "ValidityWarning",
     "Web",
     "WindingProblem",
@@ -164,12 +148,6 @@ __all__ = [
     "optimise_schedule",
     "plot",
     "solve",
-    "solve_air_nip",
-    "solve_nip",
-    "solve_rollers",
-    "solve_winding",
-    "solve_wound_roll",
-    "solve_wrapped_nip",
     "sweep",
     "theories",
     "units",
@@ -179,12 +157,6 @@ if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
     from .air.result import AirNipResult as AirNipResult
-    from .air.solve import solve_air_nip as solve_air_nip
-    from .contact.response import ContactGrid as ContactGrid
-    from .contact.response import Response as Response
-    from .contact.response import Tractions as Tractions
-    from .contact.schemes import Graded as Graded
-    from .contact.schemes import Thesis as Thesis
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
@@ -195,8 +167,9 @@ if TYPE_CHECKING:
     from .io.result_files import load_result as load_result
     from .kinds import solve as solve
     from .nip.result import NipResult as NipResult
+    from .nip.result import WrappedNipResult as WrappedNipResult
+    from .nip.roller_result import RollerResult as RollerResult
     from .nip.sensitivity import Sensitivity as Sensitivity
-    from .nip.solve import solve_nip as solve_nip
     from .problems.air import Air as Air
     from .problems.air import AirNipProblem as AirNipProblem
     from .problems.air_law import AirBetween as AirBetween
@@ -237,9 +210,6 @@ if TYPE_CHECKING:
     from .roll.design import TensionDesign as TensionDesign
     from .roll.design import design_tension as design_tension
     from .roll.result import WoundRollResult as WoundRollResult
-    from .roll.solve import solve_wound_roll as solve_wound_roll
-    from .rollers.result import RollerResult as RollerResult
-    from .rollers.solve import solve_rollers as solve_rollers
     from .show.plots import plot as plot
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
@@ -253,9 +223,6 @@ if TYPE_CHECKING:
     from .winding.margins import Margins as Margins
     from .winding.margins import margins as margins
     from .winding.result import WindingResult as WindingResult
-    from .winding.solve import solve_winding as solve_winding
-    from .wrap.result import WrappedNipResult as WrappedNipResult
-    from .wrap.solve import solve_wrapped_nip as solve_wrapped_nip
 
 
 if not TYPE_CHECKING:  # who would take any name for known

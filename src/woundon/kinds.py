@@ -13,7 +13,7 @@ once, before the first look-up, in worker processes too.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module, metadata
@@ -24,6 +24,7 @@ from .errors import InvalidProblem, did_you_mean, one_of
 if TYPE_CHECKING:
     from .air.result import AirNipResult
     from .nip.result import NipResult, WrappedNipResult
+    from .nip.roller_result import RollerResult
     from .problems.air import AirNipProblem
     from .problems.fields import Problem
     from .problems.nip import NipProblem, WrappedNipProblem
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from .problems.rollers import RollerProblem
     from .problems.winding import WindingProblem
     from .roll.result import WoundRollResult
-    from .rollers.result import RollerResult
     from .winding.result import WindingResult
 
 __all__ = [
@@ -175,13 +175,13 @@ register(
 )
 register(
     "woundon.problems.rollers:RollerProblem",
-    "woundon.rollers.solve:solve_rollers",
-    "woundon.rollers.result:RollerResult",
+    "woundon.nip.solve_rollers:solve_rollers",
+    "woundon.nip.roller_result:RollerResult",
     name="rollers",
     about="Two rollers in contact without a web, rolling or static.",
     report="woundon.show.report:roller_report",
     plot="woundon.show.roller_plots:roller_panels",
-    check="woundon.rollers.solve:check_options",
+    check="woundon.nip.solve_rollers:check_options",
 )
 
 

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..results import largest
 from ..errors import InvalidProblem
-from ..results import Residuals
+from ..results import Residuals, largest
 from .films import escaped_film, foil_film, friction_share, nip_film
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..nip.result import WrappedNipResult
     from ..problems.air import Air, AirNipProblem
-    from ..wrap.result import WrappedNipResult
     from .result import AirNipResult
 
 __all__ = ["OF_THE_NIP", "certificate", "edge_of", "films_of", "friction_between"]

@@ -11,13 +11,13 @@ import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem
+from ..nip.result import WrappedNipResult
 from ..problems.air import AirNipProblem, with_film
 from ..problems.fields import shown
 from ..problems.nip import WrappedNipProblem
 from ..problems.roll import WoundRollProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
-from ..wrap.result import WrappedNipResult
 from .certificate import friction_between
 
 __all__ = ["AirNipResult"]
@@ -163,5 +163,5 @@ class AirNipResult(Result):
 
         if self.solved is not None:
             return certificate(self, self.solved, same_mesh=True)
-        solve = kinds.fetch("woundon.wrap.solve:solve_wrapped_nip")
+        solve = kinds.fetch("woundon.nip.solve:solve_nip")
         return certificate(self, solve(self.nip, nodes=self.nodes), same_mesh=False)

@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 
 from .. import kinds, quantities
-from ..results import zone_runs
 from ..quantities import Quantity
-from ..results import Result
+from ..results import Result, zone_runs
 from ..show.parts import friction_bounds, zone_strips
 
 __all__ = ["panels_of"]

@@ -65,7 +65,13 @@ class HardeningSurface:
     def __init__(
         self, ring: RingPair, linear: SurfaceResponse, face: Face, half_width: float, limit: float
     ) -> None:
-        self.ring, self.linear, self.face, self.a, self.limit = ring, linear, face, half_width, limit
+        self.ring, self.linear, self.face, self.a, self.limit = (
+            ring,
+            linear,
+            face,
+            half_width,
+            limit,
+        )
         self._solved: Solved | None = None
 
     def deform(self, p: Array, q: Array) -> Deformation:

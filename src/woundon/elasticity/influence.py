@@ -133,9 +133,7 @@ class InfluenceSurface:
             out += parts.to_points @ (self._smooth_values @ parts.moments)
         if self._is_short and all(k.twice for k in kernels.gradients):
             for part, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
-                exact = by_second_integral(
-                    kernel.twice, None, a * face.points, a * face.nodes
-                )
+                exact = by_second_integral(kernel.twice, None, a * face.points, a * face.nodes)
                 part[:, 1:-1] = exact[:, 1:-1]
         if kernels.lag is not None:
             out += self._lag_integrals(kernels.lag, face.points).reshape(out.shape)
@@ -266,7 +264,13 @@ class InfluenceSurface:
 
 
 def surface_strain(
-    kernels: SurfaceKernels, radius: float, curved: bool, nodes: Array, p: Array, q: Array, at: Array
+    kernels: SurfaceKernels,
+    radius: float,
+    curved: bool,
+    nodes: Array,
+    p: Array,
+    q: Array,
+    at: Array,
 ) -> Array:
     """Return the surface strain of a body outside of a contact.
 
@@ -301,9 +305,12 @@ def surface_strain(
             out += values @ (hats @ load)
         lag = kernel.lag
         if lag is not None:
-            out += by_second_integral(
-                partial(_lag_second, lag), partial(lag.exactly, order=1), at, nodes
-            )[0] @ load
+            out += (
+                by_second_integral(
+                    partial(_lag_second, lag), partial(lag.exactly, order=1), at, nodes
+                )[0]
+                @ load
+            )
     return out
 
 

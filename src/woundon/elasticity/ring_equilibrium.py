@@ -20,7 +20,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import log
-from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
@@ -150,9 +149,7 @@ class RingPair:
         self._latest = state
         return state
 
-    def _newton(
-        self, mesh: RingMesh, f: Array, u: Array, factors: Factors | None
-    ) -> RingState:
+    def _newton(self, mesh: RingMesh, f: Array, u: Array, factors: Factors | None) -> RingState:
         """Solve F(u) = f by the modified Newton method."""
         wound, unit = self.wound(mesh.heights), float(np.sum(np.abs(f))) or 1.0
         stressed = self.law.stressed(mesh.strain(u), wound)

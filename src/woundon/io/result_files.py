@@ -19,8 +19,8 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem, NotConverged
 from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
-from ..results import ACCEPTED_RESIDUAL, Residuals, Result
-from . import results_0_1, seals
+from ..results import Residuals, Result
+from . import seals
 from .files import read_whole, write_whole
 from .records import FORMAT, SCHEMA, Record, from_record, number, plain, saved_fields, to_record
 
@@ -76,13 +76,9 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
     try:
         record, sealed = _read(content)
         result = from_record(record)
-        if record["schema"] == 1:
-            result = results_0_1.completed(result)
         _check_units(record, result)
         if verify or not sealed:
-            residuals = _verify(record, result)
-            if record["schema"] == 1:
-                result = results_0_1.judged(result, residuals)
+            _verify(record, result)
     except InvalidProblem as fault:
         raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
     return result
@@ -116,8 +112,6 @@ def _read(content: bytes) -> tuple[Record, bool]:
             record = _record_of_json(content)
             sealed = seals.check_record(record)
         schema = record["schema"]
-        if schema == 1:
-            record = results_0_1.upgraded(record)
         if not all(isinstance(record.get(part, {}), dict) for part in ("units", "outputs")):
             raise TypeError("no table")
     except InvalidProblem:
@@ -161,9 +155,7 @@ def _verify(record: Record, result: Result) -> Residuals:
     try:
         with np.errstate(all="ignore"):
             residuals = result.certified()
-            old = results_0_1.is_of_0_1(record, result)
-            accepted = results_0_1.accepted(result) if old else ACCEPTED_RESIDUAL
-            result.replace(residuals=residuals).checked(accepted)
+            result.replace(residuals=residuals).checked()
             _check_scalars(record, result)
             return residuals
     except NotImplementedError as fault:

@@ -15,13 +15,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contact.newton import friction_residual
-from ..results import Residuals
+from ..elasticity.hardening_surface import HardeningSurface
+from ..errors import InvalidProblem
+from ..results import Residuals, largest
+from .conditions import difference, friction_law, negative_pressure
 from .energy import power_balance, rolling_resistance
 from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
 
 if TYPE_CHECKING:
-    from .equations import NipEquations, NipState
+    from .equations import NipEquations, NipState, Side
 
 __all__ = ["certificate", "consistency", "equations_of", "recomputed", "state_of"]
 
@@ -59,7 +61,8 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     u[at.xi] = result.drum_creep + web.compliance.c11 / web.thickness * result.web_tension[-1]
     u[at.ln_a] = np.log(result.half_width)
     u[at.roll_q], u[at.drum_q] = (
-        result.roll_traction[at.roll_nodes], result.drum_traction[at.drum_nodes]
+        result.roll_traction[at.roll_nodes],
+        result.drum_traction[at.drum_nodes],
     )
     return equations.evaluate(u)
 
@@ -89,62 +92,68 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     implied = web_arrays(equations, state, active)
     tension_scale = problem.nip_load + ROUNDING * float(np.abs(f.tension).max()) / 1e-8
     conditions = {
-        "gap_slope": _largest(gap) * equations.slope_scale / top,
-        "positive_pressure": _largest(np.maximum(-np.append(f.p_roll, f.p_drum), 0.0)) / peak,
-        **_friction_law(state, active),
+        "gap_slope": largest(np.abs(gap)) * equations.slope_scale / top,
+        "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
+        **friction_law(
+            zones, state.traction, state.slip, state.bound,
+            unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=1.0,
+        ),
         "slip_velocity": max(
-            _differ(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
+            difference(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
         ) / top,
         "winding_force": abs(float(state.equilibrium[-2])),
-        "nip_load": abs(float(state.equilibrium[-1])),
-        "web_tension": _differ(result.web_tension, f.tension) / tension_scale,
+        "load": abs(float(state.equilibrium[-1])),
+        "web_tension": difference(result.web_tension, f.tension) / tension_scale,
         "zones": 0.0 if _zones_are_valid(result, implied) else inf,
         "mesh": max(
-            _differ(result.x, implied["x"]), _differ(result.slip_x, implied["slip_x"])
+            difference(result.x, implied["x"]), difference(result.slip_x, implied["slip_x"])
         ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
     }  # fmt: skip
     pressures = {"pressure": f.p_drum}
     if hasattr(result, "roll_pressure"):
         pressures |= {"roll_pressure": f.p_roll, "hoop_pressure": f.p_roll - f.p_drum}
         kappa = implied["curvature"]
-        conditions["hoop_pressure"] = _largest(wraps) * equations.pressure_scale / peak
-        conditions["curvature"] = _differ(result.curvature, kappa) / (
+        conditions["hoop_pressure"] = largest(np.abs(wraps)) * equations.pressure_scale / peak
+        conditions["curvature"] = difference(result.curvature, kappa) / (
             float(np.abs(kappa).max()) or 1.0
         )
-        conditions["roll_strain"] = _differ(result.roll_strain, implied["roll_strain"]) / top
+        conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
     else:
         gained = state.fields.geometry.a * f.geometry.mesh.weights @ (f.q_roll + f.q_drum)
         conditions["nip_induced_tension"] = (
             abs(result.nip_induced_tension - gained) / problem.nip_load
         )
-    conditions["normal_equilibrium"] = max(
-        _differ(getattr(result, name), value) for name, value in pressures.items()
-    ) / peak
+    conditions["normal_equilibrium"] = (
+        max(difference(getattr(result, name), value) for name, value in pressures.items()) / peak
+    )
     tractions = ("roll_traction", f.q_roll), ("drum_traction", f.q_drum)
-    conditions["free_surface"] = max(
-        _differ(getattr(result, name), value) for name, value in tractions
-    ) / peak
-    for name in ("equilibrium_residual",):
-        for side, body in zip((f.geometry.roll, f.geometry.drum), ("roll", "drum"), strict=True):
-            residual = getattr(side.surface, name, None)
-            if residual is not None:
-                conditions[f"{body}_equilibrium"] = float(residual)
+    conditions["free_surface"] = (
+        max(difference(getattr(result, name), value) for name, value in tractions) / peak
+    )
+    loads = (f.p_roll[at.first :], f.q_roll[at.first :]), (
+        f.p_drum[: at.last + 1], f.q_drum[: at.last + 1],
+    )  # fmt: skip
+    conditions |= body_equilibrium(problem, (f.geometry.roll, f.geometry.drum), loads)
     return Residuals(**conditions)
 
 
-def _friction_law(state: NipState, active: Array) -> dict[str, float]:
-    """Return the violations of the friction law: slips relative to the slope of the gap at the
-    edge, tractions relative to the friction at the largest pressure."""
-    residual, stuck = friction_residual(state, active), active == 0
-    unit = float(np.abs(state.bound).max())
-    return {
-        "stick": _largest(residual[stuck]),
-        "friction_bound": _largest(
-            np.maximum(np.abs(state.traction) - state.bound, 0.0)[stuck]
-        ) / unit,
-        "slip_traction": _largest(residual[~stuck]) / unit,
-        "slip_direction": _largest(np.maximum(-active * state.slip, 0.0)[~stuck]),
-    }  # fmt: skip
+def body_equilibrium(
+    problem: Any, sides: tuple[Side, Side], loads: tuple[tuple[Array, Array], ...]
+) -> dict[str, float]:
+    """Return the residual of the equilibrium inside each nonlinear body, relative to the load.
+
+    Raises
+    ------
+    InvalidProblem
+        If the state of a body lies outside of its law.
+    """
+    out = {}
+    for name, side, load in zip(problem.pair, sides, loads, strict=True):
+        if isinstance(side.surface, HardeningSurface):
+            if text := side.surface.outside(*load):
+                raise InvalidProblem.at(name, text)
+            out[f"{name}_equilibrium"] = side.surface.residual(*load)
+    return out
 
 
 def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
@@ -152,23 +161,9 @@ def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
     zones = result.roll_zone, result.drum_zone
     known = all(np.isin(zone, (-1, 0, 1)).all() for zone in zones)
     same = all(
-        np.array_equal(getattr(result, name), implied[name])
-        for name in ("roll_zone", "drum_zone")
+        np.array_equal(getattr(result, name), implied[name]) for name in ("roll_zone", "drum_zone")
     )
     return known and same
-
-
-def _largest(values: Array) -> float:
-    """Return the largest size of some values, 0 of none, nan if one is nan."""
-    return float(np.max(np.abs(values), initial=0.0))
-
-
-def _differ(one: Array, two: Array) -> float:
-    """Return the largest difference; nan must stand at the same places, else it is inf."""
-    if not np.array_equal(np.isnan(one), np.isnan(two)):
-        return inf
-    both = ~np.isnan(one)
-    return _largest(one[both] - two[both])
 
 
 def consistency(equations: NipEquations, state: NipState) -> dict[str, float]:

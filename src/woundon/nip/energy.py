@@ -53,9 +53,7 @@ class BodyWork(NamedTuple):
     work: float
 
 
-def body_work(
-    side: Side, deformation: Deformation, p: Array, q: Array, a: float
-) -> BodyWork:
+def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float) -> BodyWork:
     """Return the work of nodal pressures and tractions on a body."""
     face, lengths = side.face, a * side.face.cells
     slope, strain = deformation.slope[:-2], deformation.strain[:-2]

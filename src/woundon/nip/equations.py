@@ -372,9 +372,7 @@ class NipEquations:
 
     # ---- transfer to another mesh --------------------------------------------------------------
 
-    def prolong(
-        self, state: NipState, active: Array, coarse: NipEquations
-    ) -> tuple[Array, Array]:
+    def prolong(self, state: NipState, active: Array, coarse: NipEquations) -> tuple[Array, Array]:
         """Interpolate the unknowns of another mesh; nodes take the zone of the nearest node."""
         at, was, f = self.layout, coarse.layout, state.fields
         old, new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes

@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
+from .. import kinds
 from ..contact.newton import friction_residual, system_matrix
 from ..contact.refinement import CHANGES, MeshSolution, error_estimate
 from ..errors import InvalidProblem, did_you_mean
-from .. import kinds
 from ..quantities import walk
 from ..results import ReadOnly
 from ..threads import one_thread

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import exp, nan
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,15 @@ import numpy as np
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed, SemismoothNewton
 from ..contact.refinement import MeshSolution, Refinement, refine
-from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
+from ..errors import RESOLUTION, NoSteadyState, NotConverged
 from ..problems.bodies import half_width_guess
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
 from ..validity import far_outside
-from .capacity import check_load
 from .certificate import certificate, consistency, equations_of, state_of
 from .equations import NipEquations, NipState
+from .load_limit import check_load
 from .outputs import SLIP_RATIOS, web_arrays
 from .result import NipResult, WrappedNipResult
 from .validity import nip_warnings, web_far_outside
@@ -79,9 +79,7 @@ def solve_nip(
     check_options(nodes=nodes, rtol=rtol)
     if start is not None:
         check_type("start", start, NipResult, WrappedNipResult)
-    check_bodies(problem)
-    equations = NipEquations(problem, 13)
-    check_load(problem, "nip_load", exp(equations.largest_ln_a))
+    check_load(problem, "nip_load")
     default = RTOL if problem.linear else RTOL_NONLINEAR
     most = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     criterion = _criterion(problem, rtol or default)
@@ -119,13 +117,6 @@ def check_options(*, nodes: Any = None, rtol: Any = None) -> None:
     if rtol is not None:
         tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     nodes_or_rtol(nodes, rtol)
-
-
-def check_bodies(problem: Any) -> None:
-    """Raise where the influence functions of a body are not resolved."""
-    for name, body in zip(problem.pair, problem.bodies, strict=True):
-        if body.unresolved:
-            raise InvalidProblem.at(name, body.unresolved)
 
 
 def _criterion(

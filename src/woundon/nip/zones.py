@@ -54,7 +54,11 @@ def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[flo
 
     They have the sign of the slip, > 0 where the web is faster, and are 0 where the web sticks.
     """
-    leading, trailing, ends = int(zones[0]), int(zones[-1]), boundary_positions(x, zones, slip, slack)
+    leading, trailing, ends = (
+        int(zones[0]),
+        int(zones[-1]),
+        boundary_positions(x, zones, slip, slack),
+    )
     if not ends:
         length = leading * float(x[-1] - x[0])
         return length, length

@@ -83,9 +83,7 @@ class Body(Family):
         """Whether the response depends on the speed."""
         return False
 
-    def surface(
-        self, face: Face, half_width: float, speed: float | None = None
-    ) -> SurfaceResponse:
+    def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
         """Return the response of the surface on a face scaled by the half width.
 
         Parameters

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from math import log, pi, sqrt
+from math import log, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np

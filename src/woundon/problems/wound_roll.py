@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import inf, isfinite
+from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -17,10 +17,9 @@ from ..elasticity.influence import InfluenceSurface
 from ..elasticity.ring_equilibrium import RingPair
 from ..errors import InvalidProblem
 from ..quantities import stress
-from .bodies import Body, CoreRadius, Cylinder, core_inside
+from .bodies import Body, CoreRadius, core_inside
 from .fields import shown
 from .graded import wound_kernels
-from .materials import Orthotropic
 from .schedules import Schedule, at_radius, values_of
 from .stack import AnyStack
 
@@ -100,9 +99,7 @@ class WoundRoll(Body):
         """Return P0 at radii [Pa]."""
         return at_radius(self.pressure, r)
 
-    def surface(
-        self, face: Face, half_width: float, speed: float | None = None
-    ) -> SurfaceResponse:
+    def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
         """Return the response of the surface on a face scaled by the half width."""
         if self.hardening == "frozen":
             return InfluenceSurface(wound_kernels(self), self.radius, True, face, half_width)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..results import largest
-from ..results import Residuals
+from ..results import Residuals, largest
 from .build_up import cell_source
 from .equations import CellSource, StageEquations
 

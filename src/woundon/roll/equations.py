@@ -38,7 +38,6 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-
 from scipy.linalg import lapack
 
 __all__ = ["CellSource", "Solved", "StageEquations", "pressure_between"]

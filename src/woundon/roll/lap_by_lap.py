@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-
 from scipy.linalg import lapack
 
 __all__ = ["wind_laps"]

@@ -24,11 +24,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch
 
 from .. import quantities
-from ..results import zone_runs
 from ..errors import InvalidProblem
 from ..io.files import write_whole
 from ..quantities import Quantity
-from ..results import Result
+from ..results import Result, zone_runs
 from .parts import ZoneStrips
 
 __all__ = [

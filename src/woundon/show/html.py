@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from ..results import zone_runs
 from ..problems.fields import Description
+from ..results import zone_runs
 from .parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
 from .report import field_rows, report_parts
 

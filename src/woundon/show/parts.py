@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..results import zone_runs
 from ..nip.result import WindingNipResult, WrappedNipResult
+from ..nip.roller_result import RollerResult
 from ..quantities import Quantity
-from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone
-from ..rollers.result import RollerResult
+from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
     "Line", "Part", "Row", "Section", "Verdict", "Verdicts", "ZoneStrips", "certificate_line",

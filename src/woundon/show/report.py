@@ -19,6 +19,7 @@ from rich.text import Text
 from .. import kinds, quantities, theories
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult, WindingNipResult, WrappedNipResult
+from ..nip.roller_result import RollerResult
 from ..problems.bodies import Body
 from ..problems.fields import Description
 from ..problems.nip import WindingNip, WrappedNipProblem
@@ -26,7 +27,6 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import Quantity
 from ..results import Result
-from ..rollers.result import RollerResult
 from .parts import (
     Line,
     Part,

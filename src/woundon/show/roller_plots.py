@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from .. import theories
 from ..errors import InvalidProblem
-from ..rollers.result import RollerResult
+from ..nip.roller_result import RollerResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown
 from .panels import NEUTRAL, Case, Panel
 from .parts import roller_zones

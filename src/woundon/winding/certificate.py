@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..results import largest, positive
 from ..problems.schedules import Curve
-from ..results import ACCEPTED_RESIDUAL, Residuals
+from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 
 if TYPE_CHECKING:
     from .result import WindingResult

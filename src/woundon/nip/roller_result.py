@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import nan
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from .. import kinds
-from ..losses import Losses
 from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
-from ..results import Residuals, Result, Zone
+from ..results import Residuals, Result, Zone, zone_runs
+from .result import Dissipation
+
+if TYPE_CHECKING:
+    from .sensitivity import Sensitivity
 
 __all__ = ["RollerResult"]
 
@@ -22,7 +24,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollerResult(Losses, Result):
+class RollerResult(Dissipation, Result):
     """The state of two rollers in contact.
 
     Attributes
@@ -46,8 +48,8 @@ class RollerResult(Losses, Result):
         contact [m]; :class:`~woundon.results.Zone`, with the lower surface for the web.
     traction_error : float
         Estimated discretisation error of the traction, L2 norm relative to its own [1].
-    mesh : Mesh
-        On which it was solved.
+    refinement : Refinement
+        The solutions on all meshes, for a warm start; None of a result loaded from a file.
     """
 
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
@@ -78,9 +80,8 @@ class RollerResult(Losses, Result):
     traction_error: Annotated[
         float, strain("e_q", "estimated error of the traction (L2), relative")
     ] = nan
-    iterations: Annotated[int, pure("n_it", "linear stick-slip systems solved")] = 0
-    scheme: str = "graded"
-    mesh: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
+    iterations: Annotated[int, pure("n_it", "Newton iterations")] = 0
+    refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property
     def relabelled(self) -> Mapping[str, Quantity]:
@@ -105,8 +106,6 @@ class RollerResult(Losses, Result):
         return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
 
     def _runs(self) -> Iterator[tuple[int, float, float]]:
-        from ..contact.zones import zone_runs
-
         yield from zone_runs(self.x, self.zone)
 
     @property
@@ -120,14 +119,34 @@ class RollerResult(Losses, Result):
         return self.x.size
 
     def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the arrays held here."""
-        from .certificate import certificate, matrices_of
+        """Return the certificate, evaluated from the problem and the arrays of this result."""
+        from .roller_certificate import certificate
 
-        return certificate(self, matrices_of(self))
+        return certificate(self)
 
-    def recomputed(self) -> Mapping[str, tuple[float, float]]:
-        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
-        told: Mapping[str, tuple[float, float]] = kinds.fetch("woundon.rollers.solve:recomputed")(
-            self
-        )
-        return told
+    @property
+    def consistency(self) -> Residuals:
+        """Conditions that converge with the mesh: the power balance of viscoelastic rollers."""
+        from .roller_certificate import consistency
+
+        return consistency(self)
+
+    def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
+        """Return derivatives of outputs with respect to fields of the problem.
+
+        Parameters
+        ----------
+        parameters : str
+            Dotted names (``"upper.material.youngs_modulus"``); every continuous field if none is
+            given.
+        outputs : sequence of str
+            Names; the main ones if none is given.
+        """
+        # imported late: many results are never differentiated
+        from .sensitivity import contact_sensitivity
+        from .solve_rollers import solutions
+
+        outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        main = ("half_width", "peak_pressure", "approach", "offset", "tangential_load")
+        own = "shift" if self.problem.motion == "static" else "creepage"
+        return contact_sensitivity(self, solutions(self), parameters, outputs, (own, *main))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..validity import pair_warnings, past, zone_warnings
-from .result import RollerResult
+from .roller_result import RollerResult
 
 __all__ = ["roller_warnings"]
 

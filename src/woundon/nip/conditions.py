@@ -1,0 +1,61 @@
+"""Violations of contact conditions by given arrays, dimensionless."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+
+from ..results import largest
+
+__all__ = ["difference", "friction_law", "integral", "negative_pressure"]
+
+Array = np.ndarray
+
+
+def friction_law(
+    zones: Array, traction: Array, slip: Array, bound: Array, *, unit: Array, slip_scale: float
+) -> dict[str, float]:
+    """Return the largest violation of each condition of the friction law.
+
+    Parameters
+    ----------
+    zones : (k,) int array
+        0 stick, 1 and -1 slip; another number violates ``slip_traction``.
+    traction, slip, bound : (k,) arrays
+        q, v and mu p.
+    unit : (k,) array
+        mu times the largest pressure, to which tractions are relative.
+    slip_scale : float
+        Slip to which slips are relative.
+    """
+    stuck, slips = zones == 0, zones != 0
+    direction, sliding = zones[slips], slip[slips]
+    unknown = 0.0 if (np.abs(direction) == 1).all() else inf
+    excess = (np.abs(traction) - bound)[stuck] / unit[stuck]
+    off_bound = np.abs(traction[slips] - direction * bound[slips]) / unit[slips]
+    return {
+        "stick": largest(np.abs(slip[stuck])) / slip_scale,
+        "friction_bound": largest(excess),
+        "slip_traction": unknown + largest(off_bound),
+        "slip_direction": largest(-direction * sliding) / slip_scale,
+    }
+
+
+def negative_pressure(*pressures: Array) -> float:
+    """Return the largest tensile pressure relative to the largest pressure."""
+    values = np.concatenate(pressures)
+    return largest(np.maximum(-values, 0.0)) / float(np.abs(values).max())
+
+
+def integral(values: Array, x: Array) -> float:
+    """Return the integral of piecewise linear values over all nodes."""
+    return float(np.trapezoid(values, x))
+
+
+def difference(one: Array, two: Array) -> float:
+    """Return the largest difference; inf unless nan stand at the same places."""
+    if one.shape != two.shape or not np.array_equal(np.isnan(one), np.isnan(two)):
+        return inf
+    both = ~np.isnan(one)
+    return largest(np.abs(one[both] - two[both]))

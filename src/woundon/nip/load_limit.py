@@ -1,0 +1,124 @@
+r"""The largest load that one contact of two bodies carries, without friction.
+
+A contact of the half width a without friction satisfies
+
+    v1' + v2' + (thickness change of the web)' + Delta/R* = x/R*,
+
+a linear system for p and Delta, whose load int p dx is that of the half width.  The load grows with
+the half width, up to the widest one for which the model of the bodies holds.  An open tube bends:
+beyond a certain load the surfaces separate in the middle, and no single contact carries the load.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..elasticity.mesh import Face, Wrap, nip_mesh
+from ..errors import InvalidProblem
+from ..problems.bodies import ContactProblem
+
+__all__ = ["check_load", "frictionless_pressure", "largest_load"]
+
+Array = np.ndarray
+# Nodes of the mesh for the load limit: loads are accurate to 1 %.
+NODES = 17
+# Half widths of an open tube that are examined.  Its load is not a monotonic function of them.
+WIDTHS, NARROWEST = 60, 1e-3
+# Share of its bending load up to which an open tube carries the load like a solid body.
+BENDING_SHARE = 0.5
+# Smallest pressure in the middle half of a contact in one piece, relative to the largest: friction
+# and the tension of the web may reduce it by so much.
+LEAST_MIDDLE = 0.05
+
+
+def check_load(problem: ContactProblem, load_field: str) -> None:
+    """Reject a load that no single contact of the permitted half width carries.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Problems with nonlinear bodies are not examined.
+    load_field : str
+        Name of the load.
+
+    Raises
+    ------
+    InvalidProblem
+        With the largest admissible load.
+    """
+    for name, body in zip(problem.pair, problem.bodies, strict=True):
+        if body.unresolved:
+            raise InvalidProblem.at(name, body.unresolved)
+    if not problem.linear:
+        return
+    load, R = float(getattr(problem, load_field)), problem.contact_radius
+    tubes = [
+        name for name, body in zip(problem.pair, problem.bodies, strict=True)
+        if load > BENDING_SHARE * body.bending_load(R)
+    ]  # fmt: skip
+    largest = largest_load(problem, load if tubes else None)
+    if load <= largest:
+        return
+    if tubes:
+        body = getattr(problem, tubes[0])
+        reason = (
+            f"the {tubes[0]} is a tube, {body.thickness:.4g} m thick in all on an open bore, which "
+            "a larger load bends instead of being carried by one contact; use a rigid core, or "
+            "stiffer or thicker layers"
+        )
+    else:
+        reason = _narrowest_body(problem)
+    raise InvalidProblem.at(
+        load_field, f"{load:.6g} is out of range; must be <= {largest:.3g} [N/m], about: {reason}"
+    )
+
+
+def largest_load(problem: ContactProblem, sufficient: float | None = None) -> float:
+    """Return the largest load of a single contact without friction [N/m].
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    sufficient : float, optional
+        Examine half widths from the smallest on, and return the first load above this one; without
+        it only the largest half width is examined.
+    """
+    widest = min(min(body.radius, body.widest) for body in problem.bodies)
+    face, largest = nip_mesh(NODES, Wrap(), Wrap()).roll_face, 0.0
+    middle = np.abs(face.nodes) < 0.5
+    if sufficient is None:
+        return float(widest * face.weights @ frictionless_pressure(problem, face, widest))
+    for a in np.geomspace(NARROWEST, 1.0, WIDTHS) * widest:
+        p = frictionless_pressure(problem, face, a)
+        if p[middle].min() > LEAST_MIDDLE * p.max():
+            largest = max(largest, float(a * face.weights @ p))
+        if largest >= sufficient:
+            break
+    return largest
+
+
+def frictionless_pressure(problem: ContactProblem, face: Face, a: float) -> Array:
+    """Return the nodal pressures of a frictionless contact of half width ``a``, (N+1,) [Pa]."""
+    N = face.cells.size
+    matrix = np.ones((N, N))  # columns: inner pressures, Delta/R*
+    zero = np.zeros(N + 1)
+    matrix[:, :-1] = (problem.thinning / a * face.derivative)[:-2, 1:-1]
+    for body in problem.bodies:
+        if not body.rigid:
+            surface = body.surface(face, a, problem.rolling_speed)
+            matrix[:, :-1] += surface.tangent(zero, zero).slope_p[:-2, 1:-1]
+    out = np.zeros(N + 1)
+    out[1:-1] = np.linalg.solve(matrix, face.points[:-2] * (a / problem.contact_radius))[:-1]
+    return out
+
+
+def _narrowest_body(problem: ContactProblem) -> str:
+    """Return which body limits the half width, and what to change."""
+    named = zip(problem.pair, problem.bodies, strict=True)
+    name, body = min(named, key=lambda pair: min(pair[1].radius, pair[1].widest))
+    if body.radius <= body.widest:
+        return f"a larger load makes the contact wider than the radius of the {name}"
+    return (
+        f"the elastic layer of the {name}, {body.thickness:.3g} m, is too thin for the contact "
+        f"of a larger load; use a smaller load, a thicker or stiffer layer, or a Rigid {name}"
+    )

@@ -1,0 +1,242 @@
+"""Solve two rollers without a web on a sequence of meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+
+from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
+from ..contact.newton import NewtonFailed, SemismoothNewton
+from ..contact.refinement import MeshSolution, Refinement, refine
+from ..errors import RESOLUTION, NotConverged
+from ..problems.fields import shown
+from ..problems.rollers import RollerProblem
+from ..results import Residuals, measured
+from ..threads import one_thread
+from ..validity import far_outside
+from .load_limit import check_load
+from .roller_certificate import certificate, consistency, state_of
+from .roller_result import RollerResult
+from .roller_validity import roller_warnings
+from .rollers import RollerEquations
+
+__all__ = ["check_options", "solve_rollers"]
+
+Array = np.ndarray
+
+# Relative error of half width, peak pressure, and creepage or tangential load.
+DEFAULT_RTOL = 1e-3
+# The solver's tolerance of 1e-9 would contribute to smaller ones.
+LEAST_RTOL, MOST_RTOL = 1e-5, 0.1
+# Largest meshes: by default, with an explicit rtol, and with an explicit number of nodes.
+DEFAULT_NODES, MOST_NODES, LARGEST_MESH = 257, 1025, 2049
+LEAST_NODES = 7
+# Creepages and tangential loads near zero are not known to a relative error: they are measured by
+# at least this share of those of full slip.
+FLOOR = 0.01
+# A violation of the power balance beyond this many error estimates is reported.
+INCONSISTENT = 3.0
+
+
+@one_thread
+def solve_rollers(
+    problem: RollerProblem, *, nodes: int | None = None, rtol: float | None = None,
+    start: RollerResult | None = None, progress: Callable[[float], None] | None = None,
+) -> RollerResult:  # fmt: skip
+    """Solve two rollers in contact: pressure, traction, stick and slip.
+
+    The mesh is refined until the estimated errors of the half width, the peak pressure, and the
+    creepage or the tangential load are below 0.1 %.  A result that needs more than 257 nodes is
+    returned with its error estimates and a warning.
+
+    Parameters
+    ----------
+    problem : RollerProblem
+    nodes : int, optional
+        Size of the last mesh, 7 to 2049, in place of the criterion.
+    rtol : float, optional
+        Relative error in place of 0.1 %, 1e-5 to 0.1, reached with at most 1025 nodes.
+    start : RollerResult, optional
+        The solution of a neighbouring problem, which supplies the initial guess on every mesh.  It
+        does not change the result beyond the solver tolerance.  A result restored from a file does
+        not hold the solutions on its meshes and is not used.
+    progress : callable, optional
+        Called with the estimated fraction of the work that is done.
+
+    Returns
+    -------
+    RollerResult
+
+    Raises
+    ------
+    InvalidProblem
+        For options out of range, and for a load that no single contact carries.
+    NotConverged
+        If the iteration fails, a contact condition is violated by more than 1e-8, or ``rtol`` is
+        not reached; the last two carry the best result.
+
+    Examples
+    --------
+    >>> result = solve_rollers(RollerProblem.example())
+    >>> round(result.half_width * 1e3, 3)  # mm
+    0.354
+    """
+    check_type("problem", problem, RollerProblem)
+    check_options(nodes=nodes, rtol=rtol, start=start)
+    check_load(problem, "load")
+    criterion = Criterion(problem, DEFAULT_RTOL if rtol is None else float(rtol))
+    try:
+        found = refine(
+            lambda size: RollerEquations(problem, size), nodes=nodes, criterion=criterion,
+            most_nodes=DEFAULT_NODES if rtol is None else MOST_NODES,
+            start=None if start is None else start.refinement, progress=progress,
+        )  # fmt: skip
+    except NewtonFailed as failed:
+        texts = (f"stick and slip zones were not found: {failed}",
+                 *far_outside(problem, problem.load))  # fmt: skip
+        raise NotConverged("; ".join(texts)) from failed
+    missed = "" if nodes else criterion.missed(found)
+    result = _result(problem, found, missed if rtol is None else "").checked()
+    if missed and rtol is not None:
+        raise NotConverged(f"rtol={rtol:g} is not reached: {missed}", result)
+    return result.warned()
+
+
+def check_options(
+    *, nodes: Any = None, rtol: Any = None, start: Any = None, progress: Any = None
+) -> None:
+    """Check the options of :func:`solve_rollers`.
+
+    Raises
+    ------
+    InvalidProblem
+        For an option out of range.
+    """
+    if nodes is not None:
+        whole_number("nodes", nodes, LEAST_NODES, LARGEST_MESH)
+    if rtol is not None:
+        tolerance("rtol", rtol, LEAST_RTOL, MOST_RTOL)
+    nodes_or_rtol(nodes, rtol)
+    if start is not None:
+        check_type("start", start, RollerResult)
+
+
+class Criterion:
+    """Largest ratio of an error estimate and its tolerance.
+
+    Parameters
+    ----------
+    problem : RollerProblem
+    rtol : float
+    """
+
+    def __init__(self, problem: RollerProblem, rtol: float) -> None:
+        self.problem, self.rtol = problem, rtol
+
+    def ratios(self, outputs: Mapping[str, float], errors: Mapping[str, float]) -> dict[str, float]:
+        """Return the ratios by output; inf where there is no estimate."""
+        problem, a = self.problem, outputs["half_width"]
+        least = {"half_width": 0.0, "peak_pressure": 0.0}
+        if problem.friction and problem.creepage is not None:
+            least["tangential_load"] = FLOOR * problem.friction * problem.load
+        elif "creepage" in outputs and problem.creepage is None:
+            least["creepage"] = FLOOR * (problem.friction or 1.0) * a / problem.contact_radius
+        ratios = {
+            name: errors[name] / (self.rtol * max(abs(outputs[name]), floor))
+            for name, floor in least.items()
+        }
+        return {name: r if isfinite(r) else np.inf for name, r in ratios.items()}
+
+    def __call__(self, outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
+        return max(self.ratios(outputs, errors).values())
+
+    def missed(self, found: Refinement) -> str:
+        """Return which output is not known well enough; '' where all are."""
+        errors = found.errors("main_outputs")
+        ratios = self.ratios(found.last.main_outputs, errors)
+        name = max(ratios, key=lambda key: ratios[key])
+        if not ratios[name] > 1:
+            return ""
+        value = shown(float(f"{errors[name]:.2g}"))
+        return (
+            f"the estimated error of {name} is {value} with {found.last.size} nodes, "
+            f"{ratios[name]:.2g} times the tolerance"
+        )
+
+
+def _result(problem: RollerProblem, found: Refinement, missed: str) -> RollerResult:
+    equations: RollerEquations = found.last.system
+    state, outputs = found.last.state, found.last.outputs
+    a = state.surfaces.a
+    xi, slip = equations.slip(state)
+    zone = found.last.active
+    if not problem.friction:
+        zone = np.sign(slip[1:-1]).astype(np.int8)
+    result = RollerResult(
+        problem=problem,
+        creepage=nan if equations.static else xi,
+        shift=outputs["shift"] if equations.static else nan,
+        tangential_load=outputs["tangential_load"],
+        half_width=a,
+        approach=outputs["approach"],
+        offset=outputs["offset"],
+        x=a * equations.mesh.nodes,
+        pressure=state.p.copy(),
+        traction=state.q.copy(),
+        slip_x=equations.slip_points(a),
+        slip=slip,
+        zone=np.concatenate([zone[:1], zone, zone[-1:]]),
+        residuals=Residuals(),
+        traction_error=_traction_error(found),
+        iterations=found.iterations,
+        rolling_resistance=outputs.get("rolling_resistance", nan),
+        refinement=found,
+    )
+    errors = found.errors()
+    warnings = [*roller_warnings(result), *_inconsistent(result, errors)]
+    if missed:
+        warnings.append(f"{RESOLUTION}{missed}; use rtol={DEFAULT_RTOL:g}")
+    return measured(result, errors=errors, residuals=certificate(result), warnings=tuple(warnings))
+
+
+def _traction_error(found: Refinement) -> float:
+    """Return the estimated error of the traction, L2 norm relative to its own."""
+    if len(found.meshes) < 2 or not found.last.state.q.any():
+        return nan
+    coarse, fine = found.meshes[-2:]
+    x, w = fine.system.mesh.nodes, fine.system.mesh.weights
+    q, other = fine.state.q, np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
+    change = np.sqrt(w @ (q - other) ** 2 / (w @ q**2))
+    # tractions have infinite slopes at zone boundaries, so their order is one
+    return float(change / (fine.size / coarse.size - 1))
+
+
+def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str]:
+    """Return a warning if the power balance is violated beyond the error estimates."""
+    if not result.problem.viscoelastic:
+        return []
+    problem, violation = result.problem, consistency(result).power_balance
+    size = problem.load * result.half_width / problem.contact_radius
+    terms = errors["rolling_resistance"] / size
+    terms += errors["offset"] / result.half_width
+    terms += abs(errors["creepage"] * result.tangential_load) / size
+    terms += abs(errors["tangential_load"] * result.creepage) / size
+    if not violation > INCONSISTENT * terms:
+        return []
+    return [f"{RESOLUTION}the power balance is violated by {violation:.2g} of P a/R*, more than "
+            f"{INCONSISTENT:g} times the estimated errors of its terms; use more nodes"]  # fmt: skip
+
+
+def solutions(result: RollerResult) -> list[MeshSolution]:
+    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
+    if result.refinement is not None:
+        meshes: list[MeshSolution] = result.refinement.meshes
+        return meshes
+    found = state_of(result)
+    assert found is not None  # a loaded result is verified
+    equations, state = found
+    solver = SemismoothNewton(equations)
+    return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]
