@@ -218,8 +218,6 @@ class WindingProblem(Problem):
                 yield f"air.{field}", text
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
-        if self.drum.confined_only:
-            yield "drum", "is an estimate for nips without wraps; must be another body"
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
         """Yield what is wrong with a schedule: numbers out of range, a table too short."""
