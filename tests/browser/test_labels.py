@@ -181,6 +181,8 @@ def test_the_axis_of_a_schedule_names_its_quantity(look, width):
         labels = page.eval_on_selector_all(
             ".schedule-plot", """plots => plots.map(plot => ({
                 frame: plot.getBoundingClientRect().toJSON(),
+                knobs: [...plot.querySelectorAll('.knob')].map(knob =>
+                    knob.getBoundingClientRect().toJSON()),
                 labels: [...plot.querySelectorAll('text')].map(text =>
                     ({ text: text.textContent, ...text.getBoundingClientRect().toJSON() })) }))"""
         )  # fmt: skip
@@ -192,6 +194,8 @@ def test_the_axis_of_a_schedule_names_its_quantity(look, width):
             assert all(inside(label, plot["frame"]) for label in plot["labels"])
             for a, b in itertools.combinations(plot["labels"], 2):
                 assert not overlap(a, b, 3.0), (a["text"], b["text"])
+            for label, knob in itertools.product(plot["labels"], plot["knobs"]):
+                assert not overlap(label, knob), label["text"]
 
 
 def test_the_whole_hoop_stress_is_shown_and_its_compression_enlarged(recorded):

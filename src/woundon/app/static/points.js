@@ -55,7 +55,7 @@ export function Points({ store, quantity, points, ends, put, name, own = true, u
   return html`<p class="quiet">${fixed ? T.winding.many(points.length) : T.winding.drag}</p>
     <svg ref=${svg} class="schedule-plot" viewBox=${`0 0 ${BOX.width} ${BOX.height}`} role="group" aria-label=${name}
         onPointerMove=${move} onPointerUp=${up} onPointerCancel=${up}>
-      ${ticks.map((tick) => html`<g key=${tick}><path d=${`M${BOX.left} ${y(units.si(quantity, tick))}H${BOX.width - BOX.right}`} class="grid-line" /><text x=${BOX.left - 6} y=${y(units.si(quantity, tick)) + 4} class="end">${digits(tick, 4)}</text></g>`)}
+      ${ticks.map((tick) => html`<g key=${tick}><path d=${`M${BOX.left} ${y(units.si(quantity, tick))}H${BOX.width - BOX.right}`} class="grid-line" /><text x=${BOX.left - 12} y=${y(units.si(quantity, tick)) + 4} class="end">${digits(tick, 4)}</text></g>`)}
       ${radii.map((tick) => html`<text key=${tick} x=${x(units.si(LENGTH, tick))} y=${BOX.height - BOX.bottom + 16}>${digits(tick, 4)}</text>`)}
       <text x=${(BOX.left + BOX.width - BOX.right) / 2} y=${BOX.height - 6} class="name">${units.label(T.winding.radius, LENGTH)}</text>
       <text x="4" y="13" class="name start">${units.label(quantity.label, quantity)}</text>
