@@ -747,15 +747,19 @@ def coupled_windings() -> Iterator[Case]:
 
 
 def rejected() -> Iterator[Case]:
-    """Yield widely sampled random cases that version 0.2 rejects or does not solve."""
-    draws = ((wide.wide_nip, 3), (wide.wide_wrapped_nip, 2), (wide.wide_rollers, 1))
-    for draw, count in draws:
-        for case in drawn(draw, range(400), "wide.py", f"wide random {draw.__name__[5:]}"):
+    """Yield widely sampled random cases that version 0.2 rejects because no contact is possible."""
+    # a wide nip and a wide wrapped nip of the same seed have the same bodies
+    draws = ((wide.wide_nip, 0, 3), (wide.wide_wrapped_nip, 20, 3), (wide.wide_rollers, 0, 2))
+    for draw, first, count in draws:
+        for case in drawn(draw, range(first, 400), "wide.py", f"wide random {draw.__name__[5:]}"):
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")
                     wo.solve(case.problem, nodes=33)
-            except (wo.InvalidProblem, wo.NotConverged):
+            except (wo.InvalidProblem, wo.NotConverged) as fault:
+                # an iteration that fails is no reason to reject the problem
+                if "stick and slip not found" in str(fault):
+                    continue
                 yield case._replace(fine={"nodes": 65}, coarse={"nodes": 33})
                 count -= 1
                 if count == 0:
