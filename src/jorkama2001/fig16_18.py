@@ -9,12 +9,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-import woundon as wo
-
 from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
-from .nips import solved, swept
+from .nips import Nip, solved, swept
 from .verdicts import Verdict, falls, grows, verdict
 from .zones import zone_lengths
 
@@ -59,7 +57,7 @@ def _range(values: xr.DataArray) -> xr.DataArray:
     return values.max("nip_load") - values.min("nip_load")
 
 
-def _tension(data: xr.Dataset, light: wo.NipResult) -> list[Verdict]:
+def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
     friction = light.nip_induced_tension / (light.problem.roll_friction * LIGHT_LOAD)
     backward = -zone_lengths(light).leading_roll
     NIT, width, approach = data["nip_induced_tension"], data["nip_width"], data["approach"]

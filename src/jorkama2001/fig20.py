@@ -14,8 +14,8 @@ import woundon as wo
 from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .inside import draw_slips, style
-from .nips import FINE, along_nip, joined, solved
+from .inside import style
+from .nips import FINE, Nip, along_nip, joined, solved
 from .verdicts import Verdict, accurate, verdict, whether
 from .zones import Run, longest_stick, runs
 
@@ -43,7 +43,7 @@ def exhibits(scheme: str) -> list[Exhibit]:
     return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
 
 
-def _pattern(r: wo.NipResult | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
+def _pattern(r: Nip | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
     own = r.in_nip
     x, T = r.x[own], r.web_tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
@@ -77,7 +77,7 @@ def _end_of_stick(found: list[Run]) -> float:
     return found[k].right
 
 
-def _numbers(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
+def _numbers(below: Nip, above: Nip) -> list[Verdict]:
     a, b = below.nip_induced_tension, above.nip_induced_tension
     return [
         verdict(
@@ -103,12 +103,12 @@ def _of_the_wrap(below: wo.WrappedNipResult, above: wo.WrappedNipResult) -> list
     ]  # fmt: skip
 
 
-def _draw(nips: list[wo.NipResult]) -> Figure:
+def _draw(nips: list[Nip]) -> Figure:
     figure = drawing.blank(1, 2, (9.0, 3.6), letters=False)
     panels = list(figure.axes)
     with style():
         for letter, axes, nip in zip("ab", panels, nips, strict=True):
-            draw_slips(axes, nip)
+            drawing.draw_slips(axes, nip)
             text = rf"({letter})  $\mu^+ = {nip.problem.roll_friction}$, $\mu^- = 0.4$"
             axes.text(0.04, 0.93, text, transform=axes.transAxes)
             axes.set_xlabel("Position along the nip $x$ [mm]")

@@ -8,7 +8,7 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig15 import gain_in_dual_slip, squeezed
-from .nips import FINE, along_nip, joined, solved
+from .nips import FINE, Nip, along_nip, joined, solved
 from .verdicts import Verdict, verdict
 from .zones import zone_lengths
 
@@ -32,18 +32,18 @@ def _problem(cross: float) -> wo.NipProblem:
     return paper_nip(nip_load=5000.0, **{"web.material": paper, "roll.material": paper})
 
 
-def _fall(r: wo.NipResult) -> float:
+def _fall(r: Nip) -> float:
     """Return how far the tension falls below that of the incoming web [N/m]."""
     return float(r.problem.web_tension - r.web_tension.min())
 
 
-def _off(r: wo.NipResult) -> float:
+def _off(r: Nip) -> float:
     """Return by how much eq. (173) misses NIT [%]."""
     alone = wo.theories.dual_slip(r.problem, zone_lengths(r).dual)
     return 100 * abs(float(alone) / r.nip_induced_tension - 1)
 
 
-def _verdicts(large: wo.NipResult, small: wo.NipResult) -> list[Verdict]:
+def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
     share, slipped = squeezed(large)
     gains = gain_in_dual_slip(large), gain_in_dual_slip(small)
     NIT = large.nip_induced_tension, small.nip_induced_tension

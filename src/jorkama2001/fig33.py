@@ -1,7 +1,7 @@
 """Thesis Fig. 33, sec. 4.8: NIT and computing time against the number of nodes M.
 
-P = 2000 N/m and F = 0, Table 1.  The thesis's scheme is computed in any case, since the figure is
-about it; the accurate one beside it.  Computing times were measured once, as multiples of a dense
+P = 2000 N/m and F = 0, Table 1.  The thesis's procedure is computed in any case, since the figure is
+about it, and the accurate solution next to it.  Computing times were measured once, as multiples of a dense
 solve, so that the figure is the same whenever it is drawn (``benchmarks/fig33.py``).
 """
 
@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 
 import woundon as wo
 
-from . import drawing
+from . import drawing, procedure
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
 from .inside import style
-from .nips import dataset, joined, options, quiet, solved, swept
+from .nips import dataset, joined, quiet, solved, swept
 from .verdicts import Verdict, grows, verdict
 
 __all__ = ["exhibits"]
@@ -58,8 +58,8 @@ def _times() -> dict[str, np.ndarray]:
 def _converging(scheme: str, times: np.ndarray) -> xr.Dataset:
     NIT = []
     for M in NODES.tolist():
-        with quiet():
-            result = wo.solve_nip(PROBLEM, **(options(scheme) | {"nodes": M}))
+        by_thesis = scheme == "thesis"
+        result = procedure.solve(PROBLEM, M) if by_thesis else solved(PROBLEM, nodes=M)
         NIT.append(result.nip_induced_tension)
     data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times})
     return data.assign_coords(nodes=("nodes", NODES, {"units": "1"}))

@@ -14,7 +14,7 @@ import woundon as wo
 from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .inside import strain_under
+from .influence import surface_strain
 from .nips import dataset
 from .verdicts import Verdict, verdict
 
@@ -47,7 +47,8 @@ def _rates() -> xr.Dataset:
     theta = np.linspace(0.0, pi, CELLS + 1)
     middle = (theta[1:] + theta[:-1]) / 2
     pressure = TENSION / problem.roll.radius * np.exp(FRICTION * theta)
-    strain = strain_under(problem.roll, theta, middle, pressure, FRICTION * pressure)
+    R = problem.roll.radius
+    strain = surface_strain(problem.roll, R * theta, pressure, FRICTION * pressure, R * middle)
     return dataset(
         "point",
         {
