@@ -140,7 +140,10 @@ def nip_figure(result: Nip) -> Figure:
         panels = figure.subplots(3, 1, sharex=True, height_ratios=(3.0, 2.8, 0.7))
         for axes, draw in zip(panels, (_draw_tractions, draw_slips, _draw_zones), strict=True):
             draw(axes, result)
+        for letter, axes in zip("ab", panels, strict=False):
+            axes.set_title(f"({letter})", loc="right", fontsize=9)
         panels[-1].set_xlabel(_POSITION)
+        panels[-1].set_xlim(*(1.03e3 * r for r in (-result.half_width, result.half_width)))
     return figure
 
 
@@ -185,7 +188,7 @@ def _draw_zones(axes: Axes, r: Nip) -> None:
         Patch(facecolor=colour, hatch=hatch, edgecolor="#666666", label=_WORDS[zone])
         for zone, (colour, hatch) in _ZONES.items()
     ]
-    _legend_above(axes, (patches, list(_WORDS[zone] for zone in _ZONES)))
+    _legend_above(axes, (patches, [_WORDS[zone] for zone in _ZONES]))
 
 
 def _legend_above(axes: Axes, entries: tuple[list[Any], list[Any]]) -> None:

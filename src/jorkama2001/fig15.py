@@ -17,13 +17,15 @@ HEAVY_LOAD = 11000.0  # the heaviest of Fig. 16 [N/m]
 SHORT = 0.01  # of the nip width: a zone of a node or two
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve the base case; return Fig. 15."""
-    result = solved(paper_nip(), scheme, FINE)
-    heavy = solved(paper_nip(nip_load=HEAVY_LOAD), scheme, FINE)
+    result = solved(paper_nip(), solver, FINE)
+    heavy = solved(paper_nip(nip_load=HEAVY_LOAD), solver, FINE)
     title = "Tractions, slips and web tension in the nip, hard drum"
     verdicts = [*_pattern(result, heavy), *_tension(result)]
-    return [Exhibit("fig15", title, along_nip(result), verdicts, lambda: drawing.nip_figure(result))]
+    return [
+        Exhibit("fig15", title, along_nip(result), verdicts, lambda: drawing.nip_figure(result))
+    ]
 
 
 def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:

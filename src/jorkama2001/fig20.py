@@ -25,15 +25,15 @@ FRICTIONS = (0.3, 0.5)
 NIP_LOAD = 4897.0
 PRINTED = (206.0, 125.0)  # NIT of panels (a) and (b) in the text [N/m]
 UNTOLD = (
-    "the text gives neither P nor F, and two numbers fix two loads: the accurate scheme has 206 "
+    "the text gives neither P nor F, and two numbers fix two loads: the accurate solver has 206 "
     "and 126 N/m at P = 7500, F = 0, the thesis's 212 and 122 N/m at P = 9000, F = 100 N/m"
 )
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve both frictions; return Fig. 20."""
     base = paper_nip(nip_load=NIP_LOAD, web_tension=0.0)  # T is then what the nip has added so far
-    nips = {mu: solved(base.replace(roll_friction=mu), scheme, FINE) for mu in FRICTIONS}
+    nips = {mu: solved(base.replace(roll_friction=mu), solver, FINE) for mu in FRICTIONS}
     data = joined("roll_friction [1]", {mu: along_nip(r) for mu, r in nips.items()})
     title = "Slips and tension for mu+ below and above mu-"
     below, above = nips.values()

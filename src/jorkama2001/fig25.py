@@ -21,14 +21,14 @@ __all__ = ["exhibits"]
 FALL_LOAD = 3000.0  # where the web tension falls by what the text says [N/m]
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve the soft-covered drum, and the hard one to compare with; return Fig. 25."""
     # without T_in, T is what the nip has added so far, as the thesis shows it
     soft, heavier = (
-        solved(covered_nip(10e6, 0.1, nip_load=P, web_tension=0.0), scheme, FINE)
+        solved(covered_nip(10e6, 0.1, nip_load=P, web_tension=0.0), solver, FINE)
         for P in (1900.0, FALL_LOAD)
     )
-    hard = solved(paper_nip(), scheme, FINE)
+    hard = solved(paper_nip(), solver, FINE)
     title = "Tractions, slips and web tension in the nip, soft drum cover"
     verdicts = [
         *_tractions(hard, soft), *_pattern(soft), *_edges(soft, heavier), *_tension(soft, heavier),

@@ -17,9 +17,9 @@ __all__ = ["exhibits"]
 CROSS = (40e6, 1e6)
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve A_tt = 7 GPa, A_rr = 20 MPa, G = 100 MPa with both A_rt; return Fig. 30."""
-    nips = {rt: solved(_problem(rt), scheme, FINE) for rt in CROSS}
+    nips = {rt: solved(_problem(rt), solver, FINE) for rt in CROSS}
     data = joined("cross [Pa]", {rt: along_nip(r) for rt, r in nips.items()})
     panels = [(data, "tension_increase", "")]
     draw = lambda: drawing.sheet(panels, "x", "cross", legend=2)  # noqa: E731

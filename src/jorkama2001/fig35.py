@@ -44,9 +44,9 @@ class _Nip(NamedTuple):
         return self.data.isel(point=self.data["angle"].values > 0)
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve P = 10 kN/m with mu+ = 0.7 and 0.2, alone and wrapped; return Fig. 35."""
-    nips = [_nip(mu, scheme) for mu in FRICTIONS]
+    nips = [_nip(mu, solver) for mu in FRICTIONS]
     data = joined("roll_friction [1]", dict(zip(FRICTIONS, (n.data for n in nips), strict=True)))
     title = "Strain of the roll's surface about the nip, and growth rates behind it"
     verdicts = [*_of_the_nip_alone(nips), *_of_the_wrap(nips)]
@@ -54,9 +54,9 @@ def exhibits(scheme: str) -> list[Exhibit]:
 
 
 @cache
-def _nip(mu: float, scheme: str) -> _Nip:
+def _nip(mu: float, solver: str) -> _Nip:
     problem = paper_nip(nip_load=LOAD, roll_friction=mu)
-    alone = solved(problem, scheme, FINE)
+    alone = solved(problem, solver, FINE)
     R, a = problem.roll.radius, alone.half_width
     behind = np.radians(np.geomspace(2e-3, FARTHEST, 120))  # from the trailing edge
     strain = _roll_strain(alone, a + R * behind)

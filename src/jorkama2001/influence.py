@@ -20,20 +20,22 @@ Li_s(e^it) = sum e^int/n^s, so that about a thousand terms of the remainder give
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from math import ceil, factorial, log, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import bernoulli, zeta
 
 import woundon as wo
 
-__all__ = ["Coefficients", "coefficients", "half_plane_constants", "surface_strain"]
+__all__ = [
+    "Coefficients", "coefficients", "edge_strain", "half_plane_constants", "surface_strain",
+]  # fmt: skip
 
 Array = np.ndarray
-Body = wo.Rigid | wo.HalfPlane | wo.Cylinder
+Stiffness = Sequence[Any]  # A_rr, A_tt, A_rt, G: ``stiffness`` of a material [Pa]
 
 POWERS = 4  # of 1/n that are summed in closed form: the remainder decays as 1/n^5
 LEAST_TERMS = 1024  # of the remainder: it is below 1e-11 of the sums for the thesis's papers
@@ -57,27 +59,24 @@ class Coefficients(NamedTuple):
     D: Array
 
 
-def coefficients(body: Body, M: int, a: float) -> Coefficients:
+def coefficients(body: wo.Body, M: int, a: float) -> Coefficients:
     """Return the influence coefficients of a body on M nodes over [-a, a].
 
     Raises
     ------
     InvalidProblem
-        If the body is not rigid, a half-plane or a cylinder of one elastic material.
+        If the body is not rigid, a half-plane or a cylinder.
     """
     dx, k = 2 * a / (M - 1), np.subtract.outer(np.arange(M), np.arange(1, M - 1))  # k = l - m
-    if type(body) is wo.Rigid:
+    if isinstance(body, wo.Rigid):
         zeros = np.zeros(k.shape)
         return Coefficients(zeros, zeros, zeros[1:], zeros[1:])
-    if type(body) is wo.HalfPlane:
+    if isinstance(body, wo.HalfPlane):
         v_p, v_q, u_p, u_q = _half_plane(body, M, dx)
         curvature = 0.0  # (109) has no term v/R
-    elif type(body) is wo.Cylinder:
-        v_p, v_q, u_p, u_q = _cylinder(body, M, dx)
-        curvature = 1 / body.radius
     else:
-        text = f"{type(body).__name__} is not possible; must be Rigid, HalfPlane or Cylinder"
-        raise wo.InvalidProblem([("roll, drum", text)])
+        v_p, v_q, u_p, u_q = _cylinder(_cylindrical(body), M, dx)
+        curvature = 1 / body.radius
     distance, side = np.abs(k), np.sign(k)
     A, B = v_p[distance], side * v_q[distance]
     C = np.diff(side * u_p[distance], axis=0) / dx + curvature * A[1:]  # (111), (116)
@@ -85,12 +84,19 @@ def coefficients(body: Body, M: int, a: float) -> Coefficients:
     return Coefficients(A, B, C, D)
 
 
+def _cylindrical(body: wo.Body) -> wo.Cylinder:
+    if isinstance(body, wo.Cylinder):
+        return body
+    text = f"{type(body).__name__} is not possible; must be Rigid, HalfPlane or Cylinder"
+    raise wo.InvalidProblem([("roll, drum", text)])
+
+
 # ---- half-plane, section 2.1 --------------------------------------------------------------------
 
 
-def half_plane_constants(material: wo.Orthotropic | wo.Isotropic) -> tuple[float, float, float]:
+def half_plane_constants(stiffness: Stiffness) -> tuple[float, float, float]:
     """Return A, B, C of the half-plane [1/Pa] (30), derived again; y is normal to the surface."""
-    A_yy, A_xx, A_xy, G, *_ = material.stiffness
+    A_yy, A_xx, A_xy, G, *_ = stiffness
     s, det = sqrt(A_xx * A_yy), A_xx * A_yy - A_xy**2
     root = sqrt((s - A_xy) * (s + A_xy + 2 * G))
     return 1 / (s + A_xy), sqrt(A_yy / G) * root / det, sqrt(A_xx / G) * root / det
@@ -98,7 +104,7 @@ def half_plane_constants(material: wo.Orthotropic | wo.Isotropic) -> tuple[float
 
 def _half_plane(body: wo.HalfPlane, M: int, dx: float) -> tuple[Array, ...]:
     """Return A, B, Cbar, Dbar by distance l - m = 0 ... M-1 (111)."""
-    A, B, C = half_plane_constants(body.material)
+    A, B, C = half_plane_constants(body.material.stiffness)
     k = np.arange(-1.0, M + 1)
     square = k**2 * np.log(np.abs(k) * dx, where=k != 0, out=np.zeros(k.size))
     v_p = C * dx / (2 * pi) * (-3 + square[:-2] - 2 * square[1:-1] + square[2:])
@@ -124,8 +130,8 @@ class _Series(NamedTuple):
 @lru_cache(maxsize=64)
 def _series(body: wo.Cylinder) -> _Series:
     """Return the sequences, their asymptotic powers fitted at n = N, N/2, N/4 (but for y_1)."""
-    R, (A, B, C) = body.radius, half_plane_constants(body.material)
-    slowest = _exponents(np.array([1e6]), body.material)[:, 2].real.item() / 1e6
+    R, (A, B, C) = body.radius, half_plane_constants(body.material.stiffness)
+    slowest = _exponents(np.array([1e6]), body.material.stiffness)[:, 2].real.item() / 1e6
     N = max(LEAST_TERMS, ceil(4 * DEAD / (slowest * log(R / body.core_radius))))
     gamma_0, sequences = _sequences(body, N)
     n = np.arange(1.0, N + 1)
@@ -138,9 +144,9 @@ def _series(body: wo.Cylinder) -> _Series:
     return _Series(gamma_0, powers, rest)
 
 
-def _exponents(n: Array, material: wo.Orthotropic | wo.Isotropic) -> Array:
+def _exponents(n: Array, stiffness: Stiffness) -> Array:
     """Return lambda_n1 ... lambda_n4 for n >= 2 (44), (45)."""
-    A_rr, A_tt, A_rt, G, *_ = material.stiffness
+    A_rr, A_tt, A_rt, G, *_ = stiffness
     mu = A_tt * G - A_rt * (A_rt + 2 * G) * n**2 + A_rr * (G + A_tt * n**2)
     kappa = 4 * A_rr * A_tt * G**2 * (n**2 - 1) ** 2
     first = np.sqrt((mu + np.sqrt(mu**2 - kappa + 0j)) / (2 * A_rr * G))
@@ -157,7 +163,7 @@ def _sequences(body: wo.Cylinder, N: int) -> tuple[float, Array]:
     A_rr, A_tt, A_rt, G, *_ = body.material.stiffness
     n = np.arange(1.0, N + 1)[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):  # lambda_13 = 0, replaced below
-        exponent = _exponents(n[:, 0], body.material)
+        exponent = _exponents(n[:, 0], body.material.stiffness)
     mu_1 = A_tt * G - A_rt * (A_rt + 2 * G) + A_rr * (G + A_tt)
     exponent[0] = sqrt(mu_1 / (A_rr * G)) * np.array([1, -1, 0, 0])  # (44)
     grows = exponent.real > 0
@@ -192,23 +198,62 @@ def _sequences(body: wo.Cylinder, N: int) -> tuple[float, Array]:
 def _cylinder(body: wo.Cylinder, M: int, dx: float) -> tuple[Array, ...]:
     """Return A, B, Cbar, Dbar by distance l - m = 0 ... M-1 (116); Dbar up to a constant."""
     series, delta = _series(body), dx / body.radius
-    n, t = np.arange(1.0, series.rest.shape[1] + 1), delta * np.arange(-1.0, M + 1)
-    hat = 4 * np.sin(n * delta / 2) ** 2 / (pi * n**2 * delta)  # of (115)
-    sums = []
-    for powers, rest in zip(series.powers, series.rest, strict=True):
-        # sum_n hat n^-s cos, sin(nt) is a second difference of Li_(s+2); what is constant or
-        # linear in t drops out of it
-        closed = polylogarithms({s + 3: y for s, y in enumerate(powers)}, t, start=2)
-        sums.append(_fourier(rest * hat, t[1:-1]) - np.diff(closed, 2) / (pi * delta))
-    gamma_1, coupling, chi_2 = sums
+    gamma_1, coupling, chi_2 = (
+        _hat_sum(dict(enumerate(powers, 1)), rest, delta, M)
+        for powers, rest in zip(series.powers, series.rest, strict=True)
+    )
     mean = delta / (2 * pi) * series.gamma_0  # alpha_0 gamma_0
     return -mean - gamma_1.real, coupling.imag, coupling.imag, chi_2.real
+
+
+def _hat_sum(powers: Mapping[int, float], rest: Array, delta: float, M: int) -> Array:
+    """Return sum_n w_n h_n e^(i n k delta), k = 0 ... M-1, h_n of the hats (115).
+
+    w_n is the sum of powers[s]/n^s, plus rest[n].
+    """
+    n, t = np.arange(1.0, rest.size + 1), delta * np.arange(-1.0, M + 1)
+    hat = 4 * np.sin(n * delta / 2) ** 2 / (pi * n**2 * delta)
+    # h_n e^int is a second difference of e^int/n^2; what is constant or linear in t drops out
+    closed = polylogarithms({s + 2: y for s, y in powers.items()}, t, start=2)
+    return np.asarray(_fourier(rest * hat, t[1:-1]) - np.diff(closed, 2) / (pi * delta))
+
+
+def edge_strain(body: wo.Body, M: int, a: float) -> tuple[Array, Array]:
+    """Return the coefficients of the strain at x_M = a itself, by p and q, (M - 2,) each [1/Pa].
+
+    The thesis takes the strain of the last cell instead, which is what makes it converge slowly.
+    """
+    dx = 2 * a / (M - 1)
+    if isinstance(body, wo.Rigid):
+        return np.zeros(M - 2), np.zeros(M - 2)
+    if isinstance(body, wo.HalfPlane):
+        _, B, _ = half_plane_constants(body.material.stiffness)
+        by_q = -B / pi * np.diff(_xlogx(dx * np.arange(0.0, M)), 2) / dx
+        return np.zeros(M - 2), by_q[::-1]
+    series, delta = _series(_cylindrical(body)), dx / body.radius
+    (by_p, rest_p), (by_q, rest_q) = _strain_sequences(series)
+    mean = delta / (2 * pi) * series.gamma_0
+    p = _hat_sum(dict(enumerate(by_p)), rest_p, delta, M).real - mean
+    q = _hat_sum(dict(enumerate(by_q)), rest_q, delta, M).imag
+    return p[-2:0:-1] / body.radius, q[-2:0:-1] / body.radius
+
+
+def _strain_sequences(series: _Series) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Return n chi_1 - gamma_1 and gamma_2 - n chi_2: their powers 0 ... 4 of 1/n, and the rests.
+
+    They are those of the strain (u_r + du_theta/dtheta)/R (59), by p and by q.
+    """
+    (g, c, h), (gamma_1, coupling, chi_2) = series.powers, series.rest
+    n = np.arange(1.0, gamma_1.size + 1)
+    by_p = np.append(c, 0.0) - np.append(0.0, g), n * coupling - gamma_1
+    by_q = np.append(0.0, c) - np.append(h, 0.0), coupling - n * chi_2
+    return by_p, by_q
 
 
 # ---- the strain anywhere on the surface ----------------------------------------------------------
 
 
-def surface_strain(body: Body, x: Array, p: Array, q: Array, points: Array) -> Array:
+def surface_strain(body: wo.Body, x: Array, p: Array, q: Array, points: Array) -> Array:
     """Return the tangential strain of a body's surface, inside and outside the contact.
 
     The strain is exact for tractions that are linear between any nodes: no differences are taken.
@@ -229,24 +274,22 @@ def surface_strain(body: Body, x: Array, p: Array, q: Array, points: Array) -> A
 
     Notes
     -----
-    (32) differentiated for a half-plane; (59) with eps = (u_r + du_theta/dtheta)/R for a cylinder.
+    (32) differentiated for a half-plane, (59) for a cylinder.
     """
     if isinstance(body, wo.Rigid):
         return np.zeros(np.shape(points))
     if isinstance(body, wo.HalfPlane):
-        A, B, _ = half_plane_constants(body.material)
+        A, B, _ = half_plane_constants(body.material.stiffness)
         by_q = _integral(x, q, points, lambda t: np.log(np.abs(t)), _xlogx)
         inside = np.interp(points, x, p, left=0.0, right=0.0)
         return np.asarray(-A * inside - B / pi * by_q)
-    R, series = body.radius, _series(body)
-    (g, c, h), n = series.powers, np.arange(1.0, series.rest.shape[1] + 1)
+    R, series = body.radius, _series(_cylindrical(body))
     theta, at = x / R, points / R
-    # n chi_1 - gamma_1 and gamma_2 - n chi_2, of 1, 1/n, ..., and their remainders
-    by_p = np.append(c, 0.0) - np.append(0.0, g), n * series.rest[1] - series.rest[0]
-    by_q = np.append(0.0, c) - np.append(h, 0.0), series.rest[1] - n * series.rest[2]
-    mean = np.trapezoid(p, theta) * series.gamma_0 / 2
-    strain = (_convolved(theta, p, at, *by_p).real - mean) + _convolved(theta, q, at, *by_q).imag
-    return np.asarray(strain / (pi * R))
+    strain_p, strain_q = _strain_sequences(series)
+    by_p = _convolved(theta, p, at, *strain_p).real
+    by_q = _convolved(theta, q, at, *strain_q).imag
+    mean = float(np.trapezoid(p, theta)) * series.gamma_0 / 2
+    return np.asarray((by_p + by_q - mean) / (pi * R))
 
 
 def _convolved(theta: Array, f: Array, at: Array, powers: Array, rest: Array) -> Array:
@@ -269,7 +312,10 @@ def _convolved(theta: Array, f: Array, at: Array, powers: Array, rest: Array) ->
     return np.asarray(closed + _fourier(rest * spectrum, at))
 
 
-def _integral(x: Array, f: Array, points: Array, first: object, second: object) -> Array:
+def _integral(
+    x: Array, f: Array, points: Array,
+    first: Callable[[Array], Array], second: Callable[[Array], Array],
+) -> Array:  # fmt: skip
     """Return int f(s) k(t - s) ds at points t by parts, f linear between nodes x.
 
     ``first`` and ``second`` are antiderivatives of k; values of theirs may have further axes.
@@ -298,7 +344,8 @@ def polylogarithms(weights: Mapping[int, float], t: Array, start: int = 0) -> Ar
     Li_s(e^it) = sum_(k != s-1) zeta(s-k) (it)^k/k!
                + (it)^(s-1)/(s-1)! [1 + 1/2 + ... + 1/(s-1) - ln(-it)],  t > 0;  t = 0 for s >= 2.
     """
-    count = 64  # (|t|/2 pi)^64 is 5e-20 at half a turn
+    # until (|t|/2 pi)^k is 1e-19: 64 terms at half a turn, a dozen within a nip
+    count = max(8 + max(weights), ceil(44 / log(2 * pi / min(np.abs(t).max(), 6.0))))
     regular, singular = np.zeros(count), np.zeros(max(weights) + 1)
     for s, weight in weights.items():
         regular += weight * _expansion(s, count)
@@ -316,9 +363,9 @@ def _expansion(s: int, count: int) -> Array:
     """Return the coefficients of (it)^k in Li_s(e^it), but for the logarithm's."""
     B = bernoulli(count)
     B[1] = 0.5  # zeta(-m) = -B_(m+1)/(m+1), and zeta(0) = -1/2
-    regular = np.array([
-        zeta(s - k) if k < s - 1 else -B[max(k - s + 1, 0)] / max(k - s + 1, 1) for k in range(count)
-    ])  # fmt: skip
+    order = s - np.arange(count)
+    at_negative = -B[np.maximum(1 - order, 0)] / np.maximum(1 - order, 1)
+    regular = np.where(order > 1, zeta(np.maximum(order, 2.0)), at_negative)
     regular[s - 1] = sum(1 / j for j in range(1, s))
     return regular / np.array([float(factorial(k)) for k in range(count)])
 

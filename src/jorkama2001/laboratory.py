@@ -85,13 +85,13 @@ def _is_fitted(points: pd.DataFrame) -> pd.Series:
     return (points["nip_load"] == P) & (points["web_tension"] == T_in)
 
 
-def theory(thickness: float, scheme: str = "graded") -> Theory:
+def theory(thickness: float, solver: str = "accurate") -> Theory:
     """Compute the theory for a web thickness [m], with the moduli of Table 2."""
-    return _theory(newsprint_nip(**{"web.thickness": thickness}), scheme)
+    return _theory(newsprint_nip(**{"web.thickness": thickness}), solver)
 
 
-def _theory(problem: wo.NipProblem, scheme: str, fit: wo.FitResult | None = None) -> Theory:
-    tension = swept(problem, {"nip_load": NIP_LOADS}, scheme, ["rig_tension"])["rig_tension"]
+def _theory(problem: wo.NipProblem, solver: str, fit: wo.FitResult | None = None) -> Theory:
+    tension = swept(problem, {"nip_load": NIP_LOADS}, solver, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
     fitted = {}
     if fit is not None:
@@ -120,27 +120,27 @@ def _fit(
     )  # fmt: skip
 
 
-def _fitted_to_one(modulus: str, thickness: float, scheme: str) -> Theory:
+def _fitted_to_one(modulus: str, thickness: float, solver: str) -> Theory:
     """Fit one modulus to the thesis's point."""
     points = measured_tensions()
     point = points[_is_fitted(points)]
-    if scheme == "graded":
+    if solver == "accurate":
         fit = _fit({modulus: _ALONE[modulus]}, point, thickness, NODES)
-        return _theory(fit.problem, scheme, fit)
-    nip = newsprint_nip(**{"web.thickness": thickness})
-    measured = point["measured"].item()
-    start = log(getattr(nip.roll.material, modulus))
+        return _theory(fit.problem, solver, fit)
+    nip, measured = newsprint_nip(**{"web.thickness": thickness}), point["measured"].item()
+    paper = wo.material("newsprint")
+    start = log(getattr(paper, modulus))
 
     def miss(logarithm: float) -> float:
         over = {modulus: [exp(logarithm)]}
-        return swept(nip, over, scheme, ["rig_tension"])["rig_tension"].item() - measured
+        return swept(nip, over, solver, ["rig_tension"])["rig_tension"].item() - measured
 
     found = root_scalar(miss, x0=start, x1=start + 0.05, xtol=1e-7)
     if not found.converged:
         raise wo.NotConverged(f"{modulus} fitted to one point: {found.flag}")
     value = exp(found.root)
-    paper = nip.roll.material.replace(**{modulus: value})
-    theory = _theory(nip.replace(**{"roll.material": paper, "web.material": paper}), scheme)
+    paper = paper.replace(**{modulus: value})
+    theory = _theory(nip.replace(**{"roll.material": paper, "web.material": paper}), solver)
     return replace(theory, fitted={modulus: value})
 
 
@@ -148,20 +148,20 @@ def _fitted_to_one(modulus: str, thickness: float, scheme: str) -> Theory:
 def _fitted_to_all(thickness: float) -> Theory:
     """Fit both moduli to all fifteen points; accurately, for the thesis made no such fit."""
     fit = _fit(_BOTH, measured_tensions(), thickness, SEARCH_NODES)
-    return _theory(fit.problem, "graded", fit)
+    return _theory(fit.problem, "accurate", fit)
 
 
 @cache
-def theories(scheme: str) -> tuple[Theory, ...]:
+def theories(solver: str) -> tuple[Theory, ...]:
     """Return the theory for both thicknesses: as printed; one modulus fitted; both fitted.
 
     In this order: two with the thesis's moduli, G and A_rr alone fitted to the one point at either
-    thickness, both fitted to all points at either thickness, accurately by either scheme.
+    thickness, both fitted to all points at either thickness, always accurately.
     """
     return (
-        *(theory(thickness, scheme) for thickness in THICKNESSES),
+        *(theory(thickness, solver) for thickness in THICKNESSES),
         *(
-            _fitted_to_one(modulus, thickness, scheme)
+            _fitted_to_one(modulus, thickness, solver)
             for thickness in THICKNESSES
             for modulus in _ALONE
         ),

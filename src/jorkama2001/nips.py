@@ -72,10 +72,10 @@ def _dual(
 
 
 # the thesis's slip ratios, over the nip width, as outputs of every study
+_RATIOS = {"leading_roll_slip": _leading, "trailing_roll_slip": _trailing, "dual_slip": _dual}
 for _kind in (wo.NipResult, ProcedureResult):
-    _kind.leading_roll_slip = property(_leading)  # type: ignore[attr-defined]
-    _kind.trailing_roll_slip = property(_trailing)  # type: ignore[attr-defined]
-    _kind.dual_slip = property(_dual)  # type: ignore[attr-defined]
+    for _name, _ratio in _RATIOS.items():
+        setattr(_kind, _name, property(_ratio))
 
 OUTPUTS = (
     "nip_induced_tension", "nip_width", "approach", "leading_roll_slip", "trailing_roll_slip",
@@ -92,12 +92,12 @@ def quiet() -> Iterator[None]:
         yield
 
 
-def solved(problem: wo.Problem, scheme: str = "graded", nodes: int = NODES) -> Any:
+def solved(problem: wo.Problem, solver: str = "accurate", nodes: int = NODES) -> Any:
     """Solve a nip accurately with so many nodes, or by the procedure of the thesis with M = 200.
 
     A wrapped nip, ``problem.wrapped()``, is solved accurately only.
     """
-    if scheme == "thesis":
+    if solver == "thesis":
         assert isinstance(problem, wo.NipProblem)
         return procedure.solve(problem, THESIS_NODES)
     with quiet():
@@ -107,7 +107,7 @@ def solved(problem: wo.Problem, scheme: str = "graded", nodes: int = NODES) -> A
 def swept(
     problem: wo.Problem,
     over: Mapping[str, Any],
-    scheme: str = "graded",
+    solver: str = "accurate",
     outputs: Sequence[str] = OUTPUTS,
     nodes: int = NODES,
 ) -> xr.Dataset:
@@ -118,19 +118,19 @@ def swept(
     problem : NipProblem or WrappedNipProblem
     over : mapping
         Parameter -> values; a dimension each.  Moduli are those of roll and web.
-    scheme : {"graded", "thesis"}
+    solver : {"accurate", "thesis"}
         Accurate, or by the procedure of the thesis; a wrapped nip is solved by the first only.
     outputs : sequence of str
         Of ``woundon.sweep``, the thesis's slip ratios among them.
     nodes : int
-        Of the accurate scheme.
+        Of the accurate solver.
 
     Raises
     ------
     NotConverged
         If a nip cannot be solved.
     """
-    if scheme == "thesis":
+    if solver == "thesis":
         return _swept_by_procedure(problem, over, outputs)
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
     with quiet():
@@ -155,8 +155,8 @@ def _swept_by_procedure(
         one = problem.replace(**dict(changes))
         one = one.replace(**{own: _nested(one, other) for own, other in ONE_PAPER.items()})
         nip = procedure.solve(one, THESIS_NODES)
-        values = (getattr(nip, name) for name in outputs)
-        found.append([value() if callable(value) else value for value in values])
+        told = (getattr(nip, name) for name in outputs)
+        found.append([value() if callable(value) else value for value in told])
     columns = np.reshape(found, (*shape, len(outputs)))
     return xr.Dataset(
         {

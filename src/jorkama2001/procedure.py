@@ -35,7 +35,13 @@ from scipy.linalg import lu_factor, lu_solve
 
 import woundon as wo
 
-from .influence import Coefficients, coefficients, half_plane_constants, surface_strain
+from .influence import (
+    Coefficients,
+    coefficients,
+    edge_strain,
+    half_plane_constants,
+    surface_strain,
+)  # fmt: skip
 
 __all__ = ["ProcedureResult", "solve"]
 
@@ -97,6 +103,11 @@ class ProcedureResult:
     web_tension: Array
     iterations: int
 
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
     @property
     def nodes(self) -> int:
         """M."""
@@ -136,6 +147,7 @@ def solve(
     nodes: int = 200,
     *,
     web_tension: Literal["lumped", "printed"] = "lumped",
+    exact_edge: bool = False,
     cold: bool = False,
     load_tolerance: float = LOAD_TOLERANCE,
 ) -> ProcedureResult:
@@ -151,6 +163,9 @@ def solve(
         Tension in a cell of the web: without the traction of the node that ends it, or by (121).
         With (121) the stick equations of neighbouring nodes differ by q_l + 4 q_(l-1) + q_(l-2),
         whose root -3.73 makes the tractions oscillate upstream of the slip zone.
+    exact_edge : bool
+        Whether the wound-on condition takes the strain of the roll at x = a itself, instead of that
+        of the last cell (130); NIT then converges as 1/M.
     cold : bool
         Whether the process begins with stick everywhere, as Step 2 has it.  By default it begins
         with the zones of a solution on half as many nodes: with a rigid drum the zone boundary
@@ -176,14 +191,16 @@ def solve(
     P, a = problem.nip_load, _hertz_half_width(problem)
     zones, systems = np.zeros(2 * (nodes - 2), dtype=int), 0
     if not cold and nodes >= 2 * COARSEST:
-        coarse = solve(problem, nodes // 2, web_tension=web_tension, load_tolerance=1e-3)
+        coarse = solve(
+            problem, nodes // 2, web_tension=web_tension, exact_edge=exact_edge, load_tolerance=1e-3
+        )
         a, systems = coarse.half_width, coarse.iterations
         nearest = np.rint(np.linspace(0, coarse.nodes - 1, nodes)[1:-1]).astype(int)
         zones = np.concatenate([coarse.roll_zone[nearest], coarse.drum_zone[nearest]])
     # secant method on ln P against ln a, which are nearly proportional, by 2 for half-planes
     power, last = 2.0, None
     for _ in range(40):
-        nip = _Nip(problem, nodes, a, web_tension)
+        nip = _Nip(problem, nodes, a, web_tension, exact_edge)
         state = _panagiotopoulos(nip, zones)
         # the next half width is close: its zones are, too, and Step 2 would start far from them
         zones, systems = state.zones, systems + nip.systems
@@ -199,8 +216,13 @@ def solve(
 
 
 def _check(problem: wo.NipProblem, nodes: int, web_tension: str, load_tolerance: float) -> None:
-    if not problem.linear:
-        raise wo.InvalidProblem([("problem", "a body or the web is nonlinear; must be linear")])
+    for name in ("roll", "drum"):
+        body = getattr(problem, name)
+        if type(body) not in (wo.Rigid, wo.HalfPlane, wo.Cylinder) or body.viscoelastic:
+            text = f"{body!r} is not possible; must be Rigid, or an elastic HalfPlane or Cylinder"
+            raise wo.InvalidProblem([(name, text)])
+    if not problem.web.linear:
+        raise wo.InvalidProblem([("web.material", "the web hardens; its moduli must be constant")])
     if problem.roll.rigid and problem.drum.rigid:
         raise wo.InvalidProblem([("drum", "roll and drum are rigid; one must be elastic")])
     if isinstance(nodes, bool) or not isinstance(nodes, int) or nodes < 8:
@@ -216,8 +238,10 @@ def _check(problem: wo.NipProblem, nodes: int, web_tension: str, load_tolerance:
 def _hertz_half_width(problem: wo.NipProblem) -> float:
     """Return the half width of the contact of half-planes without friction (101)-(103)."""
     curvature = 1 / problem.roll.radius + 1 / problem.drum.radius
-    bodies = (body for body in problem.bodies if not body.rigid)
-    compliance = sum(half_plane_constants(body.material)[2] / 2 for body in bodies)  # 1/E*
+    compliance = 0.0  # 1/E*
+    for body in problem.bodies:
+        if isinstance(body, wo.HalfPlane | wo.Cylinder):
+            compliance += half_plane_constants(body.material.stiffness)[2] / 2  # 1/E_i = C_i/2
     return 2 * sqrt(problem.nip_load * compliance / (pi * curvature))
 
 
@@ -247,14 +271,17 @@ class _State(NamedTuple):
 class _Nip:
     """The discretized equations for a given half width a, of n = M - 2 interior nodes."""
 
-    def __init__(self, problem: wo.NipProblem, M: int, a: float, web_tension: str) -> None:
+    def __init__(
+        self, problem: wo.NipProblem, M: int, a: float, web_tension: str, exact_edge: bool
+    ) -> None:
         self.problem, self.a, self.n, self.systems = problem, a, M - 2, 0
         self.x, self.dx = np.linspace(-a, a, M), 2 * a / (M - 1)
         self.curvature = 1 / problem.roll.radius + 1 / problem.drum.radius  # 1/R*
         self.friction = np.repeat([problem.roll_friction, problem.drum_friction], self.n)
         roll, drum = (coefficients(body, M, a) for body in problem.bodies)
         self._normal(roll, drum)
-        self._tangential(roll, drum, web_tension)
+        edge = edge_strain(problem.roll, M, a) if exact_edge else (roll.C[-1], roll.D[-1])
+        self._tangential(roll, drum, edge, web_tension)
 
     def _normal(self, roll: Coefficients, drum: Coefficients) -> None:
         """Assemble the normal problem (126)."""
@@ -267,9 +294,11 @@ class _Nip:
         B = c12 * self.dx * upstream
         self.by_q = np.hstack([B + roll.B, B + drum.B])
         self.gap = self.curvature * x**2 / 2 - c12 * self.problem.web_tension
-        self.normal_factors = lu_factor(matrix)
+        self.normal_factors = lu_factor(matrix, check_finite=False)
 
-    def _tangential(self, roll: Coefficients, drum: Coefficients, web_tension: str) -> None:
+    def _tangential(
+        self, roll: Coefficients, drum: Coefficients, edge: tuple[Array, Array], web_tension: str
+    ) -> None:
         """Assemble v = K (q+, q-, T_out, xi-) + K_p p + v_0 of both faces (131), (133).
 
         Those of the cells that end at the nodes 2 ... M-1 are the slips of these nodes.  The last
@@ -285,12 +314,12 @@ class _Nip:
         C_web = -c12 / 2 * (own + before)  # C+- of (121)
         A_t, self.h = self.problem.web.material.stiffness[1], self.problem.web.thickness / 2
         K = np.zeros((2, n + 1, 2 * n + 2))
-        K[0, :, :n] = D_web - roll.D + roll.D[-1]
+        K[0, :, :n] = D_web - roll.D + edge[1]
         K[0, :, n:-2] = K[1, :, :n] = D_web
         K[1, :, n:-2] = D_web - drum.D
         K[0, :, -2] = -D * self.h
         K[1, :, -1] = 1 / A_t
-        K_p = np.stack([C_web - roll.C + roll.C[-1], C_web - drum.C])
+        K_p = np.stack([C_web - roll.C + edge[0], C_web - drum.C])
         self.K, self.K_p = A_t * K[:, :-1].reshape(2 * n, -1), K_p[:, :-1].reshape(2 * n, -1)
         self.last_K, self.last_K_p = A_t * K[:, -1], K_p[:, -1]
         self.A_t, self.v_0 = A_t, D * self.problem.web_tension
@@ -301,7 +330,7 @@ class _Nip:
 
     def pressure(self, q: Array) -> tuple[Array, float, float]:
         """Solve the normal problem for given tractions: p, delta, Delta."""
-        solution = lu_solve(self.normal_factors, self.gap - self.by_q @ q)
+        solution = lu_solve(self.normal_factors, self.gap - self.by_q @ q, check_finite=False)
         return solution[:-2], float(solution[-2]), float(solution[-1])
 
     def tractions(self, zones: Array, p: Array) -> _State:
@@ -321,9 +350,9 @@ class _Nip:
         key = zones.tobytes()
         if key not in self.factors:
             rows = np.vstack([self.K[stick], self.equilibrium])
-            self.factors[key] = lu_factor(rows[:, unknown])
+            self.factors[key] = lu_factor(rows[:, unknown], check_finite=False)
             self.systems += 1
-        z[unknown] = lu_solve(self.factors[key], right)
+        z[unknown] = lu_solve(self.factors[key], right, check_finite=False)
         v = self.K @ z + given
         v[stick] = 0.0
         T_out = float(z[-2] * self.h * self.A_t)
@@ -334,7 +363,7 @@ class _Nip:
 
 
 def _panagiotopoulos(nip: _Nip, zones: Array) -> _State:
-    """Solve normal and tangential problem in turn, from given zones; Step 2 has stick everywhere."""
+    """Solve normal and tangential problem in turn, from given zones (Step 2: stick everywhere)."""
     q = np.zeros(2 * nip.n)  # Step 0
     for _ in range(200):
         p, delta, shift = nip.pressure(q)  # Step 1

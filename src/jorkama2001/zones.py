@@ -7,7 +7,7 @@ and C to the trailing edge.  A face that slips all over counts as its trailing z
 s_d is that of the slip at the drum, because at the roll the web is always the faster one there.
 
 The thesis took the nodes for the points, which makes its curves jagged; so do results of its
-procedure here.  In other results the slip is extrapolated to zero, so that the lengths vary smoothly.
+procedure here.  In other results the slip is extrapolated to zero, and the lengths vary smoothly.
 """
 
 from __future__ import annotations
