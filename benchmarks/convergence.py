@@ -24,10 +24,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from published import solve_as_published
 from speed import COVERED, Baseline
 
 import woundon as wo
+from jorkama2001 import procedure
 from jorkama2001.cases import paper_nip
 
 warnings.simplefilter("ignore", wo.ValidityWarning)
@@ -95,14 +95,15 @@ def fitted(problem: wo.NipProblem, known: float, baseline: Baseline) -> list[Poi
 
 
 def published(problem: wo.NipProblem, known: float, baseline: Baseline) -> list[Point]:
-    """Return what the published procedure gives, where its iteration ends."""
+    """Return the errors of the procedure of the thesis."""
     points = []
     for nodes in PUBLISHED:
-        try:
-            error = abs(solve_as_published(problem, nodes)[0] / known - 1)
-        except wo.NotConverged:
-            continue
-        spent = baseline.ratio(lambda: solve_as_published(problem, nodes), 1)  # noqa: B023
+
+        def published() -> procedure.ProcedureResult:
+            return procedure.solve(problem, nodes, cold=True, load_tolerance=1e-6)  # noqa: B023
+
+        error = abs(published().nip_induced_tension / known - 1)
+        spent = baseline.ratio(published, 1)
         points.append(Point(nodes, error, np.nan, spent, "thesis"))
     return points
 

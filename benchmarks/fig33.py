@@ -13,13 +13,13 @@ from pathlib import Path
 
 from speed import Baseline
 
-import woundon as wo
+from jorkama2001 import procedure
 from jorkama2001.fig33 import NODES, PROBLEM
-from jorkama2001.nips import options, quiet
+from jorkama2001.nips import solved
 
 HEAD = (
     "# processor time over that of a dense solve of 398 x 398 (benchmarks/fig33.py):",
-    "# by the thesis's scheme, by the accurate scheme",
+    "# by the procedure of the thesis, by the accurate solver",
 )
 
 
@@ -29,11 +29,10 @@ def main() -> int:
     given.add_argument("--write", type=Path, help="file")
     path, baseline, lines = given.parse_args().write, Baseline(), list(HEAD)
     for M in NODES.tolist():
-        spent = []
-        for scheme in ("thesis", "graded"):
-            how = options(scheme) | {"nodes": M}
-            with quiet():
-                spent.append(baseline.ratio(lambda: wo.solve_nip(PROBLEM, **how), 9))  # noqa: B023
+        spent = [
+            baseline.ratio(lambda: procedure.solve(PROBLEM, M), 5),  # noqa: B023
+            baseline.ratio(lambda: solved(PROBLEM, nodes=M), 9),  # noqa: B023
+        ]
         lines.append(f"{M},{spent[0]:.2f},{spent[1]:.2f}")
     text = "\n".join(lines) + "\n"
     print(text)

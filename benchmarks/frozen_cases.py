@@ -111,7 +111,7 @@ class Case:
 
 
 def frozen_cases() -> list[Case]:
-    """Return the hundred cases."""
+    """Return the cases."""
     tables = tomllib.loads(CASES.read_text("utf-8"))
     return [
         Case(kind, number, given, tables["described"])

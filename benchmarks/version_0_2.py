@@ -70,9 +70,8 @@ def create(tree: Path = TREE, *, offline: bool = False) -> None:
     """
     git = ["git", "-C", str(HERE)]
     if not source(tree).is_dir():
-        # a worktree whose folder was deleted stays registered until it is pruned
-        subprocess.run([*git, "worktree", "prune"], check=True)
-        command = [*git, "worktree", "add", "--quiet", "--detach", str(tree), COMMIT]
+        # --force: a worktree whose folder was deleted stays registered
+        command = [*git, "worktree", "add", "--force", "--quiet", "--detach", str(tree), COMMIT]
         subprocess.run(command, check=True, stdout=sys.stderr)
     command = ["git", "-C", str(tree), "rev-parse", "HEAD"]
     found = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()

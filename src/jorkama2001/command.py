@@ -27,15 +27,15 @@ __all__ = ["thesis"]
     help="Folder for PNG, SVG, CSV and the verdict.",
 )
 @click.option(
-    "--scheme",
-    type=click.Choice(["graded", "thesis"]),
-    default="graded",
+    "--solver",
+    type=click.Choice(["accurate", "thesis"]),
+    default="accurate",
     show_default=True,
-    help="Accurate, or as the thesis solved it.",
+    help="The accurate solver, or the procedure of the thesis.",
 )
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes; by default one a processor.")
 def thesis(
-    names: tuple[str, ...], everything: bool, out: Path, scheme: str, jobs: int | None
+    names: tuple[str, ...], everything: bool, out: Path, solver: str, jobs: int | None
 ) -> None:
     """Recompute figures and tables of the thesis, and test what it says: fig16, table3, ..."""
     from .exhibits import NAMES, chosen
@@ -48,7 +48,7 @@ def thesis(
     wanted = NAMES if everything else chosen(names)
     done: list[Published] = []
     try:
-        with _bar(len(wanted)) as tell, closing(publish(wanted, out, scheme, jobs=jobs)) as parts:
+        with _bar(len(wanted)) as tell, closing(publish(wanted, out, solver, jobs=jobs)) as parts:
             for one in parts:
                 done.append(one)
                 click.echo("\n".join(_brief(one)) if everything else one.judged.report())

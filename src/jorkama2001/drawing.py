@@ -8,10 +8,16 @@ from typing import Any
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from .inside import style
+from .nips import Nip
+from .zones import runs
 
-__all__ = ["COLOURS", "LINES", "blank", "curves", "one_panel", "shared_legend", "sheet"]
+__all__ = [
+    "COLOURS", "LINES", "blank", "curves", "draw_slips", "nip_figure", "one_panel",
+    "shared_legend", "sheet",
+]  # fmt: skip
 
 # the thesis's line styles in its order; the colours tell its two solid lines apart
 LINES = ("-", "--", "-.", ":", "-")
@@ -117,3 +123,77 @@ def shared_legend(figure: Figure, columns: int = 5) -> None:
             handles=list(handles.values()), labels=list(handles), loc="outside upper center",
             ncols=columns, handlelength=2.6, columnspacing=1.3,
         )  # fmt: skip
+
+
+# ---- one nip along x ----------------------------------------------------------------------------
+
+_SHADES = ("#DDDDDD", "#B5B5B5")
+_ZONES = {-1: ("#E69F00", "\\\\\\\\"), 0: ("#F0F0F0", ""), 1: ("#56B4E9", "////")}
+_WORDS = {0: "stick", 1: "slip, web faster", -1: "slip, web slower"}
+_POSITION = "Position along the nip $x$ [mm]"
+
+
+def nip_figure(result: Nip) -> Figure:
+    """Draw a nip as the thesis does (Fig. 15): tractions; slips and web tension; and its zones."""
+    with style():
+        figure = Figure(figsize=(6.4, 7.6), layout="constrained")
+        panels = figure.subplots(3, 1, sharex=True, height_ratios=(3.0, 2.8, 0.7))
+        for axes, draw in zip(panels, (_draw_tractions, draw_slips, _draw_zones), strict=True):
+            draw(axes, result)
+        for letter, axes in zip("ab", panels, strict=False):
+            axes.set_title(f"({letter})", loc="right", fontsize=9)
+        panels[-1].set_xlabel(_POSITION)
+        panels[-1].set_xlim(*(1.03e3 * r for r in (-result.half_width, result.half_width)))
+    return figure
+
+
+def _draw_tractions(axes: Axes, r: Nip) -> None:
+    """Draw q+ and q- over the shaded friction bounds, the narrower one on top."""
+    x, p = 1e3 * r.x, 1e-3 * r.pressure
+    frictions = {"+": r.problem.roll_friction, "-": r.problem.drum_friction}
+    for k, (sign, mu) in enumerate(sorted(frictions.items(), key=lambda item: -item[1])):
+        label = rf"$\pm\mu^{{{sign}}}p$"
+        axes.fill_between(x, -mu * p, mu * p, color=_SHADES[1 - k], linewidth=0, label=label)
+    axes.plot(x, 1e-3 * r.roll_traction, color=COLOURS[0], label="$q^{+}$ on roll")
+    axes.plot(x, 1e-3 * r.drum_traction, "--", color=COLOURS[1], label="$q^{-}$ on drum")
+    axes.set_ylabel("Tangential traction $q$ [kPa]")
+    _legend_above(axes, axes.get_legend_handles_labels())
+
+
+def draw_slips(axes: Axes, r: Nip) -> None:
+    """Draw the slips v+ and v- and, on the right, the web tension; the legend above."""
+    right = axes.twinx()
+    axes.plot(1e3 * r.slip_x, 100 * r.roll_slip, color=COLOURS[0], label="$v^{+}$ at roll")
+    axes.plot(1e3 * r.slip_x, 100 * r.drum_slip, "--", color=COLOURS[1], label="$v^{-}$ at drum")
+    right.plot(1e3 * r.x, r.web_tension, "-.", color=COLOURS[4], label="$T$ (right axis)")
+    axes.set_ylabel("Relative slip speed $v$ [%]")
+    right.set_ylabel("Web tension $T$ [N/m]")
+    right.grid(visible=False)
+    handles, labels = axes.get_legend_handles_labels()
+    more = right.get_legend_handles_labels()
+    _legend_above(axes, (handles + more[0], labels + more[1]))
+
+
+def _draw_zones(axes: Axes, r: Nip) -> None:
+    for row, zones in enumerate((r.drum_zone, r.roll_zone)):
+        for run in runs(1e3 * r.x, zones):
+            colour, hatch = _ZONES[run.zone]
+            axes.barh(
+                row, run.length, left=run.left, height=0.7, color=colour, hatch=hatch,
+                edgecolor="#666666", linewidth=0.6,
+            )  # fmt: skip
+    axes.set_yticks([0, 1], ["drum", "roll"])
+    axes.grid(visible=False)
+    patches = [
+        Patch(facecolor=colour, hatch=hatch, edgecolor="#666666", label=_WORDS[zone])
+        for zone, (colour, hatch) in _ZONES.items()
+    ]
+    _legend_above(axes, (patches, [_WORDS[zone] for zone in _ZONES]))
+
+
+def _legend_above(axes: Axes, entries: tuple[list[Any], list[Any]]) -> None:
+    handles, labels = entries
+    axes.legend(
+        handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(handles),
+        borderaxespad=0.2, columnspacing=1.4,
+    )  # fmt: skip

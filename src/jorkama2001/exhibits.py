@@ -1,6 +1,6 @@
 """What every figure and table comes to, data, verdicts and a drawing; and which module makes which.
 
-A module has a function ``exhibits(scheme)`` that returns what it makes; a new one is a line here.
+A module has a function ``exhibits(solver)`` that returns what it makes; a new one is a line here.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class Exhibit:
         Makes the matplotlib figure; None for a table.
     text : str
         A table as the thesis has it.
-    one_scheme : bool
-        Whether the choice of scheme makes no difference: measured data, closed forms.
+    one_solver : bool
+        Whether the choice of solver makes no difference: measured data, closed forms.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Exhibit:
     verdicts: Sequence[Verdict]
     draw: Callable[[], Figure] | None = None
     text: str = ""
-    one_scheme: bool = False
+    one_solver: bool = False
 
     @property
     def label(self) -> str:
@@ -127,7 +127,7 @@ def modules(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(sorted(needed, key=lambda m: _LONG.index(m) if m in _LONG else len(_LONG)))
 
 
-def made_by(module: str, scheme: str) -> tuple[Exhibit, ...]:
-    """Compute all that a module makes, by the scheme "graded" (accurate) or "thesis"."""
-    made: tuple[Exhibit, ...] = import_module(f".{module}", __package__).exhibits(scheme)
+def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
+    """Compute all that a module makes, "accurate" or by the procedure of the "thesis"."""
+    made: tuple[Exhibit, ...] = import_module(f".{module}", __package__).exhibits(solver)
     return made

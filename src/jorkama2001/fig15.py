@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-import woundon as wo
-
+from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .nips import FINE, along_nip, solved
+from .nips import FINE, Nip, along_nip, solved
 from .verdicts import Verdict, verdict, whether
 from .zones import runs, zone_lengths
 
@@ -18,16 +17,18 @@ HEAVY_LOAD = 11000.0  # the heaviest of Fig. 16 [N/m]
 SHORT = 0.01  # of the nip width: a zone of a node or two
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve the base case; return Fig. 15."""
-    result = solved(paper_nip(), scheme, FINE)
-    heavy = solved(paper_nip(nip_load=HEAVY_LOAD), scheme, FINE)
+    result = solved(paper_nip(), solver, FINE)
+    heavy = solved(paper_nip(nip_load=HEAVY_LOAD), solver, FINE)
     title = "Tractions, slips and web tension in the nip, hard drum"
     verdicts = [*_pattern(result, heavy), *_tension(result)]
-    return [Exhibit("fig15", title, along_nip(result), verdicts, result.plot)]
+    return [
+        Exhibit("fig15", title, along_nip(result), verdicts, lambda: drawing.nip_figure(result))
+    ]
 
 
-def _pattern(r: wo.NipResult, heavy: wo.NipResult) -> list[Verdict]:
+def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
     roll, drum, width = runs(r.x, r.roll_zone), runs(r.x, r.drum_zone), 2 * r.half_width
     lengths = zone_lengths(r)
     shortest = min(run.length for run in drum)
@@ -63,13 +64,13 @@ def _pattern(r: wo.NipResult, heavy: wo.NipResult) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _parting_stick(r: wo.NipResult) -> float:
+def _parting_stick(r: Nip) -> float:
     """Return the length of the roll's second stick zone [% of the width]."""
     sticks = [run.length for run in runs(r.x, r.roll_zone) if run.zone == 0]
     return 100 * sticks[1] / (2 * r.half_width) if len(sticks) > 1 else 0.0
 
 
-def _tension(r: wo.NipResult) -> list[Verdict]:
+def _tension(r: Nip) -> list[Verdict]:
     before = (r.web_tension - r.problem.web_tension)[: _dual_from(r) + 1]
     gained = gain_in_dual_slip(r)
     share, begins = squeezed(r)
@@ -92,25 +93,25 @@ def _tension(r: wo.NipResult) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _dual_from(r: wo.NipResult) -> int:
+def _dual_from(r: Nip) -> int:
     """Return the last node of the drum's stick zone but the one beside C."""
     C = r.half_width * (1 - 2 * zone_lengths(r).dual)
     return int(np.flatnonzero(r.x < C)[-2])
 
 
-def gain_in_dual_slip(r: wo.NipResult) -> float:
+def gain_in_dual_slip(r: Nip) -> float:
     """Return what the dual slip zone adds to the web's tension [N/m]."""
     return float(r.web_tension[-1] - r.web_tension[_dual_from(r)])
 
 
-def squeezed(r: wo.NipResult) -> tuple[float, float]:
+def squeezed(r: Nip) -> tuple[float, float]:
     """Compare the fall of the tension where the web sticks to a rigid drum with Poisson's effect.
 
     There the web cannot stretch, so that T falls by 2h (A_rt/A_rr) times the rise of p.
 
     Parameters
     ----------
-    r : NipResult
+    r : NipResult or ProcedureResult
 
     Returns
     -------

@@ -9,12 +9,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-import woundon as wo
-
 from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
-from .nips import solved, swept
+from .nips import Nip, solved, swept
 from .verdicts import Verdict, falls, grows, verdict
 from .zones import zone_lengths
 
@@ -25,10 +23,10 @@ NIP_LOADS = np.geomspace(1300.0, 11200.0, 25)
 LIGHT_LOAD, HEAVY_LOAD = 1.0, 1e5  # far outside the figures, for what the text says of limits [N/m]
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve Table 1's nip over nip load and winding force; return Figs. 16, 17 and 18."""
-    data, heavy = _swept(NIP_LOADS, scheme), _swept([HEAVY_LOAD], scheme)
-    light = solved(paper_nip(winding_force=0.0, nip_load=LIGHT_LOAD), scheme)
+    data, heavy = _swept(NIP_LOADS, solver), _swept([HEAVY_LOAD], solver)
+    light = solved(paper_nip(winding_force=0.0, nip_load=LIGHT_LOAD), solver)
     made = (
         ("fig16", "NIT and nip width against the nip load", _tension(data, light),
          ("nip_induced_tension", "nip_width")),
@@ -45,8 +43,8 @@ def exhibits(scheme: str) -> list[Exhibit]:
     ]  # fmt: skip
 
 
-def _swept(nip_loads: Sequence[float] | np.ndarray, scheme: str) -> xr.Dataset:
-    return swept(paper_nip(), {"winding_force": WINDING_FORCES, "nip_load": nip_loads}, scheme)
+def _swept(nip_loads: Sequence[float] | np.ndarray, solver: str) -> xr.Dataset:
+    return swept(paper_nip(), {"winding_force": WINDING_FORCES, "nip_load": nip_loads}, solver)
 
 
 def _spread(values: xr.DataArray) -> xr.DataArray:
@@ -59,7 +57,7 @@ def _range(values: xr.DataArray) -> xr.DataArray:
     return values.max("nip_load") - values.min("nip_load")
 
 
-def _tension(data: xr.Dataset, light: wo.NipResult) -> list[Verdict]:
+def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
     friction = light.nip_induced_tension / (light.problem.roll_friction * LIGHT_LOAD)
     backward = -zone_lengths(light).leading_roll
     NIT, width, approach = data["nip_induced_tension"], data["nip_width"], data["approach"]

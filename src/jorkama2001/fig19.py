@@ -28,9 +28,9 @@ LOWEST_FRICTION = 0.2 - 1e-9
 CONFINED, WRAPPED, ESTIMATE = "nip_induced_tension", "wrapped_tension", "estimate"
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve Table 1's nip over mu+ and winding force at both loads; return Fig. 19."""
-    data = swept(paper_nip(), OVER, scheme, [*OUTPUTS, "wound_on_tension_estimate"])
+    data = swept(paper_nip(), OVER, solver, [*OUTPUTS, "wound_on_tension_estimate"])
     wrapped = _wrapped().rename(nip_induced_tension=WRAPPED, wound_on_tension="wrapped_added")
     data = data.rename(wound_on_tension_estimate=ESTIMATE)
     data = data.merge(wrapped.reindex_like(data), join="exact")

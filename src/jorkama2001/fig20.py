@@ -14,8 +14,8 @@ import woundon as wo
 from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .inside import draw_slips, style
-from .nips import FINE, along_nip, joined, solved
+from .inside import style
+from .nips import FINE, Nip, along_nip, joined, solved
 from .verdicts import Verdict, accurate, verdict, whether
 from .zones import Run, longest_stick, runs
 
@@ -25,15 +25,15 @@ FRICTIONS = (0.3, 0.5)
 NIP_LOAD = 4897.0
 PRINTED = (206.0, 125.0)  # NIT of panels (a) and (b) in the text [N/m]
 UNTOLD = (
-    "the text gives neither P nor F, and two numbers fix two loads: the accurate scheme has 206 "
+    "the text gives neither P nor F, and two numbers fix two loads: the accurate solver has 206 "
     "and 126 N/m at P = 7500, F = 0, the thesis's 212 and 122 N/m at P = 9000, F = 100 N/m"
 )
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve both frictions; return Fig. 20."""
     base = paper_nip(nip_load=NIP_LOAD, web_tension=0.0)  # T is then what the nip has added so far
-    nips = {mu: solved(base.replace(roll_friction=mu), scheme, FINE) for mu in FRICTIONS}
+    nips = {mu: solved(base.replace(roll_friction=mu), solver, FINE) for mu in FRICTIONS}
     data = joined("roll_friction [1]", {mu: along_nip(r) for mu, r in nips.items()})
     title = "Slips and tension for mu+ below and above mu-"
     below, above = nips.values()
@@ -43,7 +43,7 @@ def exhibits(scheme: str) -> list[Exhibit]:
     return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
 
 
-def _pattern(r: wo.NipResult | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
+def _pattern(r: Nip | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
     own = r.in_nip
     x, T = r.x[own], r.web_tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
@@ -77,7 +77,7 @@ def _end_of_stick(found: list[Run]) -> float:
     return found[k].right
 
 
-def _numbers(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
+def _numbers(below: Nip, above: Nip) -> list[Verdict]:
     a, b = below.nip_induced_tension, above.nip_induced_tension
     return [
         verdict(
@@ -103,12 +103,12 @@ def _of_the_wrap(below: wo.WrappedNipResult, above: wo.WrappedNipResult) -> list
     ]  # fmt: skip
 
 
-def _draw(nips: list[wo.NipResult]) -> Figure:
+def _draw(nips: list[Nip]) -> Figure:
     figure = drawing.blank(1, 2, (9.0, 3.6), letters=False)
     panels = list(figure.axes)
     with style():
         for letter, axes, nip in zip("ab", panels, nips, strict=True):
-            draw_slips(axes, nip)
+            drawing.draw_slips(axes, nip)
             text = rf"({letter})  $\mu^+ = {nip.problem.roll_friction}$, $\mu^- = 0.4$"
             axes.text(0.04, 0.93, text, transform=axes.transAxes)
             axes.set_xlabel("Position along the nip $x$ [mm]")

@@ -24,9 +24,9 @@ OTHERS = (0.25, 0.5)  # of the other body: panels (a) and (b)
 _OTHER = {"roll": "drum", "drum": "roll"}
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve Table 1's nip over both radii and the winding force; return Figs. 21 and 22."""
-    data = {body: _swept(body, scheme) for body in _OTHER}
+    data = {body: _swept(body, solver) for body in _OTHER}
     own = {"roll": [_increasing()], "drum": _exponents(list(data.values()))}
     return [
         Exhibit(
@@ -37,14 +37,14 @@ def exhibits(scheme: str) -> list[Exhibit]:
     ]  # fmt: skip
 
 
-def _swept(body: str, scheme: str) -> xr.Dataset:
+def _swept(body: str, solver: str) -> xr.Dataset:
     """Return dimensions (radius of the other body, winding force, radius)."""
     over = {
         f"{_OTHER[body]}_radius": OTHERS,
         "winding_force": WINDING_FORCES,
         f"{body}_radius": RADII,
     }
-    return swept(paper_nip(nip_load=NIP_LOAD), over, scheme)
+    return swept(paper_nip(nip_load=NIP_LOAD), over, solver)
 
 
 def _trends(data: xr.Dataset, body: str) -> list[Verdict]:

@@ -19,10 +19,10 @@ MODULI = np.logspace(6, 12, 19)
 RATIOS = (0.1, 0.2, 0.3, 0.4, 0.499)
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve a cover of 2 cm over E, nu and both loads; return Figs. 23 and 24."""
     over = {"nip_load": NIP_LOADS, "poissons_ratio": RATIOS, "youngs_modulus": MODULI}
-    data = swept(covered_nip(MODULI[0], RATIOS[0]), over, scheme)
+    data = swept(covered_nip(MODULI[0], RATIOS[0]), over, solver)
     NIT, width = data["nip_induced_tension"], data["nip_width"]
     return [
         Exhibit(

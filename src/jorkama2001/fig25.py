@@ -9,12 +9,10 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-import woundon as wo
-
+from . import drawing
 from .cases import covered_nip, paper_nip
 from .exhibits import Exhibit
-from .inside import nip_figure
-from .nips import FINE, along_nip, solved
+from .nips import FINE, Nip, along_nip, solved
 from .verdicts import Verdict, verdict, whether
 from .zones import runs
 
@@ -23,14 +21,14 @@ __all__ = ["exhibits"]
 FALL_LOAD = 3000.0  # where the web tension falls by what the text says [N/m]
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve the soft-covered drum, and the hard one to compare with; return Fig. 25."""
     # without T_in, T is what the nip has added so far, as the thesis shows it
     soft, heavier = (
-        solved(covered_nip(10e6, 0.1, nip_load=P, web_tension=0.0), scheme, FINE)
+        solved(covered_nip(10e6, 0.1, nip_load=P, web_tension=0.0), solver, FINE)
         for P in (1900.0, FALL_LOAD)
     )
-    hard = solved(paper_nip(), scheme, FINE)
+    hard = solved(paper_nip(), solver, FINE)
     title = "Tractions, slips and web tension in the nip, soft drum cover"
     verdicts = [
         *_tractions(hard, soft), *_pattern(soft), *_edges(soft, heavier), *_tension(soft, heavier),
@@ -38,7 +36,7 @@ def exhibits(scheme: str) -> list[Exhibit]:
     return [Exhibit("fig25", title, along_nip(soft), verdicts, lambda: _draw(soft))]
 
 
-def _tractions(hard: wo.NipResult, soft: wo.NipResult) -> list[Verdict]:
+def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
     def smaller(name: str) -> float:
         peaks = [float(np.max(np.abs(getattr(r, name)))) for r in (soft, hard)]
         return 100 * (1 - peaks[0] / peaks[1])
@@ -56,7 +54,7 @@ def _tractions(hard: wo.NipResult, soft: wo.NipResult) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _pattern(r: wo.NipResult) -> list[Verdict]:
+def _pattern(r: Nip) -> list[Verdict]:
     roll, drum, width = runs(r.x, r.roll_zone), runs(r.x, r.drum_zone), 2 * r.half_width
     forward = max((run for run in drum if run.zone == 1), key=lambda run: run.length)
     return [
@@ -82,7 +80,7 @@ def _pattern(r: wo.NipResult) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _edges(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
+def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
     base, more = (100 * np.abs(nip.drum_slip[[1, -1]]) for nip in (r, heavier))
     return [
         verdict(
@@ -97,7 +95,7 @@ def _edges(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _tension(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
+def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
     T, steps = r.web_tension, np.abs(np.diff(r.web_tension))
     both = (r.roll_zone == 0) & (r.drum_zone == 0)
     inside = both[1:] & both[:-1]
@@ -118,7 +116,7 @@ def _tension(r: wo.NipResult, heavier: wo.NipResult) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _draw(result: wo.NipResult) -> Figure:
-    figure = nip_figure(result)
+def _draw(result: Nip) -> Figure:
+    figure = drawing.nip_figure(result)
     figure.axes[-1].set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
     return figure

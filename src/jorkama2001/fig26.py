@@ -17,10 +17,10 @@ from .verdicts import Verdict, grows, verdict
 __all__ = ["exhibits"]
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve Table 1's nip with three covers over the nip load; return Fig. 26."""
     over = {"nip_load": NIP_LOADS}
-    covers = [swept(covered_nip(*cover), over, scheme) for cover in COVERS.values()]
+    covers = [swept(covered_nip(*cover), over, solver) for cover in COVERS.values()]
     data = xr.concat(covers, xr.DataArray(list(COVERS), dims="cover", name="cover"))
     E, nu = zip(*COVERS.values(), strict=True)
     data["youngs_modulus"] = ("cover", list(E), {"units": "Pa"})
@@ -29,15 +29,15 @@ def exhibits(scheme: str) -> list[Exhibit]:
     panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
     draw = lambda: drawing.sheet(panels, "nip_load", "cover", names, legend=3)  # noqa: E731
     title = "NIT and nip width against the nip load for three drum covers"
-    return [Exhibit("fig26", title, data, _verdicts(data, _without_shell(scheme)), draw)]
+    return [Exhibit("fig26", title, data, _verdicts(data, _without_shell(solver)), draw)]
 
 
-def _without_shell(scheme: str) -> xr.DataArray:
+def _without_shell(solver: str) -> xr.DataArray:
     """Return NIT on a half-plane of rubber at 2, 5 and 11 kN/m [N/m]."""
     E, nu = COVERS["rubber"]
     rubber = wo.Isotropic(youngs_modulus=E, poissons_ratio=nu)
     problem = covered_nip(E, nu).replace(drum=wo.HalfPlane(radius=DRUM_RADIUS, material=rubber))
-    return swept(problem, {"nip_load": [2e3, 5e3, 11e3]}, scheme)["nip_induced_tension"]
+    return swept(problem, {"nip_load": [2e3, 5e3, 11e3]}, solver)["nip_induced_tension"]
 
 
 def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:

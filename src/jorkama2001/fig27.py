@@ -17,11 +17,11 @@ THICKNESSES = np.linspace(0.005, 0.05, 19)
 SOFT = ("cellular elastomer", "rubber")  # alike in E
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve both soft covers over their thickness; return Fig. 27."""
     ratios = [COVERS[name][1] for name in SOFT]
     over = {"poissons_ratio": ratios, "cover_core_radius": DRUM_RADIUS - THICKNESSES}
-    data = swept(covered_nip(*COVERS["rubber"], nip_load=5000.0), over, scheme)
+    data = swept(covered_nip(*COVERS["rubber"], nip_load=5000.0), over, solver)
     data = data.rename(cover_core_radius="cover_thickness")
     data["cover_thickness"] = ("cover_thickness", THICKNESSES, {"units": "m"})
     names = [rf"{name}, $\nu_2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]

@@ -8,7 +8,7 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig15 import gain_in_dual_slip, squeezed
-from .nips import FINE, along_nip, joined, solved
+from .nips import FINE, Nip, along_nip, joined, solved
 from .verdicts import Verdict, verdict
 from .zones import zone_lengths
 
@@ -17,9 +17,9 @@ __all__ = ["exhibits"]
 CROSS = (40e6, 1e6)
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve A_tt = 7 GPa, A_rr = 20 MPa, G = 100 MPa with both A_rt; return Fig. 30."""
-    nips = {rt: solved(_problem(rt), scheme, FINE) for rt in CROSS}
+    nips = {rt: solved(_problem(rt), solver, FINE) for rt in CROSS}
     data = joined("cross [Pa]", {rt: along_nip(r) for rt, r in nips.items()})
     panels = [(data, "tension_increase", "")]
     draw = lambda: drawing.sheet(panels, "x", "cross", legend=2)  # noqa: E731
@@ -32,18 +32,18 @@ def _problem(cross: float) -> wo.NipProblem:
     return paper_nip(nip_load=5000.0, **{"web.material": paper, "roll.material": paper})
 
 
-def _fall(r: wo.NipResult) -> float:
+def _fall(r: Nip) -> float:
     """Return how far the tension falls below that of the incoming web [N/m]."""
     return float(r.problem.web_tension - r.web_tension.min())
 
 
-def _off(r: wo.NipResult) -> float:
+def _off(r: Nip) -> float:
     """Return by how much eq. (173) misses NIT [%]."""
     alone = wo.theories.dual_slip(r.problem, zone_lengths(r).dual)
     return 100 * abs(float(alone) / r.nip_induced_tension - 1)
 
 
-def _verdicts(large: wo.NipResult, small: wo.NipResult) -> list[Verdict]:
+def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
     share, slipped = squeezed(large)
     gains = gain_in_dual_slip(large), gain_in_dual_slip(small)
     NIT = large.nip_induced_tension, small.nip_induced_tension

@@ -1,8 +1,8 @@
 """Thesis Fig. 33, sec. 4.8: NIT and computing time against the number of nodes M.
 
-P = 2000 N/m and F = 0, Table 1.  The thesis's scheme is computed in any case, since the figure is
-about it; the accurate one beside it.  Computing times were measured once, as multiples of a dense
-solve, so that the figure is the same whenever it is drawn (``benchmarks/fig33.py``).
+P = 2000 N/m and F = 0, Table 1.  The thesis's procedure is computed in any case, since the figure
+is about it, and the accurate solution next to it.  Computing times were measured once, as multiples
+of a dense solve, so that the figure is the same whenever it is drawn (``benchmarks/fig33.py``).
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 
 import woundon as wo
 
-from . import drawing
+from . import drawing, procedure
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
 from .inside import style
-from .nips import dataset, joined, options, quiet, solved, swept
+from .nips import dataset, joined, quiet, solved, swept
 from .verdicts import Verdict, grows, verdict
 
 __all__ = ["exhibits"]
@@ -28,38 +28,38 @@ NODES = np.array([25, 50, 75, 100, 150, 200, 250, 300, 400])
 NIP_WIDTH_LOADS = (1330.0, 2000.0, 4000.0, 7000.0, 11200.0)  # 2a from 7 to 20 mm
 ROLL_LOADS = (2000.0, 5000.0, 11000.0)
 COVER_LOADS = (2000.0, 5000.0)
-NAMES = ("thesis's scheme", "accurate scheme")
+NAMES = ("thesis's procedure", "accurate solver")
 PROBLEM = paper_nip(nip_load=2000.0, winding_force=0.0)
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve on ever finer grids; return Fig. 33."""
     times = _times()
-    thesis, graded = (_converging(name, times[name]) for name in ("thesis", "graded"))
-    data = joined("graded [1]", {0: thesis, 1: graded})
+    thesis, graded = (_converging(name, times[name]) for name in ("thesis", "accurate"))
+    data = joined("accurate [1]", {0: thesis, 1: graded})
     with quiet():
         limit = wo.solve_nip(PROBLEM, rtol=1e-5)
     verdicts = [*_errors(data, limit), _widths(), *_half_planes(), _terms(limit)]
-    shown = 2 if scheme == "graded" else 1
-    draw = lambda: _draw(data.isel(graded=slice(shown)))  # noqa: E731
+    shown = 2 if solver == "accurate" else 1
+    draw = lambda: _draw(data.isel(accurate=slice(shown)))  # noqa: E731
     title = "Computing time and NIT against the number of nodes"
-    return [Exhibit("fig33", title, data, verdicts, draw, one_scheme=True)]
+    return [Exhibit("fig33", title, data, verdicts, draw, one_solver=True)]
 
 
 def _times() -> dict[str, np.ndarray]:
-    """Return the measured computing times by scheme, in dense solves."""
+    """Return the measured computing times by solver, in dense solves."""
     lines = (resources.files(__package__) / "computing_time.csv").read_text("utf-8").splitlines()
     rows = [line.split(",") for line in lines if not line.startswith("#")]
     nodes, thesis, graded = np.array(rows, dtype=float).T
     assert np.array_equal(nodes, NODES)
-    return {"thesis": thesis, "graded": graded}
+    return {"thesis": thesis, "accurate": graded}
 
 
-def _converging(scheme: str, times: np.ndarray) -> xr.Dataset:
+def _converging(solver: str, times: np.ndarray) -> xr.Dataset:
     NIT = []
     for M in NODES.tolist():
-        with quiet():
-            result = wo.solve_nip(PROBLEM, **(options(scheme) | {"nodes": M}))
+        by_thesis = solver == "thesis"
+        result = procedure.solve(PROBLEM, M) if by_thesis else solved(PROBLEM, nodes=M)
         NIT.append(result.nip_induced_tension)
     data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times})
     return data.assign_coords(nodes=("nodes", NODES, {"units": "1"}))
@@ -83,20 +83,20 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
         verdict(
             "M = 200 is a compromise of time and accuracy: NIT is too low by",
             100 * missing.sel(nodes=200), high=10.0, unit="%",
-            note=f"the accurate scheme is within {best:.2f} % from 50 nodes on",
+            note=f"the accurate solver is within {best:.2f} % from 50 nodes on",
         ),
         verdict(
             "the computing time grows exponentially with M", None,
-            note="the thesis's program and machine are not at hand.  Here the time of its scheme "
-            f"grows about like M to the power {growth:.1f}, and ends with the matrices' solution, "
-            "M^3",
+            note="the thesis's program and machine are not at hand.  Here the time of its "
+            f"procedure grows about like M to the power {growth:.1f}, and ends with the matrices' "
+            "solution, M^3",
         ),
     ]  # fmt: skip
 
 
 def _widths() -> Verdict:
     problem, over = paper_nip(winding_force=0.0), {"nip_load": NIP_WIDTH_LOADS}
-    good, rough = (swept(problem, over, scheme) for scheme in ("graded", "thesis"))
+    good, rough = (swept(problem, over, solver) for solver in ("accurate", "thesis"))
     errors = 100 * (rough["nip_induced_tension"] / good["nip_induced_tension"] - 1)
     widths = 1e3 * good["nip_width"]
     return verdict(
@@ -111,8 +111,8 @@ def _half_plane_error(problem: wo.NipProblem, body: str) -> float:
     """Return by how much NIT changes if a half-plane stands for the roll or the drum [%]."""
     cylinder = getattr(problem, body)
     flat = wo.HalfPlane(radius=cylinder.radius, material=cylinder.material)
-    exact = solved(problem, "graded").nip_induced_tension
-    rough = solved(problem.replace(**{body: flat}), "graded").nip_induced_tension
+    exact = solved(problem, "accurate").nip_induced_tension
+    rough = solved(problem.replace(**{body: flat}), "accurate").nip_induced_tension
     return 100 * abs(rough / exact - 1)
 
 
@@ -159,8 +159,8 @@ def _draw(data: xr.Dataset) -> Figure:
     figure, axes = drawing.one_panel()
     with style():
         twin = axes.twinx()
-    for k in data["graded"].values.tolist():
-        one, name, colour = data.sel(graded=k), NAMES[k], drawing.COLOURS[k]
+    for k in data["accurate"].values.tolist():
+        one, name, colour = data.sel(accurate=k), NAMES[k], drawing.COLOURS[k]
         axes.plot(one["nodes"], one["time"], "-", color=colour, label=f"time, {name}")
         twin.plot(
             one["nodes"], one["nip_induced_tension"], "--", color=colour,

@@ -14,7 +14,7 @@ import woundon as wo
 from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .inside import strain_under
+from .influence import surface_strain
 from .nips import dataset
 from .verdicts import Verdict, verdict
 
@@ -26,11 +26,11 @@ CELLS = 720  # a quarter of a degree each
 AWAY = 5.0  # [deg] from either end of the load, where strains are singular
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Load the roll of Table 1 by eq. (181) with mu+ = 0.5; return Fig. 34."""
     data = _rates()
     title = "Growth rates of the strains of web and roll under a web that slips all round"
-    return [Exhibit("fig34", title, data, _verdicts(data), lambda: _draw(data), one_scheme=True)]
+    return [Exhibit("fig34", title, data, _verdicts(data), lambda: _draw(data), one_solver=True)]
 
 
 def web_rate(web: wo.Web, tension: float, friction: float, theta: np.ndarray) -> np.ndarray:
@@ -47,7 +47,8 @@ def _rates() -> xr.Dataset:
     theta = np.linspace(0.0, pi, CELLS + 1)
     middle = (theta[1:] + theta[:-1]) / 2
     pressure = TENSION / problem.roll.radius * np.exp(FRICTION * theta)
-    strain = strain_under(problem.roll, theta, middle, pressure, FRICTION * pressure)
+    R = problem.roll.radius
+    strain = surface_strain(problem.roll, R * theta, pressure, FRICTION * pressure, R * middle)
     return dataset(
         "point",
         {

@@ -19,8 +19,8 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig34 import web_rate
-from .inside import roll_strain
-from .nips import FINE, dataset, joined, solved
+from .influence import surface_strain
+from .nips import FINE, Nip, dataset, joined, solved
 from .verdicts import Verdict, accurate, verdict, whether
 
 __all__ = ["exhibits"]
@@ -34,7 +34,7 @@ FARTHEST = 3.0  # [deg]
 class _Nip(NamedTuple):
     """A nip of the figure: alone, wrapped, and the strain of its roll over the angle."""
 
-    alone: wo.NipResult
+    alone: Nip
     wrapped: wo.WrappedNipResult
     data: xr.Dataset
 
@@ -44,9 +44,9 @@ class _Nip(NamedTuple):
         return self.data.isel(point=self.data["angle"].values > 0)
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Solve P = 10 kN/m with mu+ = 0.7 and 0.2, alone and wrapped; return Fig. 35."""
-    nips = [_nip(mu, scheme) for mu in FRICTIONS]
+    nips = [_nip(mu, solver) for mu in FRICTIONS]
     data = joined("roll_friction [1]", dict(zip(FRICTIONS, (n.data for n in nips), strict=True)))
     title = "Strain of the roll's surface about the nip, and growth rates behind it"
     verdicts = [*_of_the_nip_alone(nips), *_of_the_wrap(nips)]
@@ -54,13 +54,14 @@ def exhibits(scheme: str) -> list[Exhibit]:
 
 
 @cache
-def _nip(mu: float, scheme: str) -> _Nip:
+def _nip(mu: float, solver: str) -> _Nip:
     problem = paper_nip(nip_load=LOAD, roll_friction=mu)
-    alone = solved(problem, scheme, FINE)
+    alone = solved(problem, solver, FINE)
     R, a = problem.roll.radius, alone.half_width
     behind = np.radians(np.geomspace(2e-3, FARTHEST, 120))  # from the trailing edge
-    strain = roll_strain(alone, a + R * behind)
-    inside_x, inside = _strain_in_nip(alone)
+    strain = _roll_strain(alone, a + R * behind)
+    inside_x = alone.slip_x[1:]
+    inside = _roll_strain(alone, inside_x)
     tension = problem.web_tension + alone.nip_induced_tension
     nan = np.full(inside.size, np.nan)
     data = dataset(
@@ -75,11 +76,9 @@ def _nip(mu: float, scheme: str) -> _Nip:
     return _Nip(alone, solved(problem.wrapped()), data)
 
 
-def _strain_in_nip(r: wo.NipResult) -> tuple[np.ndarray, np.ndarray]:
-    """Return one point in each cell [m], and the strain of the roll's surface there."""
-    *_, strain_p, strain_q = r.problem.roll.respond(r.mesh, r.half_width).gradients
-    strain = strain_p @ r.pressure[1:-1] + strain_q @ r.roll_traction[1:-1]
-    return r.half_width * r.mesh.middle, strain[:-1]
+def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:
+    """Return the strain of the roll's surface under the tractions of the nip, at any points."""
+    return surface_strain(r.problem.roll, r.x, r.pressure, r.roll_traction, x)
 
 
 def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:

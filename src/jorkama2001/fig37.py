@@ -19,13 +19,13 @@ __all__ = ["exhibits"]
 TENSIONS = (175.0, 263.0, 350.0)  # T_in [N/m]
 
 
-def exhibits(printed: Theory, fitted: Theory, scheme: str) -> list[Exhibit]:
+def exhibits(printed: Theory, fitted: Theory, solver: str) -> list[Exhibit]:
     """Return Fig. 37 of the theory with the printed parameters, and fitted to the one point."""
     points = measured_tensions()
     points["printed_parameters"] = printed.tension(points)
     points["one_point_fit"] = fitted.tension(points)
     data = dataset("point", {f"{name} [N/m]": points[name] for name in points})
-    verdicts = [*_agreement(points), *_winding_theorem(scheme), *_opposing(scheme)]
+    verdicts = [*_agreement(points), *_winding_theorem(solver), *_opposing(solver)]
     title = "Measured and computed wound-on tension of newsprint"
     return [Exhibit("fig37", title, data, verdicts, lambda: _draw(data))]
 
@@ -51,9 +51,9 @@ def _agreement(points: pd.DataFrame) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _winding_theorem(scheme: str) -> list[Verdict]:
+def _winding_theorem(solver: str) -> list[Verdict]:
     names = ["nip_induced_tension", "rig_tension", "approach"]
-    nips = swept(newsprint_nip(), {"web_tension": TENSIONS}, scheme, names)
+    nips = swept(newsprint_nip(), {"web_tension": TENSIONS}, solver, names)
     NIT = nips["nip_induced_tension"].values
     cell = nips["rig_tension"].values - NIT - TENSIONS
     return [
@@ -68,10 +68,10 @@ def _winding_theorem(scheme: str) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _opposing(scheme: str) -> list[Verdict]:
+def _opposing(solver: str) -> list[Verdict]:
     """Raise A_rr, G and both by a tenth."""
     over = {"radial": [27e6, 29.7e6], "shear": [10e6, 11e6]}  # of Table 2, and a tenth more
-    NIT = swept(newsprint_nip(), over, scheme)["nip_induced_tension"].values
+    NIT = swept(newsprint_nip(), over, solver)["nip_induced_tension"].values
     (_, shear), (radial, both) = 100 * (NIT / NIT[0, 0] - 1)
     return [
         verdict("a higher A_rr lowers NIT: by 10 % more of it", radial, high=0.0, unit="%"),

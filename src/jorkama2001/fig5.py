@@ -26,15 +26,15 @@ TORQUE, TANGENTIAL_LOAD = 21e3, 21e3  # as printed [Nm/m], as read [N/m]
 NODES = 201
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
-    """Solve both contacts; return Fig. 5.  The thesis's scheme is for winding nips only."""
+def exhibits(solver: str) -> list[Exhibit]:
+    """Solve both contacts; return Fig. 5.  The thesis's procedure is for winding nips only."""
     rolling, static = _pair("rolling"), _pair("static")
     data = joined("rolling [1]", {1.0: _along(rolling), 0.0: _along(static)})
     verdicts = [*_pattern(rolling, static), *_difference(rolling, static), *_basics()]
     title = "Tangential traction of two similar cylinders, rolling and static"
     panels = [(data, "traction", "")]
     draw = lambda: drawing.sheet(panels, "x", "rolling", legend=2)  # noqa: E731
-    return [Exhibit("fig5", title, data, verdicts, draw, one_scheme=True)]
+    return [Exhibit("fig5", title, data, verdicts, draw, one_solver=True)]
 
 
 def _pair(motion: Literal["rolling", "static"]) -> wo.RollerResult:

@@ -1,4 +1,4 @@
-"""An exhibit with its verdicts in words, and where one fails, what the other scheme says to it."""
+"""An exhibit with its verdicts in words, and where one fails, the verdict of the other solver."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from dataclasses import dataclass
 from .exhibits import Exhibit, made_by
 from .verdicts import Outcome, Verdict
 
-__all__ = ["SCHEMES", "Judged", "judged"]
+__all__ = ["SOLVERS", "Judged", "judged"]
 
-SCHEMES = {"graded": "the accurate scheme", "thesis": "the thesis's scheme"}
+SOLVERS = {"accurate": "the accurate solver", "thesis": "the thesis's procedure"}
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """An exhibit, and its verdicts by the other scheme if a statement does not hold.
+    """An exhibit, and its verdicts by the other solver if a statement does not hold.
 
     Attributes
     ----------
     exhibit : Exhibit
-    scheme : {"graded", "thesis"}
+    solver : {"accurate", "thesis"}
         By which it was computed.
     others : sequence of Verdict
         One for each of the exhibit's, or none.
     """
 
     exhibit: Exhibit
-    scheme: str
+    solver: str
     others: Sequence[Verdict] = ()
 
     @property
@@ -65,7 +65,7 @@ class Judged:
         if verdict.outcome is not Outcome.UNTESTED:
             text += f": {strong}{verdict.measured}{strong}, asked {verdict.expected}"
         if other is not None and _asks_other(verdict):
-            name = SCHEMES["thesis" if self.scheme == "graded" else "graded"]
+            name = SOLVERS["thesis" if self.solver == "accurate" else "accurate"]
             text += f"; with {name} {other.measured}, {other.outcome.value}"
         note = _sentence(verdict.note)
         return f"{text}. {note}" if note else f"{text}."
@@ -90,9 +90,9 @@ class Judged:
         return "\n".join([*lines, *said]) + "\n"
 
     def _how(self) -> str:
-        if self.exhibit.one_scheme:
+        if self.exhibit.one_solver:
             return f"{self.tally}."
-        name = SCHEMES[self.scheme]
+        name = SOLVERS[self.solver]
         return f"{name[0].upper()}{name[1:]}. {self.tally}."
 
 
@@ -115,12 +115,12 @@ def _sentence(note: str) -> str:
 
 
 def _asks_other(verdict: Verdict) -> bool:
-    """Whether the other scheme may have something to say."""
+    """Tell whether the other solver may give another verdict."""
     return verdict.outcome is Outcome.FAILS and not verdict.accurate
 
 
-def judged(module: str, names: Sequence[str], scheme: str) -> list[Judged]:
-    """Compute the exhibits of a module that are asked for, by both schemes where one fails.
+def judged(module: str, names: Sequence[str], solver: str) -> list[Judged]:
+    """Compute the exhibits of a module that are asked for, by both solvers where one fails.
 
     Parameters
     ----------
@@ -128,10 +128,10 @@ def judged(module: str, names: Sequence[str], scheme: str) -> list[Judged]:
         From :func:`~jorkama2001.exhibits.modules`.
     names : sequence of str
         Exhibits asked for; the module may make more.
-    scheme : {"graded", "thesis"}
+    solver : {"accurate", "thesis"}
     """
-    mine = [exhibit for exhibit in made_by(module, scheme) if exhibit.name in names]
-    failing = {e.name for e in mine if not e.one_scheme and any(map(_asks_other, e.verdicts))}
-    other = "thesis" if scheme == "graded" else "graded"
+    mine = [exhibit for exhibit in made_by(module, solver) if exhibit.name in names]
+    failing = {e.name for e in mine if not e.one_solver and any(map(_asks_other, e.verdicts))}
+    other = "thesis" if solver == "accurate" else "accurate"
     others = {e.name: e.verdicts for e in made_by(module, other)} if failing else {}
-    return [Judged(e, scheme, others[e.name] if e.name in failing else ()) for e in mine]
+    return [Judged(e, solver, others[e.name] if e.name in failing else ()) for e in mine]

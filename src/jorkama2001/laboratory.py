@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any
+from math import exp, log
 
 import numpy as np
 import pandas as pd
+from scipy.optimize import root_scalar
 
 import woundon as wo
 
 from .cases import ONE_PAPER, measured_tensions, newsprint_nip
-from .nips import options, swept
+from .nips import NODES, swept
 
 __all__ = ["FITTED_POINT", "NIP_LOADS", "THICKNESSES", "Theory", "rms", "theories", "theory"]
 
@@ -37,21 +39,16 @@ class Theory:
         2h [m].
     added : Series
         Wound-on tension by eq. (183) less T_in, by nip load [N/m].
+    fitted : mapping
+        Fitted moduli [Pa], ``shear``, ``radial``; none by default.
     fit : FitResult, optional
-        What was fitted; nothing by default.
+        The fit by ``wo.fit``, where it was made so.
     """
 
     thickness: float
     added: pd.Series
+    fitted: Mapping[str, float] = field(default_factory=dict)
     fit: wo.FitResult | None = None
-
-    @property
-    def fitted(self) -> dict[str, float]:
-        """The fitted moduli [Pa]: ``shear``, ``radial``."""
-        if self.fit is None:
-            return {}
-        names = (name.rpartition(".")[2] for name in self.fit.names)
-        return dict(zip(names, self.fit.estimates.tolist(), strict=True))
 
     @property
     def name(self) -> str:
@@ -88,24 +85,28 @@ def _is_fitted(points: pd.DataFrame) -> pd.Series:
     return (points["nip_load"] == P) & (points["web_tension"] == T_in)
 
 
-def theory(thickness: float, scheme: str = "graded") -> Theory:
+def theory(thickness: float, solver: str = "accurate") -> Theory:
     """Compute the theory for a web thickness [m], with the moduli of Table 2."""
-    return _theory(newsprint_nip(**{"web.thickness": thickness}), scheme)
+    return _theory(newsprint_nip(**{"web.thickness": thickness}), solver)
 
 
-def _theory(problem: wo.NipProblem, scheme: str, fit: wo.FitResult | None = None) -> Theory:
-    tension = swept(problem, {"nip_load": NIP_LOADS}, scheme, ["rig_tension"])["rig_tension"]
+def _theory(problem: wo.NipProblem, solver: str, fit: wo.FitResult | None = None) -> Theory:
+    tension = swept(problem, {"nip_load": NIP_LOADS}, solver, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
-    return Theory(problem.web.thickness, added, fit)
+    fitted = {}
+    if fit is not None:
+        names = (name.rpartition(".")[2] for name in fit.names)
+        fitted = dict(zip(names, fit.estimates.tolist(), strict=True))
+    return Theory(problem.web.thickness, added, fitted, fit)
 
 
 def _fit(
     bounds: dict[str, tuple[float, float]],
     points: pd.DataFrame,
     thickness: float,
-    how: dict[str, Any],
+    nodes: int,
 ) -> wo.FitResult:
-    """Fit moduli of roll and web to measured points by least squares, with the solver's options."""
+    """Fit moduli of roll and web to measured points by least squares."""
     data = {
         "nip_load": points["nip_load"],
         "web_tension": points["web_tension"],
@@ -115,36 +116,52 @@ def _fit(
         newsprint_nip(**{"web.thickness": thickness}),
         data,
         {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
-        tie=ONE_PAPER, starts=1, profiles=False, options=how,
+        tie=ONE_PAPER, starts=1, profiles=False, nodes=nodes,
     )  # fmt: skip
 
 
-def _fitted_to_one(modulus: str, thickness: float, scheme: str) -> Theory:
+def _fitted_to_one(modulus: str, thickness: float, solver: str) -> Theory:
     """Fit one modulus to the thesis's point."""
     points = measured_tensions()
-    bounds = {modulus: _ALONE[modulus]}
-    fit = _fit(bounds, points[_is_fitted(points)], thickness, options(scheme))
-    return _theory(fit.problem, scheme, fit)
+    point = points[_is_fitted(points)]
+    if solver == "accurate":
+        fit = _fit({modulus: _ALONE[modulus]}, point, thickness, NODES)
+        return _theory(fit.problem, solver, fit)
+    nip, measured = newsprint_nip(**{"web.thickness": thickness}), point["measured"].item()
+    paper = wo.material("newsprint")
+    start = log(getattr(paper, modulus))
+
+    def miss(logarithm: float) -> float:
+        over = {modulus: [exp(logarithm)]}
+        return swept(nip, over, solver, ["rig_tension"])["rig_tension"].item() - measured
+
+    found = root_scalar(miss, x0=start, x1=start + 0.05, xtol=1e-7)
+    if not found.converged:
+        raise wo.NotConverged(f"{modulus} fitted to one point: {found.flag}")
+    value = exp(found.root)
+    paper = paper.replace(**{modulus: value})
+    theory = _theory(nip.replace(**{"roll.material": paper, "web.material": paper}), solver)
+    return replace(theory, fitted={modulus: value})
 
 
 @cache
 def _fitted_to_all(thickness: float) -> Theory:
     """Fit both moduli to all fifteen points; accurately, for the thesis made no such fit."""
-    fit = _fit(_BOTH, measured_tensions(), thickness, options("graded", SEARCH_NODES))
-    return _theory(fit.problem, "graded", fit)
+    fit = _fit(_BOTH, measured_tensions(), thickness, SEARCH_NODES)
+    return _theory(fit.problem, "accurate", fit)
 
 
 @cache
-def theories(scheme: str) -> tuple[Theory, ...]:
+def theories(solver: str) -> tuple[Theory, ...]:
     """Return the theory for both thicknesses: as printed; one modulus fitted; both fitted.
 
     In this order: two with the thesis's moduli, G and A_rr alone fitted to the one point at either
-    thickness, both fitted to all points at either thickness, accurately by either scheme.
+    thickness, both fitted to all points at either thickness, always accurately.
     """
     return (
-        *(theory(thickness, scheme) for thickness in THICKNESSES),
+        *(theory(thickness, solver) for thickness in THICKNESSES),
         *(
-            _fitted_to_one(modulus, thickness, scheme)
+            _fitted_to_one(modulus, thickness, solver)
             for thickness in THICKNESSES
             for modulus in _ALONE
         ),

@@ -8,6 +8,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import reduce
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -15,14 +17,17 @@ import xarray as xr
 
 import woundon as wo
 
+from . import procedure
 from .cases import ONE_PAPER
+from .procedure import ProcedureResult
 from .zones import zone_lengths
 
 __all__ = [
-    "FINE", "OUTPUTS", "along_nip", "dataset", "joined", "options", "quiet", "solved", "swept",
+    "FINE", "OUTPUTS", "Nip", "along_nip", "dataset", "joined", "quiet", "solved", "swept",
 ]  # fmt: skip
 
 Array = np.ndarray
+Nip = wo.NipResult | ProcedureResult
 
 NODES = 129  # NIT to about 0.1 N/m
 THESIS_NODES = 200
@@ -38,39 +43,44 @@ _FIELDS = {
     **{name: f"roll.material.{name}" for name in ("radial", "tangential", "cross", "shear")},
 }
 
+_UNITS = {
+    "N/m": (
+        "nip_load", "winding_force", "web_tension", "nip_induced_tension", "rig_tension",
+        "wound_on_tension_estimate",
+    ),
+    "m": ("roll_radius", "drum_radius", "cover_core_radius", "nip_width", "approach"),
+    "Pa": ("youngs_modulus", "radial", "tangential", "cross", "shear"),
+}  # fmt: skip
+
 
 def _leading(
-    result: wo.NipResult,
+    result: Nip,
 ) -> Annotated[float, wo.Quantity("s_r1", "1", "slip length at the roll's leading edge, to A")]:
     return zone_lengths(result).leading_roll
 
 
 def _trailing(
-    result: wo.NipResult,
+    result: Nip,
 ) -> Annotated[float, wo.Quantity("s_r2", "1", "slip length at the roll's trailing edge, from B")]:
     return zone_lengths(result).trailing_roll
 
 
 def _dual(
-    result: wo.NipResult,
+    result: Nip,
 ) -> Annotated[float, wo.Quantity("s_d", "1", "length of slip at roll and drum, from C")]:
     return zone_lengths(result).dual
 
 
 # the thesis's slip ratios, over the nip width, as outputs of every study
-wo.NipResult.leading_roll_slip = property(_leading)  # type: ignore[attr-defined]
-wo.NipResult.trailing_roll_slip = property(_trailing)  # type: ignore[attr-defined]
-wo.NipResult.dual_slip = property(_dual)  # type: ignore[attr-defined]
+_RATIOS = {"leading_roll_slip": _leading, "trailing_roll_slip": _trailing, "dual_slip": _dual}
+for _kind in (wo.NipResult, ProcedureResult):
+    for _name, _ratio in _RATIOS.items():
+        setattr(_kind, _name, property(_ratio))
 
 OUTPUTS = (
     "nip_induced_tension", "nip_width", "approach", "leading_roll_slip", "trailing_roll_slip",
     "dual_slip",
 )  # fmt: skip
-
-
-def options(scheme: str, nodes: int = NODES) -> dict[str, Any]:
-    """Return the solver's options: accurate with so many nodes, or as the thesis did, M = 200."""
-    return {"scheme": scheme, "nodes": THESIS_NODES} if scheme == "thesis" else {"nodes": nodes}
 
 
 @contextmanager
@@ -82,16 +92,22 @@ def quiet() -> Iterator[None]:
         yield
 
 
-def solved(problem: wo.Problem, scheme: str = "graded", nodes: int = NODES) -> Any:
-    """Solve a nip; a wrapped one, ``problem.wrapped()``, accurately only."""
+def solved(problem: wo.Problem, solver: str = "accurate", nodes: int = NODES) -> Any:
+    """Solve a nip accurately with so many nodes, or by the procedure of the thesis with M = 200.
+
+    A wrapped nip, ``problem.wrapped()``, is solved accurately only.
+    """
+    if solver == "thesis":
+        assert isinstance(problem, wo.NipProblem)
+        return procedure.solve(problem, THESIS_NODES)
     with quiet():
-        return wo.solve(problem, **options(scheme, nodes))
+        return wo.solve(problem, nodes=nodes)
 
 
 def swept(
     problem: wo.Problem,
     over: Mapping[str, Any],
-    scheme: str = "graded",
+    solver: str = "accurate",
     outputs: Sequence[str] = OUTPUTS,
     nodes: int = NODES,
 ) -> xr.Dataset:
@@ -102,27 +118,63 @@ def swept(
     problem : NipProblem or WrappedNipProblem
     over : mapping
         Parameter -> values; a dimension each.  Moduli are those of roll and web.
-    scheme : {"graded", "thesis"}
-        A wrapped nip is solved by the first only.
+    solver : {"accurate", "thesis"}
+        Accurate, or by the procedure of the thesis; a wrapped nip is solved by the first only.
     outputs : sequence of str
         Of ``woundon.sweep``, the thesis's slip ratios among them.
     nodes : int
-        Of the accurate scheme.
+        Of the accurate solver.
 
     Raises
     ------
     NotConverged
         If a nip cannot be solved.
     """
+    if solver == "thesis":
+        return _swept_by_procedure(problem, over, outputs)
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
     with quiet():
         data = wo.sweep(
-            problem, fields, outputs, tie=ONE_PAPER, workers=1, options=options(scheme, nodes)
+            problem, fields, outputs, tie=ONE_PAPER, workers=1, options={"nodes": nodes}
         )
     for reason in filter(None, data["failure"].values.flat):
         raise wo.NotConverged(reason)
     names = {field: name for name, field in zip(over, fields, strict=True) if name != field}
     return data.drop_vars(["failure", "warnings"]).drop_attrs(deep=False).rename(names)
+
+
+def _swept_by_procedure(
+    problem: wo.Problem, over: Mapping[str, Any], outputs: Sequence[str]
+) -> xr.Dataset:
+    """Solve a nip for all combinations of values by the procedure of the thesis."""
+    assert isinstance(problem, wo.NipProblem)
+    grid = {name: np.asarray(values, dtype=float) for name, values in over.items()}
+    shape, found = tuple(map(len, grid.values())), []
+    for values in product(*(values.tolist() for values in grid.values())):
+        changes = zip((_FIELDS.get(name, name) for name in grid), values, strict=True)
+        one = problem.replace(**dict(changes))
+        one = one.replace(**{own: _nested(one, other) for own, other in ONE_PAPER.items()})
+        nip = procedure.solve(one, THESIS_NODES)
+        told = (getattr(nip, name) for name in outputs)
+        found.append([value() if callable(value) else value for value in told])
+    columns = np.reshape(found, (*shape, len(outputs)))
+    return xr.Dataset(
+        {
+            name: (tuple(grid), columns[..., k], {"units": _unit(name)})
+            for k, name in enumerate(outputs)
+        },
+        {name: (name, values, {"units": _unit(name)}) for name, values in grid.items()},
+    )
+
+
+def _nested(problem: wo.NipProblem, name: str) -> Any:
+    """Return a field by its dotted name."""
+    return reduce(getattr, name.split("."), problem)
+
+
+def _unit(name: str) -> str:
+    """Return the SI unit of a varied field or of an output."""
+    return next((unit for unit, names in _UNITS.items() if name in names), "1")
 
 
 def dataset(dim: str, columns: Mapping[str, Array | Sequence[float]]) -> xr.Dataset:
@@ -144,7 +196,7 @@ def joined(head: str, parts: Mapping[float, xr.Dataset]) -> xr.Dataset:
     return xr.concat(list(parts.values()), values, join="outer")
 
 
-def along_nip(r: wo.NipResult) -> xr.Dataset:
+def along_nip(r: Nip) -> xr.Dataset:
     """Return a solved nip node by node: what Figs. 15, 20, 25 and 30 show."""
     return dataset(
         "node",

@@ -25,7 +25,7 @@ def known() -> list[dict[str, str]]:
 
 
 def drawn(name: str) -> bytes:
-    """Compute a figure by the accurate scheme and return it as SVG.
+    """Compute a figure by the accurate solver and return it as SVG.
 
     Raises
     ------
@@ -33,6 +33,6 @@ def drawn(name: str) -> bytes:
         For a name that is none.
     """
     (module,) = modules(chosen([name]))
-    exhibit = next(one for one in made_by(module, "graded") if one.name == name)
+    exhibit = next(one for one in made_by(module, "accurate") if one.name == name)
     assert exhibit.draw is not None  # of figures, which are all that is known here
     return figure_bytes(exhibit.draw(), ".svg")

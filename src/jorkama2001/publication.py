@@ -46,7 +46,7 @@ class Published(NamedTuple):
 def publish(
     names: Sequence[str],
     folder: Path,
-    scheme: str = "graded",
+    solver: str = "accurate",
     *,
     jobs: int | None = None,
     dpi: int | None = None,
@@ -59,7 +59,7 @@ def publish(
         ``fig16``, ``table3``, ...
     folder : Path
         Made if it is not there.
-    scheme : {"graded", "thesis"}
+    solver : {"accurate", "thesis"}
     jobs : int, optional
         Number of processes; by default one for each processor.  One is this process.
     dpi : int, optional
@@ -72,7 +72,7 @@ def publish(
     """
     names = chosen(names)
     folder.mkdir(parents=True, exist_ok=True)
-    work = partial(_write_module, names=names, folder=folder, scheme=scheme, dpi=dpi)
+    work = partial(_write_module, names=names, folder=folder, solver=solver, dpi=dpi)
     makers = modules(names)
     jobs = min(jobs or os.cpu_count() or 1, len(makers))
     if jobs == 1:  # another process would take as long to start as a figure takes
@@ -84,10 +84,10 @@ def publish(
 
 
 def _write_module(
-    module: str, *, names: Sequence[str], folder: Path, scheme: str, dpi: int | None
+    module: str, *, names: Sequence[str], folder: Path, solver: str, dpi: int | None
 ) -> list[Published]:
     begun = perf_counter()
-    made = judged(module, names, scheme)
+    made = judged(module, names, solver)
     files = [_write(one, folder, dpi) for one in made]
     seconds = perf_counter() - begun
     # drawings do not pass from process to process, and data ask who reads them for much code
@@ -134,7 +134,7 @@ def summary(done: Iterable[Published], folder: str = "") -> str:
 def known_counts() -> dict[str, tuple[int, ...]]:
     """Return how many statements of each exhibit are known to hold, fail, be beyond a test.
 
-    By the accurate scheme.  Why a statement fails stands beside it in the exhibit.
+    By the accurate solver.  Why a statement fails stands beside it in the exhibit.
     """
     lines = (resources.files(__package__) / "known_counts.csv").read_text("utf-8").splitlines()
     rows = (line.split(",") for line in lines if not line.startswith("#"))

@@ -7,7 +7,7 @@ five solved nips stand for the fifteen points.
 The thesis chose A_rr and G so that theory and measurement meet at one point.  One point fixes one
 number: here either of the two is fitted, the other held at the thesis's value, and the fourteen
 other points are predicted.  Fitted to all fifteen points together they come close to the floor, far
-along a valley in which they trade off; that fit is ours, and accurate whatever the scheme.  The
+along a valley in which they trade off; that fit is ours, and always accurate.  The
 printed thickness of 66 um does not give the printed theory; 57 um does.  Both are computed.
 """
 
@@ -28,16 +28,16 @@ from .verdicts import Verdict, accurate, verdict
 __all__ = ["exhibits", "report"]
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Compute theory and fits; return Table 3, and Fig. 37, which shows them."""
     points = measured_tensions()
-    computed = theories(scheme)
+    computed = theories(solver)
     columns = {name: points[name] for name in points}
     columns |= {one.name: one.tension(points) for one in computed}
     data = dataset("point", {f"{name} [N/m]": values for name, values in columns.items()})
-    title, text = "Wound-on tension of newsprint, experiment and theory", report(scheme)
+    title, text = "Wound-on tension of newsprint, experiment and theory", report(solver)
     table = Exhibit("table3", title, data, _verdicts(computed), text=text)
-    return [table, *fig37.exhibits(computed[0], computed[2], scheme)]
+    return [table, *fig37.exhibits(computed[0], computed[2], solver)]
 
 
 def _printed(points: pd.DataFrame) -> pd.DataFrame:
@@ -111,9 +111,9 @@ def _moduli(full: Theory) -> str:
     return f"G = {G:.0f} and A_rr = {A_rr:.0f} MPa"
 
 
-def report(scheme: str = "graded") -> str:
+def report(solver: str = "accurate") -> str:
     """Return Table 3 as text."""
-    points, computed = measured_tensions(), theories(scheme)
+    points, computed = measured_tensions(), theories(solver)
     rows = {
         "measured, average over T_in": added_tensions().mean(axis=1),
         "theory as printed": _printed(points).mean(axis=1),

@@ -36,8 +36,8 @@ def best_rms() -> float:
     return rms(added.sub(added.mean(axis=1), axis=0).to_numpy())
 
 
-def exhibits(scheme: str) -> list[Exhibit]:
-    """Return Table 4; measured data, the scheme plays no part."""
+def exhibits(solver: str) -> list[Exhibit]:
+    """Return Table 4; measured data, the solver plays no part."""
     added = added_tensions()
     columns = {
         "nip_load [N/m]": added.index,
@@ -47,7 +47,7 @@ def exhibits(scheme: str) -> list[Exhibit]:
     }
     title = "The winding theorem on measured tensions of newsprint"
     data = dataset("row", columns)
-    return [Exhibit("table4", title, data, _verdicts(added), text=report(), one_scheme=True)]
+    return [Exhibit("table4", title, data, _verdicts(added), text=report(), one_solver=True)]
 
 
 def _verdicts(added: pd.DataFrame) -> list[Verdict]:

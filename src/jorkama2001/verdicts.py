@@ -40,7 +40,7 @@ class Verdict:
     logical : bool
         Whether the number stands for yes (1) or no (0).
     accurate : bool
-        Whether it was solved accurately whatever the scheme, as wraps are.
+        Whether it is always solved accurately, as wraps are.
     """
 
     statement: str
@@ -101,7 +101,7 @@ def whether(statement: str, fact: bool, note: str = "") -> Verdict:
 
 
 def accurate(verdicts: Iterable[Verdict]) -> list[Verdict]:
-    """Return verdicts on what was solved accurately whatever the scheme."""
+    """Mark verdicts whose numbers are always solved accurately."""
     return [replace(one, accurate=True) for one in verdicts]
 
 

@@ -6,8 +6,8 @@ length around C, at heavy loads for instance; that is not taken off s_r2 and s_d
 and C to the trailing edge.  A face that slips all over counts as its trailing zone.  The sign of
 s_d is that of the slip at the drum, because at the roll the web is always the faster one there.
 
-The thesis took the nodes for the points, which makes its curves jagged.  So does its scheme here;
-the accurate one follows the slip to where it is nil, so that the lengths vary smoothly.
+The thesis took the nodes for the points, which makes its curves jagged; so do results of its
+procedure here.  In other results the slip is extrapolated to zero, and the lengths vary smoothly.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 import woundon as wo
+
+from .procedure import ProcedureResult
 
 __all__ = ["Run", "ZoneLengths", "longest_stick", "runs", "zone_lengths"]
 
@@ -69,7 +71,7 @@ def longest_stick(found: list[Run]) -> int | None:
     return max(sticks, key=lambda k: found[k].end - found[k].first, default=None)
 
 
-def zone_lengths(result: wo.NipResult) -> ZoneLengths:
+def zone_lengths(result: wo.NipResult | ProcedureResult) -> ZoneLengths:
     """Measure the slip zones of a nip between the thesis's points A, B and C."""
     roll, dual = runs(result.x, result.roll_zone), _dual(result)
     if all(run.zone != 0 for run in roll):
@@ -85,7 +87,7 @@ def zone_lengths(result: wo.NipResult) -> ZoneLengths:
     return ZoneLengths(leading * A, trailing, dual)
 
 
-def _dual(result: wo.NipResult) -> float:
+def _dual(result: wo.NipResult | ProcedureResult) -> float:
     """Return s_d, from the end of the drum's longest stick zone."""
     drum = runs(result.x, result.drum_zone)
     k = longest_stick(drum)
@@ -96,12 +98,14 @@ def _dual(result: wo.NipResult) -> float:
     return drum[k + 1].zone * (1 - _share(result, result.drum_slip, drum[k].end, 1, POWER_C))
 
 
-def _share(result: wo.NipResult, slip: Array, node: int, ahead: int, power: float) -> float:
+def _share(
+    result: wo.NipResult | ProcedureResult, slip: Array, node: int, ahead: int, power: float
+) -> float:
     """Return where slip begins, as a share of the nip's width from the leading edge.
 
     Parameters
     ----------
-    result : NipResult
+    result : NipResult or ProcedureResult
     slip : (M,) array
         v+ or v-.
     node : int
@@ -115,7 +119,7 @@ def _share(result: wo.NipResult, slip: Array, node: int, ahead: int, power: floa
     border = float(x[node] + x[node - 1]) / 2
     near = node if ahead == 1 else node - 1
     far = near + ahead
-    if result.scheme == "graded" and 0 < far < x.size - 1:
+    if not isinstance(result, ProcedureResult) and 0 < far < x.size - 1:
         v = np.abs(slip[[near, far]]) ** (1 / power)
         at = result.slip_x[[near, far]]
         stick = float(result.slip_x[near - ahead])

@@ -173,3 +173,20 @@ def look(desk, address):
     for page in pages:
         page.leave()
     assert not [fault for page in pages for fault in page.faults]
+
+
+@pytest.fixture
+def look_with(browser, address):
+    """Open pages in contexts of their own that run a script before those of the page."""
+    pages = []
+
+    def opened(script, *, width=1280, height=800):
+        context = browser.new_context(viewport={"width": width, "height": height})
+        context.add_init_script(script)
+        pages.append(Seen(context.new_page(), address))
+        return pages[-1].open()
+
+    yield opened
+    for one in pages:
+        one.page.context.close()
+    assert not [fault for one in pages for fault in one.faults]

@@ -20,7 +20,7 @@ import woundon as wo
 
 __all__ = [
     "SLIP_LENGTHS", "Comparison", "GoldenCase", "build", "compare", "compare_samples", "families",
-    "golden",
+    "golden", "provenance",
 ]  # fmt: skip
 
 FOLDER = Path(__file__).parent
@@ -180,13 +180,21 @@ def families() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.json"))
 
 
+def provenance(family: str) -> dict[str, str]:
+    """Return the commit, and the versions of the packages, that solved a family."""
+    return dict(_file(family)["solved_with"])
+
+
 def golden(*names: str) -> list[GoldenCase]:
     """Return the cases of some families, of all without arguments."""
     found = []
     for family in names or families():
-        cases = json.loads((FOLDER / f"{family}.json").read_text("utf-8"))["cases"]
-        found += [GoldenCase(family, entry) for entry in cases]
+        found += [GoldenCase(family, entry) for entry in _file(family)["cases"]]
     return found
+
+
+def _file(family: str) -> Any:
+    return json.loads((FOLDER / f"{family}.json").read_text("utf-8"))
 
 
 # ---- comparison ----------------------------------------------------------------------------------

@@ -31,7 +31,8 @@ wrap_samples
     The same at angles [rad] downstream of the trailing edge of the nip.
 reference
     Values of independent programs and closed forms: output, value, tolerance (the uncertainty of
-    the value, absolute), source.
+    the value, absolute), source.  The two independent programs for nips state no errors; their
+    tolerances are the largest differences found, rounded up.
 rejected
     ``[exception, message]`` in place of all results, where version 0.2 rejects the case.
 
@@ -334,7 +335,7 @@ TABLE_1 = wo.NipProblem(
 )  # fmt: skip
 HALF_PLANE = wo.HalfPlane(radius=0.3, material=PAPER)
 INDEPENDENT = "an independent program: own graded mesh, term-by-term sums of the series"
-WRAP_PROGRAM = "a second, independent program for the web wrapped on the roll"
+WRAP_PROGRAM = "a second, independent program, with and without the web wrapped on the roll"
 
 
 def cover(thickness: float, E: float, nu: float, radius: float = 0.5, **more: Any) -> wo.Cylinder:
@@ -392,6 +393,17 @@ def plain_nips() -> Iterator[Case]:
     yield Case("Table 2, light load", TABLE_2.replace(nip_load=10.0))
     yield Case("Table 2, slack web", TABLE_2.replace(web_tension=0.0))
     yield Case("Table 2, surface winding", TABLE_2.replace(winding_force=-350.0))
+    paper = TABLE_1.replace(web_tension=300.0)
+    heavy = {"nip_load": 10e3, "winding_force": -2000.0, "web_tension": 2500.0}
+    for name, changes, rise in (
+        ("Table 1, T_in 300", {}, 135.3),
+        ("Table 1, T_in 300, F 0", {"winding_force": 0.0}, 111.9),
+        ("Table 1, F 0, mu+ 0.05", {"winding_force": 0.0, "roll_friction": 0.05}, 86.2),
+        ("Table 1, F 0, mu+ 1", {"winding_force": 0.0, "roll_friction": 1.0}, 26.2),
+        ("Table 1, heavy, taut and driven", heavy, -92.5),
+    ):
+        reference = Reference("edge_to_edge_tension_rise", rise, 0.3, WRAP_PROGRAM)
+        yield Case(name, paper.replace(**changes), (reference,))
     yield from drawn(random_nips.random_nip, range(12), "random_nips.py", "random nip")
 
 
@@ -747,15 +759,19 @@ def coupled_windings() -> Iterator[Case]:
 
 
 def rejected() -> Iterator[Case]:
-    """Yield widely sampled random cases that version 0.2 rejects or does not solve."""
-    draws = ((wide.wide_nip, 3), (wide.wide_wrapped_nip, 2), (wide.wide_rollers, 1))
-    for draw, count in draws:
-        for case in drawn(draw, range(400), "wide.py", f"wide random {draw.__name__[5:]}"):
+    """Yield widely sampled random cases that version 0.2 rejects because no contact is possible."""
+    # a wide nip and a wide wrapped nip of the same seed have the same bodies
+    draws = ((wide.wide_nip, 0, 3), (wide.wide_wrapped_nip, 20, 3), (wide.wide_rollers, 0, 2))
+    for draw, first, count in draws:
+        for case in drawn(draw, range(first, 400), "wide.py", f"wide random {draw.__name__[5:]}"):
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")
                     wo.solve(case.problem, nodes=33)
-            except (wo.InvalidProblem, wo.NotConverged):
+            except (wo.InvalidProblem, wo.NotConverged) as fault:
+                # an iteration that fails is no reason to reject the problem
+                if "stick and slip not found" in str(fault):
+                    continue
                 yield case._replace(fine={"nodes": 65}, coarse={"nodes": 33})
                 count -= 1
                 if count == 0:

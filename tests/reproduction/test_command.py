@@ -65,9 +65,9 @@ def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
     )
 
 
-def test_the_scheme_of_the_thesis_on_request(tmp_path, capsys: Capture):
-    assert cli.main(["thesis", "fig15", "--scheme", "thesis", "--out", str(tmp_path)]) == 0
-    assert "The thesis's scheme." in capsys.readouterr().out
+def test_the_procedure_of_the_thesis_on_request(tmp_path, capsys: Capture):
+    assert cli.main(["thesis", "fig15", "--solver", "thesis", "--out", str(tmp_path)]) == 0
+    assert "The thesis's procedure." in capsys.readouterr().out
     assert len((tmp_path / "fig15.csv").read_text().splitlines()) == 201  # M = 200 and the header
 
 
@@ -82,7 +82,7 @@ def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path, monkeypatch):
         return execute(self, figure)
 
     monkeypatch.setattr(ConstrainedLayoutEngine, "execute", counted)
-    (one,) = _write_module("fig5", names=("fig5",), folder=tmp_path, scheme="graded", dpi=40)
+    (one,) = _write_module("fig5", names=("fig5",), folder=tmp_path, solver="accurate", dpi=40)
     assert {path.suffix for path in one.files} == {".csv", ".md", ".png", ".svg"}
     assert len(laid_out) == 1
 
@@ -116,7 +116,7 @@ def test_all_are_summed_up(tmp_path, capsys: Capture, monkeypatch):
         (["fgi15"], "error: fgi15: unknown; did you mean 'fig15'?"),
         ([], "error: name figures or tables, or ask for --all; there are fig"),
         (["fig15", "--all"], "error: name figures or tables, or ask for --all; there are fig"),
-        (["fig15", "--scheme", "exact"], "error: Invalid value for '--scheme'"),
+        (["fig15", "--solver", "exact"], "error: Invalid value for '--solver'"),
         (["fig15", "--jobs", "0"], "error: Invalid value for '--jobs'"),
     ],
 )

@@ -38,7 +38,7 @@ SLOW = (
 )
 def test_as_many_statements_hold_as_are_known_to(module: str) -> None:
     known = known_counts()
-    for exhibit in made_by(module, "graded"):
+    for exhibit in made_by(module, "accurate"):
         failing = [v.statement for v in exhibit.verdicts if v.outcome is Outcome.FAILS]
         found = tuple(exhibit.count(outcome) for outcome in Outcome)
         assert found == known[exhibit.name], failing
@@ -65,7 +65,7 @@ def test_computing_times_are_those_that_were_measured() -> None:
     from jorkama2001.fig33 import _converging, _times
 
     times = _times()
-    first, again = (_converging("graded", times["graded"]) for _ in range(2))
+    first, again = (_converging("accurate", times["accurate"]) for _ in range(2))
     assert first.identical(again)
     assert (np.diff(times["thesis"]) > 0).all()
 
@@ -85,6 +85,6 @@ def test_a_false_statement_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None
 
     base = fig15.paper_nip
     monkeypatch.setattr(fig15, "paper_nip", lambda **c: base(roll_friction=0.5, **c))
-    for scheme in ("graded", "thesis"):
-        (made,) = fig15.exhibits(scheme)
+    for solver in ("accurate", "thesis"):
+        (made,) = fig15.exhibits(solver)
         assert made.count(Outcome.FAILS) >= 2

@@ -55,7 +55,7 @@ FITS = {
 def test_the_one_point_fit_predicts_the_other_points(modulus: str, thickness: float) -> None:
     (fit,) = (
         one
-        for one in theories("graded")
+        for one in theories("accurate")
         if [*one.fitted] == [modulus] and one.thickness == thickness
     )
     value, rms, predicted = FITS[modulus, thickness]
@@ -71,7 +71,7 @@ def test_the_one_point_fit_predicts_the_other_points(modulus: str, thickness: fl
 
 @pytest.mark.slow
 def test_a_fit_to_all_points_is_better_and_tells_nothing_apart() -> None:
-    plain = theories("graded")
+    plain = theories("accurate")
     for full in plain[-2:]:
         assert full.fit is not None
         assert sorted(full.fitted) == ["radial", "shear"]
@@ -81,8 +81,8 @@ def test_a_fit_to_all_points_is_better_and_tells_nothing_apart() -> None:
 
 
 @pytest.mark.slow
-def test_the_fit_to_all_points_is_accurate_whatever_the_scheme() -> None:
-    accurate, coarse = theories("graded"), theories("thesis")
+def test_the_fit_to_all_points_is_accurate_whatever_the_solver() -> None:
+    accurate, coarse = theories("accurate"), theories("thesis")
     for one, other in zip(accurate[:-2], coarse[:-2], strict=True):
         assert one.rms != pytest.approx(other.rms, rel=1e-3)
     assert accurate[-2:] == coarse[-2:]  # the same ones: a Theory is compared by identity

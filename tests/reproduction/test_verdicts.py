@@ -71,9 +71,9 @@ def test_data_as_csv():
     assert text == "F [N/m],x [m],z [1]\n0,1,0\n0,2,1\n-5,3,1\n"
 
 
-def two(scheme: str) -> tuple[Exhibit, ...]:
-    """Return an exhibit of which one statement fails with the accurate scheme only."""
-    value = {"graded": 5.0, "thesis": 1.0}[scheme]
+def two(solver: str) -> tuple[Exhibit, ...]:
+    """Return an exhibit of which one statement fails with the accurate solver only."""
+    value = {"accurate": 5.0, "thesis": 1.0}[solver]
     verdicts = (
         Verdict("it is small", value, high=2.0, unit="N/m", note="s_d of the nip"),
         Verdict("it is there", 1.0, 0.5),
@@ -82,13 +82,13 @@ def two(scheme: str) -> tuple[Exhibit, ...]:
     return (Exhibit("fig99", "Two", dataset("row", {"x [m]": [1.0]}), verdicts),)
 
 
-def test_where_a_statement_fails_both_schemes_are_shown(monkeypatch):
-    monkeypatch.setattr(judgement, "made_by", lambda _, scheme: two(scheme))
-    (one,) = judged("fig99", ("fig99",), "graded")
+def test_where_a_statement_fails_both_solvers_are_shown(monkeypatch):
+    monkeypatch.setattr(judgement, "made_by", lambda _, solver: two(solver))
+    (one,) = judged("fig99", ("fig99",), "accurate")
     assert one.tally == "3 statements: 1 holds, 1 does not hold, 1 cannot be tested"
     assert one.lines() == [
-        "DOES NOT HOLD: it is small: 5 N/m, asked at most 2 N/m; with the thesis's scheme 1 N/m, "
-        "holds. s_d of the nip.",
+        "DOES NOT HOLD: it is small: 5 N/m, asked at most 2 N/m; with the thesis's procedure "
+        "1 N/m, holds. s_d of the nip.",
         "holds: it is there: 1, asked at least 0.5.",
         "cannot be tested: it is blue. No colour is printed.",
     ]
@@ -98,12 +98,12 @@ def test_where_a_statement_fails_both_schemes_are_shown(monkeypatch):
     assert one.report().count("\n- ") == 3
 
 
-def test_where_all_hold_one_scheme_is_enough(monkeypatch):
+def test_where_all_hold_one_solver_is_enough(monkeypatch):
     asked: list[str] = []
 
-    def made_by(_: str, scheme: str) -> tuple[Exhibit, ...]:
-        asked.append(scheme)
-        return two(scheme)
+    def made_by(_: str, solver: str) -> tuple[Exhibit, ...]:
+        asked.append(solver)
+        return two(solver)
 
     monkeypatch.setattr(judgement, "made_by", made_by)
     (one,) = judged("fig99", ("fig99",), "thesis")
@@ -112,9 +112,9 @@ def test_where_all_hold_one_scheme_is_enough(monkeypatch):
     assert judged("fig99", (), "thesis") == []
 
 
-def test_verdicts_of_both_schemes_must_be_the_same_statements():
+def test_verdicts_of_both_solvers_must_be_the_same_statements():
     with pytest.raises(ValueError, match="shorter"):
-        Judged(two("graded")[0], "graded", two("thesis")[0].verdicts[:1]).lines()
+        Judged(two("accurate")[0], "accurate", two("thesis")[0].verdicts[:1]).lines()
 
 
 def test_the_exhibits_knows_its_figures():

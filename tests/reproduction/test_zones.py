@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from jorkama2001 import procedure
 from jorkama2001.cases import paper_nip
 from jorkama2001.zones import zone_lengths
 from woundon import solve_nip
@@ -40,6 +41,6 @@ def test_a_roll_face_that_slips_all_over():
 
 
 def test_the_thesis_took_nodes():
-    nip = solve_nip(paper_nip(), scheme="thesis", nodes=60)
+    nip = procedure.solve(paper_nip(), nodes=60)
     cells = np.array(zone_lengths(nip)) * 59
     assert cells == pytest.approx(np.floor(cells) + 0.5, abs=1e-9)  # half-way between nodes

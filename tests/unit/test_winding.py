@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -268,6 +269,22 @@ def test_a_nip_that_has_no_steady_state_is_told_with_its_radius(monkeypatch: pyt
     monkeypatch.setattr("woundon.winding.nips.solve_wrapped_nip", slack)
     with pytest.raises(wo.NoSteadyState, match=r"web_tension: at the radius 0.05066 m: 5 leaves"):
         wo.solve(CASE)
+
+
+@pytest.mark.slow
+def test_nips_whose_tension_jumps_do_not_converge(monkeypatch: pytest.MonkeyPatch):
+    """Tensions that change by 1e-4 from solve to solve cannot agree to 1e-6: no result is given."""
+    solve, count = wo.solve_wrapped_nip, itertools.count()
+
+    def jumping(*args: Any, **options: Any) -> Any:
+        result = solve(*args, **options)
+        jump = 1e-4 * result.wound_on_tension * (next(count) % 3)
+        return result.replace(extrapolation=result.extrapolation + jump)
+
+    monkeypatch.setattr("woundon.winding.nips.solve_wrapped_nip", jumping)
+    with pytest.raises(wo.NotConverged, match="nips and roll do not agree") as stop:
+        wo.solve(CASE.replace(radius=0.06), nodes=25, rtol=5e-2)
+    assert stop.value.best is not None
 
 
 def test_progress_is_told():

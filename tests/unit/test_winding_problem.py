@@ -25,7 +25,7 @@ FALLING = wo.Profile(radius=[0.05, 0.6], value=[2000.0, 400.0])
         ({"nip_load": float("nan")}, "nip_load: nan is not a finite number"),
         ({"web_tension": 0.0}, "web_tension: 0 is out of range; must be >= 1e-06"),
         ({"web_tension": wo.Taper(start=300.0, taper=1.0)},
-         "web_tension.taper: 1 is out of range; leaves 0 at the radius 0.6 [m], must be >= 1e-06"),
+         "web_tension.taper: 1 is out of range; leaves 0 [N/m] at the radius 0.6 [m], must be >="),
         ({"nip_load": wo.Profile(radius=[0.06, 0.6], value=[1e3, 1e3])},
          "nip_load.radius.0: 0.06 is out of range; must be <= core.radius = 0.05 [m], for the "),
         ({"web_tension": wo.Profile(radius=[0.05, 0.5], value=[300, 300])},

@@ -16,7 +16,7 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
-from ..io.units import MILL, alike
+from ..io.units import MILL, alike, definitions
 from ..problems.fields import Description, Family
 from ..problems.materials import MATERIALS, Material
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
@@ -54,6 +54,7 @@ def catalogue() -> dict[str, Any]:
             for name, known in MATERIALS.items()
         ],
         "units": _units(forms, told),
+        "unit_definitions": definitions(),
         "systems": {"SI": {}, "mill": MILL},
         "exhibits": [one for plugin in exhibits() for one in plugin.known()],
         "limits": LIMITS,

@@ -35,7 +35,6 @@ Panel = dict[str, Any]
 Told = Callable[[Quantity], Mapping[str, Any]]
 DIGITS = 8  # significant ones: a curve is drawn, the outputs are exact
 POINTS = 241  # of a curve that is known between its nodes too
-ABOVE = 5  # times the depth of the compression
 
 
 def panels_of(result: Result, told: Told) -> list[Panel]:
@@ -242,7 +241,7 @@ def _wound_roll_panels(result: Any) -> list[Panel]:
     shown = [
         ("pressure", "Pressure", {"floor": 0},
          _curve(result, "pressure", "", "roll", x=r, y=between["pressure"])),
-        ("hoop_stress", "Hoop stress", _cut(result),
+        ("hoop_stress", "Hoop stress", {},
          _curve(result, "hoop_stress", "", "drum", x=r, y=between["hoop_stress"])),
         ("radial_modulus", "Hardness", {"floor": 0},
          _curve(result, "radial_modulus", "", "roll", x=result.radius)),
@@ -252,8 +251,26 @@ def _wound_roll_panels(result: Any) -> list[Panel]:
                _axis(label, _quantity(result, name), **more), [line])
         for name, label, more, line in shown
     ]  # fmt: skip
+    panels[2:2] = _compression(result, r, between["hoop_stress"])
     along = _axis("Wound-on tension", wound, floor=0)
     return [*panels, _panel("tension", "radius", _axis("Radius", radius), along, [tension])]
+
+
+def _compression(result: Any, r: Array, hoop_stress: Array) -> list[Panel]:
+    """Return the panel of the hoop stress where it is compressive, enlarged.
+
+    The web has its wound-on stress at both ends of the roll, many times the compression inside.
+    """
+    (inside,) = np.nonzero(hoop_stress < 0)
+    if inside.size < 2:
+        return []
+    part = slice(inside[0], inside[-1] + 1)
+    ends = [float(r[part][0]), float(r[part][-1])]
+    along = _axis("Radius", _quantity(result, "radius"), range=ends)
+    stress = _curve(result, "hoop_stress", "", "drum", x=r[part], y=hoop_stress[part])
+    # a column of its own: its part of the radius is not that of the other panels
+    return [_panel("compression", "compression", along,
+                   _axis("Hoop stress", _quantity(result, "hoop_stress")), [stress])]  # fmt: skip
 
 
 def _winding_panels(result: Any) -> list[Panel]:
@@ -272,15 +289,9 @@ def _winding_panels(result: Any) -> list[Panel]:
     }
     loads = {"nip_load": ("nip load", "drum", "solid"),
              "winding_force": ("winding force", "web", "dashed")}  # fmt: skip
-    pressure, hoop, hardness, _ = _wound_roll_panels(result.roll)
-    return [over_radius("tension", "Tension", tensions), pressure, hoop,
+    pressure, *stresses, hardness, _ = _wound_roll_panels(result.roll)
+    return [over_radius("tension", "Tension", tensions), pressure, *stresses,
             over_radius("loads", "Nip load, winding force", loads), hardness]  # fmt: skip
-
-
-def _cut(result: Any) -> dict[str, Any]:
-    """Return where the axis of the hoop stress is cut off: at both ends it is many times higher."""
-    deepest = float(result.least_hoop_stress)
-    return {"range": [1.3 * deepest, -ABOVE * deepest]} if deepest < 0 else {}
 
 
 def _any_panels(result: Any) -> list[Panel]:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 
-__all__ = ["MILL", "alike", "factor", "is_unit", "known_units", "parse", "written"]
+__all__ = ["MILL", "alike", "definitions", "factor", "is_unit", "known_units", "parse", "written"]
 
 # one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
@@ -158,6 +158,14 @@ def _product(text: str, known: dict[str, _Unit]) -> _Unit:
 def known_units() -> tuple[str, ...]:
     """Return the names of all units that are understood."""
     return tuple(sorted(_definitions()))
+
+
+def definitions() -> dict[str, dict[str, Any]]:
+    """Return all units by name: how many SI base units each is, and the powers of these."""
+    return {
+        name: {"factor": float(unit.factor), "powers": unit.powers}
+        for name, unit in _definitions().items()
+    }
 
 
 def is_unit(text: str) -> bool:

@@ -238,8 +238,9 @@ class WindingProblem(Problem):
         if isinstance(schedule, Taper) and not wrong:
             value = float(self.curve(name).at(np.array(self.radius)))
             if not low <= value <= high:
-                text = f"{shown(schedule.taper)} is out of range; leaves {shown(value)} at the "
-                yield f"{name}.taper", f"{text}radius {self.radius:.6g} [m], {must}"
+                at = f"at the radius {self.radius:.6g} [m]"
+                text = f"{shown(schedule.taper)} is out of range; leaves {shown(value)}{unit} {at}"
+                yield f"{name}.taper", f"{text}, {must}"
 
     def _short(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
         """Yield at which end a table does not reach as far as the roll."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,12 @@ def _running(command: Any) -> Any:
         click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
         click.option("--resume", is_flag=True, help="Go on with the study that DIR holds."),
         click.option("--out", type=_PATH, required=True, metavar="DIR", help="Folder of results."),
+        click.option(
+            "--export-to",
+            type=_PATH,
+            metavar="FOLDER",
+            help="Folder of exported files and figures; by default DIR.",
+        ),
     ):
         command = option(command)
     return command
@@ -48,12 +55,12 @@ def _running(command: Any) -> Any:
 )  # fmt: skip
 def sweep(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...],
+    chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...], export_to: Path | None,
 ) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
     DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
-    on with --resume.
+    on with --resume. A complete study on a read-only medium is exported by --export-to.
     """
     from .api import study_of
     from .engine import run_study
@@ -62,7 +69,8 @@ def sweep(
     from .studyfile import load_study
 
     told = load_study(study)
-    targets = [out / f"study.{ending}" for ending in exports]
+    folder = _export_folder(out, export_to)
+    targets = [folder / f"study.{ending}" for ending in exports]
     for target in targets:
         check_export(target)
     began = time.perf_counter()
@@ -78,12 +86,22 @@ def sweep(
     seconds = time.perf_counter() - began
     for target in targets:
         export(table, target)
-    figures = [out / f"{output}.png" for output in table.outputs]
+    figures = [folder / f"{output}.png" for output in table.outputs]
     for output, figure in zip(table.outputs, figures, strict=True):
         table.plot(output, figure)
     code = _summary(table, seconds)
     _written([*targets, *figures])
     return code
+
+
+def _export_folder(out: Path, export_to: Path | None) -> Path:
+    """Return the folder of the exported files; reject one that cannot be written."""
+    if export_to is not None:
+        export_to.mkdir(parents=True, exist_ok=True)
+    elif out.is_dir() and not os.access(out, os.W_OK):
+        text = "is not writable; name a folder for the exported files, --export-to FOLDER"
+        raise InvalidProblem.at(str(out), text)
+    return export_to or out
 
 
 def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
@@ -140,7 +158,7 @@ def _written(paths: list[Path]) -> None:
 @click.option("--samples", type=int, help="Base samples, a power of 2; 256 by default.")
 def sensitivity(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    samples: int | None,
+    samples: int | None, export_to: Path | None,
 ) -> None:  # fmt: skip
     """Tell how much of each output's variance the ranges of a study file explain (Sobol indices).
 
@@ -150,6 +168,7 @@ def sensitivity(
     from .studyfile import load_study
 
     told = load_study(study, ranges=True)
+    folder = _export_folder(out, export_to)
     drawn = {k: v for k, v in told.design.items() if k in ("samples", "seed")}
     if samples is not None:
         drawn["samples"] = samples
@@ -160,7 +179,7 @@ def sensitivity(
     )  # fmt: skip
     for line in indices.lines():
         click.echo(line)
-    targets = [out / "sensitivity.nc", out / "sensitivity.png"]
+    targets = [folder / "sensitivity.nc", folder / "sensitivity.png"]
     indices.to_dataset().to_netcdf(targets[0], engine="scipy")
     indices.plot(targets[1])
     _written(targets)

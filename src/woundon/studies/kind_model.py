@@ -6,6 +6,7 @@ Problem, solver and result class are looked up in :mod:`woundon.kinds`, fields a
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -20,6 +21,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
 from ..quantities import Quantity, find, is_item, members_of, scalar_outputs, value_of, walk
 from .model import Answer
+from .sources import source_digest
 
 __all__ = [
     "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable",
@@ -191,11 +193,23 @@ class KindModel:
         plain = (str, int, float, type(None))
         return {
             "version": __version__,
+            "sources": source_digest(*self._packages()),
             "kind": self.kind.name,
             "problem": self.problem.model_dump(),
             "options": {k: v if isinstance(v, plain) else repr(v) for k, v in self.options.items()},
             "tie": dict(self.tie),
         }
+
+    def _packages(self) -> tuple[str, ...]:
+        """Return the names of this package and of those that a kind of a plug-in comes from."""
+        code = (self.kind.problem, self.kind.solver, self.kind.result)
+        roots = {part.__module__.partition(".")[0] for part in code}
+        own = __name__.partition(".")[0]
+        return own, *sorted(name for name in roots - {own} if _is_package(name))
+
+
+def _is_package(name: str) -> bool:
+    return hasattr(sys.modules.get(name), "__path__")
 
 
 def model_of(

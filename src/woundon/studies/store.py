@@ -38,6 +38,7 @@ __all__ = ["Store", "opened", "write_parquet"]
 FORMAT = "woundon-study"
 SCHEMA = 2
 LARGEST = 1_000_000_000  # bytes of a manifest or part; usually some thousands
+PROGRAM = {"version", "sources"}  # what a study records of the program that solves it
 GOES_ON = "what is written stays valid, resume goes on from there"
 
 
@@ -70,6 +71,9 @@ def opened(
     """
     store = Store(Path(folder), design, chunks, outputs, record)
     store.check(resume)  # before anything is written to it
+    if resume and store.is_complete():
+        yield store  # nothing is written, since the folder may be on a read-only medium
+        return
     store.folder.mkdir(parents=True, exist_ok=True)
     with locked(store.folder) as died:
         store.check(resume)  # another process may have been faster
@@ -126,6 +130,12 @@ class Store:
             here = json.loads(json.dumps(self.study))
             differs = [name for name in here if there.get(name) != here[name]]
             text = f"holds another study than this: {', '.join(differs)} differs"
+            if set(differs) <= PROGRAM:
+                text = (
+                    f"was solved by another program: {_program(there)}, this is "
+                    f"{_program(here)}; the numbers of two programs are not mixed: solve the "
+                    "study in another folder, or resume it by the program that began it"
+                )
             raise InvalidProblem.at(where, text)
 
     def _used(self) -> bool:
@@ -135,6 +145,22 @@ class Store:
             path.name not in own and not path.name.startswith((".manifest.json.", ".owner.json."))
             for path in self.folder.iterdir()
         )
+
+    def is_complete(self) -> bool:
+        """Find the parts; return whether all are intact and nothing needs to be written.
+
+        What an interrupted process left behind needs to be cleared away if the folder is writable.
+        """
+        found = {self._number(path): path for path in self._found() if self._is_own(path)}
+        if len(found) < len(self.chunks):
+            return False
+        folders = (self.folder, self.parts)
+        left = [path for folder in folders for path in folder.glob(".*") if path.name != HIDDEN[0]]
+        tidy = not left and len(self._found()) == len(found) and _read_manifest(self.manifest)
+        if not tidy and all(os.access(folder, os.W_OK) for folder in folders):
+            return False
+        self.kept = found
+        return True
 
     def prepare(self) -> None:
         """Write the manifest, find the parts that count, and set the others aside."""
@@ -277,6 +303,10 @@ def _faults_of(path: Path) -> Iterator[None]:
         if "interrupted" in str(fault):  # it answers Ctrl-C by this
             raise KeyboardInterrupt from None
         raise
+
+
+def _program(study: Mapping[str, Any]) -> str:
+    return f"woundon {study.get('version')} with sources {study.get('sources', 'not recorded')}"
 
 
 def _digest(study: Mapping[str, Any]) -> str:

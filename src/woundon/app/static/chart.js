@@ -2,7 +2,7 @@
 /* global uPlot */
 import { html, useEffect, useLayoutEffect, useRef } from "./html.js";
 import { Symbol } from "./symbols.js";
-import { digits } from "./units.js";
+import { digits, niceTicks } from "./units.js";
 
 const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
 const LEFT = 58;
@@ -158,6 +158,14 @@ class Chart {
       ticks: { stroke: line, width: 1, size: 4 }, ...more,
     });
     const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : digits(tick, 6)));
+    const logarithmic = panel.x.log ? {
+      splits: (plot, _, min, max) => logTicks(min, max, plot.bbox.width / devicePixelRatio).ticks,
+      filter: (plot, ticks) => ticks,
+      values: (plot, ticks) => {
+        const { labelled } = logTicks(plot.scales.x.min, plot.scales.x.max, plot.bbox.width / devicePixelRatio);
+        return ticks.map((tick) => (labelled.has(tick) ? digits(tick, 6) : ""));
+      },
+    } : {};
     const { units } = this;
     const label = (told) => units.label(told.label, told.quantity);
     const floor = panel.y.floor;
@@ -176,7 +184,7 @@ class Chart {
       },
       axes: [
         axis({ label: panel.strips ? undefined : label(panel.x), size: panel.strips ? 4 : 28, show: !panel.strips, values,
-          grid: { show: !panel.strips, stroke: line, width: 1 } }),
+          grid: { show: !panel.strips, stroke: line, width: 1 }, ...logarithmic }),
         rows
           ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
             ticks: { show: false }, stroke: ink,
@@ -209,8 +217,6 @@ class Chart {
   tall(min, max, floor) {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
-    const cut = this.cases.map((one) => one.panel.y.range).filter(Boolean);
-    if (cut.length) return [Math.min(...cut.map(([end]) => end)), Math.max(...cut.map(([, end]) => end))].map((end) => end / factor);
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
       for (const area of panel.areas ?? []) {
@@ -263,7 +269,8 @@ class Chart {
       const lines = (panel.marks ?? []).map((mark) => ({ ...mark, at: plot.valToPos(
         mark.value / this.units.of(mark.along === "x" ? panel.y.quantity : panel.x.quantity).factor, scaleOf[mark.along], true) }));
       if (zero > bbox.top && zero < bbox.top + bbox.height - 1) lines.push({ along: "x", at: zero, plain: true });
-      for (const { along, at, label, plain } of lines) {
+      const [low, high] = [{ x: bbox.top, y: bbox.left }, { x: bbox.top + bbox.height, y: bbox.left + bbox.width }];
+      for (const { along, at, label, plain } of lines.filter((one) => one.at >= low[one.along] && one.at <= high[one.along])) {
         ctx.strokeStyle = ctx.fillStyle = colours().soft;
         ctx.textAlign = "left";
         ctx.textBaseline = "alphabetic";
@@ -384,6 +391,29 @@ function nearest(values, x, index) {
   if (below < 0) return above < values.length ? above : null;
   if (above >= values.length) return below;
   return x[index] - x[below] <= x[above] - x[index] ? below : above;
+}
+
+const DIGITS = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+const FEW = [1, 2, 5];
+const LABEL = 44; // [px] from one label to the next
+
+/** Ticks of a logarithmic axis, and those of them that have room for a label. */
+function logTicks(min, max, width) {
+  const decades = Math.log10(max / min);
+  const room = width / decades; // of a decade
+  const powers = [];
+  for (let power = Math.floor(Math.log10(min)); power <= Math.log10(max); power++) powers.push(power);
+  const inside = (numbers, of) => of.flatMap((power) => numbers.map((digit) => Number(`${digit}e${power}`))).filter((tick) => tick >= min && tick <= max);
+  if (decades < 1) { // as on a linear axis, as many as have room
+    const apart = (ticks) => ticks.length > 1 && ticks.slice(1).every((tick, k) => room * Math.log10(tick / ticks[k]) > LABEL);
+    const ticks = [8, 6, 4, 3, 2].map((count) => niceTicks(min, max, count)).find(apart) ?? inside(FEW, powers);
+    return { ticks, labelled: new Set(ticks) };
+  }
+  const every = Math.max(1, Math.ceil(LABEL / room));
+  return {
+    ticks: inside(DIGITS, powers),
+    labelled: new Set(inside(room > 4 * LABEL ? FEW : [1], powers.filter((power) => power % every === 0))),
+  };
 }
 
 function padded(min, max) {

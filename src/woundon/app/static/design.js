@@ -37,7 +37,7 @@ export function Design({ store }) {
       try {
         setFound({ told: await api.design(tables, pressure, signal), asked });
       } catch (fault) {
-        if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault: fault.message }));
+        if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault: store.textOf(fault) }));
       }
     });
   }, [open, asked]);

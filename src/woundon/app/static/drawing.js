@@ -4,6 +4,7 @@ import { T } from "./texts.js";
 import { digits } from "./units.js";
 
 const WHOLE = { width: 190, height: 330 };
+const NAMES = 38; // height above the upper and below the lower body for their names and radii
 const LENS = { width: 270, height: 330 };
 
 /** Hatches of the zones and of rigid bodies, by pattern as well as by colour. */
@@ -33,9 +34,9 @@ function Whole({ result, geometry, size }) {
   const wide = Math.max(upper.radius, lower?.radius ?? 0) * 1.12;
   const top = -2 * upper.radius;
   const bottom = 2 * (lower?.radius ?? 0);
-  const scale = Math.min((WHOLE.width - 24) / (2 * wide), (WHOLE.height - 36) / (bottom - top));
+  const scale = Math.min((WHOLE.width - 24) / (2 * wide), (WHOLE.height - NAMES * (lower ? 2 : 1)) / (bottom - top));
   const x = (value) => WHOLE.width / 2 + value * scale;
-  const y = (value) => 18 + (value - top) * scale;
+  const y = (value) => NAMES + (value - top) * scale;
   const words = T.drawing.whole(T.bodies[upper.name] ?? upper.name, size(upper.radius),
     lower && (T.bodies[lower.name] ?? lower.name), lower && size(lower.radius));
   return html`<svg class="scaled" viewBox=${`0 0 ${WHOLE.width} ${WHOLE.height}`} role="img" aria-label=${words}>
@@ -55,14 +56,15 @@ function Body({ body, cx, cy, scale, side, size, up }) {
   const core = body.rigid || body.deep ? 0 : Math.max(radius, 0);
   if (!rings.length) rings.push(body.radius);
   const label = T.bodies[body.name] ?? body.name;
-  const middle = cy + (core && core * scale > 34 ? 0 : (up ? -1 : 1) * Math.min(body.radius * scale * 0.5, 200));
+  const edge = cy + (up ? -1 : 1) * body.radius * scale;
+  const base = up ? edge - 22 : edge + 19; // outside the body: inside are hatches and arrows
   return html`<g>
     ${rings.map((ring, k) => html`<circle cx=${cx} cy=${cy} r=${Math.max(ring * scale - (k ? 0.8 : 0), 0.5)}
       class=${`body ${side} layer${k % 3}${body.rigid ? " rigid" : ""}`} />`)}
     ${core > 0 && html`<circle cx=${cx} cy=${cy} r=${core * scale} class=${`core ${body.core ?? ""}`} />`}
     <path d=${`M${cx - 4} ${cy}h8M${cx} ${cy - 4}v8`} class="centre" />
-    <text x=${cx} y=${middle - 2} class="name">${label}</text>
-    <text x=${cx} y=${middle + 12} class="told">R ${size(body.radius)}${body.rigid ? `, ${T.drawing.rigid}` : ""}</text>
+    <text x=${cx} y=${base} class="name">${label}</text>
+    <text x=${cx} y=${base + 14} class="told">R ${size(body.radius)}${body.rigid ? `, ${T.drawing.rigid}` : ""}</text>
   </g>`;
 }
 
@@ -75,7 +77,8 @@ function WebPath({ geometry, result, x, y, scale }) {
     x(body.radius * Math.sin(angle)), y(sign * body.radius * (1 - Math.cos(angle))),
   ];
   const [ax, ay] = on(drum, 1, -before);
-  const away = Math.min(WHOLE.width, 160);
+  // it ends where the name of the drum begins
+  const away = Math.min(160, before > 0 && before < Math.PI ? (y(2 * drum.radius) + 4 - ay) / Math.sin(before) : 160);
   const from = [ax - away * Math.cos(before), ay + away * Math.sin(before)];
   const path = [`M${from}L${ax} ${ay}`];
   if (before) path.push(`A${drum.radius * scale} ${drum.radius * scale} 0 ${before > Math.PI ? 1 : 0} 1 ${on(drum, 1, 0)}`);

@@ -25,7 +25,7 @@ function Group({ store, group: { name, title, fields }, open }) {
   return useMemo(() => html`<details class="group" open=${open} data-group=${name}>
       <summary>${title.charAt(0).toUpperCase() + title.slice(1)}</summary>
       <div class="fields">${fields.map((field) => html`<${Field} key=${field.name} ...${{ store, field, path: field.name, lone: fields.length === 1 }} />`)}</div>
-    </details>`, [units, state.faults, ...fields.map((field) => state.case[field.name])]);
+    </details>`, [units, state.faults, state.misread, ...fields.map((field) => state.case[field.name])]);
 }
 
 function Field(props) {
@@ -39,10 +39,6 @@ function Field(props) {
 
 function Fault({ path, text }) {
   return text ? html`<p class="fault" id=${`${idOf(path)}-fault`} role="alert">${text}</p>` : null;
-}
-
-function faultAt(store, path) {
-  return store.state.faults[path] ?? "";
 }
 
 /** The limits in the units that are shown. */
@@ -60,6 +56,13 @@ function within(field, value) {
 
 // ---- a number ----
 
+/** The error of a text that has no value, kept by the store: results then belong to an earlier text. */
+function useMisread(store, path) {
+  const setFault = (fault) => store.misread(path, fault);
+  useEffect(() => () => setFault(""), [path]);
+  return [store.state.misread[path] ?? "", setFault];
+}
+
 function plain(value) {
   if (value == null) return "";
   const number = Number(value.toPrecision(6));
@@ -70,18 +73,17 @@ function NumberField({ store, field, path }) {
   const { units, state } = store;
   const value = at(state.case, path);
   const [typed, setTyped] = useState(null);
-  const [fault, setFault] = useState("");
+  const [fault, setFault] = useMisread(store, path);
   useEffect(() => { setTyped((old) => (document.activeElement?.id === idOf(path) ? old : null)); setFault(""); }, [value, units.name]);
   const unit = units.text(field);
   const start = at(store.kind.example, path);
-  const told = fault || faultAt(store, path);
+  const told = store.faultAt(path);
 
   const take = (text) => {
     setTyped(text);
     if (text.trim() === "" && field.optional) { setFault(""); store.change(path, undefined); return; }
-    const number = parsed(text);
-    if (Number.isNaN(number)) return setFault(T.form.notNumber(text, limitsText(units, field)));
-    const si = units.si(field, number);
+    const { value: si, fault: wrong } = units.read(field, text, limitsText(units, field));
+    if (wrong) return setFault(wrong);
     if (!within(field, si)) return setFault(T.form.outOfRange(text, limitsText(units, field)));
     setFault("");
     store.change(path, si, { moving: true });
@@ -89,7 +91,7 @@ function NumberField({ store, field, path }) {
   const leave = () => { if (!fault) setTyped(null); store.moving = false; };
   const reset = () => { setTyped(null); setFault(""); store.change(path, start); };
   const known = start !== undefined || field.optional; // something to go back to
-  const differs = known && (fault || faultAt(store, path) || value !== start);
+  const differs = known && (told || value !== start);
 
   return html`<div class=${`field number${told ? " wrong" : ""}`} data-path=${path}>
     <label for=${idOf(path)}>${field.label} <span class="symbol"><${Symbol} of=${field.symbol} /></span></label>
@@ -132,7 +134,7 @@ function Choice({ store, field, path }) {
     <select id=${idOf(path)} value=${value} onChange=${(event) => store.change(path, event.target.value)}>
       ${field.choices.map((word) => html`<option value=${word} selected=${word === value}>${word}</option>`)}
     </select>
-    <${Fault} path=${path} text=${faultAt(store, path)} />
+    <${Fault} path=${path} text=${store.faultAt(path)} />
   </div>`;
 }
 
@@ -142,19 +144,19 @@ function Numbers({ store, field, path }) {
   const pairs = field.type === "pairs";
   const value = at(state.case, path);
   const [typed, setTyped] = useState(null);
-  const [fault, setFault] = useState("");
+  const [fault, setFault] = useMisread(store, path);
   const factor = pairs ? 1 : units.of(field).factor;
   const written = () => (value ?? []).map((row) => (pairs ? row.map(plain).join("  ") : plain(row / factor))).join("\n");
   const take = (text) => {
     setTyped(text);
-    const rows = text.split("\n").filter((row) => row.trim()).map((row) => row.trim().split(/[\s,;]+/).map(parsed));
-    const wrong = rows.flat().some(Number.isNaN) || rows.some((row) => (pairs ? row.length !== 2 : row.length !== 1));
+    const rows = text.split("\n").filter((row) => row.trim());
+    const list = pairs ? rows.map((row) => row.trim().split(/[\s,;]+/).map(parsed)) : rows.map((row) => units.read(field, row, limitsText(units, field)).value);
+    const wrong = pairs ? list.some((row) => row.length !== 2 || row.some(Number.isNaN)) : list.includes(undefined);
     if (wrong) return setFault(pairs ? T.form.pairs : T.form.numbers);
     setFault("");
-    const list = pairs ? rows : rows.map(([number]) => units.si(field, number));
     store.change(path, list.length || !field.optional ? list : undefined);
   };
-  const told = fault || faultAt(store, path);
+  const told = store.faultAt(path);
   return html`<div class=${`field list${told ? " wrong" : ""}`} data-path=${path}>
     <label for=${idOf(path)}>${field.label || field.name} <span class="symbol"><${Symbol} of=${field.symbol || ""} /></span>
       <span class="unit">${pairs || !units.text(field) ? "" : ` [${units.text(field)}]`}</span></label>
@@ -210,7 +212,7 @@ function Member({ store, field, path, lone, holder }) {
     ${source && html`<p class="source">${source}</p>`}
     ${isNumber && html`<${NumberField} ...${{ store, path, field: { ...field, optional: false } }} />`}
     ${inner.map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${one.name}`, field: held(one, field), holder: field }} />`)}
-    <${Fault} path=${path} text=${isNumber ? "" : faultAt(store, path)} />`;
+    <${Fault} path=${path} text=${isNumber ? "" : store.faultAt(path)} />`;
   return lone ? html`<div class="member" data-path=${path}>${body}</div>`
     : html`<fieldset class="member" data-path=${path}>${!choices && html`<legend>${label}</legend>`}${body}</fieldset>`;
 }
@@ -252,6 +254,6 @@ function Members({ store, field, path }) {
       </fieldset>`;
     })}
     <button type="button" class="add" disabled=${items.length >= most} onClick=${add}>${T.form.add(title)}</button>
-    <${Fault} path=${path} text=${faultAt(store, path)} />
+    <${Fault} path=${path} text=${store.faultAt(path)} />
   </div>`;
 }

@@ -5,7 +5,7 @@ import { Patterns } from "./drawing.js";
 import { Menu, restore } from "./exchange.js";
 import { Form } from "./form.js";
 import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
-import { Bracket, Differences, Numbers, Panels, Pins, Sections, Verdict } from "./results.js";
+import { Bracket, Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
 import { Store, useStore } from "./store.js";
 import { Study } from "./study.js";
 import { T } from "./texts.js";
@@ -39,7 +39,7 @@ function Page({ store }) {
   }, [store]);
   const views = { case: Case, study: Study, winding: Winding, thesis: Thesis };
   // while a slider moves, the form does not wait for the answer, nor the answer for the form
-  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.faults, state.system]);
+  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.faults, state.misread, state.system]);
   return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>
     <${Patterns} />
     <${Header} store=${store} />
@@ -94,10 +94,10 @@ function Tabs({ store }) {
 }
 
 function Case({ store }) {
-  const { kind, result, solved, problem, faults, unreachable, extras, pins, tables, system, theme, scheme } = store.state;
+  const { kind, result, solved, problem, faults, misread, unreachable, extras, pins, tables, system, theme, scheme } = store.state;
   const stale = Object.keys(extras).filter((name) => store.extra(name).stale).join();
   return useMemo(() => {
-    if (!result || result.kind !== kind) return html`<p class="quiet">${problem || T.results.busy}</p>`;
+    if (!result || result.kind !== kind) return html`<${Pending} store=${store} />`;
     return html`<${Verdict} store=${store} />
       <${Numbers} store=${store} />
       <${Bracket} store=${store} />
@@ -107,7 +107,7 @@ function Case({ store }) {
       <p class="quiet hint">${T.panels.hint}</p>
       <${Differences} store=${store} />
       <${Sections} store=${store} />`;
-  }, [kind, result, solved, problem, faults, unreachable, extras, stale, pins, tables, system, theme, scheme]);
+  }, [kind, result, solved, problem, faults, misread, unreachable, extras, stale, pins, tables, system, theme, scheme]);
 }
 
 async function begin() {

@@ -2,12 +2,12 @@
 import { html, useLayoutEffect, useRef, useState } from "./html.js";
 import { fewer } from "./schedules.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, niceTicks } from "./units.js";
 
 export const LENGTH = { unit: "m", shown_unit: "mm" };
 const MOST_POINTS = 40; // that can be told apart to be dragged
-const WIDE = { width: 860, height: 190, left: 58, right: 16, top: 12, bottom: 40 };
-const NARROW = { ...WIDE, width: 400, height: 220 }; // of a phone, where its texts would be too small
+const WIDE = { width: 860, height: 206, left: 58, right: 16, top: 28, bottom: 40 };
+const NARROW = { ...WIDE, width: 400, height: 236 }; // of a phone, where its texts would be too small
 
 /** Points (radius, value) that are dragged, or moved with the arrow keys. */
 export function Points({ store, quantity, points, ends, put, name, own = true, usual = 0, least = 0, rest = () => {} }) {
@@ -48,17 +48,17 @@ export function Points({ store, quantity, points, ends, put, name, own = true, u
     const middle = [0, 1].map((i) => (points[k][i] + points[k + 1][i]) / 2);
     put([...points.slice(0, k + 1), middle, ...points.slice(k + 1)]);
   };
-  const ticks = nice(units.shown(quantity, top));
-  const radii = nice(units.shown(LENGTH, ends[1])).filter((tick) => tick >= units.shown(LENGTH, ends[0]));
+  const ticks = niceTicks(0, units.shown(quantity, top));
+  const radii = niceTicks(...ends.map((end) => units.shown(LENGTH, end)));
   useLayoutEffect(() => { if (drag.current != null && drag.current >= points.length) drag.current = null; });
   const fixed = points.length > MOST_POINTS;
   return html`<p class="quiet">${fixed ? T.winding.many(points.length) : T.winding.drag}</p>
     <svg ref=${svg} class="schedule-plot" viewBox=${`0 0 ${BOX.width} ${BOX.height}`} role="group" aria-label=${name}
         onPointerMove=${move} onPointerUp=${up} onPointerCancel=${up}>
-      ${ticks.map((tick) => html`<g key=${tick}><path d=${`M${BOX.left} ${y(units.si(quantity, tick))}H${BOX.width - BOX.right}`} class="grid-line" /><text x=${BOX.left - 6} y=${y(units.si(quantity, tick)) + 4} class="end">${digits(tick, 4)}</text></g>`)}
+      ${ticks.map((tick) => html`<g key=${tick}><path d=${`M${BOX.left} ${y(units.si(quantity, tick))}H${BOX.width - BOX.right}`} class="grid-line" /><text x=${BOX.left - 12} y=${y(units.si(quantity, tick)) + 4} class="end">${digits(tick, 4)}</text></g>`)}
       ${radii.map((tick) => html`<text key=${tick} x=${x(units.si(LENGTH, tick))} y=${BOX.height - BOX.bottom + 16}>${digits(tick, 4)}</text>`)}
       <text x=${(BOX.left + BOX.width - BOX.right) / 2} y=${BOX.height - 6} class="name">${units.label(T.winding.radius, LENGTH)}</text>
-      <text transform=${`translate(14 ${(BOX.height - BOX.bottom + BOX.top) / 2}) rotate(-90)`} class="name">[${units.text(quantity)}]</text>
+      <text x="4" y="13" class="name start">${units.label(quantity.label, quantity)}</text>
       <path d=${`M${points.map(([r, v]) => `${x(r)} ${y(v)}`).join("L")}`} class=${`schedule-line${own ? "" : " other"}`} />
       ${!fixed && points.map(([r, v], k) => html`<circle key=${k} cx=${x(r)} cy=${y(v)} r="7" class="knob" tabindex="0" role="slider" aria-valuenow=${Number(units.shown(quantity, v).toPrecision(4))}
         aria-valuemin="0" aria-valuemax=${Number(units.shown(quantity, top).toPrecision(4))} aria-valuetext=${T.winding.point(k + 1, `${digits(units.shown(LENGTH, r), 4)} ${units.text(LENGTH)}`, `${digits(units.shown(quantity, v), 4)} ${units.text(quantity)}`)}
@@ -66,12 +66,4 @@ export function Points({ store, quantity, points, ends, put, name, own = true, u
     </svg>
     ${fixed ? html`<button type="button" onClick=${() => put(fewer(points, ends))}>${T.winding.fewer}</button>`
     : html`<button type="button" onClick=${add} disabled=${points.length >= MOST_POINTS}>${T.winding.add}</button>`}`;
-}
-
-/** Round numbers from 0 to an end. */
-function nice(end) {
-  const raw = end / 5;
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((n) => n * power).find((one) => one >= raw);
-  return Array.from({ length: Math.floor(end / step) + 1 }, (_, k) => k * step);
 }

@@ -8,6 +8,7 @@ import { T } from "./texts.js";
 import { digits } from "./units.js";
 
 const BARS = 9;
+const ERRORS = 3; // that are listed
 const ROWS = 33; // of a table of a panel
 
 // ---- numbers ----
@@ -58,16 +59,27 @@ export function Numbers({ store }) {
   </section>`;
 }
 
-/** Certificate and warnings; what is at fault while the last good picture stays. */
+/** The errors of the case, and whose results are shown. */
+function Errors({ store, consequence }) {
+  const { unreachable } = store.state;
+  const errors = unreachable ? [{ label: "", text: T.unreachable }] : store.errors.slice(0, ERRORS);
+  return html`<div class="notice wrong" role="alert">${errors.map(({ label, text }) => html`<p>${label && html`<b>${label}: </b>`}${text}</p>`)}<p>${consequence}</p></div>`;
+}
+
+/** In place of results that the case does not have: its errors, or the progress of the solver. */
+export function Pending({ store }) {
+  return store.errors.length ? html`<${Errors} store=${store} consequence=${T.results.none} />` : html`<p class="quiet">${T.results.busy}</p>`;
+}
+
+/** Certificate and warnings; if the case has errors, those of the last valid case, marked as such. */
 export function Verdict({ store }) {
-  const { result, problem, faults, unreachable } = store.state;
-  const { certificate, warnings } = result;
-  const wrong = problem || Object.keys(faults).length > 0;
+  const { certificate, warnings } = store.state.result;
+  const wrong = store.errors.length > 0;
+  const [style, mark] = wrong ? ["earlier", "–"] : certificate.ok ? ["good", "✓"] : ["bad", "✗"];
   return html`<${Fragment}>
-    ${wrong && html`<div class="notice wrong" role="alert"><b>${unreachable ? T.unreachable : problem}</b>
-      ${!problem && !unreachable && Object.values(faults).slice(0, 3).map((text) => html`<span>${text}</span>`)} <span>${T.results.shown}</span></div>`}
-    <details class=${`certificate ${certificate.ok ? "good" : "bad"}`}>
-      <summary><span class="mark" aria-hidden="true">${certificate.ok ? "✓" : "✗"}</span> ${certificate.text}</summary>
+    ${wrong && html`<${Errors} store=${store} consequence=${T.results.shown} />`}
+    <details class=${`certificate ${style}`}>
+      <summary><span class="mark" aria-hidden="true">${mark}</span> ${wrong && `${T.results.earlier} `}${certificate.text}</summary>
       <table><caption>${T.results.laws}</caption><thead><tr><th scope="col">${T.results.law}</th><th scope="col">${T.results.violation}</th></tr></thead>
         <tbody>${Object.entries(certificate.laws).map(([law, value]) => html`<tr><th scope="row">${law.replaceAll("_", " ")}</th>
           <td>${value == null ? "–" : value.toExponential(1)}</td></tr>`)}</tbody></table>

@@ -2,7 +2,7 @@
 import * as api from "./api.js";
 import { changed, fieldsOf, held, memberOf, same } from "./cases.js";
 import { useEffect, useState } from "./html.js";
-import { Units } from "./units.js";
+import { Units, usual } from "./units.js";
 
 const PINS = 4;
 const REST = 220; // [ms] without a change: then what is slower is asked for
@@ -18,7 +18,7 @@ export class Store {
     const first = catalogue.kinds.find((kind) => kind.name === "wrapped_nip") ?? catalogue.kinds[0];
     this.state = {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
-      tab: "case", past: [], future: [], faults: NO_FAULTS, problem: "",
+      tab: "case", past: [], future: [], faults: NO_FAULTS, misread: NO_FAULTS, problem: "",
       result: null, solved: null, extras: {}, busy: false, rough: false, pins: [], tables: false,
       others: {}, study: null, message: "",
     };
@@ -66,6 +66,40 @@ export class Store {
       fields = member ? fieldsOf(catalogue, member.form) : [];
     }
     return holder;
+  }
+
+  // ---- errors ----
+
+  /** Set the error of a text that was typed into a field and has no value; "" clears it. */
+  misread(path, fault) {
+    const { [path]: before = "", ...others } = this.state.misread;
+    if (before !== fault) this.set({ misread: fault ? { ...others, [path]: fault } : others });
+  }
+
+  /** The error of a field, or of an item of its list, in the units that are shown. */
+  faultAt(path) {
+    const { faults, misread } = this.state;
+    if (misread[path]) return misread[path];
+    const found = Object.keys(faults).find((one) => one === path || (one.startsWith(`${path}.`) && /^\d+$/.test(one.slice(path.length + 1))));
+    return found ? this.messageOf(found, faults[found]) : "";
+  }
+
+  /** The server's message about a field in the units that are shown. */
+  messageOf(path, { message, unit }) {
+    return this.units.message(message, this.fieldAt(path) ?? (unit ? usual(unit) : null));
+  }
+
+  /** A refusal of the server in the units that are shown. */
+  textOf(fault) {
+    return fault.errors.map(({ field, message, unit }) => `${field && `${field}: `}${this.messageOf(field, { message, unit })}`).join("\n") || fault.message;
+  }
+
+  /** All errors of the case: {label, text}. */
+  get errors() {
+    const { faults, misread, problem } = this.state;
+    const known = [...Object.entries(faults).map(([path, fault]) => [path, this.messageOf(path, fault)]), ...Object.entries(misread)];
+    return [...(problem ? [{ label: "", text: problem }] : []),
+      ...known.map(([path, text]) => ({ label: this.fieldAt(path)?.label || path, text }))];
   }
 
   // ---- the case ----
@@ -158,9 +192,9 @@ export class Store {
   refused(fault) {
     const faults = {};
     const left = [];
-    for (const { field, message } of fault.errors) {
-      if (field) faults[field] = message;
-      else left.push(message);
+    for (const { field, message, unit } of fault.errors) {
+      if (field) faults[field] = { message, unit };
+      else left.push(this.units.message(message));
     }
     if (!fault.errors.length) left.push(fault.message);
     this.set({ faults, problem: left.join("\n"), unreachable: fault.status === 0, busy: false, rough: false });

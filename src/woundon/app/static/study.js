@@ -5,7 +5,7 @@ import { OnePanel } from "./results.js";
 import { html, useEffect, useLayoutEffect, useRef, useState } from "./html.js";
 import { symbolText } from "./symbols.js";
 import { T } from "./texts.js";
-import { digits, parsed } from "./units.js";
+import { digits } from "./units.js";
 
 /** All numbers of the case that may be varied, with their fields. */
 function variables(store) {
@@ -78,7 +78,7 @@ export function Study({ store }) {
       }, signal);
     } catch (fault) {
       if (fault.name === "AbortError") put({ running: false, text: T.study.cancelled });
-      else put({ running: false, fault: fault.message });
+      else put({ running: false, fault: store.textOf(fault) });
     }
     if (told.running) put({ running: false });
   };
@@ -111,7 +111,7 @@ function Axis({ store, name, label, fields, chosen, labelled, optional, ends, co
   const { units } = store;
   const box = (k, words) => html`<label class="stacked small">${words} ${chosen ? units.text(chosen.field) && `[${units.text(chosen.field)}]` : ""}<input type="text" inputmode="decimal" id=${`study-${name}-${k}`}
     value=${chosen ? Number(units.shown(chosen.field, ends[k]).toPrecision(6)) : ""} disabled=${!chosen}
-    onChange=${(event) => { const value = parsed(event.target.value); const next = [...ends]; next[k] = Number.isNaN(value) ? NaN : units.si(chosen.field, value); setEnds(next); }} /></label>`;
+    onChange=${(event) => { const next = [...ends]; next[k] = units.read(chosen.field, event.target.value).value ?? NaN; setEnds(next); }} /></label>`;
   const wrong = chosen && !(Number.isFinite(ends[0]) && Number.isFinite(ends[1]) && ends[0] !== ends[1]);
   return html`<div class="axis-row">
     <label class="stacked">${label}<select id=${`study-${name}`} value=${chosen?.path ?? ""} onChange=${(event) => pick(event.target.value)}>

@@ -37,10 +37,13 @@ export const T = {
     item: (title, k, of, ordered) => `${title} ${k}${!ordered ? "" : k === 1 ? ", outermost" : k === of ? ", innermost" : ""}`,
     outward: (title, k) => `Move ${title.toLowerCase()} ${k} outward`, drop: (title, k) => `Remove ${title.toLowerCase()} ${k}`,
     notNumber: (text, range) => `must be a number, got '${text}'; admissible: ${range}`,
+    unknownUnit: (unit, due) => `unknown unit '${unit}'; must be a number${due ? ` in ${due}, or with a unit, e.g. '5 ${due}'` : ""}`,
+    wrongDimension: (unit, due) => `'${unit}' is the unit of another quantity; must be ${due ? `a number in ${due}, or in a unit of the same dimension` : "a plain number"}`,
     outOfRange: (text, range) => `${text} is out of range; must be ${range}`,
   },
   results: {
-    name: "Results", numbers: "Main results", busy: "solving", shown: "The last good picture is shown.",
+    name: "Results", numbers: "Main results", busy: "solving", shown: "The results of the last valid case are shown.", earlier: "Last valid case.",
+    none: "This case has no results.",
     laws: "Laws and their largest violations", law: "law", violation: "violation", report: "All results, brackets and other theories",
     warnings: "Where the case leaves the model", error: "estimated error",
     value: "value", unit: "unit",
@@ -53,7 +56,7 @@ export const T = {
   panels: {
     tractions: "Tangential tractions and friction bounds", slips: "Slip and web tension in the nip", zones: "Zones",
     pressure: "Pressure", wrap_tension: "Web tension behind the nip", wrap_pressure: "Pressure behind the nip",
-    hoop_stress: "Hoop stress", radial_modulus: "Hardness", tension: "Tension over the radius", loads: "Nip load and winding force", slip: "Slip",
+    hoop_stress: "Hoop stress", compression: "Hoop stress where it is compressive", radial_modulus: "Hardness", tension: "Tension over the radius", loads: "Nip load and winding force", slip: "Slip",
     curve: (output, field) => `${output} against ${field}`, tensions: "Tension", bars: "What the answer depends on",
     barsOf: (output) => `Change of ${output} in % for 1 % more of`,
     describe: (title, lines) => `${title}: ${lines}. Arrow keys read values, plus and minus zoom, 0 shows all.`,

@@ -1,11 +1,28 @@
 // Numbers are SI everywhere; here they become what people see, and back.
+import { T } from "./texts.js";
 
 const SPELT = { um: "µm", deg: "°", "kg/m^3": "kg/m³", "kg/m^2": "kg/m²", "m/s^2": "m/s²" };
+
+// The grammar of "66 um" and "20 lbf/in", as on the command line
+const NAME = "[A-Za-zµμ%°]+";
+const TERM = `${NAME}(?:(?:\\*\\*|\\^)?-?\\d|[²³])?`;
+const UNIT = new RegExp(`^(?:1/[Ks]|${TERM}(?:(?:\\s*[*/·]\\s*|\\s+)${TERM})*)$`);
+const FACTOR = new RegExp(`([*/·]?)\\s*(${NAME})((?:(?:\\*\\*|\\^)?-?\\d|[²³])?)`, "g");
+const QUANTITY = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,3})?)\s*(.*)$/i;
+// Messages: the number that they begin with, and numbers that are neither a factor or divisor
+// ("0.5 * radius") nor a part of a name ("E0")
+const LEADING = /^(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?= )|)(.*)$/s;
+const NUMBERS = /(?<![*/]\s*)(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*\s*[*/])(?!\w)/g;
+const USUAL = { m: "mm", Pa: "kPa", rad: "deg" };
+
+/** A quantity of an SI unit that no field has, e.g. a radius in a message. */
+export const usual = (unit) => ({ unit, shown_unit: USUAL[unit] ?? unit });
 
 /** How quantities are shown in a system of units ("SI", "mill") of the catalogue. */
 export class Units {
   constructor(catalogue, system) {
     this.units = catalogue.units;
+    this.definitions = catalogue.unit_definitions;
     this.system = catalogue.systems[system] ?? {};
     this.name = system;
   }
@@ -34,11 +51,55 @@ export class Units {
     return SPELT[name] ?? name;
   }
 
+  /** Read a number in the shown unit, or with a unit of its own: {value} in SI, or {fault}. */
+  read(quantity, text, range) {
+    const [, number, unit] = QUANTITY.exec(text.trim().replace("−", "-")) ?? [];
+    if (number === undefined || !Number.isFinite(Number(number))) return { fault: T.form.notNumber(text, range) };
+    if (!unit) return { value: this.si(quantity, Number(number)) };
+    const given = this.product(unit);
+    if (!given) return { fault: T.form.unknownUnit(unit, this.text(quantity)) };
+    const due = this.product(quantity.unit);
+    if (!due || !same(given.powers, due.powers)) return { fault: T.form.wrongDimension(unit, this.text(quantity)) };
+    return { value: Number((Number(number) * given.factor / due.factor).toPrecision(15)) };
+  }
+
+  /** The factor to SI base units and their powers of a unit such as "lbf/in"; null if unknown. */
+  product(unit) {
+    if (unit === "1") return { factor: 1, powers: {} };
+    if (!UNIT.test(unit)) return null;
+    const result = { factor: 1, powers: {} };
+    for (const [, sign, name, raised] of unit.matchAll(FACTOR)) {
+      if (!Object.hasOwn(this.definitions, name)) return null;
+      const known = this.definitions[name];
+      const power = Number(raised.replace("²", "2").replace("³", "3").replace(/[*^]/g, "") || 1) * (sign === "/" ? -1 : 1);
+      result.factor *= known.factor ** power;
+      for (const [base, times] of Object.entries(known.powers)) result.powers[base] = (result.powers[base] ?? 0) + times * power;
+    }
+    return result;
+  }
+
+  /** A message of the server in the shown units: its SI numbers stand before their unit, "0.5 [m]". */
+  message(text, quantity = null) {
+    const [, first, rest] = LEADING.exec(text.replace(/ \(plain numbers are SI:[^)]*\)/, ""));
+    const as = (unit) => (quantity?.unit === unit ? quantity : usual(unit));
+    const shown = (value, of) => digits(this.shown(of, Number(value)), 6);
+    const pure = quantity?.unit === "1" ? ` ${this.text(quantity)}`.trimEnd() : ""; // "%", without brackets
+    const start = first && quantity && this.units[quantity.unit] ? shown(first, quantity) + pure : first;
+    if (pure && !rest.includes("[")) return start + rest.replace(NUMBERS, (value) => shown(value, quantity) + pure);
+    return start + rest.replace(/([^[\]]*)\[([^[\]]+)\]/g, (part, words, unit) => (this.units[unit]
+      ? `${words.replace(NUMBERS, (value) => shown(value, as(unit)))}[${this.text(as(unit))}]` : part));
+  }
+
   /** "words [unit]" */
   label(words, quantity) {
     const unit = this.text(quantity);
     return unit ? `${words} [${unit}]` : words;
   }
+}
+
+/** Whether two products of base units have the same dimension. */
+function same(a, b) {
+  return [...new Set([...Object.keys(a), ...Object.keys(b)])].every((base) => (a[base] ?? 0) === (b[base] ?? 0));
 }
 
 /** A number in so many significant digits, without needless zeros. */
@@ -52,6 +113,16 @@ export function digits(value, count = 5) {
     return `${mantissa.replace("-", "−")}e${power.replace("+", "")}`;
   }
   return String(Number(text)).replace("-", "−");
+}
+
+/** Round numbers within an interval, about `count` of them. */
+export function niceTicks(low, high, count = 5) {
+  const least = (high - low) / count;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = [1, 2, 5, 10].map((n) => n * power).find((one) => one >= least * (1 - 1e-9));
+  const ticks = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high * (1 + 1e-9); k++) ticks.push(Number((k * step).toPrecision(12)));
+  return ticks;
 }
 
 /** The number that a text means; NaN for none. */

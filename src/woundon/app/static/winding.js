@@ -3,7 +3,7 @@ import { at } from "./cases.js";
 import { DESIGNED, Design } from "./design.js";
 import { html, useState } from "./html.js";
 import { LENGTH, Points } from "./points.js";
-import { Bracket, Differences, Numbers, OnePanel, Pins, Sections, states, Verdict } from "./results.js";
+import { Bracket, Differences, Numbers, OnePanel, Pending, Pins, Sections, states, Verdict } from "./results.js";
 import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
@@ -15,7 +15,7 @@ export function Winding({ store }) {
   const field = schedules.find((one) => one.name === chosen) ?? schedules[0];
   const good = state.result && state.result.kind === state.kind;
   return html`${good && html`<${Verdict} store=${store} /><${Numbers} store=${store} />`}
-    ${!good && html`<p class="quiet">${state.problem || T.results.busy}</p>`}
+    ${!good && html`<${Pending} store=${store} />`}
     ${field && html`<section class="tab-card schedule"><div class="axis-row"><h2>${T.winding.schedule}</h2>
         ${schedules.length > 1 && html`<label class="inline"><span class="hidden">${T.winding.schedule}</span><select value=${field.name} onChange=${(event) => choose(event.target.value)}>
           ${schedules.map((one) => html`<option value=${one.name} selected=${one.name === field.name}>${one.label}</option>`)}</select></label>`}</div>

@@ -1,0 +1,203 @@
+"""A study belongs to the program that solved it, and a complete one is read without writing.
+
+Evidence: a copy of the package, one constant of which is changed, may not resume a study of the
+package; the files of a complete study are the same, to their times, when it has been resumed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import woundon as wo
+from woundon import cli
+
+PACKAGE = Path(wo.__file__).parent
+STUDY = """\
+schema = 1
+outputs = ["half_width"]
+[over]
+nip_load = [1000.0, 2000.0, 3000.0]
+[solver]
+nodes = 17
+"""
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def study(tmp_path: Path, capsys: Capture) -> Path:
+    """A study file."""
+    assert cli.main(["new", "nip"]) == 0
+    (tmp_path / "case.toml").write_text(capsys.readouterr().out, encoding="utf-8")
+    path = tmp_path / "study.toml"
+    path.write_text(f'case = "case.toml"\n{STUDY}', encoding="utf-8")
+    return path
+
+
+def sweep(study: Path, out: Path, *more: str) -> int:
+    return cli.main(["sweep", str(study), "--out", str(out), "--workers", "1", *more])
+
+
+# ---- another program ----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a copy of the package."""
+    folder = tmp_path_factory.mktemp("program")
+    shutil.copytree(PACKAGE, folder / "woundon", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def by(program: Path, study: Path, out: Path, *more: str) -> subprocess.CompletedProcess[str]:
+    """Run a sweep by the package of a folder."""
+    command = [sys.executable, "-B", "-m", "woundon", "sweep", str(study), "--out", str(out)]
+    return subprocess.run(
+        [*command, "--workers", "1", "--export", "csv", *more], check=False, capture_output=True,
+        text=True, env={**os.environ, "PYTHONPATH": str(program)}, cwd=program, timeout=300,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("complete", [True, False])
+def test_another_program_does_not_resume_a_study(
+    complete: bool, study: Path, copied: Path, tmp_path: Path
+):
+    out = tmp_path / "out"
+    done = by(copied, study, out, "--chunk", "1")
+    assert done.returncode == 0, done.stderr
+    if not complete:
+        next((out / "parts").iterdir()).unlink()
+    assert by(copied, study, out, "--chunk", "1", "--resume").returncode == 0
+    changed = copied / "woundon" / "elasticity" / "half_plane.py"
+    before = changed.read_bytes()
+    files = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    try:
+        changed.write_bytes(before + b"\nANOTHER = 1\n")
+        again = by(copied, study, out, "--chunk", "1", "--resume")
+    finally:
+        changed.write_bytes(before)
+    assert again.returncode == 2
+    assert len(again.stderr.splitlines()) == 1
+    assert "another program" in again.stderr
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == files
+    assert by(copied, study, out, "--chunk", "1", "--resume").returncode == 0
+
+
+def test_a_new_file_is_another_program_and_a_cache_is_not(
+    study: Path, copied: Path, tmp_path: Path
+):
+    out = tmp_path / "out"
+    assert by(copied, study, out).returncode == 0
+    cache = copied / "woundon" / "__pycache__"
+    cache.mkdir()
+    (cache / "leftover.pyc").write_bytes(b"x")
+    assert by(copied, study, out, "--resume").returncode == 0
+    added = copied / "woundon" / "added.py"
+    added.write_text("", encoding="utf-8")
+    try:
+        assert by(copied, study, out, "--resume").returncode == 2
+    finally:
+        added.unlink()
+        shutil.rmtree(cache)
+
+
+def test_a_dataset_records_the_sources():
+    found = wo.sweep(wo.NipProblem.example(), {"nip_load": [1e3]}, nodes=17, workers=1)
+    again = wo.sweep(wo.NipProblem.example(), {"nip_load": [2e3]}, nodes=17, workers=1)
+    assert len(found.attrs["sources"]) >= 16
+    assert found.attrs["sources"] == again.attrs["sources"]
+
+
+# ---- read-only media ----------------------------------------------------------------------------
+
+
+def state(folder: Path) -> dict[str, tuple[int, int]]:
+    """Return size and time of last change of a folder and all that is in it."""
+    return {str(path): (path.stat().st_size, path.stat().st_mtime_ns)
+            for path in (folder, *folder.rglob("*"))}  # fmt: skip
+
+
+@pytest.mark.parametrize("chunk", [1, 2, 100])
+def test_a_complete_study_is_read_without_any_writing(chunk: int, tmp_path: Path):
+    problem, over, out = wo.NipProblem.example(), {"nip_load": [1e3, 2e3, 3e3]}, tmp_path / "out"
+    first = wo.sweep(problem, over, nodes=17, workers=1, out=out, chunk=chunk)
+    before = state(out)
+    again = wo.sweep(problem, over, nodes=17, workers=1, out=out, chunk=chunk, resume=True)
+    assert again.identical(first)
+    assert state(out) == before
+
+
+def test_a_complete_study_is_exported_to_another_folder(
+    study: Path, tmp_path: Path, capsys: Capture
+):
+    out, exported = tmp_path / "out", tmp_path / "exported" / "here"
+    assert sweep(study, out) == 0
+    before = state(out)
+    formats = [part for ending in ("nc", "csv", "parquet") for part in ("--export", ending)]
+    assert sweep(study, out, "--resume", "--export-to", str(exported), *formats) == 0
+    assert state(out) == before
+    assert {path.name for path in exported.iterdir()} == {
+        "study.nc", "study.csv", "study.parquet", "half_width.png",
+    }  # fmt: skip
+    with (
+        xarray.open_dataset(exported / "study.nc", engine="scipy") as one,
+        xarray.open_dataset(out / "study.nc", engine="scipy") as other,
+    ):
+        assert np.array_equal(one.half_width, other.half_width)
+
+
+def test_indices_of_a_complete_study_are_exported_to_another_folder(study: Path, tmp_path: Path):
+    ranges = STUDY.replace(
+        "[1000.0, 2000.0, 3000.0]",
+        '{ from = 1000.0, to = 3000.0 }\n"web.thickness" = { from = "50 um", to = "70 um" }',
+    )
+    study.write_text(f'case = "case.toml"\n{ranges}', encoding="utf-8")
+    out, exported = tmp_path / "out", tmp_path / "exported"
+    command = ["sensitivity", str(study), "--out", str(out), "--workers", "1", "--samples", "4"]
+    assert cli.main(command) == 0
+    before = state(out)
+    assert cli.main([*command, "--resume", "--export-to", str(exported)]) == 0
+    assert state(out) == before
+    assert (exported / "sensitivity.nc").exists()
+
+
+@pytest.mark.skipif(
+    os.name == "nt" or getattr(os, "geteuid", int)() == 0, reason="permissions bind other users"
+)
+def test_a_read_only_folder(study: Path, tmp_path: Path, capsys: Capture):
+    out = tmp_path / "out"
+    assert sweep(study, out, "--chunk", "1") == 0
+    (out / ".owner.json").write_text("{}", encoding="utf-8")  # of a process that was killed
+    (out / "parts" / ".rows.1.part").write_bytes(b"half")
+    folders = [out, out / "parts"]
+    try:
+        for folder in folders:
+            folder.chmod(0o555)
+        capsys.readouterr()
+        assert sweep(study, out, "--chunk", "1", "--resume") == 2
+        assert "--export-to" in capsys.readouterr().err
+        exported = tmp_path / "exported"
+        assert sweep(study, out, "--chunk", "1", "--resume", "--export-to", str(exported)) == 0
+        assert (exported / "study.csv").exists()
+    finally:
+        for folder in folders:
+            folder.chmod(0o755)
+
+
+def test_a_part_that_is_missing_or_damaged_is_solved_again(study: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    assert sweep(study, out, "--chunk", "1") == 0
+    first, second, _ = sorted((out / "parts").iterdir())
+    whole = first.read_bytes()
+    first.unlink()
+    second.write_bytes(b"damaged")
+    assert sweep(study, out, "--chunk", "1", "--resume") == 0
+    assert first.read_bytes() == whole
