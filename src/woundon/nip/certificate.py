@@ -112,11 +112,18 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     pressures = {"pressure": f.p_drum}
     if hasattr(result, "roll_pressure"):
         pressures |= {"roll_pressure": f.p_roll, "hoop_pressure": f.p_roll - f.p_drum}
-        kappa = implied["curvature"]
-        conditions["hoop_pressure"] = largest(np.abs(wraps)) * equations.pressure_scale / peak
-        conditions["curvature"] = difference(result.curvature, kappa) / (
-            float(np.abs(kappa).max()) or 1.0
+        # as nodal forces and as turns of the web over a cell: on short cells curvatures are
+        # differences of nearly equal slopes
+        lengths = f.geometry.a * f.geometry.mesh.weights
+        on_wraps = np.concatenate([
+            lengths[: at.first + 1] if equations.drum_wrap else lengths[:0],
+            lengths[at.last :] if equations.roll_wrap else lengths[:0],
+        ])  # fmt: skip
+        conditions["hoop_pressure"] = (
+            largest(np.abs(wraps) * on_wraps) * equations.pressure_scale / problem.nip_load
         )
+        turn = lengths * result.curvature, lengths * implied["curvature"]
+        conditions["curvature"] = difference(*turn) / top
         conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
     else:
         gained = state.fields.geometry.a * f.geometry.mesh.weights @ (f.q_roll + f.q_drum)
