@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "largest", "measured", "positive",
-    "zone_runs",
+    "ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "largest", "measured",
+    "positive", "zone_runs",
 ]  # fmt: skip
 
 ResultT = TypeVar("ResultT", bound="Result")

@@ -93,6 +93,7 @@ def solved_with_air(
         if chooses and turn >= FREE_TURNS:
             options["nodes"] = finest
         solved = solve_nip(problem.without_air(*frictions), **options)
+        assert isinstance(solved, WrappedNipResult)
         if turn:
             finest = max(finest, solved.x[solved.in_nip].size)
         found = films_of(problem, edge_of(problem, solved), solved.half_width)

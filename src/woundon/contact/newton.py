@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg import get_lapack_funcs
+from scipy.linalg import lapack
 
 __all__ = ["Counts", "Iterate", "Jacobian", "NewtonFailed", "SemismoothNewton", "System"]
 
@@ -46,7 +46,7 @@ VIOLATION = 1e-10
 # Largest change of ln a in a step.
 LARGEST_STEP = 0.7
 
-_getrf, _getrs = get_lapack_funcs(("getrf", "getrs"), (np.empty((1, 1)),))
+_getrf, _getrs = lapack.dgetrf, lapack.dgetrs
 
 
 class NewtonFailed(ArithmeticError):
@@ -56,11 +56,30 @@ class NewtonFailed(ArithmeticError):
 class Iterate(Protocol):
     """A state of a system; everything but ``u`` is dimensionless."""
 
-    u: Array
-    equilibrium: Array  # E, (m,)
-    slip: Array  # v, (k,)
-    traction: Array  # q, (k,)
-    bound: Array  # b, (k,), in the unit of the traction
+    @property
+    def u(self) -> Array:
+        """Unknowns, (m+k,)."""
+        ...
+
+    @property
+    def equilibrium(self) -> Array:
+        """E, (m,)."""
+        ...
+
+    @property
+    def slip(self) -> Array:
+        """v, (k,)."""
+        ...
+
+    @property
+    def traction(self) -> Array:
+        """q, (k,)."""
+        ...
+
+    @property
+    def bound(self) -> Array:
+        """b in the unit of the traction, (k,)."""
+        ...
 
 
 class Jacobian(NamedTuple):
@@ -72,27 +91,37 @@ class Jacobian(NamedTuple):
 
 
 class System(Protocol):
-    """Equations on one mesh.
+    """Equations on one mesh."""
 
-    Attributes
-    ----------
-    scales : (m+k,) array
-        Units of the unknowns.
-    traction_unknowns : slice
-        The unknowns that are tractions; there are k.
-    ln_a, load_row : int
-        The unknown ln a, and the equation of the load.
-    largest_ln_a : float
-    creep_nodes : int array
-        Traction nodes whose slip velocity contains an unknown creepage.
-    """
+    @property
+    def scales(self) -> Array:
+        """Units of the unknowns, (m+k,)."""
+        ...
 
-    scales: Array
-    traction_unknowns: slice
-    ln_a: int
-    load_row: int
-    largest_ln_a: float
-    creep_nodes: Array
+    @property
+    def traction_unknowns(self) -> slice:
+        """The k unknowns that are tractions."""
+        ...
+
+    @property
+    def ln_a(self) -> int:
+        """The unknown ln a."""
+        ...
+
+    @property
+    def load_row(self) -> int:
+        """The equation of the load."""
+        ...
+
+    @property
+    def largest_ln_a(self) -> float:
+        """Largest ln a that is permitted."""
+        ...
+
+    @property
+    def creep_nodes(self) -> Array:
+        """Traction nodes whose slip velocity contains an unknown creepage."""
+        ...
 
     def evaluate(self, u: Array) -> Any:
         """Return the :class:`Iterate` of given unknowns."""

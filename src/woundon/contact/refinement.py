@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from math import inf, sqrt
 from typing import Any
 
@@ -68,12 +69,14 @@ class MeshSolution:
     @cached_property
     def main_outputs(self) -> Mapping[str, float]:
         """The outputs that decide where the refinement ends."""
-        return self.system.main_outputs(self.state)  # type: ignore[no-any-return]
+        found: Mapping[str, float] = self.system.main_outputs(self.state)
+        return found
 
     @cached_property
     def outputs(self) -> Mapping[str, float]:
         """All outputs whose error is estimated."""
-        return self.system.outputs(self.state, self.active)  # type: ignore[no-any-return]
+        found: Mapping[str, float] = self.system.outputs(self.state, self.active)
+        return found
 
 
 @dataclass
@@ -121,7 +124,7 @@ def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str
         return float("nan")
     last, value = history[-1][0], history[-1][1][name]
     largest = FINE * abs(value)  # the tolerance of the solver
-    pairs = list(zip(history, history[1:], strict=False))[-CHANGES:]
+    pairs = list(pairwise(history))[-CHANGES:]
     for (m, coarse), (n, fine) in pairs:
         change = abs(fine[name] - coarse[name]) / ((n / m) ** 2 - 1)
         largest = max(largest, SAFETY * change * (n / last) ** 2)
@@ -160,7 +163,9 @@ def refine(
     NewtonFailed
         If no first mesh leads to a solution.
     """
-    attempts = [(FIRST_SIZES, start)] if start is not None else []
+    attempts: list[tuple[tuple[int, ...], Refinement | None]] = []
+    if start is not None:
+        attempts.append((FIRST_SIZES, start))
     attempts += [(FIRST_SIZES, None), (OTHER_SIZES, None)]
     for sizes, guess in attempts:
         try:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .mesh import Face
-from .ring_elements import Fineness
+from .ring_elements import Fineness, RingMesh
 from .ring_equilibrium import RingPair, RingState
 from .surface import Deformation, SurfaceResponse, SurfaceTangent
 
@@ -97,6 +97,11 @@ class HardeningSurface:
         v = self._solve(p, q).difference[0]
         return self.linear.end_displacement(p, q) + float(self._end @ v)
 
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return u at the last node [m]."""
+        u = self._solve(p, q).difference[1]
+        return self.linear.end_tangential_displacement(p, q) + float(self._end @ u)
+
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return the derivatives of ``end_displacement`` by p and q."""
         by_p, by_q = self._tangent(p, q)
@@ -149,7 +154,7 @@ class HardeningSurface:
         return slope @ w[0], slope @ w[1] + value @ w[0] / self.ring.radius
 
     @cached_property
-    def _mesh(self):
+    def _mesh(self) -> RingMesh:
         return self.ring.mesh(ring_fineness(self.face.size - 1), self.a)
 
     @cached_property

@@ -7,9 +7,9 @@ Each of the influence functions of slope and strain (:class:`.kernels.SurfaceKer
 The singular parts are integrated in closed form; in units of the half width a they depend on the
 mesh only.  The lag of a viscoelastic surface is integrated by second differences of its second
 integral.  The smooth part of a curved body varies on the length l of its layer.  Inside the nip it
-is interpolated by polynomials in x and s at Chebyshev points,
+is interpolated by polynomials in x and s at the Chebyshev points t_i,
 
-    int smooth(a (y - s)) hat_m(s) a ds = sum_ij L_i(y) smooth(a (t_i - t_j)) int L_j(s) hat_m(s) a ds
+    int smooth(a (y-s)) hat_m(s) a ds = sum_ij L_i(y) smooth(a (t_i-t_j)) int L_j(s) hat_m(s) a ds
 
 and on a wrap it is integrated by Gauss's rule.  Where l is so short that the polynomials would have
 more degrees of freedom than the mesh resolves, the second integral of the whole kernel serves.
@@ -131,8 +131,10 @@ class InfluenceSurface:
         if self._smooth_values is not None:
             parts = self._smooth_parts
             out += parts.to_points @ (self._smooth_values @ parts.moments)
-        if self._is_short and all(k.twice for k in kernels.gradients):
+        if self._is_short:
             for part, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
+                if kernel.twice is None:
+                    continue
                 exact = by_second_integral(kernel.twice, None, a * face.points, a * face.nodes)
                 part[:, 1:-1] = exact[:, 1:-1]
         if kernels.lag is not None:
@@ -230,16 +232,16 @@ class InfluenceSurface:
         to_points = np.zeros((points.size, rank + others.size))
         to_points[cells, :rank] = at_points[:-2]
         to_points[others, rank + np.arange(others.size)] = 1.0
-        sources, moments = [_chebyshev_points(rank)], [np.zeros((rank, nodes.size))]
-        moments[0][:, face.first : face.last + 1] = a * nip_moments
+        parts, weights = [_chebyshev_points(rank)], [np.zeros((rank, nodes.size))]
+        weights[0][:, face.first : face.last + 1] = a * nip_moments
         for wrap in (slice(0, face.first + 1), slice(face.last, None)):
             if nodes[wrap].size > 1:
                 at, hats = gauss_points(nodes[wrap], a, length)
-                sources.append(at)
-                moments.append(np.zeros((at.size, nodes.size)))
-                moments[-1][:, wrap] = hats
+                parts.append(at)
+                weights.append(np.zeros((at.size, nodes.size)))
+                weights[-1][:, wrap] = hats
         targets = np.append(_chebyshev_points(rank), points[others])
-        return SmoothParts(targets, np.concatenate(sources), to_points, np.concatenate(moments))
+        return SmoothParts(targets, np.concatenate(parts), to_points, np.concatenate(weights))
 
     def _smooth_between(
         self, kernels: tuple[Kernel, ...], smooth: Smooth, points: Array, sources: Array

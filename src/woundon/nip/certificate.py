@@ -1,8 +1,8 @@
 """The certificate of a nip: contact conditions evaluated from the arrays of a result.
 
 ``residuals`` concern the discretised equations: pressures, tractions, slips and scalars of the
-result are put into the equations of its mesh.  They do not detect an error of an influence function,
-because both sides use the same matrices.  ``consistency`` does: the balance of power and
+result are put into the equations of its mesh.  They do not detect an error of an influence
+function, because both sides use the same matrices.  ``consistency`` does: the balance of power and
 equilibrium by another quadrature hold for the continuous fields, and their defects vary as the
 discretisation error.
 """

@@ -14,10 +14,10 @@ eps are normal displacement and strain of a surface (thesis eqs. 64 to 98, 131 t
                    eps = c11 (T - T(end))/2h - c12 p+
     friction law   stick: v = 0;   slip: q = s mu p, s = +1 or -1                traction nodes
 
-F(p) is the compression of the web (c22 p of a linear one).  On a wrap one face is free: p+ = 0 and
-kappa = -kappa- on the drum, p- = 0 and kappa = kappa+ on the roll.  In the nip the web follows the
-drum, kappa = -kappa-, so that p+ = p- + T kappa is explicit.  Without a roll wrap the web is held to
-the roll at the trailing edge (thesis eq. 97), and p+ = p- = p in the nip.
+F(p) is the compression of the web (c22 p of a linear one).  On a wrap one face is free: p+ = 0
+and kappa = -kappa- on the drum, p- = 0 and kappa = kappa+ on the roll.  In the nip the web follows
+the drum, kappa = -kappa-, so that p+ = p- + T kappa is explicit.  Without a roll wrap the web is
+held to the roll at the trailing edge (thesis eq. 97), and p+ = p- = p in the nip.
 
 Unknowns and Jacobian, d by a difference of two residuals (:mod:`.layout`):
 

@@ -451,4 +451,6 @@ class WrappedNipResult(WindingNipResult):
         """
         from .solve import solve_nip
 
-        return solve_nip(self.problem.confined(), **options)  # type: ignore[return-value]
+        result = solve_nip(self.problem.confined(), **options)
+        assert isinstance(result, NipResult)
+        return result

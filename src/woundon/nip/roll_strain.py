@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..elasticity.influence import surface_strain
 from ..errors import InvalidProblem
+from ..problems.bodies import KernelBody
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -41,7 +42,10 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         raise InvalidProblem.at("s", text)
     if roll.rigid:
         return np.zeros(s.size)
-    kernels: Any = roll.kernels(problem.rolling_speed) if roll.viscoelastic else roll.kernels()
+    if not isinstance(roll, KernelBody):
+        text = f"a {type(roll).__name__} has no strain outside of the nip; must be an elastic body"
+        raise InvalidProblem.at("roll", text)
+    kernels = roll.kernels(problem.rolling_speed) if roll.viscoelastic else roll.kernels()
     p, q = result.pressure, result.roll_traction
     return surface_strain(kernels, roll.radius, roll.curvature > 0, result.x, p, q, s)
 

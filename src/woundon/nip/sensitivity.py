@@ -5,9 +5,9 @@ R(u, theta) = 0.  For another theta one Newton step from u with the Jacobian J =
 
     u(theta + h) = u - J^-1 R(u, theta + h) + O(h^2),
 
-gives the solution to first order.  The derivative of any output Q(u, theta) follows from the central
-difference of Q(u(theta + h), theta + h), with an error of the order h^2.  J is factorised once; each
-input needs two residuals and two back-substitutions.  The derivatives on the last three meshes
+gives the solution to first order.  The derivative of any output Q(u, theta) follows from the
+central difference of Q(u(theta + h), theta + h), with an error of the order h^2.  J is factorised
+once; each input needs two residuals and two back-substitutions.  The derivatives on the last three meshes
 give the error estimates.
 
 The active set is kept: where a node is about to change its zone, derivatives to both sides differ,
@@ -118,10 +118,10 @@ class Sensitivity(ReadOnly):
 
     def __repr__(self) -> str:
         first = self.sorted()
-        told = [f"{name} {value:+.2f}" for name, value in
-                zip(first.parameters[:MOST_SHOWN], first.elasticities[0], strict=False)]  # fmt: skip
-        return (f"Sensitivity({self.outputs[0]}: {', '.join(told)} of {len(self.parameters)} "
-                f"parameters; {len(self.outputs)} outputs)")  # fmt: skip
+        largest = zip(first.parameters[:MOST_SHOWN], first.elasticities[0], strict=False)
+        shown = ", ".join(f"{name} {value:+.2f}" for name, value in largest)
+        counts = f"{len(self.parameters)} parameters; {len(self.outputs)} outputs"
+        return f"Sensitivity({self.outputs[0]}: {shown} of {counts})"
 
     def _repr_html_(self) -> str:
         head = "Elasticities: percent of output per percent of parameter"
@@ -224,7 +224,7 @@ def _derivatives(
 ) -> dict[str, float]:  # fmt: skip
     """Return the derivatives on one mesh by "output/parameter"."""
     solved = _Perturbed(mesh, outputs)
-    found = {}
+    found: dict[str, float] = {}
     for name in names:
         derivative = _difference(solved, problem, name, known[name])
         found |= {

@@ -165,7 +165,7 @@ def result_of(problem: Any, found: Refinement) -> Any:
     for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
         errors[name] = max(errors[name], float(mesh.cells[mesh.nip_cells].max()) / 4)
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
-    fields = {
+    fields: dict[str, Any] = {
         **{name: outputs[name] for name in (
             "half_width", "approach", "offset", "drum_creep", *SLIP_RATIOS
         )},

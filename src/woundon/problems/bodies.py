@@ -43,8 +43,8 @@ __all__ = [
 
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
 SMALLEST_CORE = 1e-9
-# Half widths, in lengths on which a body's influence functions vary, up to which their interpolation
-# has at most 1200 points.
+# Largest half width, in lengths on which the influence functions of a body vary: up to there their
+# interpolation has at most 1200 points.
 RESOLVED = 60
 # of a truncated series, relative to the half-plane's response: above, nothing of it can be trusted
 SERIES_ERROR = 1e-2

@@ -80,8 +80,7 @@ def print_report(result: Result, console: Console) -> None:
 
 # told by another name, at the end, where they say something, or not at all
 LEFT_OUT = frozenset({
-    "residual", "half_width", "rig_tension", "extrapolation",
-    "extrapolation_behind", "extrapolation_of_nip", "tension_before_nip", "drum_wrap_traction",
+    "residual", "half_width", "rig_tension", "tension_before_nip", "drum_wrap_traction",
     "creepage", "shift", "tangential_load", "traction_error",
     "iterations", "series_terms", "series_error",
 })  # fmt: skip
@@ -123,10 +122,7 @@ BRACKETS = (
 
 def nip_report(result: NipResult) -> list[Part]:
     """Return the report of a nip whose web is held at its trailing edge."""
-    told = abs(result.extrapolation) > result.errors.get("nip_induced_tension", 0.0)
-    extrapolated = ["extrapolation"] if told else []
-    names = ["nip_induced_tension", *extrapolated, "tension_behind_nip",
-             "wound_on_tension_estimate"]  # fmt: skip
+    names = ["nip_induced_tension", "tension_behind_nip", "wound_on_tension_estimate"]
     return [
         _how(result),
         *_hardening(result.problem),
@@ -138,8 +134,7 @@ def nip_report(result: NipResult) -> list[Part]:
 
 
 def _how(result: WindingNipResult) -> Line:
-    systems = f"{result.iterations} linear systems"
-    return Line(f"{result.scheme} scheme, {result.nodes} nodes, {systems}", "quiet")
+    return Line(f"{result.nodes} nodes in the nip, {result.iterations} Newton iterations", "quiet")
 
 
 def _hardening(problem: WindingNip) -> Iterator[Line]:

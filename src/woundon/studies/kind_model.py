@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from inspect import signature
@@ -126,12 +127,9 @@ class KindModel:
     def solve(self, problem: Any, start: Any | None) -> Any:
         """Solve; a start that leads nowhere is put aside."""
         kind = self.kind
-        if isinstance(start, kind.result):
-            if "start" in _keywords(kind.solver):
-                try:
-                    return kind.solver(problem, start=start, **self.options)
-                except NotConverged:
-                    pass
+        if isinstance(start, kind.result) and "start" in _keywords(kind.solver):
+            with suppress(NotConverged):
+                return kind.solver(problem, start=start, **self.options)
         return kind.solver(problem, **self.options)
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:

@@ -48,11 +48,6 @@ class Model(Protocol):
         """
         ...
 
-    @property
-    def free_inputs(self) -> frozenset[str]:
-        """Inputs that only shift outputs: a neighbour that differs in them alone is free."""
-        ...
-
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
         """Return exact derivatives of a solved case's outputs, (outputs, names), None without."""
         ...

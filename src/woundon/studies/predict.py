@@ -88,9 +88,7 @@ class _Visit(NamedTuple):
 class Predictor:
     """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
 
-    Each distinct row is solved once, from its state at the nearest place of those last seen; a row
-    that differs from the one before in ``model.free_inputs`` only takes over that one's state, and
-    costs nothing.
+    Each distinct row is solved once, from its state at the nearest place of those last seen.
     """
 
     def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
@@ -102,13 +100,8 @@ class Predictor:
         rows = list(zip(*(measured.inputs[n].tolist() for n in names), strict=True))
         if not names:
             rows = [()] * len(next(iter(measured.outputs.values())))
-        held = [n for n in names if n not in model.free_inputs]
-        distinct = sorted(set(rows), key=lambda row: [row[names.index(n)] for n in held])
+        distinct = sorted(set(rows))
         self.cases: list[Mapping[str, Any]] = [dict(zip(names, r, strict=True)) for r in distinct]
-        self.follows = [
-            k > 0 and all(case[n] == self.cases[k - 1][n] for n in held)
-            for k, case in enumerate(self.cases)
-        ]
         known = [
             (row, output)
             for output, values in measured.outputs.items()
@@ -174,10 +167,10 @@ class Predictor:
         states: list[Any] = []
         for k, case in enumerate(self.cases):
             before = None if nearest is None else nearest.states[k]
-            answer = self.model.run({**case, **fitted}, states[-1] if self.follows[k] else before)
+            answer = self.model.run({**case, **fitted}, before)
             out[k] = answer.values
             states.append(answer.state)
-            self.solves += not self.follows[k]
+            self.solves += 1
         return _Visit(np.array(u), out[self.of_case, self.of_output], states)
 
     def _nearest(self, u: Array) -> _Visit | None:
@@ -192,10 +185,7 @@ class Predictor:
         names = tuple(p.name for p in self.parameters)
         slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
         found: list[Array] = []
-        for k, state in enumerate(self._visited(u).states):
-            if self.follows[k]:
-                found.append(found[-1])
-                continue
+        for state in self._visited(u).states:
             gradient = self.model.gradient(state, names)
             if gradient is None:
                 return None

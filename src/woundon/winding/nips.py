@@ -146,7 +146,9 @@ class Nips:
         radius = nip.roll.radius
         if self.problem.air is None:
             self.films[radius] = 0.0
-            return solve_nip(nip, nodes=nodes, start=start)
+            result = solve_nip(nip, nodes=nodes, start=start)
+            assert isinstance(result, WrappedNipResult)
+            return result
         near = min(self.films, key=lambda other: abs(other - radius), default=None)
         with_air = self.problem.with_air(nip)
         result, found = solved_with_air(
