@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib import import_module, metadata
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from .errors import InvalidProblem, did_you_mean, one_of
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .wrap.result import WrappedNipResult
 
 __all__ = [
-    "Kind", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
+    "Kind", "Option", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
     "register", "solve",
 ]  # fmt: skip
 
@@ -47,6 +47,13 @@ def fetch(name: str) -> Any:
     """Return what "package.module:name" names."""
     module, _, attribute = name.partition(":")
     return getattr(import_module(module), attribute)
+
+
+class Option(NamedTuple):
+    """Help text of an option of a solver, and the words that it admits."""
+
+    about: str
+    words: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +70,7 @@ class Kind:
     _check: Any
     _neighbour: Any
     _shifted: Any
+    options: Mapping[str, Option] = field(default_factory=dict)
 
     @cached_property
     def problem(self) -> type[Any]:
@@ -143,6 +151,7 @@ def register(
     check: Callable[..., Any] | str | None = None,
     neighbour: Callable[..., Any] | str | None = None,
     shifted: Mapping[str, frozenset[str]] | str | None = None,
+    options: Mapping[str, Option] | None = None,
 ) -> None:
     """Register a kind of problem.
 
@@ -165,13 +174,16 @@ def register(
     neighbour, shifted : callable, mapping, or their names
         What a solved case tells of another that differs in certain fields alone, and by field the
         outputs that keep their derivatives then; studies and fits save such solves.
+    options : mapping
+        Help texts and choices of the solver's options by name; by default those of the docstring
+        of the solver, which Python does not have under ``-OO``.
     """
     title = problem.rpartition(":")[2] if isinstance(problem, str) else problem.__name__
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
     name = name or snake
     text = about or (getattr(problem, "__doc__", "") or title).strip().partition("\n")[0]
     _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check,
-                        neighbour, shifted)  # fmt: skip
+                        neighbour, shifted, options or {})  # fmt: skip
 
 
 register(
@@ -182,6 +194,33 @@ register(
     report="woundon.show.report:nip_report",
     plot="woundon.show.nip_plots:nip_panels",
     check="woundon.nip.solve:check_options",
+    options={
+        "scheme": Option(
+            "graded: edge-graded nodes, exact kernel integrals (default). thesis: even nodes "
+            "and backward differences (thesis sec. 3.4) with the web tension lumped; thesis-"
+            "printed with the web's coefficients (121) as printed.",
+            words=("graded", "thesis", "thesis-printed"),
+        ),
+        "nodes": Option(
+            "Number M of nodes, 7 to 4000. By default 41 to 257, as many as it takes until "
+            "the estimated error of NIT is below 0.1 %; with bodies that are not linear 65 to "
+            "129, for 0.3 % (200 for the thesis's scheme). NIT is corrected for where borders "
+            "of stick and jumps of the tractions lie within their cells, and for what cells "
+            "miss at the trailing edge (extrapolation).",
+        ),
+        "rtol": Option(
+            "In place of nodes: refine until the estimated error of NIT is below rtol times "
+            "the larger of |NIT| and 1 % of mu+ P; 1e-10 to 0.1; graded scheme only. From "
+            "2e-4 down, on a rigid drum from 3e-5, and for linear elastic bodies, Chebyshev "
+            'elements between zone borders take over (scheme is then "elements"). Else, or '
+            "where zones collide, meshes are fitted to the zones and NIT is extrapolated from "
+            "them (extrapolation); the arrays are those of the finest.",
+        ),
+        "algorithm": Option(
+            "How stick and slip are found; the latter is the thesis's process (sec. 3.6).",
+            words=("pivoting", "panagiotopoulos"),
+        ),
+    },
     neighbour="woundon.nip.winding_theorem:neighbour",
     shifted="woundon.nip.winding_theorem:SHIFTED",
 )
@@ -193,6 +232,20 @@ register(
     report="woundon.show.report:wrapped_report",
     plot="woundon.show.nip_plots:wrapped_panels",
     check="woundon.wrap.solve:check_options",
+    options={
+        "nodes": Option(
+            "Number of nodes in the nip, 17 to 1025. By default 41 to 257, as many as it "
+            "takes until the estimated error of the wound-on tension is below 0.1 %.",
+        ),
+        "wrap_nodes": Option(
+            "Number of cells on each arc, 12 to 2048; by default half of those in the nip, on "
+            "the drum three quarters, or a quarter where it is rigid.",
+        ),
+        "rtol": Option(
+            "In place of nodes: double them until the estimated error of the wound-on tension "
+            "is below rtol of it, 1e-6 to 0.1.",
+        ),
+    },
 )
 register(
     "woundon.problems.rollers:RollerProblem",
@@ -203,6 +256,16 @@ register(
     report="woundon.show.report:roller_report",
     plot="woundon.show.roller_plots:roller_panels",
     check="woundon.rollers.solve:check_options",
+    options={
+        "nodes": Option(
+            "Number of nodes, 7 to 4000; a few more where short zones ask for them.",
+        ),
+        "rtol": Option(
+            "In place of nodes: double them until the estimated relative error of the "
+            "traction (L2) is below; 1e-8 to 0.1. Without friction there is no traction to "
+            "err.",
+        ),
+    },
 )
 
 
@@ -214,6 +277,11 @@ register(
     report="woundon.show.wound_roll_report:wound_roll_report",
     plot="woundon.show.wound_roll_plots:wound_roll_panels",
     check="woundon.roll.solve:check_options",
+    options={
+        "rtol": Option(
+            "Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.",
+        ),
+    },
 )
 register(
     "woundon.problems.winding:WindingProblem",
@@ -223,6 +291,19 @@ register(
     report="woundon.show.winding_report:winding_report",
     plot="woundon.show.winding_plots:winding_panels",
     check="woundon.winding.solve:check_options",
+    options={
+        "rtol": Option(
+            "Accepted error of the interpolation between the nips, relative to the wound-on "
+            "tension, and of the roll's pressure; 1e-6 to 0.1.",
+        ),
+        "nodes": Option(
+            "Of every nip, 25 to 1025: on fewer none tells its error.",
+        ),
+        "agreed": Option(
+            "To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by "
+            "default 1e-6, and 1e-5 with a direct roll.",
+        ),
+    },
 )
 register(
     "woundon.problems.air:AirNipProblem",
@@ -230,6 +311,20 @@ register(
     "woundon.air.result:AirNipResult",
     about="The winding nip with the air that the web brings.",
     check="woundon.air.solve:check_options",
+    options={
+        "nodes": Option(
+            "Number of nodes in the nip, 17 to 1025. By default 41 to 257, as many as it "
+            "takes until the estimated error of the wound-on tension is below 0.1 %.",
+        ),
+        "wrap_nodes": Option(
+            "Number of cells on each arc, 12 to 2048; by default half of those in the nip, on "
+            "the drum three quarters, or a quarter where it is rigid.",
+        ),
+        "rtol": Option(
+            "In place of nodes: double them until the estimated error of the wound-on tension "
+            "is below rtol of it, 1e-6 to 0.1.",
+        ),
+    },
 )
 
 
