@@ -96,7 +96,7 @@ def sweep(
     nodes, rtol : int, float
         Of the kind's solver: the nodes of the grid, or the error until which it is refined.
     options : mapping
-        What else the kind's solver takes, e.g. ``{"scheme": "thesis"}``.
+        What else the kind's solver takes, e.g. ``{"wrap_nodes": 96}``.
 
     Returns
     -------
