@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 __all__ = ["thesis"]
 
 
-@click.command(short_help="Recompute figures and tables of the thesis.")
+@click.command(
+    help="""\
+    Recompute figures and tables of the thesis, and test what it says: fig16, table3, ...
+    """,
+    short_help="Recompute figures and tables of the thesis.",
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--all", "everything", is_flag=True, help="Every figure and table.")
 @click.option(

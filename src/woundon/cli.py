@@ -174,7 +174,13 @@ class Commands(click.Group):
         return command.get_short_help_str(200) if command else ""
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    help="""\
+    Winding mechanics: what the winding nip does to a paper or film web.
+    """,
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.version_option(__version__, prog_name="woundon")
 def commands() -> None:
     """Winding mechanics: what the winding nip does to a paper or film web."""
@@ -202,14 +208,19 @@ def _flags(command: str) -> list[str]:
     return [f"--{command}", *([f"--{first}"] if others and alone else [])]
 
 
-@commands.command(cls=New, short_help="Print a commented case or study file to start from.")
+@commands.command(
+    help="""\
+    Print a commented case file to start from: woundon new > case.toml.
+
+    KIND is the kind of problem, named as its command or by a flag; by default wrapped-nip.
+    """,
+    cls=New,
+    short_help="Print a commented case or study file to start from.",
+)
 @click.argument("kind", required=False)
 @click.option("--study", is_flag=True, help="A study file with such a case, for 'woundon sweep'.")
 def new(kind: str | None, study: bool, **flags: bool) -> None:
-    """Print a commented case file to start from: woundon new > case.toml.
-
-    KIND is the kind of problem, named as its command or by a flag; by default wrapped-nip.
-    """
+    """Print a commented case file to start from: woundon new > case.toml."""
     named = [*([kind] if kind else []), *(name for name, asked in flags.items() if asked)]
     if len(named) > 1:
         raise InvalidProblem.at("kind", f"must be one, got {one_of(named, 'and')}")
@@ -218,7 +229,11 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
     click.echo(text, nl=False)
 
 
-@commands.command()
+@commands.command(
+    help="""\
+    List the named materials with their values and sources.
+    """,
+)
 def materials() -> None:
     """List the named materials with their values and sources."""
     from .io.units import written

@@ -17,7 +17,16 @@ _PATH = click.Path(path_type=Path)
 COLUMNS = ("radius", "pressure")  # of a table of a wanted pressure; "value" is the pressure too
 
 
-@click.command(short_help="Find the wound-on tension that leaves a wanted pressure in a roll.")
+@click.command(
+    help="""\
+    Find the wound-on tension over the radius that leaves a wanted pressure in a wound roll.
+
+    CASE is that of a wound roll ('woundon new wound-roll'); its own tension plays no part. The roll
+    is then wound forward with what was found, to see how near it comes. No pressure can be wanted
+    of the surface itself: how deep that is felt is told.
+    """,
+    short_help="Find the wound-on tension that leaves a wanted pressure in a roll.",
+)
 @click.argument("case", type=_PATH)
 @click.option("--pressure", "wanted", required=True, metavar="TABLE|VALUE",
               help='Wanted between the laps: a CSV file with the columns radius and pressure, from '
@@ -40,12 +49,7 @@ def design(
     case: Path, wanted: str, smooth: bool, rtol: float, settings: tuple[str, ...],
     out: Path | None, new_case: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
-    """Find the wound-on tension over the radius that leaves a wanted pressure in a wound roll.
-
-    CASE is that of a wound roll ('woundon new wound-roll'); its own tension plays no part. The roll
-    is then wound forward with what was found, to see how near it comes. No pressure can be wanted
-    of the surface itself: how deep that is felt is told.
-    """
+    """Find the wound-on tension over the radius that leaves a wanted pressure in a wound roll."""
     from .io.case_files import load_case
     from .problems.roll import WoundRollProblem
     from .show.design_report import plot_design, print_design

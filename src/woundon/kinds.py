@@ -13,11 +13,11 @@ once, before the first look-up, in worker processes too.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib import import_module, metadata
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from .errors import InvalidProblem, did_you_mean, one_of
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from .winding.result import WindingResult
 
 __all__ = [
-    "Kind", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
+    "Kind", "Option", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
     "register", "solve",
 ]  # fmt: skip
 
@@ -46,6 +46,13 @@ def fetch(name: str) -> Any:
     """Return what "package.module:name" names."""
     module, _, attribute = name.partition(":")
     return getattr(import_module(module), attribute)
+
+
+class Option(NamedTuple):
+    """Help text of an option of a solver, and the words that it admits."""
+
+    about: str
+    words: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +67,7 @@ class Kind:
     _report: Any
     _plot: Any
     _check: Any
+    options: Mapping[str, Option] = field(default_factory=dict)
 
     @cached_property
     def problem(self) -> type[Any]:
@@ -128,6 +136,7 @@ def register(
     report: Callable[..., Any] | str = "woundon.show.report:outputs_report",
     plot: Callable[..., Any] | str = "woundon.show.plots:output_panels",
     check: Callable[..., Any] | str | None = None,
+    options: Mapping[str, Option] | None = None,
 ) -> None:
     """Register a kind of problem.
 
@@ -147,12 +156,28 @@ def register(
         outputs, all arrays.
     check : callable or name
         What refuses options of the solver before anything is solved.
+    options : mapping
+        Help texts and choices of the solver's options by name; by default those of the docstring
+        of the solver, which Python does not have under ``-OO``.
     """
     title = problem.rpartition(":")[2] if isinstance(problem, str) else problem.__name__
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
     name = name or snake
     text = about or (getattr(problem, "__doc__", "") or title).strip().partition("\n")[0]
-    _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check)
+    _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check, options or {})
+
+
+NIP_OPTIONS = {
+    "nodes": Option(
+        "Nodes of the nip on the last mesh, 13 to 1025. By default as many as it takes until the "
+        "estimated error of the wound-on tension is below 0.1 % of it, and that of the "
+        "nip-induced tension below 2 %."
+    ),
+    "rtol": Option(
+        "Relative error of the wound-on tension in place of 0.1 %; 1e-5 to 0.1. The "
+        "nip-induced tension may have 20 times this error."
+    ),
+}
 
 
 register(
@@ -163,6 +188,7 @@ register(
     report="woundon.show.report:nip_report",
     plot="woundon.show.nip_plots:nip_panels",
     check="woundon.nip.solve:check_options",
+    options=NIP_OPTIONS,
 )
 register(
     "woundon.problems.nip:WrappedNipProblem",
@@ -172,6 +198,7 @@ register(
     report="woundon.show.report:wrapped_report",
     plot="woundon.show.nip_plots:wrapped_panels",
     check="woundon.nip.solve:check_options",
+    options=NIP_OPTIONS,
 )
 register(
     "woundon.problems.rollers:RollerProblem",
@@ -182,6 +209,13 @@ register(
     report="woundon.show.report:roller_report",
     plot="woundon.show.roller_plots:roller_panels",
     check="woundon.nip.solve_rollers:check_options",
+    options={
+        "nodes": Option("Nodes of the contact on the last mesh, 7 to 2049."),
+        "rtol": Option(
+            "Relative error of half width, largest pressure, and creepage or tangential load, in "
+            "place of 0.1 %; 1e-5 to 0.1."
+        ),
+    },
 )
 
 
@@ -193,6 +227,11 @@ register(
     report="woundon.show.wound_roll_report:wound_roll_report",
     plot="woundon.show.wound_roll_plots:wound_roll_panels",
     check="woundon.roll.solve:check_options",
+    options={
+        "rtol": Option(
+            "Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.",
+        ),
+    },
 )
 register(
     "woundon.problems.winding:WindingProblem",
@@ -202,6 +241,19 @@ register(
     report="woundon.show.winding_report:winding_report",
     plot="woundon.show.winding_plots:winding_panels",
     check="woundon.winding.solve:check_options",
+    options={
+        "rtol": Option(
+            "Accepted error of the interpolation between the nips, relative to the wound-on "
+            "tension, and of the roll's pressure; 1e-6 to 0.1.",
+        ),
+        "nodes": Option(
+            "Of every nip, 25 to 1025: on fewer none tells its error.",
+        ),
+        "agreed": Option(
+            "To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by "
+            "default 1e-6, and 1e-5 with a direct roll.",
+        ),
+    },
 )
 register(
     "woundon.problems.air:AirNipProblem",
@@ -209,6 +261,7 @@ register(
     "woundon.air.result:AirNipResult",
     about="The winding nip with the air that the web brings.",
     check="woundon.air.solve:check_options",
+    options=NIP_OPTIONS,
 )
 
 
@@ -316,10 +369,9 @@ def solve(problem: Any, **options: Any) -> Any:
     problem : Problem
         Of any kind.
     options
-        Of the kind's solver (:func:`~woundon.solve_nip`, :func:`~woundon.solve_wrapped_nip`,
-        :func:`~woundon.solve_rollers`, :func:`~woundon.solve_wound_roll`,
-        :func:`~woundon.solve_air_nip`, :func:`~woundon.solve_winding`): ``nodes`` fixes the grid,
-        ``rtol`` refines it, ...
+        Of the kind's solver.  Nips and rollers: ``nodes`` of the last mesh, or ``rtol``, the
+        relative error; ``start``, the result of a neighbouring problem; ``progress``, called with
+        the fraction of the work that is done.
 
     Returns
     -------

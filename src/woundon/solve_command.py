@@ -21,7 +21,7 @@ import click
 from . import kinds
 from .errors import InvalidProblem, one_of, unwarned
 from .io.files import check_writable
-from .kinds import Kind
+from .kinds import Kind, Option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -164,7 +164,7 @@ def _common(all_of: Iterable[Kind]) -> Iterator[click.Parameter]:
 
 
 class SolverOption(NamedTuple):
-    """An option of a solver: its type, the words that it takes, what its docstring says."""
+    """An option of a solver: its type, the words that it admits, its help text."""
 
     type: type
     words: tuple[str, ...]
@@ -182,8 +182,10 @@ def solver_options(kind: Kind) -> Iterator[tuple[str, SolverOption]]:
         hint = hint if isinstance(hint, str) else inspect.formatannotation(hint)
         found = next((_TYPES[word] for word in re.findall(r"\w+", hint) if word in _TYPES), None)
         if given.kind is given.KEYWORD_ONLY and found and name not in kind.problem.model_fields:
-            of, about = told.get(name, ("", ""))
-            yield name, SolverOption(found, tuple(re.findall(r'"([\w-]+)"', of)), about)
+            of, text = told.get(name, ("", ""))
+            documented = Option(text, tuple(re.findall(r'"([\w-]+)"', of)))
+            about, words = kind.options.get(name, documented)
+            yield name, SolverOption(found, words, about)
 
 
 def _documented(function: Any) -> dict[str, tuple[str, str]]:

@@ -48,7 +48,8 @@ DRAWN = """() => [...document.querySelectorAll('svg.scaled')].map(svg => {
     return { labels: [...svg.querySelectorAll('text')].map(part => [part.textContent, box(part)]),
         areas: [...svg.querySelectorAll('circle, path')]
             .filter(part => hatched(part) || part.matches('.arrow')).map(box),
-        lines: [...svg.querySelectorAll('.web, .turn, .dimension path:not(.arrow)')].map(along),
+        lines: [...svg.querySelectorAll('.web, .turn, .dimension path:not(.arrow), .layer-line, ' +
+            '.centre-line')].map(along),
         frame: box(svg) }
 })"""
 
@@ -141,6 +142,24 @@ def test_labels_of_the_drawing_cross_neither_hatches_nor_arrows(look, width, dru
         assert len(drawings) == 2
         for drawing in drawings:
             check_labels(drawing)
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_labels_of_a_wide_nip_are_apart_from_each_other(look, width):
+    """A soft cover makes a nip so wide that the web is drawn thicker than to scale."""
+    seen = look(width=width)
+    page = seen.page
+    page.evaluate("() => document.querySelectorAll('.group').forEach(one => one.open = true)")
+    page.select_option("#f-drum", label="layered (cover)")
+    page.select_option("[id='f-drum-layers-0-material']", label="soft-cover")
+    for thickness, web in (("12", "66"), ("20", "66"), ("12", "15")):
+        seen.put("drum.layers.0.thickness", thickness)
+        seen.put("web.thickness", web)
+        for system in ("mill", "SI"):
+            page.click(f".segmented >> text={system}")
+            seen.rest()
+            for drawing in page.evaluate(DRAWN):
+                check_labels(drawing)
 
 
 def test_labels_of_rollers_cross_nothing(look):

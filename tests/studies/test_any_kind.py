@@ -197,17 +197,6 @@ def test_what_follows_the_free_tension_is_solved():
     assert float(data.tension_behind_nip[1]) == pytest.approx(behind, rel=1e-12)
 
 
-def test_schemes_are_recorded_though_they_are_objects():
-    table = toys.table_of(
-        paper_nip(), {"nip_load": [1e3]}, options={"scheme": wo.Thesis(), "nodes": 20}
-    )
-    assert json.loads(table.to_dataset().attrs["options"]) == {
-        "scheme": repr(wo.Thesis()), "nodes": 20,
-    }  # fmt: skip
-    single = wo.solve(paper_nip(nip_load=1e3), scheme="thesis", nodes=20).nip_induced_tension
-    assert table.outputs["nip_induced_tension"][0] == pytest.approx(single, rel=SAME)
-
-
 @pytest.mark.parametrize(
     ("over", "outputs", "options", "says"),
     [
@@ -215,7 +204,7 @@ def test_schemes_are_recorded_though_they_are_objects():
         ({"web.thickness.x": [1e-5]}, None, {}, "no such field; nothing is below 6.6e-05"),
         ({"nip_load": [1e3]}, None, {"roll_wrap": 1.0}, r"use problem.replace\(roll_wrap=...\)"),
         ({"nip_load": [1e3]}, None, {"start": 1}, "start: no such option; known: nodes, rtol"),
-        ({"nip_load": [1e3]}, None, {"scheme": "thesis"}, "scheme: no such option"),
+        ({"nip_load": [1e3]}, None, {"pivots": 5}, "pivots: no such option"),
         ({"nip_load": [1e3]}, "pressure", {}, "pressure: not a scalar output; did you mean"),
         ({"nip_load": [1e3]}, "errors.with", {}, "errors.with: not a scalar output"),
         ({"P": [1e3]}, None, {}, "P: no such field; did you mean 'nip_load'"),

@@ -498,10 +498,6 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"rtol": nan}, r"rtol: nan .*>= 1e-10 and <= 0.1"),
     ({"rtol": "1e-3"}, r"rtol: '1e-3' .*>= 1e-10 and <= 0.1"),
     ({"rtol": -1e-3}, r"rtol: -0.001 .*>= 1e-10 and <= 0.1"),
-    ({"scheme": "grded"}, r"scheme: 'grded' is unknown.*did you mean 'graded'"),
-    ({"scheme": None}, r"scheme: None is unknown.*graded.*thesis"),
-    ({"algorithm": "pivot"}, r"algorithm: 'pivot' is unknown.*did you mean 'pivoting'"),
-    ({"algorithm": 5}, r"algorithm: 5 is unknown.*panagiotopoulos.*pivoting"),
 ]
 
 
@@ -668,8 +664,6 @@ COMMANDS: list[tuple[list[str], str]] = [
     (["--nodes", "3"], "nodes: 3"),
     (["--nodes", "abc"], "'abc'"),
     (["--rtol", "2"], "rtol: 2"),
-    (["--scheme", "grded"], "did you mean 'graded'"),
-    (["--algorithm", "x"], "'x' is unknown"),
     (["--save", "x.xyz"], ".nc"),
     (["--plot", "x.xyz"], ".png"),
     (["--save", "no/such/folder/x.nc"], "folder"),
@@ -753,8 +747,6 @@ OPTIONS: list[tuple[Callable[..., Any], dict[str, Any], str]] = [
     (wo.solve_nip, {"nodes": "9"}, "nodes: '9' is out of range: must be a whole number, 7 to"),
     (wo.solve_nip, {"rtol": nan}, "rtol: nan is out of range: must be >= 1e-10 and <= 0.1"),
     (wo.solve_nip, {"rtol": True}, "rtol: True is out of range: must be >= 1e-10 and <= 0.1"),
-    (wo.solve_nip, {"scheme": []}, "scheme: [] is unknown; known: graded, thesis"),
-    (wo.solve_nip, {"algorithm": None}, "algorithm: None is unknown; known: panagiotopoulos"),
     (wo.solve_nip, {"start": 5}, "start: 5 is out of place; must be a NipResult"),
     (wo.solve_nip, {"start": nip()}, "start: NipProblem("),
     (wo.solve_rollers, {"nodes": None}, "nodes: None is out of range: must be a whole number"),

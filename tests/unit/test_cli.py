@@ -59,12 +59,12 @@ def test_wound_on_tension_is_told_first_with_its_error(capsys: Capture):
 
 
 def test_settings_and_options_reach_the_solver(capsys: Capture):
-    options = ["--set", "nip_load=17 pli", "--set", "web.thickness=57 um", "--scheme", "thesis"]
+    options = ["--set", "nip_load=17 pli", "--set", "web.thickness=57 um", "--nodes", "33"]
     assert cli.main([*QUICK, *options, "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert round(record["problem"]["nip_load"]) == 2977
     assert record["problem"]["web"]["thickness"] == 57e-6
-    assert (record["fields"]["scheme"], len(record["fields"]["x"])) == ("thesis", 25)
+    assert len(record["fields"]["x"]) == 33
 
 
 def test_sensitivity_lists_what_matters_first(capsys: Capture):
@@ -190,11 +190,6 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             [f"error: {EXAMPLE}: is a case of the kind 'wrapped-nip'; use 'woun"],
         ),
         (["rollers", EXAMPLE], 2, [f"error: {EXAMPLE}: is a case of the kind 'wrapped-nip'; use"]),
-        (
-            [*WRAPPED, "--scheme", "thesis"],
-            2,
-            ["error: --scheme: no option of the kind 'wrapped-nip'; it has --nodes, --wrap-nodes"],
-        ),
         ([*QUICK, "--wrap-nodes", "30"], 2, ["error: --wrap-nodes: no option of the kind 'nip'"]),
         (
             ["new", "--study", "rolers"],
@@ -209,8 +204,6 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
         ([*QUICK, "--nodes", "3"], 2, ["error: nodes: 3"]),
         ([*QUICK, "--nodes", "many"], 2, ["error: Invalid value for '--nodes': 'many'"]),
         ([*QUICK, "--rtol", "0.5"], 2, ["error: rtol: 0.5"]),
-        ([*QUICK, "--scheme", "grade"], 2, ["error: scheme: 'grade'"]),
-        ([*QUICK, "--algorithm", "newton"], 2, ["error: algorithm: 'newton'"]),
         ([*QUICK, "--save", "nip.xls"], 2, ["error: nip.xls: the ending '.xls'"]),
         ([*QUICK, "--plot", "nip.gif"], 2, ["error: nip.gif: the ending '.gif'"]),
         ([*QUICK, "--save", "no/where/nip.nc"], 2, ["error: no/where/nip.nc: the folder"]),
@@ -344,13 +337,9 @@ def test_options_are_those_of_the_solver_with_its_words(capsys: Capture):
     assert cli.main(["wrapped-nip", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "--wrap-nodes INTEGER Number of cells on each arc, 12 to 2048" in said
-    assert "--scheme" not in said
-    assert cli.main(["nip", "--help"]) == 0
-    assert "graded, thesis or thesis-printed" in capsys.readouterr().out
     assert cli.main(["solve", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "--wrap-nodes INTEGER [wrapped-nip, air-nip]" in said
-    assert "--scheme NAME [nip]" in said
 
 
 # ---- from outside the package -------------------------------------------------------------------

@@ -23,7 +23,6 @@ CASES = {
     "nip": (NIP, {}),
     "nip of 65 nodes": (NIP, {"nodes": 65}),
     "nip on elements": (NIP, {"rtol": 1e-6}),
-    "nip of the thesis's scheme": (NIP, {"scheme": "thesis", "nodes": 60}),
     "cover": (COVERED, {}),
     "wraps": (NIP.wrapped(), {}),
     "wraps on a cover": (COVERED.wrapped(drum_wrap=1.0), {}),

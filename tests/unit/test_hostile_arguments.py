@@ -105,7 +105,6 @@ def test_an_item_that_a_list_does_not_have_is_rejected(item: str):
         ["solve", "CASE", f"--{LONG}"],
         ["solve", "CASE", "--nodes", LONG],
         ["solve", "CASE", "--nodes", DIGITS],
-        ["solve", "CASE", "--scheme", LONG],
         ["solve", "CASE", "--unit", LONG],
         ["solve", "CASE", "--unit", f"nip_load={LONG}"],
         ["solve", "CASE", "--unit", f"{DEEP}=mm"],

@@ -28,7 +28,6 @@ PAIR = wo.RollerProblem.example()
 CASES: dict[str, Any] = {
     "nip": lambda: wo.solve(NIP, nodes=25),
     "nip_rtol": lambda: wo.solve(NIP, rtol=1e-4),
-    "nip_thesis": lambda: wo.solve(NIP, nodes=25, scheme="thesis"),
     "wrapped": lambda: wo.solve(NIP.wrapped(drum_wrap=1.0, wrap_friction=0.25), nodes=33),
     "rolling": lambda: wo.solve(PAIR, nodes=25),
     "static": lambda: wo.solve(PAIR.replace(motion="static"), nodes=25),
@@ -477,7 +476,7 @@ def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, valu
         ("nip", "outputs.peak_pressure", 9999.0, "peak_pressure: 9999.0, but the arrays give "),
         ("nip", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
         ("nip", "fields.leading_roll", 0.9, "leading_roll: 0.9, but the arrays give -0.13"),
-        ("nip_thesis", "fields.trailing_roll", 0.9, "trailing_roll: 0.9, but the arrays"),
+        ("nip", "fields.trailing_roll", 0.9, "trailing_roll: 0.9, but the arrays"),
         ("wrapped", "outputs.wound_on_tension", None, "wound_on_tension: nan, but the arrays"),
         ("wrapped", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
         ("wrapped", "fields.dual", 0.9, "dual: 0.9, but the arrays give "),

@@ -11,7 +11,9 @@ import woundon as wo
 from woundon.contact.grid import Grid, cosine_grid, segmented_grid
 from woundon.contact.meshes import GradedMesh, Mesh
 from woundon.contact.response import Response, Tractions, on_columns, padded
+from woundon.contact.panagiotopoulos import panagiotopoulos
 from woundon.contact.schemes import SCHEMES, scheme_of
+from woundon.contact.stick_slip import StickSlip
 from woundon.elasticity import half_plane
 from woundon.problems.bodies import KernelBody
 from woundon.wrap.face import FaceGrid
@@ -316,3 +318,18 @@ def test_what_shapes_an_arc_is_rounded_and_only_its_far_side_moves(entry: bool) 
     border = length * np.exp(STEP / 2)
     assert Arc.of(border * (1 + OVERLAP / 2), 32, entry, arc.shape).shape == arc.shape
     assert Arc.of(border * (1 + 2 * OVERLAP), 32, entry, arc.shape).shape == beyond.shape
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_published_process_settles_tractions_of_one_sign(sign: float) -> None:
+    """All stuck, (1 + S K) q = -(c0 + S p0): the pressure, and q with it, settles step by step."""
+    own = np.eye(3)
+    problem = StickSlip(
+        own, -0.2 * own, sign * np.array([0.7, 0.5, 0.6]), np.ones(3), sign * 0.4 * own,
+        friction=np.full(3, 10.0), faces=1,
+    )  # fmt: skip
+    found = panagiotopoulos(problem)
+    exact = -(problem.offset - 0.2) / (1 - sign * 0.08)
+    assert (np.sign(exact) == -sign).all()
+    # the process stops at changes of 1e-12; each step is 0.08 of the one before
+    np.testing.assert_allclose(found.traction, exact, rtol=1e-11)

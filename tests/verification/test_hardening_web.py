@@ -173,16 +173,6 @@ def test_every_roll_takes_it(name: str, wraps: Any) -> None:
         assert found.nip_induced_tension > linear.nip_induced_tension
 
 
-def test_by_the_thesis_scheme_too() -> None:
-    """Even nodes converge slowly, the same linear or not: 7 % here."""
-    found, graded = (
-        wo.solve_nip(hardened(LINEAR), scheme=s, nodes=101) for s in ("thesis", "graded")
-    )
-    assert found.residuals.largest <= 1e-8
-    assert found.half_width == pytest.approx(graded.half_width, rel=0.01)
-    assert found.nip_induced_tension == pytest.approx(graded.nip_induced_tension, rel=0.2)
-
-
 def test_without_wraps_it_is_the_plain_nip() -> None:
     plain = hardened(LINEAR)
     found, wanted = wo.solve(plain.wrapped(roll_wrap=0.0), nodes=33), wo.solve(plain, nodes=33)

@@ -20,7 +20,17 @@ PORT = 8321
 NEEDED = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
 
 
-@click.command(short_help="Open the nip and the roll in the browser.")
+@click.command(
+    help="""\
+    Open the nip and the roll in the browser: they are solved while sliders move.
+
+    The server listens to this machine alone.  To serve others, let it listen at another address,
+    name the host name by which they call it, and send them the address with the token that is
+    printed; traffic is not encrypted but by a reverse proxy in front of it (see 'How to serve
+    others' in the documentation).
+    """,
+    short_help="Open the nip and the roll in the browser.",
+)
 @click.option("--port", type=click.IntRange(0, 65535), default=PORT, show_default=True,
               help="Where to listen; 0 takes any that is free.")  # fmt: skip
 @click.option("--no-browser", is_flag=True, help="Do not open the browser.")
@@ -31,13 +41,7 @@ NEEDED = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
 @click.option("--token", default="", metavar="TOKEN",
               help="What callers must know; a new one where others are served.")  # fmt: skip
 def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: str) -> None:
-    """Open the nip and the roll in the browser: they are solved while sliders move.
-
-    The server listens to this machine alone.  To serve others, let it listen at another address,
-    name the host name by which they call it, and send them the address with the token that is
-    printed; traffic is not encrypted but by a reverse proxy in front of it (see 'How to serve
-    others' in the documentation).
-    """
+    """Open the nip and the roll in the browser: they are solved while sliders move."""
     try:
         from .serving import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:
@@ -66,7 +70,15 @@ def _address(host: str, names: tuple[str, ...], port: int, token: str) -> str:
     return f"http://{name}:{port}/{f'?token={token}' if token else ''}"
 
 
-@click.command(short_help="Write a report of solved cases: one HTML file that prints well.")
+@click.command(
+    help="""\
+    Write a report of solved CASES: inputs, results with errors and certificate, figures.
+
+    One HTML file that needs no other, and prints to PDF from any browser.  Several cases are
+    compared with each other.
+    """,
+    short_help="Write a report of solved cases: one HTML file that prints well.",
+)
 @click.argument("cases", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="HTML file; by default CASE.html.")
 @click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE",
@@ -79,11 +91,7 @@ def report(
     cases: tuple[Path, ...], out: Path | None, settings: tuple[str, ...], chosen: tuple[str, ...],
     title: str, remarks: str,
 ) -> None:  # fmt: skip
-    """Write a report of solved CASES: inputs, results with errors and certificate, figures.
-
-    One HTML file that needs no other, and prints to PDF from any browser.  Several cases are
-    compared with each other.
-    """
+    """Write a report of solved CASES: inputs, results with errors and certificate, figures."""
     from .. import kinds
     from ..errors import unwarned
     from ..io.case_files import load_case

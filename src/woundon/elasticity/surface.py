@@ -8,8 +8,8 @@ half width a.  Under nodal pressures p and tractions q its surface moves by v (o
 
 and v at the last node.  A :class:`SurfaceResponse` returns these values for given p and q
 (``deform``, ``end_displacement``) and their derivatives.  A new body implements
-``surface(face, half_width, speed)``, which returns such an object; :class:`LinearSurface` serves any
-body whose influence matrices are known.
+``surface(face, half_width, speed)``, which returns such an object; :class:`LinearSurface` serves
+any body whose influence matrices are known.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ R(u, theta) = 0.  For another theta one Newton step from u with the Jacobian J =
 
 gives the solution to first order.  The derivative of any output Q(u, theta) follows from the
 central difference of Q(u(theta + h), theta + h), with an error of the order h^2.  J is factorised
-once; each input needs two residuals and two back-substitutions.  The derivatives on the last three meshes
-give the error estimates.
+once; each input needs two residuals and two back-substitutions.  The derivatives on the last three
+meshes give the error estimates.
 
 The active set is kept: where a node is about to change its zone, derivatives to both sides differ,
 and slip lengths have a kink.

@@ -96,7 +96,7 @@ def sweep(
     nodes, rtol : int, float
         Of the kind's solver: the nodes of the grid, or the error until which it is refined.
     options : mapping
-        What else the kind's solver takes, e.g. ``{"scheme": "thesis"}``.
+        What else the kind's solver takes, e.g. ``{"rtol": 1e-4}``.
 
     Returns
     -------
@@ -321,7 +321,7 @@ def fit(
 def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
     """Keep a grid that its solver would choose from being refined where the error asks for it."""
     chosen = options_of(problem).get("nodes", ...) is None
-    if not chosen or any(options.get(name) is not None for name in ("nodes", "rtol", "scheme")):
+    if not chosen or any(options.get(name) is not None for name in ("nodes", "rtol")):
         return dict(options)
     return {**options, "nodes": FIT_NODES}
 

@@ -41,7 +41,15 @@ def _running(command: Any) -> Any:
     return command
 
 
-@click.command(short_help="Solve all cases of a study file.")
+@click.command(
+    help="""\
+    Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
+
+    DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
+    on with --resume. A complete study on a read-only medium is exported by --export-to.
+    """,
+    short_help="Solve all cases of a study file.",
+)
 @click.argument("study", type=_PATH)
 @_running
 @click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
@@ -57,11 +65,7 @@ def sweep(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
     chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...], export_to: Path | None,
 ) -> int:  # fmt: skip
-    """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
-
-    DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
-    on with --resume. A complete study on a read-only medium is exported by --export-to.
-    """
+    """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml."""
     from .api import study_of
     from .engine import run_study
     from .export import check_export, export
@@ -152,7 +156,14 @@ def _written(paths: list[Path]) -> None:
     click.echo("written: " + ", ".join(str(path) for path in paths))
 
 
-@click.command(short_help="Tell which inputs of a study file matter (Sobol indices).")
+@click.command(
+    help="""\
+    Tell how much of each output's variance the ranges of a study file explain (Sobol indices).
+
+    Every entry of [over] is a range { from, to }.  It takes samples * (inputs + 2) cases.
+    """,
+    short_help="Tell which inputs of a study file matter (Sobol indices).",
+)
 @click.argument("study", type=_PATH)
 @_running
 @click.option("--samples", type=int, help="Base samples, a power of 2; 256 by default.")
@@ -160,10 +171,7 @@ def sensitivity(
     study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
     samples: int | None, export_to: Path | None,
 ) -> None:  # fmt: skip
-    """Tell how much of each output's variance the ranges of a study file explain (Sobol indices).
-
-    Every entry of [over] is a range { from, to }.  It takes samples * (inputs + 2) cases.
-    """
+    """Compute the Sobol indices of the ranges of a study file."""
     from .api import global_sensitivity
     from .studyfile import load_study
 
@@ -185,7 +193,15 @@ def sensitivity(
     _written(targets)
 
 
-@click.command(short_help="Fit fields of a case to measured data.")
+@click.command(
+    help="""\
+    Fit fields of a case to measured data (.csv or .xlsx, units in the header).
+
+    A column is an input or an output by its name, e.g. "nip_load [kN/m]", "web_tension [N/m]",
+    "wound_on_tension [N/m]"; "wound_on_tension +- [N/m]" holds its standard deviations.
+    """,
+    short_help="Fit fields of a case to measured data.",
+)
 @click.argument("case", type=_PATH)
 @click.argument("data", type=_PATH)
 @click.option(
@@ -216,11 +232,7 @@ def fit(
     columns: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], starts: int,
     nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
-    """Fit fields of a case to measured data (.csv or .xlsx, units in the header).
-
-    A column is an input or an output by its name, e.g. "nip_load [kN/m]", "web_tension [N/m]",
-    "wound_on_tension [N/m]"; "wound_on_tension +- [N/m]" holds its standard deviations.
-    """
+    """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
     from .api import fit as fit_problem
 

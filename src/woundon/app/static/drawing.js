@@ -23,7 +23,7 @@ export function Drawing({ result, units, catalogue }) {
   const size = (value, unit = quantity) => `${digits(units.shown(unit, value), 4)} ${units.text(unit)}`;
   return html`<div class="drawing">
     <${Whole} ...${{ result, geometry, size }} />
-    ${geometry.half_width && geometry.bodies.length > 1 && html`<${Lens} ...${{ result, geometry, size }} />`}
+    ${geometry.half_width && geometry.bodies.length > 1 && html`<${Lens} ...${{ result, geometry, size, unit: units.of(quantity).factor }} />`}
   </div>`;
 }
 
@@ -107,7 +107,7 @@ function Arrow({ at: [px, py], angle }) {
 
 // ---- the nip through a lens ----
 
-function Lens({ result, geometry, size }) {
+function Lens({ result, geometry, size, unit }) {
   const { half_width: a, web } = geometry;
   const [upper, lower] = geometry.bodies;
   const reach = 1.32 * a;
@@ -150,7 +150,7 @@ function Lens({ result, geometry, size }) {
     }, [0, []])[1])}
     ${web && html`<path d=${`M${line(above)}L${steps.slice().reverse().map((s) => `${x(s).toFixed(2)} ${below(s).toFixed(2)}`).join("L")}z`} class="web-body" />`}
     ${faces.map(([strip, of, sign]) => zones(strip, of, sign))}
-    <path d=${`M${centres} 26V${LENS.height - 26}`} class="centre-line" />
+    <path d=${`M${centres} 26V${middle - 72}M${centres} ${middle - 54}V${LENS.height - 26}`} class="centre-line" />
     <text x=${LENS.width / 2} y="20" class="name">${label(upper)}</text>
     <text x=${LENS.width / 2} y=${LENS.height - 10} class="name">${label(lower)}</text>
     <g class="dimension">
@@ -159,15 +159,16 @@ function Lens({ result, geometry, size }) {
       <text x=${LENS.width / 2} y=${middle - 58}>2a = ${size(2 * a)}</text>
     </g>
     ${web && html`<g class="dimension"><path d=${`M14 ${middle + 62}h44`} /><${Arrow} at=${[62, middle + 62]} angle=${0} />
-      <text x="14" y=${middle + 78} class="start">${T.drawing.web} ${size(web.thickness, { unit: "m", shown_unit: "um" })}${drawn > thick + 0.3 ? ` (${T.drawing.thicker})` : ""}</text></g>`}
-    <${Bar} scale=${scale} size=${size} />
+      <text x="14" y=${middle + 78} class="start">${T.drawing.web} ${size(web.thickness, { unit: "m", shown_unit: "um" })}</text>
+      ${drawn > thick + 0.3 && html`<text x="14" y=${middle + 92} class="start">(${T.drawing.thicker})</text>`}</g>`}
+    <${Bar} scale=${scale} size=${size} unit=${unit} />
   </svg>`;
 }
 
 /** A bar of a round length: the drawing's scale. */
-function Bar({ scale, size }) {
-  const power = 10 ** Math.floor(Math.log10(110 / scale));
-  const length = [5, 2, 1].map((n) => n * power).find((one) => one * scale <= 110);
+function Bar({ scale, size, unit }) {
+  const power = 10 ** Math.floor(Math.log10(110 / (scale * unit)));
+  const length = unit * [5, 2, 1].map((n) => n * power).find((one) => one * scale * unit <= 110);
   const end = LENS.width - 12;
   const y = LENS.height / 2 + 62;
   return html`<g class="dimension"><path d=${`M${end - length * scale} ${y - 4}v8M${end} ${y - 4}v8M${end - length * scale} ${y}H${end}`} />

@@ -107,11 +107,16 @@ export function Study({ store }) {
   ${study?.inputs ? html`<${Outcome} ...${{ store, study, output }} />` : html`<p class="quiet">${T.study.empty}</p>`}`;
 }
 
+/** An end of the range of a field; what is typed stays while results of other requests arrive. */
+function End({ units, id, words, field, value, put }) {
+  const [typed, setTyped] = useState(null);
+  return html`<label class="stacked small">${words} ${field ? units.text(field) && `[${units.text(field)}]` : ""}<input type="text" inputmode="decimal" id=${id}
+    value=${typed ?? (field ? Number(units.shown(field, value).toPrecision(6)) : "")} disabled=${!field} onInput=${(event) => setTyped(event.target.value)}
+    onChange=${(event) => { setTyped(null); put(units.read(field, event.target.value).value ?? NaN); }} /></label>`;
+}
+
 function Axis({ store, name, label, fields, chosen, labelled, optional, ends, count, pick, setEnds, setCount }) {
-  const { units } = store;
-  const box = (k, words) => html`<label class="stacked small">${words} ${chosen ? units.text(chosen.field) && `[${units.text(chosen.field)}]` : ""}<input type="text" inputmode="decimal" id=${`study-${name}-${k}`}
-    value=${chosen ? Number(units.shown(chosen.field, ends[k]).toPrecision(6)) : ""} disabled=${!chosen}
-    onChange=${(event) => { const next = [...ends]; next[k] = units.read(chosen.field, event.target.value).value ?? NaN; setEnds(next); }} /></label>`;
+  const box = (k, words) => html`<${End} ...${{ units: store.units, id: `study-${name}-${k}`, words, field: chosen?.field, value: ends?.[k], put: (value) => setEnds(ends.map((end, n) => (n === k ? value : end))) }} />`;
   const wrong = chosen && !(Number.isFinite(ends[0]) && Number.isFinite(ends[1]) && ends[0] !== ends[1]);
   return html`<div class="axis-row">
     <label class="stacked">${label}<select id=${`study-${name}`} value=${chosen?.path ?? ""} onChange=${(event) => pick(event.target.value)}>
