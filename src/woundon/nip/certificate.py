@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..contact.newton import SemismoothNewton
+from ..contact.refinement import MeshSolution
 from ..elasticity.hardening_surface import HardeningSurface
 from ..errors import InvalidProblem
 from ..results import Residuals, largest
@@ -25,7 +27,7 @@ from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
 if TYPE_CHECKING:
     from .equations import NipEquations, NipState, Side
 
-__all__ = ["certificate", "consistency", "equations_of", "recomputed", "state_of"]
+__all__ = ["certificate", "consistency", "equations_of", "recomputed", "solutions", "state_of"]
 
 Array = np.ndarray
 
@@ -206,3 +208,16 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
         lost = rolling_resistance(equations, state)
         values["rolling_resistance"] = lost, 1e-7 * abs(lost)
     return values
+
+
+def solutions(result: Any) -> list[MeshSolution]:
+    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
+    if result.refinement is not None:
+        meshes: list[MeshSolution] = result.refinement.meshes
+        return meshes
+    equations = equations_of(result)
+    at = equations.layout
+    active = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
+    state = state_of(result, equations)
+    solver = SemismoothNewton(equations)
+    return [MeshSolution(result.nodes, equations, state, active.astype(np.int8), solver)]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 
 import numpy as np
 
+from .. import kinds
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
@@ -202,8 +203,8 @@ class WindingNipResult(Dissipation, Result):
         """
         outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         # imported late: many results are never differentiated
+        from .certificate import solutions
         from .sensitivity import contact_sensitivity
-        from .solve import solutions
 
         return contact_sensitivity(
             self, solutions(self), parameters, outputs, self.DIFFERENTIATED, self._excluded
@@ -442,15 +443,11 @@ class WrappedNipResult(WindingNipResult):
         Parameters
         ----------
         options
-            Of :func:`~woundon.nip.solve.solve_nip`.
+                Of :func:`woundon.solve`.
 
         Raises
         ------
         NoSteadyState
             If the nip alone cannot carry the winding force.
         """
-        from .solve import solve_nip
-
-        result = solve_nip(self.problem.confined(), **options)
-        assert isinstance(result, NipResult)
-        return result
+        return kinds.solve(self.problem.confined(), **options)

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..contact.newton import SemismoothNewton
+from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
 from .conditions import friction_law, integral, negative_pressure
 from .roller_energy import dissipation, roller_power_balance, surface_work
@@ -20,7 +22,7 @@ from .rollers import RollerEquations, RollerState
 if TYPE_CHECKING:
     from .roller_result import RollerResult
 
-__all__ = ["certificate", "consistency", "state_of"]
+__all__ = ["certificate", "consistency", "solutions", "state_of"]
 
 Array = np.ndarray
 
@@ -122,3 +124,15 @@ def consistency(result: RollerResult) -> Residuals:
     equations, state = found
     bodies = surface_work(result.problem, equations.mesh, state)
     return Residuals(power_balance=roller_power_balance(result, bodies))
+
+
+def solutions(result: RollerResult) -> list[MeshSolution]:
+    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
+    if result.refinement is not None:
+        meshes: list[MeshSolution] = result.refinement.meshes
+        return meshes
+    found = state_of(result)
+    assert found is not None  # a loaded result is verified
+    equations, state = found
+    solver = SemismoothNewton(equations)
+    return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]

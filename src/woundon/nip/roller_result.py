@@ -143,8 +143,8 @@ class RollerResult(Dissipation, Result):
             Names; the main ones if none is given.
         """
         # imported late: many results are never differentiated
+        from .roller_certificate import solutions
         from .sensitivity import contact_sensitivity
-        from .solve_rollers import solutions
 
         outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         main = ("half_width", "peak_pressure", "approach", "offset", "tangential_load")

@@ -6,18 +6,16 @@ from collections.abc import Callable, Mapping
 from math import nan
 from typing import Any
 
-import numpy as np
-
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.newton import NewtonFailed, SemismoothNewton
-from ..contact.refinement import MeshSolution, Refinement, refine
+from ..contact.newton import NewtonFailed
+from ..contact.refinement import Refinement, refine
 from ..errors import RESOLUTION, NoSteadyState, NotConverged
 from ..problems.bodies import half_width_guess
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
 from ..validity import far_outside
-from .certificate import certificate, consistency, equations_of, state_of
+from .certificate import certificate, consistency
 from .equations import NipEquations, NipState
 from .load_limit import check_load
 from .outputs import SLIP_RATIOS, web_arrays
@@ -191,16 +189,3 @@ def result_of(problem: Any, found: Refinement) -> Any:
         result, errors=errors, residuals=certificate(result, equations),
         warnings=nip_warnings(result),
     )  # fmt: skip
-
-
-def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
-    if result.refinement is not None:
-        meshes: list[MeshSolution] = result.refinement.meshes
-        return meshes
-    equations = equations_of(result)
-    at = equations.layout
-    active = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
-    state = state_of(result, equations)
-    solver = SemismoothNewton(equations)
-    return [MeshSolution(result.nodes, equations, state, active.astype(np.int8), solver)]
