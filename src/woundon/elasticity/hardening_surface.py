@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .mesh import Face
-from .ring_elements import Fineness
+from .ring_elements import Fineness, RingMesh
 from .ring_equilibrium import RingPair, RingState
 from .surface import Deformation, SurfaceResponse, SurfaceTangent
 
@@ -103,6 +103,11 @@ class HardeningSurface:
         end_p, end_q = self.linear.end_tangent(p, q)
         return end_p + self._end @ by_p[0], end_q + self._end @ by_q[0]
 
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return u at the last node [m]."""
+        u = self._solve(p, q).difference[1]
+        return self.linear.end_tangential_displacement(p, q) + float(self._end @ u)
+
     # ---- state of the ring ---------------------------------------------------------------------
 
     def residual(self, p: Array, q: Array) -> float:
@@ -149,7 +154,7 @@ class HardeningSurface:
         return slope @ w[0], slope @ w[1] + value @ w[0] / self.ring.radius
 
     @cached_property
-    def _mesh(self):
+    def _mesh(self) -> RingMesh:
         return self.ring.mesh(ring_fineness(self.face.size - 1), self.a)
 
     @cached_property
