@@ -165,7 +165,6 @@ class RingPair:
             rest = f - mesh.forces(stressed.stress)
             residual = float(np.max(np.abs(rest))) / unit
             if fresh and residual <= ROUNDING and residual > before / 2:
-                accurate = True
                 break
             if before < np.inf:
                 rate = max(rate, residual / before)
@@ -175,6 +174,7 @@ class RingPair:
             before = residual
             if factors is None or rate > SLOW:
                 factors, rate, fresh = self._factorise(mesh, stressed.tangent), 0.0, True
+                accurate = True
             u, stressed = self._advance(mesh, wound, u, factors.solve(rest), stressed, f)
         else:
             raise NoEquilibrium(f"the roll finds no equilibrium: residual {residual:.2g}")
