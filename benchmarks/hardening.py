@@ -24,8 +24,7 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
-from woundon.elasticity import hardening_ring
-from woundon.problems.direct import ring
+from woundon.problems.wound_roll import ring_of
 
 UNKNOWNS = 398
 REFUSED = (wo.InvalidProblem, wo.NoSteadyState)
@@ -117,8 +116,7 @@ def dense_solve() -> float:
 def priced(solve: Callable[[], Any], cold: bool) -> tuple[Any, float]:
     """Return what a solve gives and its price."""
     if cold:
-        ring.cache_clear()
-        hardening_ring._latest = None
+        ring_of.cache_clear()
     before, start = dense_solve(), process_time()
     result = solve()
     taken = process_time() - start

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 import woundon as wo
-from woundon.contact.response import ContactGrid, Response, Tractions
 from woundon.elasticity.hardening import HardeningLaw
-from woundon.elasticity.hardening_ring import HardeningRing
-from woundon.problems.direct import respond
+from woundon.elasticity.hardening_surface import HardeningSurface
+from woundon.elasticity.mesh import Face
+from woundon.elasticity.ring_equilibrium import RingPair
 from woundon.problems.radial_laws import Constant
 
 NEWSPRINT: Any = wo.material("newsprint")
@@ -57,13 +57,13 @@ class OtherReference(wo.Body, abstract=True):  # of the tests alone
         """That of the newsprint [1/Pa]."""
         return wo.Cylinder(radius=0.1, core_radius=0.0445, material=NEWSPRINT).compliance
 
-    def stand_in(self, pressure: float) -> wo.Body:
-        """Return the reference."""
-        return linear_of(self.reference)
-
-    def respond(self, grid: ContactGrid, a: float, about: Tractions | None = None) -> Response:
+    def surface(
+        self, face: Face, half_width: float, speed: float | None = None
+    ) -> HardeningSurface:
         """Return the response of the elements and of the other cylinder."""
-        return respond(_other(self), np.inf, grid, a, about)
+        linear = linear_of(self.reference).surface(face, half_width)
+        pair = constant_rings(self.modulus, self.reference)
+        return HardeningSurface(pair, linear, face, half_width, np.inf)
 
 
 def law_of(modulus: float) -> HardeningLaw:
@@ -78,19 +78,13 @@ def linear_of(modulus: float) -> wo.Cylinder:
     return wo.Cylinder(radius=0.1, core_radius=0.0445, material=material)
 
 
-class _Ring(HardeningRing):
-    reference: ClassVar[float]
-
-    @property
-    def stiffness(self) -> tuple[float, float, float, float]:
-        """That of the other cylinder."""
-        return law_of(self.reference).stiffness(0.0)
-
-
 @cache
-def _other(body: OtherReference) -> HardeningRing:
-    made: Any = type("Ring", (_Ring,), {"reference": body.reference})
-    ring: HardeningRing = made(
-        body.radius, body.core_radius, law_of(body.modulus), lambda r: np.zeros(np.shape(r))
-    )
-    return ring
+def constant_rings(modulus: float, reference: float) -> RingPair:
+    """Return rings of two constant moduli."""
+
+    class Pair(RingPair):
+        @property
+        def stiffness(self) -> tuple[float, float, float, float]:
+            return law_of(reference).stiffness(0.0)
+
+    return Pair(0.1, 0.0445, law_of(modulus), lambda r: np.zeros(np.shape(r)))

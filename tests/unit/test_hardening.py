@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.elasticity import hardening_ring, ring_elements
+from woundon.elasticity import ring_elements
 from woundon.elasticity.hardening import HardeningLaw
-from woundon.elasticity.hardening_ring import HardeningRing, _Loaded
 from woundon.elasticity.ring_elements import Fineness, RingMesh
-from woundon.problems.direct import _outside
+from woundon.elasticity.ring_equilibrium import RingPair
 from woundon.problems.radial_laws import Constant
 
 Array = np.ndarray
@@ -112,40 +111,10 @@ def test_trial_states_beyond_the_law_have_stresses(gamma: float) -> None:
         assert np.all(np.linalg.eigvalsh(found.tangent) > 0)
 
 
-def test_a_state_outside_the_law_is_said() -> None:
-    law = LAWS["Pfeiffer"]
-    nothing = np.zeros(0)
-
-    def said(lowest: float, highest: float) -> str:
-        state = hardening_ring.Equilibrium(nothing, nothing, 0.0, lowest, highest)
-        return _outside(state, law, 1e6)
-
-    assert said(-9400.0, 0.99e6) == ""
-    assert "reaches 1.1e+06 [Pa], and its stack's law ends at 1e+06" in said(0.0, 1.1e6)
-    assert "torn: the pressure in it falls to -9600 [Pa], and at -9500" in said(-9600.0, 1e5)
-
-
 # ---- the ring -----------------------------------------------------------------------------------
 
 A = 2e-3
-
-
-def ring(law: HardeningLaw, P0: float = 90e3) -> HardeningRing:
-    return HardeningRing(0.1, 0.0445, law, lambda r: np.full(np.shape(r), P0))
-
-
 COARSE = Fineness(8, 8, 6)
-
-
-def loaded(law: HardeningLaw, fine: Fineness = COARSE) -> _Loaded:
-    return _Loaded(ring(law), fine, A, None)
-
-
-def forces(mesh: RingMesh, peak: float = 1e6) -> Array:
-    x = np.linspace(-A, A, 33)
-    p = peak * (1 - (x / A) ** 2)
-    hats = mesh.hats(x)
-    return np.stack([-hats @ p, hats @ (0.1 * p * np.sin(2 * x / A))])
 
 
 def test_hats_carry_the_load_and_its_moment() -> None:
@@ -159,65 +128,15 @@ def test_hats_carry_the_load_and_its_moment() -> None:
     assert mesh.hats(x + 2 * pi * 0.1) == pytest.approx(hats, abs=1e-15)
 
 
-def test_the_compliance_is_symmetric_and_the_derivative_of_the_displacements() -> None:
-    mesh = loaded(LAWS["shear hardens"])
-    f = forces(mesh)
-    mesh.equilibrium(f)
-    found = mesh.law.stressed(mesh.strain(mesh.u), mesh.wound)
-    Y = mesh.stiffness(found.tangent).compliance
-    k = f.shape[1]
-    flat = Y.reshape(2 * k, 2 * k)
+def test_the_compliance_is_symmetric() -> None:
+    pair = RingPair(0.1, 0.0445, LAWS["shear hardens"], lambda r: np.full(np.shape(r), 90e3))
+    mesh = pair.mesh(COARSE, A)
+    x = np.linspace(-A, A, 33)
+    p, hats = 1e6 * (1 - (x / A) ** 2), mesh.hats(x)
+    state = pair.equilibrium(mesh, np.stack([-hats @ p, hats @ (0.1 * p * np.sin(2 * x / A))]))
+    Y = mesh.stiffness(state.stressed.tangent).compliance
+    flat = Y.reshape(2 * mesh.nodes.size, -1)
     assert np.max(np.abs(flat - flat.T)) < 1e-8 * np.max(np.abs(flat))
-    rng = np.random.default_rng(1)
-    step = f * rng.uniform(-1, 1, f.shape)
-
-    def moved(share: float) -> Array:
-        return mesh.equilibrium(f + share * step).moved
-
-    h = 1e-3  # differences of fourth order: truncation and equilibrium (1e-11) leave 1e-9
-    told = (8 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12 * h)
-    made = np.einsum("ikjl,jl->ik", Y, step)
-    assert np.max(np.abs(told - made)) < 1e-8 * np.max(np.abs(made))
-
-
-def test_the_equilibrium_does_not_depend_on_where_it_starts() -> None:
-    far = loaded(LAWS["Pfeiffer"])
-    f = forces(far)
-    far.equilibrium(3 * f)
-    near = loaded(LAWS["Pfeiffer"])
-    other = _Loaded(ring(LAWS["constant"]), Fineness(12, 10, 8), 1.3 * A, None)
-    other.equilibrium(forces(other))
-    carried = _Loaded(ring(LAWS["Pfeiffer"]), COARSE, A, other)
-    wanted = near.equilibrium(f).moved
-    for mesh in (far, carried):
-        assert mesh.equilibrium(f).moved == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())
-
-
-def test_a_linear_ring_far_out_is_compressed_evenly() -> None:
-    """Pressure all round: u = A (r/R)^m + B (r/R)^-m with m^2 = A_tt/A_rr, by hand."""
-    law = LAWS["constant"]
-    R, R0, p = 0.1, 0.0445, 1e4
-    A_rr, A_tt, A_rt, _ = law.stiffness(0.0)
-    m, t = np.sqrt(A_tt / A_rr), R0 / R
-    # v = C ((r/R)^m - t^2m (r/R)^-m) is 0 at R0; -p = A_rr v' + A_rt v/R at R
-    slope, value = m * (1 + t ** (2 * m)), 1 - t ** (2 * m)
-    v = -p * R * value / (A_rr * slope + A_rt * value)
-    errors = []
-    for rows in (12, 24):
-        mesh = loaded(law, Fineness(8, 8, rows))
-        inward = mesh.hats(np.linspace(-pi * R, pi * R, 400)).sum(axis=1)
-        moved = mesh.equilibrium(np.stack([-p * inward, 0 * inward])).moved[0]
-        assert np.ptp(moved) < 1e-9 * abs(v)
-        errors.append(abs(moved[0] / v - 1))
-    assert errors[1] < 2e-5
-    assert errors[0] > 8 * errors[1]  # order 4: strains to the cube, and an energy
-
-
-def test_no_equilibrium_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hardening_ring, "STEPS", 2)
-    mesh = loaded(LAWS["Pfeiffer"])
-    with pytest.raises(hardening_ring.NoEquilibrium, match="of the load are left"):
-        mesh.equilibrium(forces(mesh))
 
 
 def test_uniform_pressure_strains_by_the_law() -> None:

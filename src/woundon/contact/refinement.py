@@ -170,9 +170,9 @@ def refine(
     for sizes, guess in attempts:
         try:
             return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, progress)
-        except NewtonFailed as failed:
+        except ArithmeticError as failed:  # of the iteration, or of a body under an iterate
             last = failed
-    raise last
+    raise NewtonFailed(str(last)) from last
 
 
 def _refine(

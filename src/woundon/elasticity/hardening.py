@@ -161,7 +161,7 @@ class HardeningLaw:
         return Stressed(stress, tangent, P)
 
     def _pressure(self, h: Array, gamma: Array, P0: Array, guess: Array | None) -> Array:
-        """Return the root P of f(P) = h by Newton's method, from a guess or F(P) = F(P0) + h."""
+        """Return the root P of f(P) = h by Newton's method, which may start from a guess."""
         radial, give = self.radial, self.poissons_ratio**2 / self.tangential
         F0 = radial.strain_at(P0)
         P = self._inverse(F0 + h) if guess is None else guess

@@ -6,19 +6,18 @@ surface carries nodal forces f:
 
     F(u) = int B^T s(B u) dV = f,        K = dF/du = int B^T (ds/de) B dV.
 
-The energy is convex, so the solution is unique.  Newton's method finds it.  A factorisation of K
-costs as much as a hundred evaluations of F and is therefore reused: while it reduces the residual
-(modified Newton method), under other forces, and for other half widths, because K of a deep ring
-does not change if the mesh is scaled.  The linear ring has the moduli of the wound surface; its
-displacements follow by conjugate gradients with an earlier factorisation as preconditioner.
-
-Neither depends on the states before, except for the residual that remains.
+The energy is convex, so that the solution is unique.  Newton's method finds it.  A factorisation
+of K costs as much as ten steps and is reused while it reduces the residual (modified Newton
+method): under other forces, and for other half widths, because K of a deep ring does not change if
+its mesh is scaled.  The linear ring has the moduli of the wound surface; its displacements follow
+by conjugate gradients with an earlier factorisation as preconditioner.  The earlier states affect
+the results by the remaining residuals only.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
@@ -31,19 +30,19 @@ __all__ = ["NoEquilibrium", "RingPair", "RingState"]
 
 Array = np.ndarray
 
-# Largest nodal force that remains, relative to the sum of all: difference quotients by ln a with
-# steps of 1e-5 keep six digits.  Very thin rows of elements may leave the larger one by rounding.
-TOLERANCE, ROUNDING = 1e-11, 5e-9
+# Largest nodal force that remains, relative to the sum of all: less than the last step of the
+# contact's Newton method.  Very thin rows of elements may leave the larger one by rounding.
+TOLERANCE, ROUNDING = 1e-12, 5e-9
 MAX_ITERATIONS = 200
 # Largest change of ln E_r in a step.
 LARGEST_CHANGE = 1.0
-# A step reduces the residual to this share, or K is factorised again: 40 steps of this size cost as
-# much as a factorisation and a few steps after it.
-SLOW = 0.5
+# A step reduces the residual to this share, or K is factorised again, which costs as much as about
+# ten steps; shares of 0.05 to 0.5 take the same time.
+SLOW = 0.3
 # A factorisation that reduced the residual to this share is the tangent to the same accuracy.
 ACCURATE = 1e-2
-# Change of ln a after which the linear ring is factorised again.
-NEAR = 0.1
+# Change of ln a up to which the compliance of the linear ring serves in a tangent.
+NEAR = 0.02
 CONJUGATE_GRADIENTS = 100
 
 
@@ -135,39 +134,53 @@ class RingPair:
         """
         f = np.zeros(mesh.topology.size)
         f[mesh.topology.surface] = forces
-        latest, start, factors = self._latest, None, None
-        if latest is not None and latest.mesh.fineness == mesh.fineness:
-            start, factors = latest.u * (mesh.half_width / latest.mesh.half_width), latest.factors
-        elif latest is not None:
-            start = mesh.interpolate(latest.u, latest.mesh)
+        zero, latest = np.zeros(f.size), self._latest
         try:
-            state = self._newton(mesh, f, np.zeros(f.size) if start is None else start, factors)
+            if latest is None:
+                state = self._newton(mesh, f, zero)
+            elif latest.mesh.fineness == mesh.fineness:
+                u = latest.u * (mesh.half_width / latest.mesh.half_width)
+                state = self._newton(mesh, f, u, latest)
+            else:
+                state = self._newton(mesh, f, mesh.interpolate(latest.u, latest.mesh))
         except NoEquilibrium:
-            if start is None:
+            if latest is None:
                 raise
-            state = self._newton(mesh, f, np.zeros(f.size), None)
+            state = self._newton(mesh, f, zero)
         self._latest = state
         return state
 
-    def _newton(self, mesh: RingMesh, f: Array, u: Array, factors: Factors | None) -> RingState:
-        """Solve F(u) = f by the modified Newton method."""
+    def _newton(
+        self, mesh: RingMesh, f: Array, u: Array, near: RingState | None = None
+    ) -> RingState:
+        """Solve F(u) = f by the modified Newton method, with the factors of a state near by."""
         wound, unit = self.wound(mesh.heights), float(np.sum(np.abs(f))) or 1.0
-        stressed = self.law.stressed(mesh.strain(u), wound)
-        before, rate = np.inf, 0.0  # rate: worst reduction by a step with these factors
+        pressure, factors, accurate = None, None, False
+        if near is not None:
+            pressure, factors, accurate = near.stressed.pressure, near.factors, near.accurate
+        stressed = self.law.stressed(mesh.strain(u), wound, pressure)
+        # rate: worst reduction by a step with these factors; fresh: they are of this solution
+        before, rate, fresh = np.inf, 0.0, False
         for _ in range(MAX_ITERATIONS):
             rest = f - mesh.forces(stressed.stress)
             residual = float(np.max(np.abs(rest))) / unit
-            if residual <= TOLERANCE or (residual <= ROUNDING and residual > before / 2):
+            if fresh and residual <= ROUNDING and residual > before / 2:
                 break
-            rate, before = max(rate, residual / before), residual
+            if before < np.inf:
+                rate = max(rate, residual / before)
+                accurate = rate <= ACCURATE
+            if residual <= TOLERANCE:
+                break
+            before = residual
             if factors is None or rate > SLOW:
-                factors, rate = self._factorise(mesh, stressed.tangent), 0.0
+                factors, rate, fresh = self._factorise(mesh, stressed.tangent), 0.0, True
+                accurate = True
             u, stressed = self._advance(mesh, wound, u, factors.solve(rest), stressed, f)
         else:
             raise NoEquilibrium(f"the roll finds no equilibrium: residual {residual:.2g}")
         if factors is None:
-            factors, rate = self._factorise(mesh, stressed.tangent), 0.0
-        return RingState(mesh, u, stressed, residual, factors, rate <= ACCURATE)
+            factors, accurate = self._factorise(mesh, stressed.tangent), True
+        return RingState(mesh, u, stressed, residual, factors, accurate)
 
     def _advance(
         self, mesh: RingMesh, wound: Array, u: Array, step: Array, stressed: Stressed, f: Array
@@ -235,8 +248,6 @@ class RingPair:
         if not state.accurate:
             factors = self._factorise(state.mesh, state.stressed.tangent)
             if self._latest is state:
-                self._latest = RingState(
-                    state.mesh, state.u, state.stressed, state.residual, factors, True
-                )
+                self._latest = replace(state, factors=factors, accurate=True)
         _, linear = self._linear_factors(state.mesh, NEAR)
         return factors.compliance - linear.compliance

@@ -1,0 +1,315 @@
+"""Surface response of a hardening roll: tangents, linear limits, the law's range, the Jacobian."""
+
+from __future__ import annotations
+
+from math import exp, pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hardening_cases import E_T, NEWSPRINT, NU, constant_rings, law_of, linear, nip, roll
+
+import woundon as wo
+from woundon.contact.newton import SemismoothNewton
+from woundon.contact.refinement import Refinement, refine
+from woundon.elasticity import cylinder, ring_equilibrium
+from woundon.elasticity.hardening_surface import HardeningSurface
+from woundon.elasticity.influence import InfluenceSurface
+from woundon.elasticity.mesh import Face, Wrap, nip_mesh
+from woundon.elasticity.ring_elements import Fineness
+from woundon.nip.equations import NipEquations
+from woundon.problems.wound_roll import ring_of
+
+Array = np.ndarray
+
+A = 2.5e-3
+WRAP = Wrap(20.0, 40.0)
+MESH = nip_mesh(17, WRAP, WRAP)
+FACES = {
+    "nip": nip_mesh(17, Wrap(), Wrap()).roll_face,
+    "roll wrap": MESH.roll_face,
+    "drum wrap": MESH.drum_face,
+}
+
+
+def loads(face: Face, peak: float = 1e6) -> tuple[Array, Array]:
+    """Return pressures and tractions in the nip, and lower ones on a wrap."""
+    x = face.nodes
+    p = peak * np.sqrt(np.maximum(1 - x**2, 0.0)) + 5e-3 * peak * (np.abs(x) > 1)
+    p[[0, -1]] = 0.0
+    return p, 0.15 * p * np.sin(2 * x)
+
+
+def deviation(values: Any, wanted: Any) -> float:
+    """Return the largest difference relative to the largest value."""
+    return float(np.max(np.abs(np.subtract(values, wanted))) / np.max(np.abs(wanted)))
+
+
+# ---- derivatives --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("face", FACES.values(), ids=FACES)
+@pytest.mark.parametrize("shear_exponent", [0.0, 0.5])
+def test_the_tangent_is_the_derivative(face: Face, shear_exponent: float) -> None:
+    surface = roll(shear_exponent=shear_exponent).surface(face, A)
+    p, q = loads(face)
+    rng = np.random.default_rng(0)
+    dp, dq = 1e-4 * p * rng.normal(size=(2, p.size))
+    slope_p, slope_q, strain_p, strain_q = surface.tangent(p, q)
+    end_p, end_q = surface.end_tangent(p, q)
+    forward, backward = (
+        (*surface.deform(p + s * dp, q + s * dq), surface.end_displacement(p + s * dp, q + s * dq))
+        for s in (1, -1)
+    )
+    tangents = (slope_p @ dp + slope_q @ dq, strain_p @ dp + strain_q @ dq, end_p @ dp + end_q @ dq)
+    for one, other, tangent in zip(forward, backward, tangents, strict=True):
+        assert deviation((one - other) / 2, tangent) < 1e-6
+
+
+@pytest.mark.parametrize("wraps", [{}, {"roll_wrap": pi / 2}, {"roll_wrap": 1.0, "drum_wrap": 0.5}])
+def test_the_jacobian_is_the_derivative(
+    wraps: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The web hardens too.  The column by ln a is a forward difference of 1e-5."""
+    # in use, factorisations of the rings at neighbouring states are accurate enough
+    monkeypatch.setattr(ring_equilibrium, "ACCURATE", 0.0)
+    monkeypatch.setattr(ring_equilibrium, "NEAR", 0.0)
+    problem: Any = nip(roll())
+    problem = problem.replace(**{"web.material": roll().stack})
+    problem = problem.wrapped(**wraps) if wraps else problem
+    system: Any = NipEquations(problem, 13)
+    u, active = system.initial_guess()
+    solution, _ = SemismoothNewton(system).solve(system.evaluate(u), active, 1e-6)
+    system = NipEquations(problem, 13)  # without the surfaces of a neighbouring half width
+    state = system.evaluate(solution.u)
+    jacobian, columns = system.jacobian(state), system.half_width_column(state)
+    rng = np.random.default_rng(0)
+    step = rng.normal(size=u.size) * system.scales * 1e-6
+    forward, backward = (system.evaluate(state.u + s * step) for s in (1, -1))
+    for name, matrix, column in zip(jacobian._fields, jacobian, columns, strict=True):
+        matrix[:, system.ln_a] = column
+        change = (getattr(forward, name) - getattr(backward, name)) / 2
+        assert deviation(change, matrix @ step) < 1e-4
+
+
+# ---- linear limits ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("face", FACES.values(), ids=FACES)
+def test_a_stack_that_does_not_harden_is_the_linear_cylinder(face: Face) -> None:
+    """And every stack is one at rest."""
+    p, q = loads(face)
+    hard = roll()
+    constant = hard.replace(stack=hard.stack.replace(radial=27e6))
+    for body, (on_p, on_q) in ((constant, (p, q)), (hard, (0 * p, 0 * q))):
+        surface, wanted = (one.surface(face, A) for one in (body, linear(body, 90e3)))
+        parts = zip(surface.tangent(on_p, on_q), wanted.tangent(on_p, on_q), strict=True)
+        assert all(deviation(*pair) < 1e-9 for pair in parts)
+        if on_p.any():
+            pairs = zip(surface.deform(on_p, on_q), wanted.deform(on_p, on_q), strict=True)
+            assert all(deviation(*pair) < 1e-9 for pair in pairs)
+        else:
+            assert np.max(np.abs(surface.deform(on_p, on_q))) < 1e-12
+
+
+def test_the_elements_supply_the_difference_of_two_moduli() -> None:
+    """Closed form: influence functions of 27 MPa are those of 18 MPa plus the difference."""
+    wanted_kernels, kernels = (
+        cylinder.surface_kernels(0.1, 0.0445, *law_of(E).stiffness(0.0)) for E in (27e6, 18e6)
+    )
+    errors = []
+    for nodes in (17, 33):
+        face = nip_mesh(nodes, Wrap(), Wrap()).roll_face
+        p, q = loads(face)
+        given = InfluenceSurface(kernels, 0.1, True, face, A)
+        wanted = InfluenceSurface(wanted_kernels, 0.1, True, face, A)
+        surface = HardeningSurface(constant_rings(27e6, 18e6), given, face, A, np.inf)
+        found, exact, first = (one.deform(p, q) for one in (surface, wanted, given))
+        assert deviation(first.strain, exact.strain) > 0.05
+        errors.append(max(deviation(*pair) for pair in zip(found, exact, strict=True)))
+        assert deviation(surface.end_displacement(p, q), wanted.end_displacement(p, q)) < 2e-3
+        u = (one.end_tangential_displacement(p, q) for one in (surface, wanted))
+        assert deviation(*u) < 0.02
+    assert errors[1] < 0.01
+    assert errors[0] > 1.5 * errors[1]
+
+
+def test_a_frozen_roll_is_linear_and_an_estimate_is_rejected() -> None:
+    face, body = FACES["roll wrap"], roll()
+    p, q = loads(face)
+    frozen, wanted = body.replace(hardening="frozen"), linear(body, 90e3)
+    found, exact = (one.surface(face, A).deform(p, q) for one in (frozen, wanted))
+    assert all(deviation(*pair) < 1e-8 for pair in zip(found, exact, strict=True))
+    with pytest.raises(wo.InvalidProblem, match="hardening"):
+        body.replace(hardening="estimate").surface(face, A)
+
+
+# ---- states -------------------------------------------------------------------------------------
+
+
+def test_the_response_does_not_depend_on_earlier_states() -> None:
+    face, body = FACES["roll wrap"], roll()
+    p, q = loads(face)
+    ring_of.cache_clear()
+    first = body.surface(face, A).deform(p, q)
+    for a, share in ((2 * A, 0.3), (0.5 * A, 2.0), (A * exp(1e-5), 1.0)):
+        body.surface(face, a).deform(share * p, -q)
+    body.surface(nip_mesh(25, Wrap(), WRAP).roll_face, A)
+    again = body.surface(face, A).deform(p, q)
+    assert deviation(again.slope, first.slope) < 1e-9
+    assert deviation(again.strain, first.strain) < 1e-9
+
+
+def test_the_ring_is_in_equilibrium_and_inside_its_law() -> None:
+    face = FACES["nip"]
+    p, q = loads(face)
+    surface: Any = roll().surface(face, A)
+    assert surface.residual(p, q) < 1e-8
+    assert surface.outside(p, q) == ""
+
+
+def test_a_pressure_beyond_the_law_is_reported() -> None:
+    P = np.linspace(0, 400e3, 9)
+    test = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 127.0)
+    body: Any = roll()
+    body = body.replace(stack=body.stack.replace(radial=test))
+    face = FACES["nip"]
+    assert body.surface(face, A).outside(*loads(face, 200e3)) == ""
+    assert "[Pa], and the law of its stack ends at 4e+05" in body.surface(face, A).outside(
+        *loads(face, 900e3)
+    )
+
+
+def test_a_torn_stack_is_reported() -> None:
+    """A load that is large next to the wound pressure lifts the stack next to the contact."""
+    face = FACES["nip"]
+    p, _ = loads(face, 1e6)
+    surface: Any = roll(K1=1e3, P0=0.5e3).surface(face, A)
+    assert "torn" in surface.outside(p, 0.2 * p)
+
+
+def test_a_negative_pressure_does_not_act_on_the_ring() -> None:
+    """An iterate may have one; the linear part of the response alone changes with it."""
+    face, body = FACES["nip"], roll()
+    p, q = loads(face)
+    p[8] = -1e5
+    without = p * (p > 0)
+    surface, wanted = body.surface(face, A), linear(body, 90e3).surface(face, A)
+    change = surface.deform(p, q).strain - surface.deform(without, q).strain
+    assert deviation(change, wanted.tangent(p, q).strain_p[:, 8] * p[8]) < 1e-8
+
+
+# ---- the rings ----------------------------------------------------------------------------------
+
+
+def test_a_ring_under_even_pressure_is_compressed_evenly() -> None:
+    """Closed form: v = A (r/R)^m + B (r/R)^-m with m^2 = A_tt/A_rr, of both rings."""
+    R, R0, p = 0.1, 0.0445, 1e4
+    pair = constant_rings(27e6, 18e6)
+    errors = []
+    for rows in (12, 24):
+        mesh = pair.mesh(Fineness(8, 8, rows), A)
+        inward = mesh.hats(np.linspace(-pi * R, pi * R, 400)).sum(axis=1)
+        forces = np.stack([-p * inward, 0 * inward])
+        state = pair.equilibrium(mesh, forces)
+        for stiffness, moved in (
+            (pair.law.stiffness(0.0), state.u[mesh.topology.surface][0]),
+            (pair.stiffness, pair.linear(mesh, forces)[0]),
+        ):
+            A_rr, A_tt, A_rt, _ = stiffness
+            m, t = np.sqrt(A_tt / A_rr), R0 / R
+            # v = C ((r/R)^m - t^2m (r/R)^-m) is 0 at R0; -p = A_rr v' + A_rt v/R at R
+            v = -p * R / (A_rr * m * (1 + t ** (2 * m)) / (1 - t ** (2 * m)) + A_rt)
+            assert np.ptp(moved) < 1e-8 * abs(v)
+            errors.append(abs(moved[0] / v - 1))
+    assert max(errors[2:]) < 3e-5
+    assert min(errors[:2]) > 8 * max(errors[2:])  # order 4
+
+
+def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ring_equilibrium, "MAX_ITERATIONS", 2)
+    ring_of.cache_clear()
+    face = FACES["nip"]
+    with pytest.raises(ring_equilibrium.NoEquilibrium, match="residual"):
+        roll().surface(face, A).deform(*loads(face))
+
+
+# ---- nips ---------------------------------------------------------------------------------------
+
+
+def solve(problem: Any, nodes: int) -> Refinement:
+    return refine(lambda size: NipEquations(problem, size), nodes=nodes)
+
+
+@pytest.mark.parametrize("wraps", [None, {"roll_wrap": pi / 2}], ids=["plain", "wrapped"])
+def test_few_iterations_and_factorisations(wraps: Any) -> None:
+    """A wrong column of the Jacobian leaves the result correct and costs iterations."""
+    problem: Any = nip(roll())
+    problem = problem if wraps is None else problem.wrapped(**wraps)
+    ring_of.cache_clear()
+    found = solve(problem, 33)
+    counts = [mesh.solver.counts for mesh in found.meshes]
+    assert max(one.iterations for one in counts) <= 10
+    assert found.iterations <= 22
+    assert ring_of(problem.roll).factorisations <= 50
+
+
+def test_a_nip_does_not_depend_on_earlier_nips() -> None:
+    """The rings keep their last state, that of another load here."""
+    problem = nip(roll()).wrapped(roll_wrap=1.0)
+    ring_of.cache_clear()
+    first = solve(problem, 23).last.outputs
+    solve(problem.replace(nip_load=500.0), 23)
+    again = solve(problem, 23).last.outputs
+    for name, value in first.items():
+        assert again[name] == pytest.approx(value, rel=1e-8), name
+
+
+def test_a_nip_of_a_roll_that_does_not_harden_is_the_linear_nip() -> None:
+    hard = roll()
+    body = hard.replace(stack=hard.stack.replace(radial=27e6))
+    found, wanted = (solve(nip(one), 23).last.outputs for one in (body, linear(body, 0.0)))
+    for name, value in wanted.items():
+        assert found[name] == pytest.approx(value, rel=1e-7), name
+
+
+def test_a_constant_law_of_the_web_is_the_orthotropic_web() -> None:
+    """The compression F(p) of the web is c22 p; its other compliances do not depend on p."""
+    problem = wo.NipProblem.example()
+    E_r = NEWSPRINT.radial - NEWSPRINT.cross**2 / NEWSPRINT.tangential
+    stack = wo.Stack(radial=E_r, tangential=E_T, poissons_ratio=NU, shear=10e6)
+    other = problem.replace(**{"web.material": stack})
+    found, wanted = (solve(one.wrapped(), 23).last.outputs for one in (other, problem))
+    for name, value in wanted.items():
+        assert found[name] == pytest.approx(value, rel=1e-9), name
+
+
+@pytest.mark.parametrize("wraps", [None, {"roll_wrap": pi / 2}], ids=["plain", "wrapped"])
+def test_a_web_that_hardens_lengthens_the_nip(wraps: Any) -> None:
+    """It is soft at the contact edges; the solver needs no more iterations."""
+    problem: Any = nip(roll())
+    problem = problem if wraps is None else problem.wrapped(**wraps)
+    hardening = solve(problem.replace(**{"web.material": roll().stack}), 23)
+    wanted = solve(problem, 23).last.outputs
+    assert 1.01 < hardening.last.outputs["half_width"] / wanted["half_width"] < 1.2
+    assert hardening.iterations <= 24
+
+
+def test_a_web_that_hardens_between_hard_bodies_is_compressed_point_by_point() -> None:
+    """Closed form: 2h F(p) = (a^2 - x^2)/(2 R*), p = K1 (exp(K2 (a^2 - x^2)/(4h R*)) - 1)."""
+    K1, K2, h2 = 20e3, 30.0, 2e-3
+    soft = wo.Stack(radial=wo.Pfeiffer(K1=K1, K2=K2), tangential=3e9, poissons_ratio=0, shear=1e7)
+    hard = wo.Isotropic(youngs_modulus=1e13, poissons_ratio=0.0)
+    problem = wo.NipProblem.example().replace(
+        web=wo.Web(thickness=h2, material=soft), roll=wo.HalfPlane(radius=0.1, material=hard),
+        web_tension=0.0,
+    )  # fmt: skip
+    bed, errors = 2 * h2 * problem.contact_radius, []
+    for nodes in (33, 65):
+        state = solve(problem, nodes).last.state
+        mesh, a = state.fields.geometry.mesh, state.fields.geometry.a
+        exact = K1 * np.expm1(K2 * a**2 * (1 - mesh.nodes**2) / bed)
+        assert exact.max() > 10 * K1
+        errors.append(deviation(state.fields.p_drum, exact))
+    assert errors[1] < 1.5e-3
+    assert errors[0] > 3 * errors[1]  # order 2
