@@ -108,13 +108,6 @@ class HardeningSurface:
         end_p, end_q = self.linear.end_tangent(p, q)
         return end_p + self._end @ by_p[0], end_q + self._end @ by_q[0]
 
-    def end_tangential_displacement(self, p: Array, q: Array) -> float:
-        """Return u at the last node [m]."""
-        u = self._solve(p, q).difference[1]
-        return self.linear.end_tangential_displacement(p, q) + float(self._end @ u)
-
-    # ---- state of the ring ---------------------------------------------------------------------
-
     def residual(self, p: Array, q: Array) -> float:
         """Return the largest nodal force of the ring that is not balanced, relative to the load."""
         return self._solve(p, q).state.residual
