@@ -13,6 +13,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from .mesh import hat_weights
+
 __all__ = ["by_second_integral", "gauss_points", "singular_integrals"]
 
 Array = np.ndarray
@@ -43,35 +45,48 @@ def singular_integrals(points: Array, nodes: Array) -> Array:
     its ends and L = ln|t0/t1|,
 
         int ds/t                = L             int (s - s_m) ds/t       = d L - h
-        int Dirac ds            = 1 (inside)    int (s - s_m) Dirac ds   = d (inside)
         int ln|t| ds            = d L + h (ln|t0| + ln|t1|)/2 - h
                                                 int (s - s_m) ln|t| ds   = [d (d L - h) - h^2 L/4]/2
-        int sgn(t) ds           = 2 c           int (s - s_m) sgn(t) ds  = c^2 - h^2/4
 
-    with c = d limited to +-h/2.
+    and a hat is 1/2 +- (s - s_m)/h in its two cells.  The integrals of Dirac(t) are the values of
+    the hats at y, and those of sgn(t) are their integrals on the left of y less those on the right.
     """
-    t = points[:, None] - nodes
+    t, h = points[:, None] - nodes, np.diff(nodes)
+    out = np.empty((4, *t.shape))
     logs = np.log(np.maximum(np.abs(t), 1e-300))
-    t0, t1 = t[:, :-1], t[:, 1:]
-    h, d = t0 - t1, (t0 + t1) / 2
+    d = (t[:, :-1] + t[:, 1:]) / 2
     L = logs[:, :-1] - logs[:, 1:]
     with np.errstate(divide="ignore"):
-        ratio = h / t1
+        ratio = h / t[:, 1:]
     np.log1p(ratio, out=L, where=np.abs(ratio) < FAR)
-    c = np.clip(d, -h / 2, h / 2)
-    inside = c == d
-    zeroth, first = np.empty((2, 4, *d.shape))
-    zeroth[0], zeroth[1], zeroth[3] = L, inside, 2 * c
-    first[0] = d * L - h
-    zeroth[2] = first[0] + h / 2 * (logs[:, :-1] + logs[:, 1:])
-    first[1] = inside * d
-    first[2] = (d * first[0] - h**2 / 4 * L) / 2
-    first[3] = c**2 - h**2 / 4
-    # a hat is 1/2 +- (s - s_m)/h in its two cells
-    out, zeroth, first = np.zeros((4, *t.shape)), zeroth / 2, first / h
-    out[..., :-1] = zeroth - first
-    out[..., 1:] += zeroth + first
+    slope = d * L - h
+    _add_cells(out[0], L / 2, slope / h)
+    mean = logs[:, :-1] + logs[:, 1:]
+    mean *= h / 2
+    mean += slope
+    slope *= d
+    L *= h**2 / 4
+    slope -= L
+    mean /= 2
+    slope /= 2 * h
+    _add_cells(out[2], mean, slope)
+    np.multiply(np.sign(t), hat_weights(h), out=out[3])
+    out[1] = 0.0
+    k = np.nonzero((points >= nodes[0]) & (points <= nodes[-1]))[0]
+    cell = np.clip(np.searchsorted(nodes, points[k]) - 1, 0, h.size - 1)
+    part, padded = (points[k] - nodes[cell]) / h[cell], np.concatenate([[0.0], h, [0.0]])
+    out[1, k, cell], out[1, k, cell + 1] = 1 - part, part
+    out[3, k, cell] = padded[cell] / 2 + h[cell] * (2 * part - part**2 - 0.5)
+    out[3, k, cell + 1] = h[cell] * (part**2 - 0.5) - padded[cell + 2] / 2
     return out
+
+
+def _add_cells(out: Array, half: Array, slope: Array) -> None:
+    """Write the integrals against hats from half the zeroth moments and the first over h."""
+    np.subtract(half, slope, out=out[:, :-1])
+    out[:, -1] = 0.0
+    half += slope
+    out[:, 1:] += half
 
 
 def by_second_integral(

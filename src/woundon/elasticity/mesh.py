@@ -19,7 +19,7 @@ from math import asinh, ceil, pi, sinh, sqrt
 
 import numpy as np
 
-__all__ = ["Face", "Mesh", "Wrap", "cosine_nodes", "nip_mesh"]
+__all__ = ["Face", "Mesh", "Wrap", "cosine_nodes", "hat_weights", "nip_mesh"]
 
 Array = np.ndarray
 
