@@ -175,19 +175,10 @@ class InfluenceSurface:
     @cached_property
     def _singular(self) -> Array:
         """Integrals of the singular parts, (4, points, nodes)."""
-        face, inside = self.face, _nip_integrals(self.face.size)
+        face = self.face
         if face.is_nip:
-            return inside
-        cells, nodes = face.nip_cells, slice(face.first, face.last + 1)
-        out = np.zeros((4, face.points.size, face.nodes.size))
-        others = np.r_[0 : cells.start, cells.stop : face.points.size]
-        out[:, others] = singular_integrals(face.points[others], face.nodes)
-        out[:, cells, nodes] = inside[:, :-2]
-        for wrap in (slice(0, face.first + 1), slice(face.last, face.nodes.size)):
-            if wrap.stop - wrap.start > 1:
-                # one half of the hat at the contact edge lies in the nip, the other on the wrap
-                out[:, cells, wrap] += singular_integrals(face.points[cells], face.nodes[wrap])
-        return out
+            return _nip_integrals(face.size)
+        return singular_integrals(face.points, face.nodes)
 
     def _lag_integrals(self, lag: Lag, points: Array) -> Array:
         """Integrals of the lags, (kernels, points, nodes)."""
