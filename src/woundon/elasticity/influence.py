@@ -150,7 +150,7 @@ class InfluenceSurface:
     def _at_end(self, both: tuple[Kernel, Kernel], smooth: Smooth | None) -> Array:
         """Integrals of the influence functions of a displacement at the last node, (2, n)."""
         face, end = self.face, self.face.points[-1:]
-        out = _factors(both, self.a) @ singular_integrals(end, face.nodes)[:, 0]
+        out = _factors(both, self.a) @ self._singular[:, -1]
         out += _log_factors(both, self.a)[:, None] * face.weights
         if smooth is not None:
             parts = self._smooth_parts
