@@ -262,13 +262,16 @@ class HarmonicSums:
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[-1] - 1, out=i)
         x -= i
-        here = coefficients.take(i, axis=-1, mode="clip")
-        y = here[5]
-        for c in here[4::-1]:
+        y = coefficients[5].take(i, axis=-1, mode="clip")
+        here = np.empty_like(y)
+        for c in coefficients[4::-1]:
             y *= x
-            y += c
+            y += c.take(i, axis=-1, mode="clip", out=here)
         y += self._weak(theta)
-        y *= np.where(self._odd, np.sign(flat), 1.0)
+        sign = np.sign(flat)
+        for row, odd in zip(y, self._odd, strict=True):
+            if odd:
+                row *= sign
         return y.reshape(-1, *t.shape)
 
     def _weak(self, theta: Array) -> Array:
@@ -281,12 +284,14 @@ class HarmonicSums:
         least = np.maximum(theta, 1e-150)
         logarithm = np.log(least)
         weak: Array = self._logs @ powers
-        weak *= np.where(self._odd, logarithm / least, logarithm)
+        over_angle = logarithm / least
+        for row, odd in zip(weak, self._odd, strict=True):
+            row *= over_angle if odd else logarithm
         return weak
 
     @cached_property
-    def _odd(self) -> Array:
-        return np.array([[sum_.odd] for sum_ in self.sums])
+    def _odd(self) -> tuple[bool, ...]:
+        return tuple(sum_.odd for sum_ in self.sums)
 
     @cached_property
     def _size(self) -> int:

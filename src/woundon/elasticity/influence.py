@@ -96,8 +96,8 @@ class InfluenceSurface:
         out += (self._log_factors @ (self.face.weights @ loads))[:, None]
         if self._smooth_values is not None:
             parts = self._smooth_parts
-            weighted = np.einsum("ijts,sj->it", self._smooth_values, parts.moments @ loads)
-            out += weighted @ parts.to_points.T
+            weighted = self._smooth_values @ (parts.moments @ loads).T[..., None]
+            out += weighted[..., 0].sum(axis=1) @ parts.to_points.T
         return Deformation(out[0], out[1])
 
     def tangent(self, p: Array, q: Array) -> SurfaceTangent:
