@@ -100,7 +100,7 @@ def test_the_width_of_a_nip() -> None:
     """
 
     def solve(body: wo.Body, load: float) -> Any:
-        return wo.solve_nip(nip(body, load), nodes=33)
+        return wo.solve(nip(body, load), nodes=33)
 
     missed, pressures = zip(*(share(solve, load) for load in (1.0, 0.2)), strict=True)
     assert missed[0] == pytest.approx(4.3e-3, rel=0.03)

@@ -15,11 +15,8 @@ import pytest
 from coarse import coarse
 from hardening_cases import E_T, NEWSPRINT, NU, nip, roll
 from seldom import seldom
-from sensitivities import of_mesh, own_of_mesh
 
 import woundon as wo
-from woundon.contact.schemes import scheme_of
-from woundon.nip.equations import NipMatrices
 
 Array = np.ndarray
 
@@ -73,15 +70,12 @@ def test_a_constant_law_is_the_orthotropic_web(wraps: Any) -> None:
 
 @pytest.mark.parametrize("wraps", WRAPS.values(), ids=WRAPS)
 def test_stiff_from_the_start_it_is_linear(wraps: Any) -> None:
-    """K1 K2 kept and K1 -> infinity: by 1/K1, through the equations that are not linear.
-
-    Of the mesh's own NIT: what it is extrapolated by is known to 1e-6 of NIT alone.
-    """
+    """K1 K2 kept and K1 -> infinity: by 1/K1, through the equations that are not linear."""
     problem = LINEAR if wraps is None else LINEAR.wrapped(**wraps)
-    wanted, missed = of_mesh(wo.solve(problem, nodes=33), "nip_induced_tension"), []
+    wanted, missed = wo.solve(problem, nodes=33).nip_induced_tension, []
     for K1 in (1e8, 1e9):
         found = wo.solve(hardened(problem, K1=K1, K2=E_R / K1), nodes=33)
-        missed.append(abs(of_mesh(found, "nip_induced_tension") / wanted - 1))
+        missed.append(abs(found.nip_induced_tension / wanted - 1))
     assert missed[0] < 2e-3
     assert missed[0] == pytest.approx(10 * missed[1], rel=0.05)
 
@@ -131,29 +125,6 @@ def test_between_hard_bodies_it_is_pressed_point_by_point(wrapped: bool) -> None
     assert errors[0] > 3 * errors[1]
 
 
-# ---- the tangent --------------------------------------------------------------------------------
-
-
-def test_the_matrices_are_the_tangent_of_the_law() -> None:
-    """Against central differences of the equations linearised about the point itself."""
-    problem, mesh, a = hardened(LINEAR), scheme_of("graded").mesh(17), 2.5e-3
-    x = mesh.columns
-    p, q = 8e5 * np.sqrt(1 - x**2), np.zeros(2 * x.size)
-
-    def left(pressure: Array) -> Array:
-        made = NipMatrices.at(problem, mesh, a, NipMatrices.loads(pressure, q))
-        return made.indentation(pressure, q, 0.0)
-
-    tangent = NipMatrices.at(problem, mesh, a, NipMatrices.loads(p, q)).slope_p
-    rng = np.random.default_rng(1)
-    for _ in range(3):
-        way = p * rng.uniform(-1, 1, p.size)
-        # of fourth order: of 1e-3 they leave 1e-11
-        near, far = ((left(p + s * way) - left(p - s * way)) / (2 * s) for s in (1e-3, 2e-3))
-        wanted = tangent @ way
-        assert np.max(np.abs((4 * near - far) / 3 - wanted)) < 1e-8 * np.max(np.abs(wanted))
-
-
 # ---- every roll, every use ----------------------------------------------------------------------
 
 
@@ -176,7 +147,7 @@ def test_every_roll_takes_it(name: str, wraps: Any) -> None:
 def test_without_wraps_it_is_the_plain_nip() -> None:
     plain = hardened(LINEAR)
     found, wanted = wo.solve(plain.wrapped(roll_wrap=0.0), nodes=33), wo.solve(plain, nodes=33)
-    T_out, plain_T_out = (of_mesh(one, "tension_behind_nip") for one in (found, wanted))
+    T_out, plain_T_out = (one.tension_behind_nip for one in (found, wanted))
     # their least interpolation differs: 1.1e-7, as with a linear web
     assert T_out == pytest.approx(plain_T_out, rel=2e-7)
     assert found.approach == pytest.approx(wanted.approach, rel=1e-6)
@@ -196,15 +167,14 @@ def test_sensitivities_are_the_derivatives() -> None:
     problem = hardened(LINEAR)
     names = {"web.material.radial.K1": 10e3, "web.material.radial.K2": 127.0,
              "web.material.tangential": E_T, "web.thickness": 66e-6}  # fmt: skip
-    with own_of_mesh():
-        result = wo.solve_nip(problem, nodes=33)
-        ends = {
-            name: [
-                wo.solve_nip(problem.replace(**{name: value * s}), nodes=33, start=result)
-                for s in (0.999, 1.001)
-            ]
-            for name, value in names.items()
-        }
+    result = wo.solve(problem, nodes=33)
+    ends = {
+        name: [
+            wo.solve(problem.replace(**{name: value * s}), nodes=33, start=result)
+            for s in (0.999, 1.001)
+        ]
+        for name, value in names.items()
+    }
     told = result.sensitivity(*names)
     for name, (less, more) in ends.items():
         for output in ("nip_induced_tension", "half_width", "drum_creep"):
