@@ -140,7 +140,9 @@ class NipEquations:
         self.roll_wrap = getattr(problem, "roll_wrap", 0.0)
         self.drum_wrap = getattr(problem, "drum_wrap", 0.0)
         P, R = problem.nip_load, problem.contact_radius
-        guess = half_width_guess(P, *problem.bodies)
+        # of the web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R; between soft ones Hertz's
+        compressed = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
+        guess = max(half_width_guess(P, *problem.bodies), compressed)
         self.start = a = min(guess, 0.9 * exp(self.largest_ln_a))
         self._neighbour: Geometry | None = None
         self._first_mesh = like

@@ -42,6 +42,9 @@ Array = np.ndarray
 # Step relative to the scale of an input: the error of a central difference is its square, rounding
 # of residuals (1e-14) over it.
 STEP = 1e-4
+# Newton steps with the Jacobian of the solution: one leaves the error of the Jacobian (tangents of
+# nonlinear bodies and the column by ln a are inexact by up to 1e-2), two leave its square.
+STEPS = 2
 # Margin of a node's inequality, relative to the largest value, below which its zone may change.
 NEAR_CHANGE = 1e-6
 # Parameters in the one-line representation.
@@ -235,7 +238,7 @@ def _derivatives(
 
 
 class _Perturbed:
-    """Outputs of perturbed problems on one mesh, by one Newton step from its solution."""
+    """Outputs of perturbed problems on one mesh, by Newton steps from its solution."""
 
     def __init__(self, mesh: MeshSolution, outputs: tuple[str, ...]) -> None:
         self.mesh, self.outputs = mesh, outputs
@@ -255,9 +258,11 @@ class _Perturbed:
     def __call__(self, problem: Any) -> Array:
         """Return the outputs of a problem next to the solved one."""
         own, system = self.mesh.system, self.mesh.system.for_problem(problem)
-        change = self._residual(system.evaluate(self.mesh.state.u)) - self.residual
-        step = lu_solve(self.factors, change / self.row_size, check_finite=False) * own.scales
-        outputs = system.outputs(system.evaluate(self.mesh.state.u - step), self.mesh.active)
+        u = self.mesh.state.u
+        for _ in range(STEPS):
+            change = self._residual(system.evaluate(u)) - self.residual
+            u = u - lu_solve(self.factors, change / self.row_size, check_finite=False) * own.scales
+        outputs = system.outputs(system.evaluate(u), self.mesh.active)
         return np.array([outputs[name] for name in self.outputs])
 
 
