@@ -97,8 +97,8 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         "gap_slope": largest(np.abs(gap)) * equations.slope_scale / top,
         "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
         **friction_law(
-            zones, state.traction, state.slip, state.bound,
-            unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=1.0,
+            zones, state.traction, state.slip * equations.slip_scales, state.bound,
+            unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=top,
         ),
         "slip_velocity": max(
             difference(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")

@@ -255,11 +255,11 @@ class NipEquations:
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
         traction = u[at.q] / self.scales[at.q]
         return NipState(
-            u, f, np.concatenate(rows), slip / self._slip_scales, traction, p / self.pressure_scale
+            u, f, np.concatenate(rows), slip / self.slip_scales, traction, p / self.pressure_scale
         )
 
     @cached_property
-    def _slip_scales(self) -> Array:
+    def slip_scales(self) -> Array:
         """Slip varies as the friction where there is little of it."""
         return self.slope_scale * np.minimum(self.friction, LARGEST_SLIP)
 
@@ -418,7 +418,7 @@ class _Assembly:
         at, equations = self.at, self.equations
         gap = self._gap_slope() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wraps()]
-        slip = self._slip() / equations._slip_scales[:, None]
+        slip = self._slip() / equations.slip_scales[:, None]
         bound = np.zeros((at.q.stop - at.q.start, at.size))
         k = at.roll_nodes.size
         bound[:k] = self._roll_pressure(np.eye(at.end + 1 - at.first)[1 : k + 1])
