@@ -32,6 +32,8 @@ __all__ = ["Counts", "Iterate", "Jacobian", "NewtonFailed", "SemismoothNewton", 
 
 Array = np.ndarray
 
+# Iterations in addition to one for each traction node: where a web slips on the wrap of a rigid
+# drum, the zone boundary moves by one node in each.
 MAX_ITERATIONS = 60
 # An active set that returns more often cycles: then only the last violated node changes (Murty).
 MOST_VISITS = 2
@@ -157,6 +159,7 @@ class SemismoothNewton:
         self.system, self.counts = system, Counts()
         self.jacobian: Jacobian | None = None
         self.assembled_at, self.size = np.inf, np.inf
+        self.is_current = False  # whether the last step had the Jacobian of its own state
         self.linear: _LinearSystem | None = None
 
     def solve(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
@@ -178,7 +181,7 @@ class SemismoothNewton:
         """
         visits: dict[bytes, int] = {}
         self.size = np.inf
-        for _ in range(MAX_ITERATIONS):
+        for _ in range(MAX_ITERATIONS + active.size):
             self.counts.iterations += 1
             step, size = self._step(state, active)
             if size < tolerance:
@@ -200,21 +203,26 @@ class SemismoothNewton:
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
-        linear, before = self.linear, self.size
+        linear, before, was_current = self.linear, self.size, self.is_current
+        stalled = False
         if linear is not None and linear.active is active:
             step, self.size = linear.newton_step(residual)
+            self.is_current = False
             if self.size < CONTRACTION * before:
                 return step, self.size
-        stalled = linear is not None and linear.active is active
+            stalled = True
         linear = self._factorise(state, active, stalled)
         step, self.size = linear.newton_step(residual)
-        if stalled and before < ROUNDING and self.size > CONTRACTION * before:
-            return step, 0.0
+        if stalled and was_current and before < ROUNDING and self.size > CONTRACTION * before:
+            return step, 0.0  # the step before had the current Jacobian too
         return step, self.size
 
     def _factorise(self, state: Any, active: Array, stalled: bool) -> _LinearSystem:
         ln_a = state.u[self.system.ln_a]
-        if self.jacobian is None or stalled or abs(ln_a - self.assembled_at) > REASSEMBLE:
+        self.is_current = (
+            self.jacobian is None or stalled or abs(ln_a - self.assembled_at) > REASSEMBLE
+        )
+        if self.is_current or self.jacobian is None:
             self.jacobian, self.assembled_at = self.system.jacobian(state), ln_a
             self.counts.assemblies += 1
         # tractions jump with the active set, so the column by ln a is not reused

@@ -138,6 +138,7 @@ def refine(
     criterion: Callable[[Mapping[str, float], Mapping[str, float]], float] = lambda *_: 0.0,
     most_nodes: int = 257,
     start: Refinement | None = None,
+    check: Callable[[MeshSolution], None] = lambda _: None,
     progress: Callable[[float], None] | None = None,
 ) -> Refinement:
     """Solve on a sequence of meshes until a criterion is met.
@@ -155,6 +156,8 @@ def refine(
         Largest mesh; there the refinement ends even if the criterion is not met.
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
+    check : callable
+        Called with the solution on each mesh; it may raise.
     progress : callable, optional
         Called with the fraction of the work that is done, estimated.
 
@@ -169,7 +172,9 @@ def refine(
     attempts += [(FIRST_SIZES, None), (OTHER_SIZES, None)]
     for sizes, guess in attempts:
         try:
-            return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, progress)
+            return _refine(
+                system_of, sizes, nodes, criterion, most_nodes, guess, check, progress
+            )  # fmt: skip
         except ArithmeticError as failed:  # of the iteration, or of a body under an iterate
             last = failed
     raise NewtonFailed(str(last)) from last
@@ -178,13 +183,15 @@ def refine(
 def _refine(
     system_of: Callable[[int], Any], first: tuple[int, ...], nodes: int | None,
     criterion: Callable[[Mapping[str, float], Mapping[str, float]], float], most_nodes: int,
-    start: Refinement | None, progress: Callable[[float], None] | None,
+    start: Refinement | None, check: Callable[[MeshSolution], None],
+    progress: Callable[[float], None] | None,
 ) -> Refinement:  # fmt: skip
     found = Refinement()
     sizes = sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
     while True:
         for size in sizes:
             found.meshes.append(_solve(system_of(size), size, found, start))
+            check(found.last)
             if progress:
                 progress(min(size / (nodes or most_nodes), 1.0))
         ratio = criterion(found.last.main_outputs, found.errors("main_outputs"))
