@@ -39,7 +39,7 @@ def test_hertz_is_met_to_the_grids_order(way: str, upper: wo.Body) -> None:
         result = wo.solve(problem, nodes=nodes)
         cell = 2 / (nodes - 1)
         assert result.nodes == nodes
-        assert result.residuals.largest <= 1e-12
+        assert result.residuals.largest <= 1e-8
         assert result.half_width == pytest.approx(exact.half_width, rel=0.1 * cell**2)
         ellipse = np.sqrt(np.maximum(1 - (result.x / exact.half_width) ** 2, 0))
         miss = np.abs(result.pressure / exact.peak_pressure - ellipse)
@@ -83,7 +83,7 @@ def test_it_is_told_drawn_kept_and_certified_anew(way: str, tmp_path: Path) -> N
     text = str(result)
     assert "Hertz" in text
     assert "all 1" in text  # laws hold
-    assert result.certified().largest <= 1e-12
+    assert result.certified().largest <= 1e-8
     result.save(tmp_path / "pair.nc")
     assert wo.load_result(tmp_path / "pair.nc") == result
     result.plot(tmp_path / "pair.png")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from math import isfinite, nan
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed, SemismoothNewton
-from ..contact.refinement import MeshSolution, Refinement, refine
+from ..contact.refinement import CHANGES, MeshSolution, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
 from ..problems.fields import shown
 from ..problems.rollers import RollerProblem
@@ -203,15 +204,22 @@ def _result(problem: RollerProblem, found: Refinement, missed: str) -> RollerRes
 
 
 def _traction_error(found: Refinement) -> float:
-    """Return the estimated error of the traction, L2 norm relative to its own."""
-    if len(found.meshes) < 2 or not found.last.state.q.any():
+    """Return the estimated error of the traction, L2 norm relative to its own.
+
+    The larger one of the estimates from the last two changes.  Next to zone boundaries tractions
+    have infinite slopes, so their order is one.
+    """
+    last, estimates = found.last, [nan]
+    if not last.state.q.any():
         return nan
-    coarse, fine = found.meshes[-2:]
-    x, w = fine.system.mesh.nodes, fine.system.mesh.weights
-    q, other = fine.state.q, np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
-    change = np.sqrt(w @ (q - other) ** 2 / (w @ q**2))
-    # tractions have infinite slopes at zone boundaries, so their order is one
-    return float(change / (fine.size / coarse.size - 1))
+    w = last.system.mesh.weights
+    for coarse, fine in pairwise(found.meshes[-1 - CHANGES :]):
+        x = fine.system.mesh.nodes
+        other = np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
+        change = np.sqrt(fine.system.mesh.weights @ (fine.state.q - other) ** 2)
+        change /= np.sqrt(w @ last.state.q**2)
+        estimates.append(change / (fine.size / coarse.size - 1) * (fine.size / last.size))
+    return float(np.fmax.reduce(estimates))
 
 
 def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str]:
