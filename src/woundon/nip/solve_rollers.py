@@ -212,12 +212,13 @@ def _traction_error(found: Refinement) -> float:
     last, estimates = found.last, [nan]
     if not last.state.q.any():
         return nan
-    w = last.system.mesh.weights
+    # squares of tractions may underflow
+    peak, w = np.abs(last.state.q).max(), last.system.mesh.weights
     for coarse, fine in pairwise(found.meshes[-1 - CHANGES :]):
         x = fine.system.mesh.nodes
         other = np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
-        change = np.sqrt(fine.system.mesh.weights @ (fine.state.q - other) ** 2)
-        change /= np.sqrt(w @ last.state.q**2)
+        change = np.sqrt(fine.system.mesh.weights @ ((fine.state.q - other) / peak) ** 2)
+        change /= np.sqrt(w @ (last.state.q / peak) ** 2)
         estimates.append(change / (fine.size / coarse.size - 1) * (fine.size / last.size))
     return float(np.fmax.reduce(estimates))
 
