@@ -169,7 +169,7 @@ def test_the_static_contact_turned_round(problem: wo.RollerProblem) -> None:
     one, two = solve(problem), solve(turned)
     # displacements are integrated from the trailing edge, which is another end after the mirror:
     # equal to the discretisation error of v/R
-    assert_mirrored(one, two, turned=True, traction=-1, rtol=2e-6)
+    assert_mirrored(one, two, turned=True, traction=-1, rtol=1e-4)
 
 
 def test_rolling_has_no_such_mirror() -> None:
