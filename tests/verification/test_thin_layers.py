@@ -13,8 +13,8 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon.contact.schemes import Graded
-from woundon.two_bodies import frictionless_load
+from woundon.elasticity.mesh import Wrap, nip_mesh
+from woundon.nip.load_limit import frictionless_pressure
 
 
 def on_rigid_core(thickness: float, material: wo.Material, radius: float = 0.15) -> wo.Cylinder:
@@ -26,6 +26,12 @@ RUBBER = wo.Isotropic(youngs_modulus=1e6, poissons_ratio=0.45)
 LAYERS = {"paper": on_rigid_core(0.14e-3, PAPER), "rubber": on_rigid_core(0.26e-3, RUBBER)}
 
 
+def frictionless_load(pair: wo.RollerProblem, nodes: int, a: float) -> float:
+    """Return the load of a frictionless contact of half width ``a`` [N/m]."""
+    face = nip_mesh(nodes, Wrap(), Wrap()).roll_face
+    return float(a * face.weights @ frictionless_pressure(pair, face, a))
+
+
 @pytest.mark.parametrize("layer", LAYERS.values(), ids=LAYERS)
 def test_coarse_meshes_carry_what_fine_ones_do(layer: wo.Cylinder) -> None:
     """17 nodes once carried half the load, or a negative one, where cells are longer than layers.
@@ -34,7 +40,7 @@ def test_coarse_meshes_carry_what_fine_ones_do(layer: wo.Cylinder) -> None:
     """
     pair = wo.RollerProblem(upper=wo.Rigid(radius=0.168), lower=layer, load=1.0, friction=0.0)
     for a in np.geomspace(0.5, 1.0, 3) * layer.widest:
-        coarse, fine = (frictionless_load(pair, Graded().mesh(n), a) for n in (17, 129))
+        coarse, fine = (frictionless_load(pair, n, a) for n in (17, 129))
         assert coarse == pytest.approx(fine, rel=0.01)
 
 
@@ -52,7 +58,7 @@ def test_a_thin_layer_is_a_row_of_springs(poissons_ratio: float) -> None:
     for a_h in (20.0, 40.0, 80.0):
         a, K, R = a_h * h, material.stiffness.rr, pair.contact_radius
         springs = 2 * K * a**3 / (3 * R * h)
-        misses.append(frictionless_load(pair, Graded().mesh(65), a) / springs - 1)
+        misses.append(frictionless_load(pair, 65, a) / springs - 1)
     assert abs(misses[0]) < 2 / 20
     assert np.all(np.abs(misses[1:]) < 0.6 * np.abs(misses[:-1]) + 1e-3)
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from math import isfinite, nan
 from typing import Any
 
 import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.newton import NewtonFailed
-from ..contact.refinement import Refinement, refine
+from ..contact.newton import NewtonFailed, SemismoothNewton
+from ..contact.refinement import CHANGES, MeshSolution, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
 from ..problems.fields import shown
 from ..problems.rollers import RollerProblem
@@ -18,7 +19,7 @@ from ..results import Residuals, measured
 from ..threads import one_thread
 from ..validity import far_outside
 from .load_limit import check_load
-from .roller_certificate import certificate, consistency
+from .roller_certificate import certificate, consistency, state_of
 from .roller_result import RollerResult
 from .roller_validity import roller_warnings
 from .rollers import RollerEquations
@@ -203,15 +204,23 @@ def _result(problem: RollerProblem, found: Refinement, missed: str) -> RollerRes
 
 
 def _traction_error(found: Refinement) -> float:
-    """Return the estimated error of the traction, L2 norm relative to its own."""
-    if len(found.meshes) < 2 or not found.last.state.q.any():
+    """Return the estimated error of the traction, L2 norm relative to its own.
+
+    The larger one of the estimates from the last two changes.  Next to zone boundaries tractions
+    have infinite slopes, so their order is one.
+    """
+    last, estimates = found.last, [nan]
+    if not last.state.q.any():
         return nan
-    coarse, fine = found.meshes[-2:]
-    x, w = fine.system.mesh.nodes, fine.system.mesh.weights
-    q, other = fine.state.q, np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
-    change = np.sqrt(w @ (q - other) ** 2 / (w @ q**2))
-    # tractions have infinite slopes at zone boundaries, so their order is one
-    return float(change / (fine.size / coarse.size - 1))
+    # squares of tractions may underflow
+    peak, w = np.abs(last.state.q).max(), last.system.mesh.weights
+    for coarse, fine in pairwise(found.meshes[-1 - CHANGES :]):
+        x = fine.system.mesh.nodes
+        other = np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
+        change = np.sqrt(fine.system.mesh.weights @ ((fine.state.q - other) / peak) ** 2)
+        change /= np.sqrt(w @ (last.state.q / peak) ** 2)
+        estimates.append(change / (fine.size / coarse.size - 1) * (fine.size / last.size))
+    return float(np.fmax.reduce(estimates))
 
 
 def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str]:
@@ -226,7 +235,17 @@ def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str
     terms += abs(errors["tangential_load"] * result.creepage) / size
     if not violation > INCONSISTENT * terms:
         return []
-    return [
-        f"{RESOLUTION}the power balance is violated by {violation:.2g} of P a/R*, more than "
-        f"{INCONSISTENT:g} times the estimated errors of its terms; use more nodes"
-    ]
+    return [f"{RESOLUTION}the power balance is violated by {violation:.2g} of P a/R*, more than "
+            f"{INCONSISTENT:g} times the estimated errors of its terms; use more nodes"]  # fmt: skip
+
+
+def solutions(result: RollerResult) -> list[MeshSolution]:
+    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
+    if result.refinement is not None:
+        meshes: list[MeshSolution] = result.refinement.meshes
+        return meshes
+    found = state_of(result)
+    assert found is not None  # a loaded result is verified
+    equations, state = found
+    solver = SemismoothNewton(equations)
+    return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]
