@@ -216,7 +216,7 @@ TRUE = {"roll.material.shear": 1.3e7, "roll_friction": 0.23}
 
 
 def _nip_data(nodes: int = 33):
-    true = [wo.solve_nip(paper_nip(nip_load=P, **TRUE), nodes=nodes) for P in LOADS]
+    true = [wo.solve(paper_nip(nip_load=P, **TRUE), nodes=nodes) for P in LOADS]
     return {
         "nip_load [kN/m]": [P / 1e3 for P in LOADS],
         "tension_behind_nip [N/m]": [r.tension_behind_nip for r in true],
