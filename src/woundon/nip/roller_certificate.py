@@ -86,7 +86,7 @@ def certificate(result: RollerResult) -> Residuals:
         "zones": 0.0 if same_zone and (np.abs(result.zone) <= 1).all() else inf,
         "slip_velocity": largest(np.abs(result.slip - slip)) / unit,
         "load": abs(integral(p, result.x) / problem.load - 1),
-        "tangential_load": max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
+        "tangential_load": largest([abs(Q - asked), abs(Q - result.tangential_load)]) / problem.load,
         "creepage": 0.0 if given is None else abs(xi - given) / unit,
         "mesh": _mesh_difference(result, equations),
         "approach": abs(result.approach / approach - 1),
