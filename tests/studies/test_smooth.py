@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from own_mesh import own_tension
 from thesis_cases import paper_nip
 
 import woundon as wo

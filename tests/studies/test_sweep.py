@@ -9,7 +9,6 @@ import re
 import numpy as np
 import pytest
 import toys
-from own_mesh import own_tension
 from thesis_cases import paper_nip
 
 import woundon as wo
