@@ -10,7 +10,6 @@ from math import pi
 import numpy as np
 import pytest
 import toys
-from own_mesh import own_tension
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo

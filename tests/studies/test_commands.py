@@ -56,7 +56,7 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     }  # fmt: skip
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
-        single = wo.solve_nip(wo.load_case(CASE).replace(nip_load=4000.0), nodes=17)
+        single = wo.solve(wo.load_case(CASE).replace(nip_load=4000.0), nodes=17)
         # warm and cold, the correction for where borders lie is found to a hundredth
         apart = float(data.nip_induced_tension[2, 0]) - single.nip_induced_tension
         assert abs(apart) < 0.02 * abs(single.extrapolation)
@@ -121,7 +121,7 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     rows = ["Linienlast,tension [N/m],reel"]
     for P in (1000.0, 2000.0, 4000.0):
         true = case.replace(nip_load=P, **{"roll.material.shear": 1.3e7})
-        rows.append(f"{P / 1e3},{wo.solve_nip(true, nodes=25).tension_behind_nip:.6f},7")
+        rows.append(f"{P / 1e3},{wo.solve(true, nodes=25).tension_behind_nip:.6f},7")
     data.write_text("\n".join(rows), encoding="utf-8")
     command = [
         "fit", str(CASE), str(data), "--vary", "roll.material.shear=1 MPa:100 MPa",

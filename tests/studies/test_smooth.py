@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from own_mesh import own_tension
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -68,10 +67,10 @@ def test_between_grids_the_jumps_stay_below_the_stated_error():
 @pytest.mark.parametrize("nodes", [33, 65])
 def test_warm_and_cold_solves_agree(nodes: int):
     """What a case starts from does not show in its numbers."""
-    near = wo.solve_nip(paper_nip(nip_load=1400.0), nodes=nodes)
-    far = wo.solve_nip(paper_nip(nip_load=6000.0, winding_force=-300.0), nodes=nodes)
+    near = wo.solve(paper_nip(nip_load=1400.0), nodes=nodes)
+    far = wo.solve(paper_nip(nip_load=6000.0, winding_force=-300.0), nodes=nodes)
     cold, *warm = (
-        wo.solve_nip(paper_nip(nip_load=1500.0), nodes=nodes, start=start)
+        wo.solve(paper_nip(nip_load=1500.0), nodes=nodes, start=start)
         for start in (None, near, far)
     )
     for result in warm:

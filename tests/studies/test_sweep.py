@@ -9,7 +9,6 @@ import re
 import numpy as np
 import pytest
 import toys
-from own_mesh import own_tension
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -32,7 +31,7 @@ def grid():
 def test_a_grid_gives_the_numbers_of_single_solves(grid):
     for P in grid.nip_load.values:
         for G in grid["roll.material.shear"].values:
-            single = wo.solve_nip(
+            single = wo.solve(
                 paper_nip(nip_load=P, **{"roll.material.shear": G}), nodes=25
             )  # fmt: skip
             case = grid.sel({"nip_load": P, "roll.material.shear": G})
@@ -72,7 +71,7 @@ def test_default_nodes_agree_with_single_solves_within_the_stated_errors():
     data = wo.sweep(paper_nip(), over, outputs, workers=1)
     for P in over["nip_load"]:
         for F in over["winding_force"]:
-            single = wo.solve_nip(paper_nip(nip_load=P, winding_force=F))
+            single = wo.solve(paper_nip(nip_load=P, winding_force=F))
             case = data.sel(nip_load=P, winding_force=F)
             apart = abs(float(case.nip_induced_tension) - single.nip_induced_tension)
             stated = float(case.nip_induced_tension_error) + single.nip_induced_tension_error
@@ -94,7 +93,7 @@ def test_a_failed_case_is_a_row_with_its_reason():
     assert table.failure[1].startswith("NoSteadyState: winding_force: 500 is out of range")
     values = table.outputs["nip_induced_tension"] - table.outputs["extrapolation"]
     assert np.isnan(values[1])
-    single = wo.solve_nip(paper_nip(nip_load=1000.0, winding_force=100.0), nodes=17)
+    single = wo.solve(paper_nip(nip_load=1000.0, winding_force=100.0), nodes=17)
     assert values[2] == pytest.approx(own_tension(single), rel=SAME)
 
 
@@ -108,7 +107,7 @@ def test_web_tension_is_free_and_right():
         paper_nip(), {"web_tension": tensions}, ("tension_behind_nip", "drum_creep"), nodes=17
     )
     for T_in in tensions:
-        single = wo.solve_nip(paper_nip(web_tension=T_in), nodes=17)
+        single = wo.solve(paper_nip(web_tension=T_in), nodes=17)
         at = {"web_tension": T_in}
         assert float(cheap.tension_behind_nip.sel(at)) == pytest.approx(
             single.tension_behind_nip, rel=SAME
@@ -128,7 +127,7 @@ def test_bodies_and_materials_can_be_varied():
     )  # fmt: skip
     assert data.drum.values.tolist() == [repr(d) for d in drums]
     assert data["roll.material"].values.tolist() == ["paper", "newsprint"]
-    single = wo.solve_nip(paper_nip(drum=drums[1], **{"roll.material": "newsprint"}), nodes=17)
+    single = wo.solve(paper_nip(drum=drums[1], **{"roll.material": "newsprint"}), nodes=17)
     assert float(own_tension(data)[1, 1]) == pytest.approx(own_tension(single), rel=SAME)
 
 
@@ -137,7 +136,7 @@ def test_a_tied_field_follows():
     over = {"roll.material.tangential": [2e9, 4e9]}
     data = wo.sweep(paper_nip(), over, TENSION, tie=tie, nodes=17, workers=1)
     both = {"roll.material.tangential": 4e9, "web.material.tangential": 4e9}
-    single = own_tension(wo.solve_nip(paper_nip(**both), nodes=17))
+    single = own_tension(wo.solve(paper_nip(**both), nodes=17))
     assert float(own_tension(data)[1]) == pytest.approx(single, rel=SAME)
 
 
@@ -146,7 +145,7 @@ def test_rollers_can_be_swept():
     body = wo.HalfPlane(radius=0.25, material=steel)
     pair = wo.RollerProblem(upper=body, lower=body, load=89e3, tangential_load=8.4e3, friction=0.5)
     data = wo.sweep(pair, {"tangential_load": [1e3, 8.4e3]}, ("creepage",), nodes=40, workers=1)
-    single = wo.solve_rollers(pair, nodes=40).creepage
+    single = wo.solve(pair, nodes=40).creepage
     assert float(data.creepage[1]) == pytest.approx(single, rel=SAME)
     assert data.tangential_load.attrs["units"] == "N/m"
 
@@ -158,7 +157,7 @@ def test_drawn_designs_are_tables_of_cases():
     )
     assert data.sizes == {"case": 8}
     P, mu = float(data.nip_load[3]), float(data.roll_friction[3])
-    single = own_tension(wo.solve_nip(paper_nip(nip_load=P, roll_friction=mu), nodes=17))
+    single = own_tension(wo.solve(paper_nip(nip_load=P, roll_friction=mu), nodes=17))
     assert float(own_tension(data)[3]) == pytest.approx(single, rel=SAME)
 
 

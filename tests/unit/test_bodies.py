@@ -12,29 +12,26 @@ import pytest
 from pydantic import TypeAdapter
 
 import woundon as wo
-from woundon.contact.schemes import SCHEMES
+from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.problems.bodies import AnyBody
 
 STEEL = wo.material("steel")
-MESH = SCHEMES["graded"].mesh(17)
+FACE = nip_mesh(17, Wrap(), Wrap()).roll_face
 made = TypeAdapter(AnyBody).validate_python
 
 KERNELS = [f"{q}_{load}" for q in ("normal", "tangent", "slope", "strain") for load in "pq"]
 
 
-def test_a_rigid_body_has_a_radius_and_nothing_else() -> None:
+def test_a_rigid_body_has_a_radius_and_does_not_deform() -> None:
     body = wo.Rigid(radius=0.3)
     assert body.rigid
     assert (body.radius, body.compliance, body.surface_material) == (0.3, 0.0, None)
-    response = body.respond(MESH, 0.01)
-    assert response.terms == 0
-    for part in response.gradients:
-        assert part.shape == (MESH.points.size, MESH.columns.size)
+    surface, p = body.surface(FACE, 0.01), np.linspace(0.0, 1e6, FACE.nodes.size)
+    assert surface.rigid
+    for part in (*surface.deform(p, -p), *surface.tangent(p, -p), *surface.end_tangent(p, -p)):
         assert not part.any()
-    assert not response.pressure_slope().any()
-    for part in (*response.normal(), *response.tangent(np.array([0.0, 2.0]))):
-        assert part.shape[1] == MESH.columns.size
-        assert not part.any()
+    assert [part.shape for part in surface.tangent(p, p)] == [(p.size + 1, p.size)] * 4
+    assert surface.end_displacement(p, -p) == surface.end_tangential_displacement(p, -p) == 0.0
 
 
 def test_a_half_planes_strain_has_no_curvature_and_its_answer_no_radius() -> None:

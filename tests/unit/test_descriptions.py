@@ -214,7 +214,7 @@ def test_errors_survive_pickling_with_their_faults(kind: type[wo.InvalidProblem]
 
 
 def test_not_converged_carries_its_best_result_through_pickling() -> None:
-    best = wo.solve_nip(nip(), nodes=13)
+    best = wo.solve(nip(), nodes=13)
     other = pickle.loads(pickle.dumps(wo.NotConverged("too hard", best)))
     assert str(other) == "too hard"
     assert other.best == best
@@ -224,10 +224,10 @@ def test_problems_go_to_other_processes() -> None:
     # spawn: nothing is inherited, all is pickled; a function of this file could not be found there
     problems = [nip(nip_load=load) for load in (2000.0, 3000.0)]
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        results = list(pool.map(wo.solve_nip, problems))
+        results = list(pool.map(wo.solve, problems))
     for problem, result in zip(problems, results, strict=True):
         assert result.problem == problem
-        assert result.nip_induced_tension == wo.solve_nip(problem).nip_induced_tension
+        assert result.nip_induced_tension == wo.solve(problem).nip_induced_tension
 
 
 # ---- words --------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ COVERED = NIP.replace(
 CASES = {
     "nip": (NIP, {}),
     "nip of 65 nodes": (NIP, {"nodes": 65}),
-    "nip on elements": (NIP, {"rtol": 1e-6}),
+    "nip, rtol": (NIP, {"rtol": 1e-4}),
     "cover": (COVERED, {}),
     "wraps": (NIP.wrapped(), {}),
     "wraps on a cover": (COVERED.wrapped(drum_wrap=1.0), {}),

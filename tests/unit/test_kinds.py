@@ -19,10 +19,10 @@ from woundon.quantities import length, line_load
 from woundon.show.panels import Panel
 
 OWN = {
-    "nip": (wo.NipProblem, wo.NipResult, wo.solve_nip),
-    "wrapped_nip": (wo.WrappedNipProblem, wo.WrappedNipResult, wo.solve_wrapped_nip),
-    "rollers": (wo.RollerProblem, wo.RollerResult, wo.solve_rollers),
-    "wound_roll": (wo.WoundRollProblem, wo.WoundRollResult, wo.solve_wound_roll),
+    "nip": (wo.NipProblem, wo.NipResult),
+    "wrapped_nip": (wo.WrappedNipProblem, wo.WrappedNipResult),
+    "rollers": (wo.RollerProblem, wo.RollerResult),
+    "wound_roll": (wo.WoundRollProblem, wo.WoundRollResult),
 }
 # an option of each out of range
 WRONG = dict.fromkeys(OWN, ("nodes", 3)) | {"wound_roll": ("rtol", 3)}
@@ -66,8 +66,8 @@ HAMMOCK = HammockProblem(span=2.0, web_tension=100.0)
 
 @pytest.mark.parametrize("name", OWN)
 def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
-    kind, (problem, result, solver) = kinds.named(name), OWN[name]
-    assert (kind.name, kind.problem, kind.result, kind.solver) == (name, problem, result, solver)
+    kind, (problem, result) = kinds.named(name), OWN[name]
+    assert (kind.name, kind.problem, kind.result) == (name, problem, result)
     assert kind.command == name.replace("_", "-")
     assert kind.about.endswith(".")
     assert callable(kind.report)
@@ -151,7 +151,7 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     assert kinds.for_fields(["span", "web_tension"]) is kind
     # what it did not bring is a default: it can be told and drawn
     assert "sag" in str(result)
-    assert (kind.check, kind.neighbour, kind.shifted) == (None, None, {})
+    assert kind.check is None
     with pytest.raises(wo.InvalidProblem, match="WoundRollProblem or HammockProblem"):
         wo.solve("hammock.toml")
 
@@ -163,7 +163,6 @@ def test_what_is_given_is_taken(registry: dict[str, kinds.Kind], tmp_path: Path)
         name="hanging_web", about="Sagging.", report=lambda result: ["sag"],
         plot=lambda result: {"sag": Panel(lambda axes, cases: said.append(cases[0].result) or [])},
         check=lambda **options: said.append(options),
-        neighbour=lambda problem, start: None, shifted={"weight": frozenset({"sag"})},
     )  # fmt: skip
     kind = kinds.of(HAMMOCK)
     assert (kind.name, kind.command, kind.about) == ("hanging_web", "hanging-web", "Sagging.")
@@ -173,7 +172,6 @@ def test_what_is_given_is_taken(registry: dict[str, kinds.Kind], tmp_path: Path)
     result = wo.solve(HAMMOCK)
     result.plot(tmp_path / "sag.png")
     assert said == [{"terms": 3}, result]
-    assert kind.shifted["weight"] == {"sag"}
 
 
 def test_registered_again_it_is_the_later_one(registry: dict[str, kinds.Kind]) -> None:
@@ -215,7 +213,7 @@ def test_kinds_are_known_without_loading_their_solvers() -> None:
         "assert [k.name for k in kinds.every()]"
         " == ['nip', 'wrapped_nip', 'rollers', 'wound_roll', 'winding', 'air_nip'];"
         "assert kinds.of(wo.NipProblem.example()).name == 'nip';"
-        "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.wrap.solve')))"
+        "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.nip.solve')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

@@ -99,4 +99,4 @@ def test_every_named_material_works_as_web_roll_and_drum(name: str) -> None:
         nip_load=500.0,
     )
     assert problem.web.material is problem.roll.material is wo.material(name)
-    assert wo.solve_nip(problem, nodes=13).residuals.largest < 1e-8
+    assert wo.solve(problem, nodes=13).residuals.largest < 1e-8

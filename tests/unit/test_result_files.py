@@ -11,17 +11,14 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 import xarray
-from random_nips import random_nip
 
 import woundon as wo
 from woundon import kinds
 from woundon.io import result_files, seals
-from woundon.nip.solve import recomputed
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
 from woundon.results import Residuals, Zone
 
-OLD = Path(__file__).parents[1] / "data" / "results_0.1"
 NIP = wo.NipProblem.example()
 PAIR = wo.RollerProblem.example()
 
@@ -77,33 +74,22 @@ def test_a_loaded_result_is_as_good_as_a_solved_one(solved, tmp_path, name):
     """Its mesh is restored from x and slip_x, so that it certifies itself, bit for bit."""
     solved(name).save(tmp_path / "result.json")
     loaded = wo.load_result(tmp_path / "result.json")
-    assert loaded.mesh is None
+    assert loaded.refinement is None
     assert loaded.certified().largest <= 1e-8
     assert not loaded.x.flags.writeable
-    if isinstance(loaded, wo.NipResult) and loaded.scheme == "graded":
+    if isinstance(loaded, wo.NipResult):
         exact, again = solved(name).sensitivity(), loaded.sensitivity()
         # forward differences of matrices are known to 1e-6
         np.testing.assert_allclose(again.elasticities, exact.elasticities, rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize(("seed", "nodes"), [(991213, 7), (991289, 17)])
-def test_few_nodes_may_leave_much_to_where_borders_lie(tmp_path, seed, nodes):
-    """By as much as 0.1 of mu+ P is NIT corrected there: no damage to its file."""
-    result = wo.solve_nip(random_nip(seed), nodes=nodes)
-    problem, path = result.problem, tmp_path / "nip.json"
-    assert abs(result.extrapolation) > 0.02 * problem.roll_friction * problem.nip_load
-    result.save(path)
-    assert wo.load_result(path, verify=True) == result
-    assert abs(result.extrapolation) < recomputed(result)["extrapolation"][1] / 1.2
-
-
 def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
-    for name in ("scheme", "iterations", "extrapolation", "series_error"):
+    for name in ("iterations", "series_terms", "series_error"):
         del record["fields"][name]
     (tmp_path / "nip.json").write_text(sealed(record))
     loaded = wo.load_result(tmp_path / "nip.json")
-    assert (loaded.scheme, loaded.iterations, loaded.extrapolation) == ("graded", 0, 0.0)
+    assert (loaded.iterations, loaded.series_terms, loaded.series_error) == (0, 0, 0.0)
     np.testing.assert_array_equal(loaded.pressure, solved("nip").pressure)
 
 
@@ -268,74 +254,6 @@ def test_what_no_file_holds_is_refused_by_name(springs, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-# ---- files of 0.1 -------------------------------------------------------------------------------
-
-OLD_FILES = sorted(path.name for path in OLD.iterdir() if path.suffix in (".json", ".nc"))
-
-
-@pytest.mark.parametrize("name", OLD_FILES)
-def test_files_of_0_1_load_and_certify(name, tmp_path):
-    result = wo.load_result(OLD / name, verify=True)
-    left = result.certified().largest
-    if (
-        left > 1e-8
-    ):  # 0.1 interpolated the thesis's kernels, and integrated those of wraps otherwise
-        assert left <= (1e-4 if name in ("nip_thesis.json", "nip_printed.json") else 1e-5)
-        assert result.warnings[-1].endswith(f"by today's kernels its laws hold to {left:.1g}")
-    else:
-        assert not any("today's kernels" in text for text in result.warnings)
-    for ending in ("json", "nc"):
-        result.save(tmp_path / f"again.{ending}")
-        assert wo.load_result(tmp_path / f"again.{ending}", verify=True) == result
-
-
-@pytest.mark.parametrize("name", [n for n in OLD_FILES if n.endswith("json")])
-def test_files_of_0_1_say_what_they_said(name):
-    old, result = json.loads((OLD / name).read_text()), wo.load_result(OLD / name)
-    told = old | old.get("slip_ratios", {})
-    if old["kind"] == "nip":
-        told["tension_behind_nip"] = told.pop("wound_on_tension")
-        with pytest.raises(AttributeError, match="tension_behind_nip"):
-            _ = result.wound_on_tension
-    for field in ("problem", "format", "kind", "units", "version", "schema", "slip_ratios"):
-        told.pop(field, None)
-    assert dict(result.residuals.items()) == told.pop("residuals")
-    warnings = tuple(told.pop("warnings"))
-    assert result.warnings[: len(warnings)] == warnings
-    wraps = ("roll_wrap", "drum_wrap", "wrap_friction", "winding_force")
-    for field, value in told.items():
-        of = result.problem if field in wraps else result
-        known = np.array(np.nan if value is None else value, dtype=float) if (
-            not isinstance(value, str)
-        ) else value  # fmt: skip
-        if field.endswith("_error") and value == 0:  # only one grid was solved
-            known = np.nan
-        if isinstance(known, np.ndarray) and known.dtype == float:
-            # wrap tractions and slip angle are told from tensions and zones now
-            np.testing.assert_allclose(getattr(of, field), known, rtol=1e-12, atol=1e-12)
-
-
-def test_old_netcdf_is_old_json():
-    for path in OLD.glob("*.nc"):
-        assert wo.load_result(path) == wo.load_result(path.with_suffix(".json"))
-
-
-def test_static_rollers_of_0_1_are_told_their_shift():
-    pair = PAIR.replace(motion="static")
-    again = wo.solve(pair, nodes=33)
-    # 0.1's grids were fitted to slightly other borders: both are off by their own error
-    assert wo.load_result(OLD / "rollers_static.json").shift == pytest.approx(again.shift, rel=1e-2)
-
-
-def test_results_of_0_1_are_drawn_and_told(tmp_path):
-    for name in ("nip", "wrapped_drum", "rollers_static"):
-        result = wo.load_result(OLD / f"{name}.json")
-        (panel,) = result.plot(tmp_path / f"{name}.png", panels="tractions").axes
-        assert panel.has_data()
-        assert (tmp_path / f"{name}.png").stat().st_size > 1000
-        assert "Certificate" in str(result)
-
-
 # ---- refused ------------------------------------------------------------------------------------
 
 
@@ -392,7 +310,6 @@ DAMAGE: list[tuple[str, Any, str]] = [
     ("fields.half_width", True, "half_width: True is not a finite number"),
     ("fields.half_width", ..., "half_width: missing"),
     ("fields.iterations", 3.5, "iterations: 3.5 is out of place; must be a whole number"),
-    ("fields.scheme", 3, "scheme: 3 is out of place; must be a word"),
     ("fields", [], "half_width: missing"),
     ("dimensions", ..., "damaged"),
     ("residuals.stick", None, "residuals.stick: None is not a finite number"),
@@ -605,10 +522,6 @@ def test_a_file_without_a_seal_is_always_verified(solved, tmp_path, place, value
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_result(path)
     assert said in str(refusal.value)
-    old = json.loads((OLD / "nip.json").read_text()) | {"nip_induced_tension": 9999.0}
-    path.write_text(json.dumps(old))
-    with pytest.raises(wo.InvalidProblem, match="does not hold what it says"):
-        wo.load_result(path)
 
 
 def test_units_of_netcdf_are_checked(solved, tmp_path):

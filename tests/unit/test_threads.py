@@ -60,9 +60,10 @@ def test_another_that_ends_meanwhile_does_not_take_the_limit_away():
 @pytest.mark.usefixtures("three")
 def test_every_solver_asks_for_it():
     import woundon as wo
-    from woundon.nip.sensitivity import nip_sensitivity
+    from woundon.nip.sensitivity import contact_sensitivity
 
-    for solve in (wo.solve_nip, wo.solve_wrapped_nip, wo.solve_rollers, nip_sensitivity):
+    solvers = [wo.kinds.named(name).solver for name in ("nip", "wrapped_nip", "rollers")]
+    for solve in (*solvers, contact_sensitivity):
         assert solve.__code__.co_name == "limited", solve.__name__
 
 

@@ -13,7 +13,7 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import cli, validity
-from woundon.contact.schemes import SCHEMES
+from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.nip.validity import _bodies_strains, _web_strain, nip_warnings
 
 NODES = 33  # warnings do not wait for accuracy
@@ -28,7 +28,7 @@ def cover(thickness: float, material: wo.Isotropic | wo.Orthotropic) -> wo.Cylin
 
 
 def solved(problem: wo.NipProblem, nodes: int = NODES) -> wo.NipResult:
-    return wo.solve_nip(problem, nodes=nodes)
+    return wo.solve(problem, nodes=nodes)
 
 
 def the(result: wo.Result, pattern: str) -> list[float]:
@@ -44,7 +44,7 @@ PERCENT = r"(-?[\d.]+%)"
 
 def test_an_ordinary_nip_earns_none() -> None:
     for problem in (paper_nip(), newsprint_nip(), paper_nip(drum=cover(0.02, isotropic(1e8)))):
-        assert wo.solve_nip(problem).warnings == ()
+        assert wo.solve(problem).warnings == ()
 
 
 def test_a_wide_nip() -> None:
@@ -180,10 +180,8 @@ def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) 
     drum = cover(0.02, isotropic(2e6, 0.45))
     problem = paper_nip(drum=drum, winding_force=300.0, **{"web.thickness": thickness})
     result = solved(problem, nodes=129)
-    _, _, strain_p, strain_q = drum.respond(
-        SCHEMES["graded"].mesh(129), result.half_width
-    ).gradients
-    direct = strain_p @ result.pressure[1:-1] + strain_q @ result.drum_traction[1:-1]
+    surface = drum.surface(nip_mesh(129, Wrap(), Wrap()).drum_face, result.half_width)
+    direct = surface.deform(result.pressure, result.drum_traction).strain[:-1]
     # tensions are interpolated to the cells' middles: second order in the cells
     np.testing.assert_allclose(
         _bodies_strains(result, _web_strain(result))["drum"][1:],
@@ -230,13 +228,13 @@ def rollers(**changes: object) -> wo.RollerProblem:
 
 
 def test_ordinary_rollers_earn_none() -> None:
-    assert wo.solve_rollers(rollers()).warnings == ()
-    assert wo.solve_rollers(rollers(motion="static")).warnings == ()
+    assert wo.solve(rollers()).warnings == ()
+    assert wo.solve(rollers(motion="static")).warnings == ()
 
 
 def test_rollers_that_are_pressed_and_driven_too_far() -> None:
     soft = wo.HalfPlane(radius=0.25, material=isotropic(1e6))
-    result = wo.solve_rollers(
+    result = wo.solve(
         rollers(upper=soft, load=3e4, tangential_load=None, creepage=0.15), nodes=NODES
     )
     width, share, _ = the(
@@ -257,7 +255,7 @@ def test_rollers_that_are_pressed_and_driven_too_far() -> None:
 def test_a_layer_under_a_rigid_roller_takes_all_of_the_approach() -> None:
     soft = cover(0.002, isotropic(1e6))
     problem = rollers(upper=wo.Rigid(radius=0.25), lower=soft, load=1e4, tangential_load=100.0)
-    result = wo.solve_rollers(problem)
+    result = wo.solve(problem)
     depth, _, _, _ = the(
         result, f"the lower's indentation {NUMBER} mm is {PERCENT} of its elastic layer, "
         f"{NUMBER} mm \\(limit {PERCENT}\\): strains are not small",
@@ -269,12 +267,12 @@ def test_a_layer_under_a_rigid_roller_takes_all_of_the_approach() -> None:
 def test_few_nodes_in_a_zone_of_rollers() -> None:
     """Meshes are fitted to the zones: few are short of nodes, as where stick is about to vanish."""
     softer = wo.HalfPlane(radius=0.25, material=isotropic(1e8))
-    result = wo.solve_rollers(
+    result = wo.solve(
         rollers(upper=softer, load=3e3, friction=0.1, tangential_load=150.0), nodes=33
     )
     text = f"resolution: 1 node in a stick zone at the contact; use nodes={2 * result.nodes - 1}"
     assert result.warnings == (text,)
-    more = wo.solve_rollers(result.problem, nodes=2 * result.nodes - 1)
+    more = wo.solve(result.problem, nodes=2 * result.nodes - 1)
     assert more.warnings == ()
 
 
@@ -292,10 +290,9 @@ def issued(call: Callable[[], object]) -> list[warnings.WarningMessage]:
 WRAPPED = wo.solve(newsprint_nip(web_tension=1e5).wrapped(), nodes=NODES)
 SOLVES = {
     "solve": lambda: wo.solve(newsprint_nip(web_tension=1e5), nodes=13),
-    "solve_nip": lambda: wo.solve_nip(newsprint_nip(web_tension=1e5), nodes=13),
     "wrapped": lambda: wo.solve(newsprint_nip(web_tension=1e5).wrapped(), nodes=NODES),
     "confined": lambda: WRAPPED.confined(nodes=13),
-    "rollers": lambda: wo.solve_rollers(rollers(tangential_load=None, creepage=0.2)),
+    "rollers": lambda: wo.solve(rollers(tangential_load=None, creepage=0.2)),
 }
 
 

@@ -148,7 +148,6 @@ class Face:
     """
 
     def __init__(self, mesh: Mesh, start: int, stop: int) -> None:
-        self.mesh = mesh
         self.nodes, self.cells = mesh.nodes[start : stop + 1], mesh.cells[start:stop]
         self.first, self.last = mesh.first - start, mesh.last - start
         self.nip_cells = slice(self.first, self.last)

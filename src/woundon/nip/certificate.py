@@ -17,15 +17,13 @@ import numpy as np
 
 from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
-from ..elasticity.hardening_surface import HardeningSurface
-from ..errors import InvalidProblem
 from ..results import Residuals, largest
-from .conditions import difference, friction_law, negative_pressure
+from .conditions import body_equilibrium, difference, friction_law, negative_pressure
 from .energy import power_balance, rolling_resistance
 from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
 
 if TYPE_CHECKING:
-    from .equations import NipEquations, NipState, Side
+    from .equations import NipEquations, NipState
 
 __all__ = ["certificate", "consistency", "equations_of", "recomputed", "solutions", "state_of"]
 
@@ -142,27 +140,9 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     loads = (f.p_roll[at.first :], f.q_roll[at.first :]), (
         f.p_drum[: at.last + 1], f.q_drum[: at.last + 1],
     )  # fmt: skip
-    conditions |= body_equilibrium(problem, (f.geometry.roll, f.geometry.drum), loads)
+    surfaces = f.geometry.roll.surface, f.geometry.drum.surface
+    conditions |= body_equilibrium(problem, surfaces, loads)
     return Residuals(**conditions)
-
-
-def body_equilibrium(
-    problem: Any, sides: tuple[Side, Side], loads: tuple[tuple[Array, Array], ...]
-) -> dict[str, float]:
-    """Return the residual of the equilibrium inside each nonlinear body, relative to the load.
-
-    Raises
-    ------
-    InvalidProblem
-        If the state of a body lies outside of its law.
-    """
-    out = {}
-    for name, side, load in zip(problem.pair, sides, loads, strict=True):
-        if isinstance(side.surface, HardeningSurface):
-            if text := side.surface.outside(*load):
-                raise InvalidProblem.at(name, text)
-            out[f"{name}_equilibrium"] = side.surface.residual(*load)
-    return out
 
 
 def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from math import inf
+from typing import Any
 
 import numpy as np
 
+from ..elasticity.hardening_surface import HardeningSurface
+from ..errors import InvalidProblem
 from ..results import largest
 
-__all__ = ["difference", "friction_law", "integral", "negative_pressure"]
+__all__ = ["body_equilibrium", "difference", "friction_law", "integral", "negative_pressure"]
 
 Array = np.ndarray
 
@@ -59,3 +62,29 @@ def difference(one: Array, two: Array) -> float:
         return inf
     both = ~np.isnan(one)
     return largest(np.abs(one[both] - two[both]))
+
+
+def body_equilibrium(
+    problem: Any, surfaces: tuple[Any, Any], loads: tuple[tuple[Array, Array], ...]
+) -> dict[str, float]:
+    """Return the residual of the equilibrium inside each nonlinear body, relative to the load.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    surfaces : two SurfaceResponse
+    loads : two (pressures, tractions)
+        At the nodes of the surfaces.
+
+    Raises
+    ------
+    InvalidProblem
+        If the state of a body lies outside of its law.
+    """
+    out = {}
+    for name, surface, load in zip(problem.pair, surfaces, loads, strict=True):
+        if isinstance(surface, HardeningSurface):
+            if text := surface.outside(*load):
+                raise InvalidProblem.at(name, text)
+            out[f"{name}_equilibrium"] = surface.residual(*load)
+    return out

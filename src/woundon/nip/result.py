@@ -354,9 +354,6 @@ class WrappedNipResult(WindingNipResult):
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
         {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
     )
-    ESTIMATES: ClassVar[frozenset[str]] = WindingNipResult.ESTIMATES | {
-        "extrapolation", "extrapolation_behind", "extrapolation_of_nip",
-    }  # fmt: skip
 
     problem: WrappedNipProblem
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]

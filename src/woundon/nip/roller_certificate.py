@@ -15,7 +15,7 @@ import numpy as np
 from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
-from .conditions import friction_law, integral, negative_pressure
+from .conditions import body_equilibrium, friction_law, integral, negative_pressure
 from .roller_energy import dissipation, roller_power_balance, surface_work
 from .rollers import RollerEquations, RollerState
 
@@ -86,7 +86,8 @@ def certificate(result: RollerResult) -> Residuals:
         "zones": 0.0 if same_zone and (np.abs(result.zone) <= 1).all() else inf,
         "slip_velocity": largest(np.abs(result.slip - slip)) / unit,
         "load": abs(integral(p, result.x) / problem.load - 1),
-        "tangential_load": max(abs(Q - asked), abs(Q - result.tangential_load)) / problem.load,
+        "tangential_load": largest([abs(Q - asked), abs(Q - result.tangential_load)])
+        / problem.load,
         "creepage": 0.0 if given is None else abs(xi - given) / unit,
         "mesh": _mesh_difference(result, equations),
         "approach": abs(result.approach / approach - 1),
@@ -94,6 +95,8 @@ def certificate(result: RollerResult) -> Residuals:
     conditions["friction_bound"] += largest(np.abs(q[ends[0]])) / ((problem.friction or 1) * peak)
     if not isnan(other):  # the creepage of static, the rigid displacement of rolling rollers
         conditions["creepage"] = inf
+    surfaces = state.surfaces.upper, state.surfaces.lower
+    conditions |= body_equilibrium(problem, surfaces, ((p, q), (p, -q)))
     if problem.viscoelastic:
         lost = dissipation(problem, surface_work(problem, equations.mesh, state))
         size = problem.load * edge

@@ -243,14 +243,24 @@ class _Perturbed:
     def __init__(self, mesh: MeshSolution, outputs: tuple[str, ...]) -> None:
         self.mesh, self.outputs = mesh, outputs
         system, state, active = mesh.system, mesh.state, mesh.active
-        jacobian = system.jacobian(state)
-        columns = system.half_width_column(state)
-        for matrix, column in zip(jacobian, columns, strict=True):
-            matrix[:, system.ln_a] = column
-        matrix = system_matrix(system, jacobian, active) * system.scales
+        matrix = system_matrix(system, system.jacobian(state), active)
+        matrix[:, system.ln_a] = self._half_width_column()
+        matrix *= system.scales
         self.row_size = np.abs(matrix).max(axis=1)
         self.factors = lu_factor(matrix / self.row_size[:, None], check_finite=False)
         self.residual = self._residual(state)
+
+    def _half_width_column(self) -> Array:
+        """Return the derivatives of all residuals by ln a, by a central difference.
+
+        The column of Newton's method is accurate to a few digits only.
+        """
+        system, state = self.mesh.system, self.mesh.state
+        above, below = state.u.copy(), state.u.copy()
+        above[system.ln_a] += STEP
+        below[system.ln_a] -= STEP
+        change = self._residual(system.evaluate(above)) - self._residual(system.evaluate(below))
+        return np.asarray(change / (2 * STEP))
 
     def _residual(self, state: Any) -> Array:
         return np.append(state.equilibrium, friction_residual(state, self.mesh.active))

@@ -12,9 +12,7 @@ from pydantic import model_validator
 from ..elasticity import cylinder
 from ..elasticity.half_plane import coefficients
 from ..elasticity.hardening import HardeningLaw
-from ..elasticity.hardening_surface import HardeningSurface
 from ..elasticity.influence import InfluenceSurface
-from ..elasticity.ring_equilibrium import RingPair
 from ..errors import InvalidProblem
 from ..quantities import stress
 from .bodies import Body, CoreRadius, core_inside
@@ -25,6 +23,7 @@ from .stack import AnyStack
 
 if TYPE_CHECKING:
     from ..elasticity.mesh import Face
+    from ..elasticity.ring_equilibrium import RingPair
     from ..elasticity.surface import SurfaceResponse
 
 __all__ = ["WoundRoll"]
@@ -103,6 +102,9 @@ class WoundRoll(Body):
         """Return the response of the surface on a face scaled by the half width."""
         if self.hardening == "frozen":
             return InfluenceSurface(wound_kernels(self), self.radius, True, face, half_width)
+        # imported late: SciPy's sparse solvers take a quarter of a second to load
+        from ..elasticity.hardening_surface import HardeningSurface
+
         ring = ring_of(self)
         kernels = cylinder.surface_kernels(self.radius, self.core_radius, *ring.stiffness)
         linear = InfluenceSurface(kernels, self.radius, True, face, half_width)
@@ -134,6 +136,8 @@ def _has_slope(stack: Any) -> None:
 @lru_cache(maxsize=4)
 def ring_of(roll: WoundRoll) -> RingPair:
     """Return the finite-element rings of a roll; they keep the last state to start from."""
+    from ..elasticity.ring_equilibrium import RingPair
+
     stack = roll.stack
     law = HardeningLaw(
         stack.radial, stack.tangential, stack.poissons_ratio, stack.shear, stack.shear_exponent
