@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..elasticity.influence import surface_strain
 from ..errors import InvalidProblem
-from ..problems.bodies import KernelBody
+from .certificate import equations_of
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -42,12 +41,11 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         raise InvalidProblem.at("s", text)
     if roll.rigid:
         return np.zeros(s.size)
-    if not isinstance(roll, KernelBody):
+    surface: Any = equations_of(result).geometry(a).roll.surface
+    if not hasattr(surface, "strain_outside"):
         text = f"a {type(roll).__name__} has no strain outside of the nip; must be an elastic body"
         raise InvalidProblem.at("roll", text)
-    kernels = roll.kernels(problem.rolling_speed) if roll.viscoelastic else roll.kernels()
-    p, q = result.pressure, result.roll_traction
-    return surface_strain(kernels, roll.radius, roll.curvature > 0, result.x, p, q, s)
+    return np.asarray(surface.strain_outside(result.pressure, result.roll_traction, s))
 
 
 def wound_on_tension_estimate(result: NipResult, angle: float) -> float:
