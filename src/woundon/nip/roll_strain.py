@@ -34,7 +34,7 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         eps_1 (thesis eqs. 32, 114).
     """
     s = np.atleast_1d(np.asarray(s, dtype=float))
-    a, roll, problem = result.half_width, result.problem.roll, result.problem
+    a, roll = result.half_width, result.problem.roll
     reach = pi * roll.radius
     if np.any(np.abs(s) < a * (1 - 1e-12)) or np.any(np.abs(s) > reach * (1 + 1e-12)):
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
