@@ -65,7 +65,7 @@ def pairs(draw: Any, motion: str | None = None) -> wo.RollerProblem:
 def solve(problem: wo.RollerProblem) -> wo.RollerResult:
     """Solve on 65 nodes; pass over a static contact that is given up (see the last test)."""
     try:
-        return wo.solve_rollers(problem, nodes=65)
+        return wo.solve(problem, nodes=65)
     except wo.NotConverged:
         if problem.motion == "rolling":
             raise
@@ -158,7 +158,7 @@ def test_rolling_has_no_such_mirror() -> None:
         upper=roller, lower=roller, load=89e3, friction=0.5, tangential_load=8.4e3
     )
     for Q in (8.4e3, -8.4e3):
-        zone = wo.solve_rollers(problem.replace(tangential_load=Q)).zone
+        zone = wo.solve(problem.replace(tangential_load=Q)).zone
         assert zone[1] == wo.Zone.STICK
         assert zone[-2] == np.sign(Q)
 
@@ -211,4 +211,4 @@ def test_a_static_contact_of_very_dissimilar_rollers() -> None:
         tangential_load=4.35,
         motion="static",
     )
-    assert wo.solve_rollers(problem).residuals.largest <= 1e-8
+    assert wo.solve(problem).residuals.largest <= 1e-8

@@ -47,7 +47,7 @@ def press(nu: float, load: float, flatness: float, friction: float = 1e-6) -> wo
         material=wo.Isotropic(youngs_modulus=E, poissons_ratio=nu),
     )
     problem = wo.RollerProblem(upper=wo.Rigid(radius=R), lower=layer, load=load, friction=friction)
-    return wo.solve_rollers(problem)
+    return wo.solve(problem)
 
 
 def test_the_incompressible_layer_itself_meets_the_reference() -> None:
@@ -154,7 +154,7 @@ def test_a_layer_thinner_than_the_cells() -> None:
     problem = wo.RollerProblem(
         upper=wo.Rigid(radius=0.5), lower=layer, load=3e4, friction=0.01, tangential_load=90.0
     )
-    coarse, middle, fine = (wo.solve_rollers(problem, nodes=nodes) for nodes in (13, 51, 201))
+    coarse, middle, fine = (wo.solve(problem, nodes=nodes) for nodes in (13, 51, 201))
     assert max(r.residuals.largest for r in (coarse, middle, fine)) <= 1e-8
     assert coarse.half_width == pytest.approx(fine.half_width, rel=0.01)
     assert middle.creepage == pytest.approx(fine.creepage, rel=0.1)

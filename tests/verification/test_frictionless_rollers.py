@@ -36,7 +36,7 @@ def test_hertz_is_met_to_the_grids_order(way: str, upper: wo.Body) -> None:
     problem = pair(upper, **WAYS[way])
     exact = theories.hertz(problem)
     for nodes in (25, 49, 97):
-        result = wo.solve_rollers(problem, nodes=nodes)
+        result = wo.solve(problem, nodes=nodes)
         cell = 2 / (nodes - 1)
         assert result.nodes == nodes
         assert result.residuals.largest <= 1e-12
@@ -51,16 +51,16 @@ def test_hertz_is_met_to_the_grids_order(way: str, upper: wo.Body) -> None:
 
 def test_the_creepage_is_that_of_vanishing_friction() -> None:
     problem = pair(SOFTER)
-    creepage = wo.solve_rollers(problem, nodes=201).creepage
+    creepage = wo.solve(problem, nodes=201).creepage
     # a median over nodes is known to a share of a cell
     assert creepage == pytest.approx(theories.bentall_johnson_frictionless(problem), rel=2e-3)
-    little = wo.solve_rollers(problem.replace(friction=1e-6), nodes=201)
+    little = wo.solve(problem.replace(friction=1e-6), nodes=201)
     assert creepage == pytest.approx(little.creepage, rel=2e-3)
-    assert little.half_width == pytest.approx(wo.solve_rollers(problem).half_width, rel=1e-5)
+    assert little.half_width == pytest.approx(wo.solve(problem).half_width, rel=1e-5)
 
 
 def test_where_a_creepage_is_given_all_slips() -> None:
-    result = wo.solve_rollers(pair(SOFTER, creepage=-0.1))
+    result = wo.solve(pair(SOFTER, creepage=-0.1))
     assert result.creepage == -0.1
     assert np.all(result.zone == wo.Zone.BACKWARD)
     assert result.slip_share == pytest.approx(1.0)
@@ -70,8 +70,8 @@ def test_a_layer_without_friction_is_the_limit_of_little() -> None:
     layer = wo.Cylinder(
         radius=0.25, core_radius=0.24, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.5)
     )
-    none = wo.solve_rollers(pair(layer))
-    little = wo.solve_rollers(pair(layer, friction=1e-7))
+    none = wo.solve(pair(layer))
+    little = wo.solve(pair(layer, friction=1e-7))
     # other nodes: those of little friction are fitted to its zones
     assert none.half_width == pytest.approx(little.half_width, rel=1e-4)
     assert none.peak_pressure == pytest.approx(little.peak_pressure, rel=1e-3)
@@ -79,7 +79,7 @@ def test_a_layer_without_friction_is_the_limit_of_little() -> None:
 
 @pytest.mark.parametrize("way", ["rolling", "static", seldom("no load along"), seldom("creepage")])
 def test_it_is_told_drawn_kept_and_certified_anew(way: str, tmp_path: Path) -> None:
-    result = wo.solve_rollers(pair(SOFTER, **WAYS[way]))
+    result = wo.solve(pair(SOFTER, **WAYS[way]))
     text = str(result)
     assert "Hertz" in text
     assert "all 1" in text  # laws hold

@@ -31,7 +31,7 @@ def pair(friction: float, radius: float = 0.05) -> wo.RollerProblem:
 
 def test_the_limit_of_little_friction() -> None:
     """The soft upper roller is the faster one before strain: xi < 0."""
-    result = wo.solve_rollers(pair(1e-4))
+    result = wo.solve(pair(1e-4))
     assert result.creepage == pytest.approx(-5.26299e-4, rel=3e-3)  # measured: 1e-4
     assert result.half_width == pytest.approx(0.1e-3, rel=1e-4)
     assert result.tangential_load == pytest.approx(0, abs=1e-10 * 16201.9)
@@ -45,7 +45,7 @@ def test_the_limit_of_little_friction() -> None:
 
 
 def test_little_friction_with_rollers_half_as_large() -> None:
-    result = wo.solve_rollers(pair(1e-4, radius=0.025))
+    result = wo.solve(pair(1e-4, radius=0.025))
     a, R = result.half_width, 0.0125
     assert a == pytest.approx(0.1e-3 / sqrt(2), rel=1e-4)
     assert result.creepage == pytest.approx(-0.457386 * 2 * BETA * a / R, rel=3e-3)
@@ -53,7 +53,7 @@ def test_little_friction_with_rollers_half_as_large() -> None:
 
 def test_the_limit_of_full_stick() -> None:
     problem = pair(10.0)
-    result, exact = wo.solve_rollers(problem), theories.bentall_johnson_stick(problem)
+    result, exact = wo.solve(problem), theories.bentall_johnson_stick(problem)
     # with mu = 10 the slip at the edges is shorter than a cell of this or any affordable grid
     assert set(result.zone) == {wo.Zone.STICK}
     assert result.creepage == pytest.approx(-3.67269e-4, rel=3e-3)  # measured: 3.3e-4
@@ -68,13 +68,13 @@ def test_the_limit_of_full_stick() -> None:
 def test_full_stick_converges() -> None:
     problem, nodes = pair(10.0), [26, 51, 101, 201]
     exact = theories.bentall_johnson_stick(problem)
-    misses = [abs(wo.solve_rollers(problem, nodes=n).creepage - exact.creepage) for n in nodes]
+    misses = [abs(wo.solve(problem, nodes=n).creepage - exact.creepage) for n in nodes]
     order = -np.polyfit(np.log(nodes), np.log(misses), 1)[0]
     assert order >= 1.5  # measured: 1.9
 
 
 def test_between_the_limits_the_creepage_falls_with_friction() -> None:
-    creepages = [abs(wo.solve_rollers(pair(mu)).creepage) for mu in (1e-4, 0.02, 0.05, 0.2, 10.0)]
+    creepages = [abs(wo.solve(pair(mu)).creepage) for mu in (1e-4, 0.02, 0.05, 0.2, 10.0)]
     assert creepages == sorted(creepages, reverse=True)
 
 
@@ -82,7 +82,7 @@ def test_between_the_limits_the_creepage_falls_with_friction() -> None:
 def test_strong_coupling_is_reached_from_none(seed: int, nodes: int) -> None:
     """Rolls far softer one way than the other, on which pivots alone go round in a circle."""
     problem = random_rollers(seed)
-    fine, coarse = (wo.solve_rollers(problem, nodes=count) for count in (nodes, 101))
+    fine, coarse = (wo.solve(problem, nodes=count) for count in (nodes, 101))
     # both are told to better than a thousandth
     assert fine.half_width == pytest.approx(coarse.half_width, rel=1e-3)
     assert sorted(set(fine.zone)) == sorted(set(coarse.zone))
