@@ -88,9 +88,9 @@ def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
     problem = nip(roll(shear_exponent=0.5))
     step = 2e-3 * value
     with own_of_mesh():
-        result = wo.solve_nip(problem, nodes=17)
+        result = wo.solve(problem, nodes=17)
         less, more = (
-            wo.solve_nip(problem.replace(**{name: value + s}), nodes=17, start=result)
+            wo.solve(problem.replace(**{name: value + s}), nodes=17, start=result)
             for s in (-step, step)
         )
     told = result.sensitivity(name)
@@ -105,7 +105,7 @@ def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
 
 def test_the_rolls_equilibrium_is_a_law(monkeypatch: pytest.MonkeyPatch) -> None:
     """A roll that is left where it was, out of equilibrium, is not certified."""
-    result = wo.solve_nip(nip(roll()), nodes=17)
+    result = wo.solve(nip(roll()), nodes=17)
     assert result.residuals.roll_equilibrium <= 1e-8
     ring.cache_clear()
     monkeypatch.setattr(hardening_ring, "_latest", None)
@@ -114,7 +114,7 @@ def test_the_rolls_equilibrium_is_a_law(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_a_linear_nip_has_no_such_law() -> None:
-    result = wo.solve_nip(nip(wo.Cylinder(radius=0.1, core_radius=0.0445, material=NEWSPRINT)))
+    result = wo.solve(nip(wo.Cylinder(radius=0.1, core_radius=0.0445, material=NEWSPRINT)))
     assert isinstance(result.residuals, Residuals)
     assert "roll_equilibrium" not in dict(result.residuals.items())
 
@@ -129,7 +129,7 @@ def test_a_stack_pressed_beyond_its_law_is_refused() -> None:
     stack = wo.Stack(radial=test, tangential=3.38e9, poissons_ratio=0.185, shear=10e6)
     body = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=stack, pressure=90e3)
     with pytest.raises(wo.InvalidProblem, match=r"roll: the pressure in it reaches .* 4e\+05"):
-        wo.solve_nip(nip(body), nodes=17)
+        wo.solve(nip(body), nodes=17)
 
 
 def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> None:
@@ -137,7 +137,7 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
     body = roll(tangential=2e9, poissons_ratio=5.6)
     assert 4e5 < body.stack.limit < 6e5
     with pytest.raises(wo.InvalidProblem, match="its stack's law ends at"):
-        wo.solve_nip(nip(body), nodes=17)
+        wo.solve(nip(body), nodes=17)
 
 
 FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on

@@ -117,7 +117,7 @@ def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
 @given(admissible_nips())
 def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
     """Checked on the returned curves, beside the certificate."""
-    result = wo.solve_nip(problem)
+    result = wo.solve(problem)
     assert result.residuals.largest <= 1e-8
     p, top = result.pressure, np.max(result.pressure)
     assert np.all(p[1:-1] > 0)
@@ -138,7 +138,7 @@ def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
 @given(admissible_nips())
 def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem) -> None:
     """NIT = Q+ + F with |Q+| <= mu+ P, whatever the contact does, as the mesh has it and beyond."""
-    result = wo.solve_nip(problem)
+    result = wo.solve(problem)
     P, F, T_in = problem.nip_load, problem.winding_force, problem.web_tension
     x, NIT = result.x, result.nip_induced_tension
     assert np.trapezoid(result.pressure, x) == pytest.approx(P, rel=1e-8)
@@ -159,7 +159,7 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
 def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     """T_in changes only the drum's creep and the approach, these exactly by eq. (171)."""
     other = problem.replace(web_tension=T_in)
-    one, two = wo.solve_nip(problem), wo.solve_nip(other)
+    one, two = wo.solve(problem), wo.solve(other)
     assert_same_state(one, two)
     P, more = problem.nip_load, T_in - problem.web_tension
     assert two.nip_induced_tension == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
@@ -220,7 +220,7 @@ def scaled(problem: wo.NipProblem, length: float, stress: float) -> wo.NipProble
 @given(admissible_nips(), st.floats(0.3, 3.0), st.floats(0.1, 10.0))
 def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
     """All lengths and loads by one factor, all moduli and loads by another: the same state."""
-    one, two = wo.solve_nip(problem), wo.solve_nip(scaled(problem, length, stress))
+    one, two = wo.solve(problem), wo.solve(scaled(problem, length, stress))
     assert_same_state(one, two)
     load, P = length * stress, problem.nip_load
     assert two.nip_induced_tension / load == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
@@ -281,7 +281,7 @@ def first_misses(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 def test_a_width_is_carried_to_finer_meshes_with_what_the_last_one_missed(
     first_misses: list[float],
 ):
-    wo.solve_nip(newsprint_nip(), nodes=65)
+    wo.solve(newsprint_nip(), nodes=65)
     _, on_33, on_65 = first_misses
     # errors of second order leave a quarter of the miss on half as many cells: that is taken off
     assert on_65 < 0.1 * on_33
@@ -291,9 +291,9 @@ def test_a_neighbour_hands_on_the_widths_of_its_meshes_and_the_power_of_the_load
     first_misses: list[float],
 ):
     problem = newsprint_nip()
-    before = wo.solve_nip(problem, nodes=65)
+    before = wo.solve(problem, nodes=65)
     first_misses.clear()
-    wo.solve_nip(problem.replace(nip_load=1.01 * problem.nip_load), nodes=65, start=before)
+    wo.solve(problem.replace(nip_load=1.01 * problem.nip_load), nodes=65, start=before)
     (on_65,) = first_misses
     # a load 1 % away: the power, known to 1e-3 at least, misses it by 1e-5 (the root of the load by
     # 1e-3)

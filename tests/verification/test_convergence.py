@@ -68,7 +68,7 @@ NIPS = {
 
 @cache
 def solved(name: str, **options: Any) -> wo.NipResult:
-    return wo.solve_nip(NIPS[name].problem, **options)
+    return wo.solve(NIPS[name].problem, **options)
 
 
 @pytest.mark.parametrize("name", NIPS)
@@ -79,7 +79,7 @@ def test_the_default_is_within_a_thousandth(name: str) -> None:
 
 @pytest.mark.parametrize("name", NIPS)
 def test_rtol_is_kept(name: str) -> None:
-    result = wo.solve_nip(NIPS[name].problem, rtol=1e-3)
+    result = wo.solve(NIPS[name].problem, rtol=1e-3)
     assert abs(NIPS[name].error(result.nip_induced_tension)) <= 1e-3
     assert result.residuals.largest <= 1e-8
 
@@ -129,7 +129,7 @@ def test_the_order_is_two_for_the_whole_set() -> None:
 
 def test_the_other_outputs_converge() -> None:
     """Soft cover; limits from 1025 nodes, tolerances twice the error measured at 129."""
-    result = wo.solve_nip(NIPS["soft cover"].problem, nodes=129)
+    result = wo.solve(NIPS["soft cover"].problem, nodes=129)
     assert result.half_width == pytest.approx(7.4422287e-3, rel=2.2e-5)
     assert result.approach == pytest.approx(0.41238759e-3, rel=3e-6)
     assert result.offset == pytest.approx(0.04824451e-3, rel=3.4e-3)

@@ -28,7 +28,7 @@ drums = pytest.mark.parametrize("drum", DRUMS.values(), ids=DRUMS)
 
 
 def solved(problem: wo.NipProblem) -> wo.NipResult:
-    result = wo.solve_nip(problem, nodes=65)
+    result = wo.solve(problem, nodes=65)
     assert result.residuals.largest <= 1e-8
     return result
 

@@ -31,7 +31,7 @@ def scale(problem: wo.NipProblem, tension: float) -> float:
 @pytest.mark.parametrize("name", REFERENCE)
 def test_nip_induced_tension(name: str) -> None:
     problem, half_width, tension = REFERENCE[name]
-    result = wo.solve_nip(problem)
+    result = wo.solve(problem)
     assert abs(result.nip_induced_tension - tension) <= 1e-3 * scale(problem, tension)
     if half_width is not None:
         assert result.half_width * 1e3 == pytest.approx(half_width, rel=1e-3)
@@ -45,8 +45,8 @@ def test_a_cover() -> None:
     32.70, 32.57, 32.51 and 32.49 (benchmarks/series_truncation.py); all of them give 32.4856.
     """
     problem = paper_nip(drum=COVER)
-    result = wo.solve_nip(problem)
-    assert wo.solve_nip(problem, nodes=257).nip_induced_tension == pytest.approx(32.53, rel=2e-3)
+    result = wo.solve(problem)
+    assert wo.solve(problem, nodes=257).nip_induced_tension == pytest.approx(32.53, rel=2e-3)
     assert result.nip_induced_tension == pytest.approx(32.4856, rel=1e-3)  # converged, 1025 nodes
     assert result.half_width * 1e3 == pytest.approx(7.4423, rel=1e-3)
 
@@ -60,7 +60,7 @@ def test_full_slip_on_the_roll_is_exact(nip_load: float, winding_force: float) -
     At the reference's 1910 N/m the leading 0.3 % of the nip has just left full slip, which fine
     grids resolve: it takes 0.07 N/m from NIT.
     """
-    result = wo.solve_nip(paper_nip(nip_load=nip_load, winding_force=winding_force))
+    result = wo.solve(paper_nip(nip_load=nip_load, winding_force=winding_force))
     assert set(result.roll_zone) == {wo.Zone.FORWARD}
     exact = 0.2 * nip_load + winding_force
     # the half width is iterated to 3e-9 of the load

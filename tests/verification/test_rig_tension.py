@@ -25,7 +25,7 @@ REFERENCE = {
 def added(thickness: float) -> list[float]:
     """Return what eq. (183) adds to T_in at the load cell, load by load [N/m]."""
     thin = newsprint_nip(**{"web.thickness": thickness})
-    results = (wo.solve_nip(thin.replace(nip_load=P)) for P in NIP_LOADS)
+    results = (wo.solve(thin.replace(nip_load=P)) for P in NIP_LOADS)
     return [result.rig_tension - 350.0 for result in results]
 
 
@@ -47,7 +47,7 @@ def test_at_57_um_it_is_the_theory_that_the_thesis_prints() -> None:
 def test_the_web_tension_passes_through() -> None:
     """The winding theorem holds for the load cell, too."""
     added = [
-        wo.solve_nip(newsprint_nip(web_tension=T_in)).rig_tension - T_in
+        wo.solve(newsprint_nip(web_tension=T_in)).rig_tension - T_in
         for T_in in (0.0, 175.0, 350.0)
     ]
     assert max(added) - min(added) < 1e-9 * 3502
@@ -55,7 +55,7 @@ def test_the_web_tension_passes_through() -> None:
 
 def test_the_estimate_follows_the_strain_of_the_roll() -> None:
     """T(angle) = T_out + 2h/c11 [eps1(angle) - eps1(a)]: nothing at the trailing edge itself."""
-    result = wo.solve_nip(newsprint_nip())
+    result = wo.solve(newsprint_nip())
     problem, a = result.problem, result.half_width
     at_edge = result.wound_on_tension_estimate(a / problem.roll.radius)
     assert at_edge == pytest.approx(result.tension_behind_nip, rel=1e-12)

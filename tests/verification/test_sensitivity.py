@@ -81,13 +81,13 @@ def test_derivatives_on_elements_are_those_of_the_continuous_nip(name: str) -> N
         ),
     }[name]
     outputs = ("nip_induced_tension", "half_width", "drum_creep", "rig_tension")
-    result = wo.solve_nip(problem, rtol=1e-6)
+    result = wo.solve(problem, rtol=1e-6)
     assert result.scheme == "elements"
     found = result.sensitivity("roll_friction", "web.thickness", outputs=outputs)
     for field, value in zip(found.parameters, found.fields, strict=True):
         h = 5e-4 * value
         more, less = (
-            wo.solve_nip(problem.replace(**{field: value + d}), rtol=1e-7) for d in (h, -h)
+            wo.solve(problem.replace(**{field: value + d}), rtol=1e-7) for d in (h, -h)
         )
         for output in outputs:
             difference = (getattr(more, output) - getattr(less, output)) / (2 * h)
@@ -98,14 +98,14 @@ def test_derivatives_on_elements_are_those_of_the_continuous_nip(name: str) -> N
 
 
 def test_derivatives_on_elements_are_the_same_of_a_file(tmp_path) -> None:
-    result = wo.solve_nip(newsprint_nip(), rtol=1e-6)
+    result = wo.solve(newsprint_nip(), rtol=1e-6)
     result.save(tmp_path / "nip.nc")
     again = wo.load_result(tmp_path / "nip.nc").sensitivity("nip_load")
     assert again.derivatives == pytest.approx(result.sensitivity("nip_load").derivatives, rel=1e-9)
 
 
 def test_only_the_named_fields_are_answered_in_their_order() -> None:
-    result = wo.solve_nip(newsprint_nip(), nodes=33)
+    result = wo.solve(newsprint_nip(), nodes=33)
     some = result.sensitivity("nip_load", "roll.material.shear")
     every = result.sensitivity()
     assert some.parameters == ("nip_load", "roll.material.shear")
@@ -119,7 +119,7 @@ def test_only_the_named_fields_are_answered_in_their_order() -> None:
 
 def test_only_the_named_outputs_are_answered_in_their_order() -> None:
     """The tension at the load cell of a rig, which costs more, only where it is one of them."""
-    result = wo.solve_nip(newsprint_nip(), nodes=33)
+    result = wo.solve(newsprint_nip(), nodes=33)
     every, outputs = result.sensitivity("nip_load", "roll.radius"), ("rig_tension", "half_width")
     some = result.sensitivity("nip_load", "roll.radius", outputs=outputs)
     assert some.outputs == outputs
@@ -150,7 +150,7 @@ def test_one_unit_of_stress_or_length_for_another_changes_nothing(problem: wo.Ni
     """
     outputs = ("nip_induced_tension", "half_width", "nip_width", "drum_creep", "rig_tension")
     with own_of_mesh():
-        s = wo.solve_nip(problem, nodes=65).sensitivity(outputs=outputs)
+        s = wo.solve(problem, nodes=65).sensitivity(outputs=outputs)
     last = [name.rpartition(".")[2] for name in s.parameters]
     loads = np.isin(last, ["nip_load", "winding_force", "web_tension"])
     moduli = np.isin(last, ["radial", "tangential", "cross", "shear", "youngs_modulus"])
@@ -162,7 +162,7 @@ def test_one_unit_of_stress_or_length_for_another_changes_nothing(problem: wo.Ni
 
 
 def test_the_winding_theorem_web_tension_moves_neither_nit_nor_width() -> None:
-    s = wo.solve_nip(newsprint_nip(), nodes=65).sensitivity("web_tension")
+    s = wo.solve(newsprint_nip(), nodes=65).sensitivity("web_tension")
     assert s.derivative("nip_induced_tension", "web_tension") == 0.0
     assert s.derivative("half_width", "web_tension") == 0.0
     assert s.derivative("tension_behind_nip", "web_tension") == pytest.approx(1.0, rel=1e-8)
@@ -171,7 +171,7 @@ def test_the_winding_theorem_web_tension_moves_neither_nit_nor_width() -> None:
 
 
 def test_where_the_whole_roll_side_slips_nit_is_mu_p_plus_f() -> None:
-    result = wo.solve_nip(paper_nip(nip_load=1910.0, winding_force=-520.0))
+    result = wo.solve(paper_nip(nip_load=1910.0, winding_force=-520.0))
     assert np.all(result.roll_zone == wo.Zone.FORWARD)
     s = result.sensitivity("roll_friction", "nip_load", "winding_force")
     exact = [1910.0, 0.2, 1.0]
@@ -181,7 +181,7 @@ def test_where_the_whole_roll_side_slips_nit_is_mu_p_plus_f() -> None:
 def test_what_is_one_number_twice_has_one_slope() -> None:
     """2a is a twice, T_out is T_in + NIT: so are their derivatives by every other field."""
     with own_of_mesh():
-        s = wo.solve_nip(newsprint_nip(winding_force=50.0), nodes=65).sensitivity()
+        s = wo.solve(newsprint_nip(winding_force=50.0), nodes=65).sensitivity()
     NIT, T_out, a, width, *_ = s.derivatives
     # rounding, of systems of a condition of 1e4
     np.testing.assert_allclose(width, 2 * a, rtol=1e-10)
@@ -195,7 +195,7 @@ def test_a_zone_change_is_announced_and_its_two_sides_differ() -> None:
     problem, nodes = paper_nip(drum=cover), 33
 
     def solved(load: float) -> wo.NipResult:
-        return wo.solve_nip(problem.replace(nip_load=load), nodes=nodes)
+        return wo.solve(problem.replace(nip_load=load), nodes=nodes)
 
     def zones(result: wo.NipResult) -> bytes:
         return result.roll_zone.tobytes() + result.drum_zone.tobytes()
@@ -217,7 +217,7 @@ def test_a_zone_change_is_announced_and_its_two_sides_differ() -> None:
 
 
 def test_elasticities_are_sorted_and_zero_fields_keep_their_derivative() -> None:
-    s = wo.solve_nip(newsprint_nip(), nodes=33).sensitivity()
+    s = wo.solve(newsprint_nip(), nodes=33).sensitivity()
     ordered = s.sorted()
     of_nit = np.abs(ordered.elasticities[0])
     assert np.all(np.diff(of_nit) <= 0)

@@ -66,9 +66,9 @@ def test_a_thin_layer_is_a_row_of_springs(poissons_ratio: float) -> None:
 def test_ten_newsprint_loads_on_a_cover_of_a_quarter_millimetre() -> None:
     # a started mesh and a cold one differ by zones only: another width would show
     nip = newsprint_nip(drum=on_rigid_core(0.26e-3, RUBBER, 0.0762), nip_load=35020.0)
-    result = wo.solve_nip(nip, nodes=65)
+    result = wo.solve(nip, nodes=65)
     assert result.half_width > 30 * 0.26e-3
-    finer = wo.solve_nip(nip, nodes=129)
+    finer = wo.solve(nip, nodes=129)
     assert result.half_width == pytest.approx(finer.half_width, rel=1e-3)
     assert any("the drum's indentation" in text for text in result.warnings)
 

@@ -230,7 +230,7 @@ def test_a_start_that_leads_astray_is_let_go() -> None:
     from woundon.contact.schemes import SCHEMES
     from woundon.nip.equations import NipEquations
 
-    result = wo.solve_nip(random_nip(254), nodes=65)
+    result = wo.solve(random_nip(254), nodes=65)
     mesh = SCHEMES["graded"].mesh(65)
     problem = NipEquations.at(result.problem, mesh, result.half_width).stick_slip()
     expected = np.concatenate([result.roll_zone[1:-1], result.drum_zone[1:-1]])

@@ -43,7 +43,7 @@ def test_hunters_cylinder(De: float) -> None:
     E, nu, P, R, tau = 1e6, 0.3, 100.0, 1.0, 1e-2
     c = sqrt(4 * P * R * (1 - nu**2) / (pi * E))
     material = wo.Isotropic(youngs_modulus=E, poissons_ratio=nu, prony=[(E, tau)])
-    result = wo.solve_rollers(wo.RollerProblem(
+    result = wo.solve(wo.RollerProblem(
         upper=wo.Rigid(radius=2 * R), lower=wo.HalfPlane(radius=2 * R, material=material),
         load=P, friction=0.0, speed=De * c / tau,
     ))  # fmt: skip
@@ -65,7 +65,7 @@ def compared(where: str, speed: float, modulus: float) -> tuple[wo.NipResult, wo
     example, moving = wo.NipProblem.example(), rubber([(3e6, times), (2e6, 10 * times)])
     problem = example.replace(drum=drums(moving)[where], web_speed=speed)
     still = example.replace(drum=drums(rubber(None, modulus))[where])
-    return wo.solve_nip(problem, nodes=33), wo.solve_nip(still, nodes=33)
+    return wo.solve(problem, nodes=33), wo.solve(still, nodes=33)
 
 
 @pytest.mark.parametrize("where", ["half-plane", "cover", "layers", "below"])
@@ -97,7 +97,7 @@ def test_the_mean_of_a_fast_cylinder_stays_relaxed(where: str) -> None:
 
 def solved(prony: Any, where: str) -> wo.NipResult:
     drum = drums(rubber(prony))[where]
-    return wo.solve_nip(wo.NipProblem.example().replace(drum=drum, web_speed=5.0), nodes=33)
+    return wo.solve(wo.NipProblem.example().replace(drum=drum, web_speed=5.0), nodes=33)
 
 
 @pytest.mark.parametrize("where", ["half-plane", "cover", "layers"])
@@ -222,7 +222,7 @@ def test_dissipation_by_the_surface_and_by_harmonics() -> None:
     problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
     misses = []
     for nodes in (33, 129):
-        result = wo.solve_nip(problem, nodes=nodes)
+        result = wo.solve(problem, nodes=nodes)
         found = lost_by_harmonics(
             result.x, result.pressure, result.drum_traction, problem.drum, 3.0
         )
@@ -240,7 +240,7 @@ def test_work_of_shafts_and_tensions_is_dissipated(force: float) -> None:
     )
     misses = []
     for nodes in (33, 129):
-        r = wo.solve_nip(problem, nodes=nodes)
+        r = wo.solve(problem, nodes=nodes)
         assert r.residuals.power_balance < 1e-8
         cells = np.diff(r.x)
         web = problem.web.material.stiffness
@@ -272,10 +272,10 @@ def _edge_strain(r: wo.NipResult) -> float:
 
 def test_the_told_error_falls_with_the_grid() -> None:
     problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
-    fine = wo.solve_nip(problem, nodes=257).rolling_resistance
+    fine = wo.solve(problem, nodes=257).rolling_resistance
     told = []
     for nodes in (33, 65, 129):
-        result = wo.solve_nip(problem, nodes=nodes)
+        result = wo.solve(problem, nodes=nodes)
         told.append(result.errors["rolling_resistance"])
         assert abs(result.rolling_resistance - fine) <= 1.5 * told[-1]
     assert told[2] < told[1] < told[0]
@@ -284,7 +284,7 @@ def test_the_told_error_falls_with_the_grid() -> None:
 
 def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
     problem = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=3.0)
-    result = wo.solve_nip(problem, nodes=33)
+    result = wo.solve(problem, nodes=33)
     assert result.pressure_shift < 0 < result.rolling_resistance
     assert result.dissipated_power == pytest.approx(3.0 * result.rolling_resistance, rel=1e-14)
     mirrored = padded(result.pressure[1:-1][::-1])
@@ -295,7 +295,7 @@ def test_a_viscoelastic_roll_behind_the_nip() -> None:
     """Half a turn behind, where distances are longer than half the circumference."""
     roll = wo.Cylinder(radius=0.2, core_radius=0.05, material=rubber(E=50e6))
     problem = wo.NipProblem.example().replace(roll=roll, web_speed=8.0).wrapped()
-    coarse, fine = (wo.solve_wrapped_nip(problem, nodes=n) for n in (33, 129))
+    coarse, fine = (wo.solve(problem, nodes=n) for n in (33, 129))
     for name in ("wound_on_tension", "rolling_resistance"):
         miss = abs(getattr(coarse, name) - getattr(fine, name))
         assert miss <= 2 * coarse.errors[name]

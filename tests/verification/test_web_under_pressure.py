@@ -35,7 +35,7 @@ def test_in_the_nip_without_friction_the_web_runs_ahead_where_it_is_pressed() ->
         nip_load=2000.0,
         web_tension=300.0,
     )
-    result = wo.solve_nip(problem)
+    result = wo.solve(problem)
     a, M = result.half_width, result.nodes
     # node k's slip is that of the collocation point before it, in the middle of its theta cell
     k = np.arange(1, M - 1)

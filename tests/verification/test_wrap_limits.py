@@ -38,8 +38,8 @@ NIPS = {
 @pytest.mark.parametrize("name", NIPS)
 def test_without_wraps_it_is_the_plain_nip(name: str) -> None:
     problem = NIPS[name]
-    plain = wo.solve_nip(problem, nodes=65)
-    bare = wo.solve_wrapped_nip(problem, roll_wrap=0.0, nodes=65)
+    plain = wo.solve(problem, nodes=65)
+    bare = wo.solve(problem, roll_wrap=0.0, nodes=65)
     # asked: 1e-8; measured 3e-9, to which the plain nip carries its load.  Its tensions have what
     # its mesh misses at the trailing edge too
     assert own_tension(bare) == pytest.approx(own_tension(plain), rel=1e-8)
@@ -97,7 +97,7 @@ def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
     problem = PAPER.replace(
         web_tension=0.0, winding_force=0.0, roll_friction=2e-4, drum_friction=4e-4
     )
-    wrapped = wo.solve_wrapped_nip(problem, wrap_friction=1e-6, nodes=65)
+    wrapped = wo.solve(problem, wrap_friction=1e-6, nodes=65)
     alone, unit = _held_far_away(problem), problem.roll_friction * problem.nip_load
     # the hoop pressure left is T/R = 1 Pa beside 300 kPa
     assert wrapped.nip_induced_tension == pytest.approx(alone, abs=2e-5 * unit)
@@ -111,7 +111,7 @@ def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProbl
     """With T_in the nip's hoop pressure falls in proportion; that of T_out is left."""
     alone = _held_far_away(problem)
     far = [
-        wo.solve_wrapped_nip(problem.replace(web_tension=T), wrap_friction=1e-6, nodes=65)
+        wo.solve(problem.replace(web_tension=T), wrap_friction=1e-6, nodes=65)
         for T in (800.0, 400.0, 200.0, 100.0)
     ]
     differences = [r.nip_induced_tension - alone for r in far]
@@ -120,13 +120,13 @@ def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProbl
     between = [(r.tension_before_nip + r.tension_behind_nip) / 2 for r in far]
     assert differences[0] / differences[3] == pytest.approx(between[0] / between[3], rel=0.4)
     # trailing edge (97) against far side (96): most of what the wrap changes in the nip
-    held = wo.solve_nip(problem, nodes=65).nip_induced_tension
+    held = wo.solve(problem, nodes=65).nip_induced_tension
     assert abs(differences[3]) < 0.15 * abs(alone - held)
 
 
 def test_friction_behind_the_nip_vanishes() -> None:
     for mu in (1e-2, 1e-4, 1e-6):
-        added = wo.solve_wrapped_nip(PAPER, wrap_friction=mu).roll_wrap_traction
+        added = wo.solve(PAPER, wrap_friction=mu).roll_wrap_traction
         # at most mu T theta, the whole arc slipping one way
         assert 0 < abs(added) < mu * pi * 500
 
@@ -135,7 +135,7 @@ def test_a_large_roll_does_not_hold_the_web_near_the_nip() -> None:
     """R1 -> large: the hoop pressure T/R1 goes to zero, so does what friction adds near the nip."""
     half_plane = NIPS["half-plane roll"]
     results = [
-        wo.solve_wrapped_nip(half_plane.replace(**{"roll.radius": R})) for R in (0.6, 2.4, 9.6)
+        wo.solve(half_plane.replace(**{"roll.radius": R})) for R in (0.6, 2.4, 9.6)
     ]
     added = [r.roll_wrap_traction for r in results]
     assert added[0] > added[1] > added[2] > 0
@@ -148,9 +148,9 @@ def test_a_large_roll_does_not_hold_the_web_near_the_nip() -> None:
 def test_the_drum_takes_force_by_nip_first_then_by_the_wrap_to_the_capstan_bound() -> None:
     mu, T_in, angle = PAPER.drum_friction, PAPER.web_tension, pi / 2
     nip_limit = mu * PAPER.nip_load
-    below = wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=0.98 * nip_limit)
+    below = wo.solve(PAPER, drum_wrap=angle, winding_force=0.98 * nip_limit)
     assert abs(below.drum_wrap_traction) < 0.2
-    above = wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=nip_limit + 100)
+    above = wo.solve(PAPER, drum_wrap=angle, winding_force=nip_limit + 100)
     # the nip slides wholly; the last cell before it is shared by hats of nip and wrap
     assert above.drum_wrap_traction == pytest.approx(100, abs=0.1)
     assert np.all(above.drum_zone[above.in_nip] == wo.Zone.FORWARD)
@@ -162,16 +162,16 @@ def test_the_drum_takes_force_by_nip_first_then_by_the_wrap_to_the_capstan_bound
         np.log(T[-1] / T[0]), mu * (x[-1] - x[0]) / PAPER.drum.radius, rtol=2e-3
     )
     bound = nip_limit + T_in * (exp(mu * angle) - 1)
-    nearly = wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=0.995 * bound)
+    nearly = wo.solve(PAPER, drum_wrap=angle, winding_force=0.995 * bound)
     assert nearly.tension_before_nip < wo.theories.capstan(T_in, mu, angle)
     with pytest.raises(wo.NoSteadyState, match="the drum slides"):
-        wo.solve_wrapped_nip(PAPER, drum_wrap=angle, winding_force=1.0001 * bound)
+        wo.solve(PAPER, drum_wrap=angle, winding_force=1.0001 * bound)
 
 
 def test_on_a_hard_drum_the_web_sticks_up_to_the_nip() -> None:
     """Its strain cannot change where the drum has none: all but the last cells before the nip."""
     for angle in (pi / 6, pi / 2, pi):
-        result = wo.solve_wrapped_nip(PAPER, drum_wrap=angle)
+        result = wo.solve(PAPER, drum_wrap=angle)
         before = slice(0, result.in_nip.start)
         slipping = result.x[before][result.drum_zone[before] != 0]
         assert slipping.size == 0 or slipping[0] > -1.5 * result.half_width
@@ -187,7 +187,7 @@ def test_the_approach_hardly_depends_on_the_arcs_cells() -> None:
     cells = (40, 80, 160, 320)
     approaches, summed = [], []
     for k in cells:
-        result = wo.solve_wrapped_nip(nip, nodes=41, wrap_nodes=k)
+        result = wo.solve(nip, nodes=41, wrap_nodes=k)
         equations = equations_of(result)
         z, q, _ = unknowns_of(result, equations)
         along = equations.laws.at(z, q)
@@ -198,13 +198,13 @@ def test_the_approach_hardly_depends_on_the_arcs_cells() -> None:
     assert np.all(off < [2e-4, 4e-5, 1e-5])
     np.testing.assert_allclose(by_slopes[:-1] / by_slopes[1:], 2.0, rtol=0.03)  # first order
     # hoop pressure alone sinks the roll by less than a hundredth of it
-    plain = wo.solve_nip(nip, nodes=129).approach
+    plain = wo.solve(nip, nodes=129).approach
     assert 1.0 < approaches[-1] / plain < 1.01
 
 
 def test_capstan_behind_the_nip() -> None:
     """Where the web slips behind the nip T grows as exp(mu int kappa ds) (thesis eq. 178)."""
-    result = wo.solve_wrapped_nip(newsprint_nip(), nodes=65)
+    result = wo.solve(newsprint_nip(), nodes=65)
     first = result.in_nip.stop - 1
     last = first + np.nonzero(result.roll_zone[first:] != wo.Zone.FORWARD)[0][0] - 1
     x, kappa = result.x[first : last + 1], result.curvature[first : last + 1]

@@ -63,7 +63,7 @@ class _Fourier:
 
 @pytest.mark.parametrize("problem", [paper_nip(web_tension=300.0), seldom(newsprint_nip())])
 def test_the_roll_under_the_whole_load_is_its_fourier_series(problem: wo.NipProblem) -> None:
-    result = wo.solve_wrapped_nip(problem, nodes=65)
+    result = wo.solve(problem, nodes=65)
     R, a, x = problem.roll.radius, result.half_width, result.x
     series = _Fourier(problem.roll, x, result.roll_pressure, result.roll_traction)
     equations = equations_of(result)
@@ -100,14 +100,14 @@ def test_the_curvature_of_circles() -> None:
         inner = slice(32, -1)  # a roll's, where the web lies on it alone
         # 192 cells, the longest of 0.09 rad: a twentieth of a wave of cos(3 theta)
         np.testing.assert_allclose(bent[inner], kappa[inner], atol=3e-2 * 1e-4 / R**2)
-    equations = equations_of(wo.solve_wrapped_nip(problem, nodes=33))
+    equations = equations_of(wo.solve(problem, nodes=33))
     assert equations.roll.bend == pytest.approx(1 / R)
 
 
 @pytest.mark.parametrize("problem", [paper_nip(), seldom(newsprint_nip())])
 def test_the_roll_outside_a_nip_alone_is_its_fourier_series(problem: wo.NipProblem) -> None:
     """What the load cell's tension (183) and the reports of a plain nip stand on."""
-    result = wo.solve_nip(problem, nodes=129)
+    result = wo.solve(problem, nodes=129)
     R, a = problem.roll.radius, result.half_width
     series = _Fourier(problem.roll, result.x, result.pressure, result.roll_traction)
     s = np.array([-pi * R, -0.4 * R, -1.5 * a, 1.3 * a, 2 * a, 0.1 * R, pi / 2 * R, pi * R])
@@ -119,7 +119,7 @@ def test_the_roll_outside_a_nip_alone_is_its_fourier_series(problem: wo.NipProbl
 
 def test_the_web_is_in_balance_everywhere() -> None:
     """p+ = p- + T kappa at every node, T grows by the tractions; the roll carries the moment."""
-    result = wo.solve_wrapped_nip(paper_nip(web_tension=300.0), drum_wrap=1.0, nodes=65)
+    result = wo.solve(paper_nip(web_tension=300.0), drum_wrap=1.0, nodes=65)
     inside = slice(1, -1)
     np.testing.assert_allclose(
         (result.roll_pressure - result.pressure)[inside],
@@ -146,17 +146,17 @@ def test_the_web_is_in_balance_everywhere() -> None:
 )
 def test_it_converges_in_both_grids(problem: wo.NipProblem, limit: float) -> None:
     for nodes, wrap_nodes, within in ((33, 48, 4e-4), (129, 96, 5e-5)):
-        result = wo.solve_wrapped_nip(problem, nodes=nodes, wrap_nodes=wrap_nodes)
+        result = wo.solve(problem, nodes=nodes, wrap_nodes=wrap_nodes)
         assert result.wound_on_tension == pytest.approx(limit, rel=within)
     along_nip = [
-        abs(wo.solve_wrapped_nip(problem, nodes=n, wrap_nodes=96).wound_on_tension - limit)
+        abs(wo.solve(problem, nodes=n, wrap_nodes=96).wound_on_tension - limit)
         for n in (17, 129)
     ]
     assert along_nip[1] < along_nip[0] / 10
     behind = [
-        abs(wo.solve_wrapped_nip(problem, nodes=129, wrap_nodes=n).wound_on_tension - limit)
+        abs(wo.solve(problem, nodes=129, wrap_nodes=n).wound_on_tension - limit)
         for n in (12, 24, 48)
     ]
     assert behind[2] < behind[0] / 5
-    usual = wo.solve_wrapped_nip(problem, nodes=65)
+    usual = wo.solve(problem, nodes=65)
     assert abs(usual.wound_on_tension - limit) < usual.wound_on_tension_error

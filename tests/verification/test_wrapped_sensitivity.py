@@ -115,7 +115,7 @@ def test_values_are_those_told_where_the_nip_alone_has_borders_to_correct() -> N
 
 
 def test_a_nip_held_at_its_trailing_edge_has_the_plain_ones() -> None:
-    plain = wo.solve_nip(PAPER, nodes=33).sensitivity()
+    plain = wo.solve(PAPER, nodes=33).sensitivity()
     wrapped = wo.solve(PAPER.wrapped(roll_wrap=0.0), nodes=33).sensitivity(*plain.parameters)
     for output in plain.outputs:
         one, two = (s.elasticities[s.outputs.index(output)] for s in (plain, wrapped))

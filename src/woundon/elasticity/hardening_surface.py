@@ -21,10 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .influence import InfluenceSurface
 from .mesh import Face
 from .ring_elements import Fineness, RingMesh
 from .ring_equilibrium import RingPair, RingState
-from .surface import Deformation, SurfaceResponse, SurfaceTangent
+from .surface import Deformation, SurfaceTangent
 
 __all__ = ["HardeningSurface", "ring_fineness"]
 
@@ -51,7 +52,7 @@ class HardeningSurface:
     Parameters
     ----------
     ring : RingPair
-    linear : SurfaceResponse
+    linear : InfluenceSurface
         The linear cylinder with ``ring.stiffness``.
     face : Face
     half_width : float
@@ -63,7 +64,7 @@ class HardeningSurface:
     rigid = False
 
     def __init__(
-        self, ring: RingPair, linear: SurfaceResponse, face: Face, half_width: float, limit: float
+        self, ring: RingPair, linear: InfluenceSurface, face: Face, half_width: float, limit: float
     ) -> None:
         self.ring, self.linear, self.face, self.a, self.limit = (
             ring,
@@ -93,7 +94,7 @@ class HardeningSurface:
         )  # fmt: skip
 
     def end_displacement(self, p: Array, q: Array) -> float:
-        """Return v at the last node [m]."""
+        """Return v at the trailing edge of the nip [m]."""
         v = self._solve(p, q).difference[0]
         return self.linear.end_displacement(p, q) + float(self._end @ v)
 
@@ -107,6 +108,15 @@ class HardeningSurface:
         by_p, by_q = self._tangent(p, q)
         end_p, end_q = self.linear.end_tangent(p, q)
         return end_p + self._end @ by_p[0], end_q + self._end @ by_q[0]
+
+    def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
+        """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
+        v, u = self._solve(p, q).difference
+        value, slope = self._mesh.splines(s)
+        linear = self.linear.strain_outside(p, q, s)
+        return np.asarray(linear + slope @ u + value @ v / self.ring.radius)
+
+    # ---- state of the ring ---------------------------------------------------------------------
 
     def residual(self, p: Array, q: Array) -> float:
         """Return the largest nodal force of the ring that is not balanced, relative to the load."""
@@ -167,8 +177,8 @@ class HardeningSurface:
 
     @cached_property
     def _end(self) -> Array:
-        """Value at the last node, (k,)."""
-        return self._mesh.splines(self.a * self.face.nodes[-1:])[0][0]
+        """Value at the trailing edge of the nip, (k,)."""
+        return self._mesh.splines(self.a * self.face.points[-2:-1])[0][0]
 
 
 def ring_fineness(cells: int) -> Fineness:

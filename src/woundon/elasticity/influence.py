@@ -30,7 +30,7 @@ from .lag import Lag
 from .mesh import Face, cosine_nodes
 from .surface import Deformation, SurfaceTangent
 
-__all__ = ["InfluenceSurface", "surface_strain"]
+__all__ = ["InfluenceSurface"]
 
 Array = np.ndarray
 Smooth = Callable[[Array], Array]
@@ -106,19 +106,24 @@ class InfluenceSurface:
         return SurfaceTangent(slope_p, slope_q, strain_p, strain_q)
 
     def end_displacement(self, p: Array, q: Array) -> float:
-        """Return v at the last node [m]."""
+        """Return v at the trailing edge of the nip [m]."""
         return float(self._end[0] @ p + self._end[1] @ q)
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return the influence functions of v at the last node."""
+        """Return the influence functions of v at the trailing edge."""
         return self._end[0], self._end[1]
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return u at the last node [m]."""
         kernels = self.kernels
         both = kernels.tangent_p, kernels.tangent_q
-        by_p, by_q = self._at_end(both, smooth_parts(both))
+        by_p, by_q = self._displacement(both, smooth_parts(both), -1)
         return float(by_p @ p + by_q @ q)
+
+    def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
+        """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
+        nodes = self.a * self.face.nodes
+        return surface_strain(self.kernels, self.period, self.reach, nodes, p, q, s)
 
     @cached_property
     def _matrices(self) -> Array:
@@ -143,21 +148,21 @@ class InfluenceSurface:
 
     @cached_property
     def _end(self) -> Array:
-        """v at the last node by p and by q, (2, n) [m/Pa]."""
+        """v at the trailing edge by p and by q, (2, n) [m/Pa]."""
         kernels = self.kernels
-        return self._at_end((kernels.normal_p, kernels.normal_q), kernels.normal_smooth)
+        return self._displacement((kernels.normal_p, kernels.normal_q), kernels.normal_smooth, -2)
 
-    def _at_end(self, both: tuple[Kernel, Kernel], smooth: Smooth | None) -> Array:
-        """Integrals of the influence functions of a displacement at the last node, (2, n)."""
-        face, end = self.face, self.face.points[-1:]
-        out = _factors(both, self.a) @ self._singular[:, -1]
+    def _displacement(self, both: tuple[Kernel, Kernel], smooth: Smooth | None, k: int) -> Array:
+        """Integrals of the influence functions of a displacement at point k of the face, (2, n)."""
+        face, point = self.face, self.face.points[k, None]
+        out = _factors(both, self.a) @ self._singular[:, k]
         out += _log_factors(both, self.a)[:, None] * face.weights
         if smooth is not None:
             parts = self._smooth_parts
-            out += self._smooth_between(both, smooth, end, parts.sources)[:, 0] @ parts.moments
+            out += self._smooth_between(both, smooth, point, parts.sources)[:, 0] @ parts.moments
         for part, kernel in zip(out, both, strict=True):
             if kernel.lag is not None:
-                part += self._lag_integrals(kernel.lag, end)[0, 0]
+                part += self._lag_integrals(kernel.lag, point)[0, 0]
         return out
 
     # ---- parts of the influence functions ------------------------------------------------------
@@ -258,8 +263,8 @@ class InfluenceSurface:
 
 def surface_strain(
     kernels: SurfaceKernels,
-    radius: float,
-    curved: bool,
+    period: float,
+    reach: float,
     nodes: Array,
     p: Array,
     q: Array,
@@ -269,8 +274,9 @@ def surface_strain(
 
     Parameters
     ----------
-    kernels, radius, curved
-        As of :class:`InfluenceSurface`.
+    kernels : SurfaceKernels
+    period, reach : float
+        Circumference, and the distance beyond which the shorter way round counts [m].
     nodes, p, q : (n,) arrays
         Nodes [m], pressures and tractions [Pa].
     at : (k,) array
@@ -281,8 +287,6 @@ def surface_strain(
     (k,) array
     """
     both, out = (kernels.strain_p, kernels.strain_q), np.zeros(at.size)
-    period = 2 * pi * radius if curved else inf
-    reach = kernels.reach or period / 2
     singular_parts = singular_integrals(at, nodes)
     sources, hats = gauss_points(nodes, 1.0, kernels.length)
     t = at[:, None] - sources

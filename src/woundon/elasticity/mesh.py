@@ -192,10 +192,16 @@ class Face:
         return out
 
     def displacement_at_nodes(self, slope: Array, end: Array | float, a: float) -> Array:
-        """Return v at the nodes from slopes at the points (n+1, ...) and v at the last node."""
+        """Return v at the nodes from slopes at the points (n+1, ...) and v at the trailing edge.
+
+        The hoop pressure of a wrap ends abruptly at the far end, where the slope is infinite:
+        slopes are summed from the other end.
+        """
         steps = a * self.cells.reshape(-1, *(1,) * (slope.ndim - 1)) * slope[:-2]
-        to_end = np.concatenate([np.cumsum(steps[::-1], axis=0)[::-1], np.zeros_like(steps[:1])])
-        return np.asarray(end - to_end)
+        upstream, downstream = steps[: self.last][::-1], steps[self.last :]
+        before = -np.cumsum(upstream, axis=0)[::-1]
+        after = np.cumsum(downstream, axis=0)
+        return np.asarray(end + np.concatenate([before, np.zeros_like(steps[:1]), after]))
 
     def curvature_change(self, slope: Array, a: float) -> Array:
         """Return -v'' at the nodes from slopes at the points (n+1, ...), (n, ...).

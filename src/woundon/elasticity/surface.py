@@ -6,8 +6,8 @@ half width a.  Under nodal pressures p and tractions q its surface moves by v (o
 
     slope  dv/dx          strain  du/dx + v/R   (du/dx on a half-plane)
 
-and v at the last node.  A :class:`SurfaceResponse` returns these values for given p and q
-(``deform``, ``end_displacement``) and their derivatives.  A new body implements
+and v at the trailing edge of the nip.  A :class:`SurfaceResponse` returns these values for given p
+and q (``deform``, ``end_displacement``) and their derivatives.  A new body implements
 ``surface(face, half_width, speed)``, which returns such an object; :class:`LinearSurface` serves
 any body whose influence matrices are known.
 """
@@ -55,7 +55,7 @@ class SurfaceResponse(Protocol):
         ...
 
     def end_displacement(self, p: Array, q: Array) -> float:
-        """Return v at the last node [m]."""
+        """Return v at the trailing edge of the nip [m]."""
         ...
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
@@ -108,7 +108,7 @@ class LinearSurface:
     ----------
     tangent : SurfaceTangent
     end : (2, n) array
-        v at the last node by unit pressures and by unit tractions [m/Pa].
+        v at the trailing edge of the nip by unit pressures and by unit tractions [m/Pa].
     """
 
     rigid = False
@@ -126,11 +126,11 @@ class LinearSurface:
         return self._tangent
 
     def end_displacement(self, p: Array, q: Array) -> float:
-        """Return v at the last node [m]."""
+        """Return v at the trailing edge of the nip [m]."""
         return float(self._end[0] @ p + self._end[1] @ q)
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return the influence functions of v at the last node."""
+        """Return the influence functions of v at the trailing edge."""
         return self._end[0], self._end[1]
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:

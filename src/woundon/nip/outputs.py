@@ -61,14 +61,8 @@ def approach(equations: NipEquations, state: NipState) -> float:
     """
     at, f, problem = equations.layout, state.fields, equations.problem
     a, _, roll, drum = f.geometry
-    v = 0.0
-    for side, deformation, nodes, p, q in (
-        (roll, f.roll, slice(at.first, None), f.p_roll, f.q_roll),
-        (drum, f.drum, slice(0, at.last + 1), f.p_drum, f.q_drum),
-    ):
-        if not side.surface.rigid:
-            end = side.surface.end_displacement(p[nodes], q[nodes])
-            v += side.face.displacement_at_nodes(deformation.slope, end, a)[side.face.last]
+    v = roll.surface.end_displacement(f.p_roll[at.first :], f.q_roll[at.first :])
+    v += drum.surface.end_displacement(f.p_drum[: at.last + 1], f.q_drum[: at.last + 1])
     v += problem.web.compliance.c12 * f.tension[at.last]
     v -= problem.web.thinned(f.p_roll[at.last : at.last + 1])[0][0]
     return float(a**2 / (2 * problem.contact_radius) - v - state.u[at.shift] * a)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..elasticity.influence import surface_strain
 from ..errors import InvalidProblem
-from ..problems.bodies import KernelBody
+from .certificate import equations_of
 
 if TYPE_CHECKING:
     from .result import NipResult
@@ -35,19 +34,18 @@ def roll_strain(result: NipResult, s: Array) -> Array:
         eps_1 (thesis eqs. 32, 114).
     """
     s = np.atleast_1d(np.asarray(s, dtype=float))
-    a, roll, problem = result.half_width, result.problem.roll, result.problem
+    a, roll = result.half_width, result.problem.roll
     reach = pi * roll.radius
     if np.any(np.abs(s) < a * (1 - 1e-12)) or np.any(np.abs(s) > reach * (1 + 1e-12)):
         text = f"must lie outside the nip, {a:.4g} [m], and within pi R = {reach:.4g} [m]"
         raise InvalidProblem.at("s", text)
     if roll.rigid:
         return np.zeros(s.size)
-    if not isinstance(roll, KernelBody):
+    surface: Any = equations_of(result).geometry(a).roll.surface
+    if not hasattr(surface, "strain_outside"):
         text = f"a {type(roll).__name__} has no strain outside of the nip; must be an elastic body"
         raise InvalidProblem.at("roll", text)
-    kernels = roll.kernels(problem.rolling_speed) if roll.viscoelastic else roll.kernels()
-    p, q = result.pressure, result.roll_traction
-    return surface_strain(kernels, roll.radius, roll.curvature > 0, result.x, p, q, s)
+    return np.asarray(surface.strain_outside(result.pressure, result.roll_traction, s))
 
 
 def wound_on_tension_estimate(result: NipResult, angle: float) -> float:

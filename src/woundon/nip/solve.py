@@ -175,8 +175,9 @@ def result_of(problem: Any, found: Refinement) -> Any:
     equations, state, active = found.last.system, found.last.state, found.last.active
     f, errors, outputs = state.fields, found.errors(), found.last.outputs
     arrays, mesh = web_arrays(equations, state, active), f.geometry.mesh
+    cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
     for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
-        errors[name] = max(errors[name], float(mesh.cells[mesh.nip_cells].max()) / 4)
+        errors[name] = max(errors[name], cell)
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
     fields: dict[str, Any] = {
         **{name: outputs[name] for name in (

@@ -1,18 +1,20 @@
-"""The golden cases of version 0.2: an independent method, its fine meshes, for today's program.
+"""The golden cases: results of version 0.2, an independent method, on its fine meshes.
 
-Acceptance: 95 % of the outputs lie within the sum of the error estimates, and none except slip
-lengths differs by more than three times that sum.
+Acceptance: 97 % of the outputs of all families lie within the sum of the error estimates, and none
+differs by more than three times that sum.  All nips are solved with 257 nodes (hardening: 65,
+rollers: 513), where the error estimates are asymptotic; cases.py states the definitions of slip
+lengths and of the nip-induced tension.
 """
 
 from __future__ import annotations
 
 import warnings
 from copy import deepcopy
+from functools import cache
 from typing import Any
 
 import pytest
 from golden.cases import (
-    SLIP_LENGTHS,
     GoldenCase,
     compare,
     compare_samples,
@@ -26,14 +28,9 @@ import woundon as wo
 
 SOLVED = [case for case in golden() if not case.is_rejected]
 REJECTED = [case for case in golden() if case.is_rejected]
-EVERY = {"hardening": 6, "windings": 5}  # one of so many cases is solved where that takes seconds
-# Errors that the default meshes underestimate by a factor of more than three
-UNDERESTIMATED = {
-    # the coarse meshes do not resolve the start of the wrap on the soft drum
-    "drum_wraps: Table 1, cover 20 mm, drum wrap alone",
-    # the estimate takes the friction as given, but the film depends on the pressure at the inlet
-    "air: film on a rubber drum, 0.1 of the friction",
-}
+EVERY = {"windings": 5}  # one of so many cases is solved where that takes seconds
+# Outputs that differ from version 0.2 by more than three times the sum of the error estimates
+EXPLAINED: dict[tuple[str, str], str] = {}
 
 
 def sample(first: int = 0) -> list[GoldenCase]:
@@ -91,25 +88,41 @@ def test_a_difference_of_one_per_cent_is_detected(family: str) -> None:
     assert all("pressure at 0 a" in place for place in places)
 
 
+@cache
+def solved(family: str) -> list[tuple[GoldenCase, Any]]:
+    """Return the cases of a family with their results."""
+    return [
+        (case, solve(case.problem, **case.entry["coarser_solver_options"]))
+        for case in sample()
+        if case.family == family
+    ]
+
+
 @pytest.mark.slow
-def test_outputs_agree_within_the_error_estimates() -> None:
-    found = [one for case in sample() for one in compare(case, solve(case.problem))]
-    assert len(found) > 1000
-    beyond = [one for one in found if one.ratio > 1]
-    assert len(beyond) <= 0.05 * len(found), beyond
-    exempt = [one for one in found if one.output in SLIP_LENGTHS or one.case in UNDERESTIMATED]
-    assert [one for one in found if not one.ratio <= 3 and one not in exempt] == []
+@pytest.mark.parametrize("family", families())
+def test_no_output_differs_by_more_than_three_estimates(family: str) -> None:
+    found = [one for case, result in solved(family) for one in compare(case, result)]
+    assert found or family == "rejected"
+    beyond = [one for one in found if not one.ratio <= 3]
+    assert [one for one in beyond if (one.case, one.output) not in EXPLAINED] == []
+
+
+@pytest.mark.slow
+def test_97_per_cent_of_the_outputs_lie_within_the_estimates() -> None:
+    pairs = [pair for family in families() for pair in solved(family)]
+    found = [one for case, result in pairs for one in compare(case, result)]
+    assert len(found) > 1900
+    beyond = [one for one in found if not one.ratio <= 1]
+    assert len(beyond) <= 0.03 * len(found), beyond
 
 
 @pytest.mark.slow
 def test_pressures_tractions_and_tension_agree() -> None:
-    cases = [case for case in sample(1)[::6] if "x_over_a" in case.entry.get("samples", ())]
-    found = []
-    for case in cases:
-        result = solve(case.problem, **case.entry["coarser_solver_options"])
-        found += list(compare_samples(case, result))
-    assert len(found) > 500
-    assert [one for one in found if not one.ratio <= 1] == []
+    """At a traction jump the sampled value depends on the cell in which the jump lies."""
+    pairs = [pair for family in families() for pair in solved(family)]
+    found = [one for case, result in pairs for one in compare_samples(case, result)]
+    assert len(found) > 5000
+    assert [one for one in found if not one.ratio <= 1 and one.output not in JUMPS] == []
 
 
 @pytest.mark.slow
