@@ -16,6 +16,8 @@ import numpy as np
 from pydantic import Field
 
 import woundon as wo
+from woundon.elasticity.mesh import Face
+from woundon.elasticity.surface import Deformation, SurfaceTangent
 from woundon.problems.fields import Description, Number
 from woundon.quantities import angle, length, line_load, pure, stress
 
@@ -33,7 +35,7 @@ class MattressLayer(Description):
 
 
 class Mattress(wo.Body):
-    """A Winkler foundation on a rigid core: every point yields for itself.
+    """A Winkler foundation on a rigid core: a point moves by the pressure at that point alone.
 
     w = c K1 ln(1 + p/K1) with c the layers' compliance sum(h/M); w = c p where K1 is not given.
 
@@ -62,27 +64,54 @@ class Mattress(wo.Body):
 
     @property
     def thickness(self) -> float:
-        """Thickness of what deforms [m]."""
+        """Thickness of all layers [m]."""
         return sum(layer.thickness for layer in self.layers)
 
-    def respond(
-        self, grid: wo.ContactGrid, a: float, about: wo.Tractions | None = None
-    ) -> wo.Response:
-        """Return dv/dx = -dw/dx and no strain, w linearised about the pressure at every node."""
-        p0 = np.zeros(grid.columns.size) if about is None else about.pressure
-        yields, soft = self._yielding(p0)
-        slope_p = -grid.slope * soft / a
-        none = np.zeros_like(slope_p)
-        rest = -grid.slope @ (yields - soft * p0) / a  # what is left at no pressure
-        return wo.Response((slope_p, none, none, none), slope=rest)
+    def surface(self, face: Face, half_width: float, speed: float | None = None) -> MattressSurface:
+        """Return the response on a face."""
+        return MattressSurface(self, face, half_width)
 
-    def _yielding(self, p: Array) -> tuple[Array, Array]:
+
+class MattressSurface:
+    """v = -w(p) at every node, u = 0."""
+
+    rigid = False
+
+    def __init__(self, body: Mattress, face: Face, a: float) -> None:
+        self.body, self.derivative = body, face.derivative / a
+        self.zero = np.zeros(face.points.size)
+
+    def deform(self, p: Array, q: Array) -> Deformation:
+        """Return the slope -dw/dx and no strain."""
+        return Deformation(-self.derivative @ self._depth(p)[0], self.zero)
+
+    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
+        """Return the derivatives of ``deform``."""
+        slope_p = -self.derivative * self._depth(p)[1]
+        none = np.zeros_like(slope_p)
+        return SurfaceTangent(slope_p, none, none, none)
+
+    def end_displacement(self, p: Array, q: Array) -> float:
+        """Return v at the last node."""
+        return -float(self._depth(p)[0][-1])
+
+    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return the derivatives of v at the last node."""
+        by_p = np.zeros(p.size)
+        by_p[-1] = -self._depth(p)[1][-1]
+        return by_p, np.zeros(p.size)
+
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return u = 0."""
+        return 0.0
+
+    def _depth(self, p: Array) -> tuple[Array, Array]:
         """Return w(p) and w'(p)."""
-        if self.hardening_pressure is None:
-            return self.c * p, np.full(p.shape, self.c)
-        K1 = self.hardening_pressure
-        p = np.maximum(p, -0.5 * K1)  # Newton's trial states may pull
-        return self.c * K1 * np.log1p(p / K1), self.c / (1 + p / K1)
+        c, K1 = self.body.c, self.body.hardening_pressure
+        if K1 is None:
+            return c * p, np.full(p.shape, c)
+        p = np.maximum(p, -0.5 * K1)  # iterates of Newton's method may be tensile
+        return c * K1 * np.log1p(p / K1), c / (1 + p / K1)
 
 
 # [body end]

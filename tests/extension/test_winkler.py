@@ -1,0 +1,56 @@
+"""A body with an unusual compliance, defined and tested as docs/extending.md describes."""
+
+# [body]
+from typing import Annotated
+
+import numpy as np
+import pytest
+from pydantic import Field
+
+import woundon as wo
+from woundon.elasticity.mesh import Face
+from woundon.elasticity.surface import LinearSurface, SurfaceTangent
+from woundon.problems.fields import Number
+from woundon.quantities import Quantity
+
+
+class Winkler(wo.Body):
+    """A Winkler foundation on a rigid core: v = -c p at every point of the surface, and u = 0.
+
+    Parameters
+    ----------
+    radius : float
+        R [m].
+    foundation_compliance : float
+        c [m/Pa].
+    """
+
+    foundation_compliance: Annotated[
+        Number, Quantity("c", "m/Pa", "compliance of the foundation"), Field(gt=0, le=1e-3)
+    ]
+
+    def surface(self, face: Face, half_width: float, speed: float | None = None) -> LinearSurface:
+        """Return the response dv/dx = -c dp/dx on a face."""
+        c = self.foundation_compliance
+        slope_p = -c * face.derivative / half_width
+        none = np.zeros_like(slope_p)
+        end = np.zeros((2, face.nodes.size))
+        end[0, -1] = -c
+        return LinearSurface(SurfaceTangent(slope_p, none, none, none), end)
+
+
+# [body end]
+# [test]
+def test_pressure_of_a_rigid_roller_is_a_parabola() -> None:
+    """Closed form: c p = (a^2 - x^2)/(2 R*), P = 2 a^3/(3 R* c) (Johnson 1985, section 4.3)."""
+    R, c, P = 0.5, 1e-8, 2e3
+    foundation = Winkler(radius=2 * R, foundation_compliance=c)
+    problem = wo.RollerProblem(upper=wo.Rigid(radius=2 * R), lower=foundation, load=P, friction=0)
+    result = wo.solve(problem, nodes=129)
+    a = (1.5 * R * c * P) ** (1 / 3)
+    assert result.half_width == pytest.approx(a, rel=2e-4)
+    assert result.peak_pressure == pytest.approx(a**2 / (2 * R * c), rel=4e-4)
+    assert result.residuals.largest < 1e-8
+
+
+# [test end]
