@@ -235,8 +235,10 @@ def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str
     terms += abs(errors["tangential_load"] * result.creepage) / size
     if not violation > INCONSISTENT * terms:
         return []
-    return [f"{RESOLUTION}the power balance is violated by {violation:.2g} of P a/R*, more than "
-            f"{INCONSISTENT:g} times the estimated errors of its terms; use more nodes"]  # fmt: skip
+    return [
+        f"{RESOLUTION}the power balance is violated by {violation:.2g} of P a/R*, more than "
+        f"{INCONSISTENT:g} times the estimated errors of its terms; use more nodes"
+    ]
 
 
 def solutions(result: RollerResult) -> list[MeshSolution]:
