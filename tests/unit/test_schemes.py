@@ -10,8 +10,8 @@ import pytest
 import woundon as wo
 from woundon.contact.grid import Grid, cosine_grid, segmented_grid
 from woundon.contact.meshes import GradedMesh, Mesh
-from woundon.contact.response import Response, Tractions, on_columns, padded
 from woundon.contact.panagiotopoulos import panagiotopoulos
+from woundon.contact.response import Response, Tractions, on_columns, padded
 from woundon.contact.schemes import SCHEMES, scheme_of
 from woundon.contact.stick_slip import StickSlip
 from woundon.elasticity import half_plane
