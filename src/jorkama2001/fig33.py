@@ -37,7 +37,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     thesis, graded = (_converging(name, times[name]) for name in ("thesis", "accurate"))
     data = joined("accurate [1]", {0: thesis, 1: graded})
     with quiet():
-        limit = wo.solve_nip(PROBLEM, rtol=1e-5)
+        limit = wo.solve(PROBLEM, rtol=1e-5)
     verdicts = [*_errors(data, limit), _widths(), *_half_planes(), _terms(limit)]
     shown = 2 if solver == "accurate" else 1
     draw = lambda: _draw(data.isel(accurate=slice(shown)))  # noqa: E731

@@ -44,7 +44,7 @@ def _pair(motion: Literal["rolling", "static"]) -> wo.RollerResult:
         upper=steel, lower=steel, load=LOAD, friction=FRICTION,
         tangential_load=TANGENTIAL_LOAD, motion=motion,
     )  # fmt: skip
-    return wo.solve_rollers(problem, nodes=NODES)
+    return wo.solve(problem, nodes=NODES)
 
 
 def _along(r: wo.RollerResult) -> xr.Dataset:
@@ -135,7 +135,7 @@ def _basics() -> list[Verdict]:
     steel = wo.HalfPlane(radius=RADIUS, material=wo.material("steel"))
     rigid = wo.Rigid(radius=RADIUS)
     problem = wo.RollerProblem(upper=steel, lower=rigid, load=LOAD, friction=0.1)
-    free = wo.solve_rollers(problem, nodes=NODES)
+    free = wo.solve(problem, nodes=NODES)
     contact = wo.theories.hertz(free.problem)
     ellipse = contact.peak_pressure * np.sqrt(np.maximum(0, 1 - (free.x / contact.half_width) ** 2))
     apart = np.trapezoid((free.pressure - ellipse) ** 2, free.x)
