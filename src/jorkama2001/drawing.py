@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from io import BytesIO
 from typing import Any
 
+import matplotlib as mpl
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from .inside import style
 from .nips import Nip
 from .zones import runs
 
 __all__ = [
-    "COLOURS", "LINES", "blank", "curves", "draw_slips", "nip_figure", "one_panel",
-    "shared_legend", "sheet",
+    "COLOURS", "LINES", "blank", "curves", "draw_slips", "figure_bytes", "nip_figure", "one_panel",
+    "shared_legend", "sheet", "style",
 ]  # fmt: skip
 
 # the thesis's line styles in its order; the colours tell its two solid lines apart
@@ -50,6 +52,51 @@ NAMES: dict[str, Callable[[Any], str]] = {
     "cover": str,
     "rolling": lambda rolls: "rolling (Carter)" if rolls else "static (Cattaneo)",
 }
+
+
+_STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.6,
+    "hatch.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.6,
+    "svg.hashsalt": "woundon",
+    "savefig.dpi": 200,
+}
+# without a date, so that the same figure gives the same bytes
+_METADATA: dict[str, dict[str, Any]] = {
+    "png": {"Software": "woundon"},
+    "svg": {"Date": None, "Creator": "woundon"},
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw in the style of the reproduction, and restore the global style."""
+    # rc_context would also undo the backend that pyplot chooses when a notebook first loads it
+    before = {name: mpl.rcParams[name] for name in _STYLE}
+    mpl.rcParams.update(_STYLE)
+    try:
+        yield
+    finally:
+        mpl.rcParams.update(before)
+
+
+def figure_bytes(figure: Figure, form: str, dpi: int | None = None) -> bytes:
+    """Return a figure as a file of the form "png" or "svg"; the same figure gives the same bytes.
+
+    ``dpi`` is the resolution of a PNG file, 200 by default.
+    """
+    drawn = BytesIO()
+    with style():
+        figure.savefig(drawn, format=form, metadata=_METADATA[form], dpi=dpi)
+    return drawn.getvalue()
 
 
 def blank(

@@ -14,7 +14,6 @@ import woundon as wo
 from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .inside import style
 from .nips import FINE, Nip, along_nip, joined, solved
 from .verdicts import Verdict, accurate, verdict, whether
 from .zones import Run, longest_stick, runs
@@ -106,7 +105,7 @@ def _of_the_wrap(below: wo.WrappedNipResult, above: wo.WrappedNipResult) -> list
 def _draw(nips: list[Nip]) -> Figure:
     figure = drawing.blank(1, 2, (9.0, 3.6), letters=False)
     panels = list(figure.axes)
-    with style():
+    with drawing.style():
         for letter, axes, nip in zip("ab", panels, nips, strict=True):
             drawing.draw_slips(axes, nip)
             text = rf"({letter})  $\mu^+ = {nip.problem.roll_friction}$, $\mu^- = 0.4$"

@@ -18,7 +18,6 @@ import woundon as wo
 from . import drawing, procedure
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
-from .inside import style
 from .nips import dataset, joined, quiet, solved, swept
 from .verdicts import Verdict, grows, verdict
 
@@ -157,7 +156,7 @@ def _terms(limit: wo.NipResult) -> Verdict:
 
 def _draw(data: xr.Dataset) -> Figure:
     figure, axes = drawing.one_panel()
-    with style():
+    with drawing.style():
         twin = axes.twinx()
     for k in data["accurate"].values.tolist():
         one, name, colour = data.sel(accurate=k), NAMES[k], drawing.COLOURS[k]

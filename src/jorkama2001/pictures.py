@@ -6,7 +6,6 @@ import ast
 from importlib import resources
 
 from .exhibits import NAMES, chosen, made_by, modules
-from .inside import figure_bytes
 
 __all__ = ["drawn", "known"]
 
@@ -32,7 +31,9 @@ def drawn(name: str) -> bytes:
     InvalidProblem
         For a name that is none.
     """
+    from .drawing import figure_bytes  # here, because ``known`` draws nothing
+
     (module,) = modules(chosen([name]))
     exhibit = next(one for one in made_by(module, "accurate") if one.name == name)
     assert exhibit.draw is not None  # of figures, which are all that is known here
-    return figure_bytes(exhibit.draw(), ".svg")
+    return figure_bytes(exhibit.draw(), "svg")

@@ -18,17 +18,17 @@ Unknowns p_m, q+_m, q-_m (m = 2 ... M-1), delta, Delta, T_out, xi-; the half wid
 with the web's strain eps = D T - c12 p (118) and 1/R* = 1/R_1 + 1/R_2.  Corrections of the printed
 text: (82), (98), (126) print epsilon for Delta; for those of the coefficients see ``influence``.
 
-Departures from the text, each for a reason given where it is made: the web tension lumped (an
-option), zones of a coarser mesh and of the last half width as initial guess, one node moved at a
-time where the process repeats itself, one node of the drum kept in stick, and a load tolerance
-below 1 N/m.
+Departures from the text, each for a reason given where it is made: the web tension is lumped (an
+option); zones of a coarser mesh (an option) and of the last half width are the initial guess; one
+node moves at a time where the process repeats itself; one node of the drum is kept in stick; the
+load is met to less than 1 N/m.  With ``exact_edge`` the cause of the slow convergence is removed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, log, pi, sqrt
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -41,7 +41,7 @@ from .influence import (
     edge_strain,
     half_plane_constants,
     surface_strain,
-)  # fmt: skip
+)
 
 __all__ = ["ProcedureResult", "solve"]
 
@@ -215,7 +215,10 @@ def solve(
     raise wo.NotConverged(f"the half width did not converge: {a:.6g} m")
 
 
-def _check(problem: wo.NipProblem, nodes: int, web_tension: str, load_tolerance: float) -> None:
+def _check(problem: Any, nodes: Any, web_tension: Any, load_tolerance: Any) -> None:
+    if not isinstance(problem, wo.NipProblem):
+        text = f"{type(problem).__name__} is not possible; must be a NipProblem"
+        raise wo.InvalidProblem([("problem", text)])
     for name in ("roll", "drum"):
         body = getattr(problem, name)
         if type(body) not in (wo.Rigid, wo.HalfPlane, wo.Cylinder) or body.viscoelastic:
@@ -230,7 +233,7 @@ def _check(problem: wo.NipProblem, nodes: int, web_tension: str, load_tolerance:
     if web_tension not in ("lumped", "printed"):
         text = f"{web_tension!r} is unknown; known: lumped, printed"
         raise wo.InvalidProblem([("web_tension", text)])
-    if not 1e-12 <= load_tolerance <= 1e-2:
+    if not (isinstance(load_tolerance, float) and 1e-12 <= load_tolerance <= 1e-2):
         text = f"{load_tolerance!r} is out of range; must be >= 1e-12 and <= 0.01"
         raise wo.InvalidProblem([("load_tolerance", text)])
 
@@ -388,8 +391,8 @@ def _tangential_problem(nip: _Nip, zones: Array, p: Array) -> _State:
         moved = leave if leave.any() and not single else leave | back  # Step 6 goes first
         if not moved.any():
             return state
-        # the process may repeat itself for ever; moving the last node alone then ends it
-        # (Murty's rule, for matrices whose principal minors are positive)
+        # the process may repeat itself forever; Murty's rule, to move the last node alone, ends
+        # for every matrix whose principal minors are positive
         single = single or zones.tobytes() in seen
         seen.add(zones.tobytes())
         if single:

@@ -1,4 +1,4 @@
-"""Processes, apart from ``inside``: who waits for figures needs nothing that draws."""
+"""The pool of processes of woundon, the one name that the reproduction takes from within."""
 
 from woundon.studies.processes import in_processes
 

@@ -99,7 +99,7 @@ def _write_module(
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
-    from .inside import save_figure  # where it is needed: not in the process that waits
+    from .drawing import figure_bytes  # here, because the process that waits draws nothing
 
     exhibit = one.exhibit
     paths = [folder / f"{exhibit.name}.csv"]
@@ -109,7 +109,7 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
         drawing = exhibit.draw()
         for ending in ("png", "svg"):
             paths.append(folder / f"{exhibit.name}.{ending}")
-            save_figure(drawing, paths[-1], dpi=dpi)
+            paths[-1].write_bytes(figure_bytes(drawing, ending, dpi))
             # the panels stand: what is laid out for one file is for all
             drawing.set_layout_engine(None)
         picture = f"{exhibit.name}.png"

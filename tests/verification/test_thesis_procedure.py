@@ -59,6 +59,12 @@ def test_start_from_stick_everywhere_ends_in_the_same_state(nodes: int) -> None:
     assert cold.iterations > warm.iterations
 
 
+def test_no_convergence_is_an_error() -> None:
+    """From stick everywhere, with the printed coefficients, the process does not end here."""
+    with pytest.raises(wo.NotConverged, match="stick and slip not found after"):
+        procedure.solve(PROBLEM, 200, web_tension="printed", cold=True)
+
+
 def test_printed_coefficients_make_the_traction_oscillate_upstream_of_the_slip_zone() -> None:
     """In stick, neighbouring rows of (121) give q_l + 4 q_(l-1) + q_(l-2) = rhs, root -3.73.
 
@@ -268,6 +274,7 @@ def test_tension_far_downstream(problem: wo.NipProblem) -> None:
         ({}, {"web_tension": "exact"}, "web_tension"),
         ({}, {"load_tolerance": 0.0}, "load_tolerance"),
         ({}, {"load_tolerance": float("nan")}, "load_tolerance"),
+        ({}, {"load_tolerance": "1 N/m"}, "load_tolerance"),
         ({"roll": wo.Rigid(radius=0.3)}, {}, "drum"),
         (
             {"drum": wo.Layered(radius=0.5, layers=[wo.Layer(thickness=0.1, material=COVER)])},
@@ -278,6 +285,11 @@ def test_tension_far_downstream(problem: wo.NipProblem) -> None:
 def test_invalid_input_is_rejected(changes: dict, options: dict, names: str) -> None:
     with pytest.raises(wo.InvalidProblem, match=names):
         procedure.solve(paper_nip(**changes), **options)
+
+
+def test_wrapped_nip_is_rejected() -> None:
+    with pytest.raises(wo.InvalidProblem, match="problem: WrappedNipProblem is not possible"):
+        procedure.solve(PROBLEM.wrapped())  # type: ignore[arg-type]
 
 
 def test_result_is_immutable() -> None:
