@@ -283,7 +283,7 @@ class _LinearSystem:
         self.system, self.active = system, active
         matrix = system_matrix(system, jacobian, active)
         matrix *= system.scales
-        self.row_size = np.abs(matrix).max(axis=1)
+        self.row_size = np.maximum(matrix.max(axis=1), -matrix.min(axis=1))
         matrix /= self.row_size[:, None]
         # rows are contiguous, so LAPACK factorises the transpose
         self.lu, self.pivots, info = _getrf(matrix.T, overwrite_a=1)

@@ -9,8 +9,8 @@ the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the 
 Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
 chance, and the factor of safety is that of Roache's grid convergence index.
 
-The first three meshes are fixed.  The next one is predicted from the ratio r of the estimate and
-the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last one.
+The first three meshes are fixed.  Each further one, at least one, is predicted from the ratio r of
+the estimate and the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last.
 """
 
 from __future__ import annotations
@@ -195,7 +195,9 @@ def _refine(
             if progress:
                 progress(min(size / (nodes or most_nodes), 1.0))
         ratio = criterion(found.last.main_outputs, found.errors("main_outputs"))
-        if nodes or not ratio > 1 or found.last.size >= most_nodes:
+        # the first meshes are too coarse for an estimate that decides
+        is_last = len(found.meshes) > len(first) and not ratio > 1
+        if nodes or is_last or found.last.size >= most_nodes:
             found.meshes[-1] = _polished(found.last)
             return found
         sizes = [min(predicted_size(found.last.size, ratio), most_nodes)]

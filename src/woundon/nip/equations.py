@@ -512,7 +512,7 @@ class _Assembly:
     def _slip(self) -> Array:
         at, mesh, web = self.at, self.mesh, self.problem.web
         stretch = mesh.integral_to_points - mesh.weights
-        stretch = stretch * (self.a * web.compliance.c11 / web.thickness)
+        stretch *= self.a * web.compliance.c11 / web.thickness
         through = -web.compliance.c12 * mesh.hats[:, at.first :]
         on_roll, on_drum = slice(at.first, at.end - 1), slice(0, at.last - 1)
         n, m = at.end - 1 - at.first, at.last - 1
@@ -521,8 +521,8 @@ class _Assembly:
         by_p[:, -1] += web.compliance.c12
         roll, drum = self._roll_pressure(by_p), self._roll_pressure(through[on_drum])
         for rows, cells in ((roll, on_roll), (drum, on_drum)):
-            rows[:, at.roll_q] += stretch[cells][:, at.roll_nodes]
-            rows[:, at.drum_q] += stretch[cells][:, at.drum_nodes]
+            rows[:, at.roll_q] += stretch[cells, at.first + 1 : at.end]
+            rows[:, at.drum_q] += stretch[cells, 1 : at.last]
         roll[:, at.roll_q] -= strain_q[:, 1:-1]
         drum[:, at.drum_p] -= self.drum.strain_p[:m, at.p_nodes[at.drum_p]]
         drum[:, at.drum_q] -= self.drum.strain_q[:m, 1:-1]

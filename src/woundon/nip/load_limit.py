@@ -15,7 +15,7 @@ import numpy as np
 
 from ..elasticity.mesh import Face, Wrap, nip_mesh
 from ..errors import InvalidProblem
-from ..problems.bodies import ContactProblem
+from ..problems.bodies import ContactProblem, half_width_guess
 
 __all__ = ["check_load", "frictionless_pressure", "largest_load"]
 
@@ -56,6 +56,11 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
         name for name, body in zip(problem.pair, problem.bodies, strict=True)
         if load > BENDING_SHARE * body.bending_load(R)
     ]  # fmt: skip
+    # a contact of twice Hertz's half width usually carries the load: influence functions of larger
+    # distances are not needed then
+    wide = min(2 * half_width_guess(load, *problem.bodies), largest_half_width(problem))
+    if not tubes and load <= frictionless_load(problem, wide):
+        return
     largest = largest_load(problem, load if tubes else None)
     if load <= largest:
         return
@@ -83,11 +88,11 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
         Examine half widths from the smallest on, and return the first load above this one; without
         it only the largest half width is examined.
     """
-    widest = min(min(body.radius, body.widest) for body in problem.bodies)
+    widest = largest_half_width(problem)
+    if sufficient is None:
+        return frictionless_load(problem, widest)
     face, largest = nip_mesh(NODES, Wrap(), Wrap()).roll_face, 0.0
     middle = np.abs(face.nodes) < 0.5
-    if sufficient is None:
-        return float(widest * face.weights @ frictionless_pressure(problem, face, widest))
     for a in np.geomspace(NARROWEST, 1.0, WIDTHS) * widest:
         p = frictionless_pressure(problem, face, a)
         if p[middle].min() > LEAST_MIDDLE * p.max():
@@ -95,6 +100,17 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
         if largest >= sufficient:
             break
     return largest
+
+
+def largest_half_width(problem: ContactProblem) -> float:
+    """Return the largest half width for which the model of the bodies holds [m]."""
+    return min(min(body.radius, body.widest) for body in problem.bodies)
+
+
+def frictionless_load(problem: ContactProblem, a: float) -> float:
+    """Return the load of a frictionless contact of half width ``a`` [N/m]."""
+    face = nip_mesh(NODES, Wrap(), Wrap()).roll_face
+    return float(a * face.weights @ frictionless_pressure(problem, face, a))
 
 
 def frictionless_pressure(problem: ContactProblem, face: Face, a: float) -> Array:

@@ -12,8 +12,9 @@ import numpy as np
 
 from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
-from ..results import Residuals, Result, Zone, zone_runs
+from ..results import Residuals, Result, Zone
 from .result import Dissipation
+from .zones import boundary_positions
 
 if TYPE_CHECKING:
     from .sensitivity import Sensitivity
@@ -106,7 +107,11 @@ class RollerResult(Dissipation, Result):
         return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
 
     def _runs(self) -> Iterator[tuple[int, float, float]]:
-        yield from zone_runs(self.x, self.zone)
+        """Yield the zones with their ends [m]."""
+        slack = self.problem.friction * self.pressure - np.abs(self.traction)
+        ends = boundary_positions(self.x, self.zone, self.slip, slack)
+        zones = self.zone[np.append(True, np.diff(self.zone) != 0)].tolist()
+        yield from zip(zones, [self.x[0], *ends], [*ends, self.x[-1]], strict=True)
 
     @property
     def in_nip(self) -> slice:
