@@ -80,7 +80,8 @@ def test_version_0_2_agrees_with_independent_programs_and_closed_forms() -> None
 
 @pytest.mark.parametrize("family", ["plain", "rollers"])
 def test_a_difference_of_one_per_cent_is_detected(family: str) -> None:
-    case = golden(family)[0]
+    jumps = {name for name, _ in AT_A_JUMP}
+    case = next(case for case in golden(family) if case.name not in jumps)
     result = solve(case.problem, **case.entry["coarser_solver_options"])
     assert all(one.ratio <= 3 for one in compare(case, result))
     assert all(one.ratio <= 1 for one in compare_samples(case, result))

@@ -8,11 +8,11 @@ import pytest
 from jorkama2001 import procedure
 from jorkama2001.cases import paper_nip
 from jorkama2001.zones import zone_lengths
-from woundon import solve_nip
+from woundon import solve
 
 
 def test_points_are_found_to_a_fraction_of_a_cell():
-    nips = [solve_nip(paper_nip(nip_load=4900.0, winding_force=-200.0), nodes=n) for n in (65, 257)]
+    nips = [solve(paper_nip(nip_load=4900.0, winding_force=-200.0), nodes=n) for n in (65, 257)]
     coarse, fine = (np.array(zone_lengths(nip)) for nip in nips)
     # the cells of 65 nodes are up to 2.4 % of the width; measured: 0.4, 7 and 0.2 per mille
     assert coarse == pytest.approx(fine, abs=8e-3)
@@ -24,7 +24,7 @@ def test_dual_slip_varies_smoothly_with_the_load():
     loads = np.linspace(3000.0, 3300.0, 13)
     nip, dual = None, []
     for P in loads:
-        nip = solve_nip(paper_nip(nip_load=float(P)), nodes=65, start=nip)
+        nip = solve(paper_nip(nip_load=float(P)), nodes=65, start=nip)
         dual.append(zone_lengths(nip).dual)
     assert np.all(np.diff(dual) <= 0)
     # a cell there is 1.7 % of the width, and by nodes the curve would be a staircase of such steps;
@@ -34,7 +34,7 @@ def test_dual_slip_varies_smoothly_with_the_load():
 
 
 def test_a_roll_face_that_slips_all_over():
-    nip = solve_nip(paper_nip(nip_load=1300.0, winding_force=-500.0), nodes=65)
+    nip = solve(paper_nip(nip_load=1300.0, winding_force=-500.0), nodes=65)
     lengths = zone_lengths(nip)
     assert lengths[:2] == (0.0, 1.0)
     assert lengths.dual < -0.5  # the drum is the faster one nearly everywhere
