@@ -31,6 +31,14 @@ REJECTED = [case for case in golden() if case.is_rejected]
 EVERY = {"windings": 5}  # one of so many cases is solved where that takes seconds
 # Outputs that differ from version 0.2 by more than three times the sum of the error estimates
 EXPLAINED: dict[tuple[str, str], str] = {}
+# Sampled values that differ by more than compare_samples allows
+AT_A_JUMP = {
+    # the stick-slip boundary lies at 0.8 a, where the traction has an infinite slope
+    ("rollers: Carter, steel, Q 8.4 kN/m", "traction at 0.8 a"),
+    ("rollers: Carter, Q -8400 N/m", "traction at 0.8 a"),
+    # the roll's pressure at the trailing edge is that of the hoop pressure of a single cell
+    ("viscoelastic: random viscoelastic nip, seed 10", "roll_traction at 1 a"),
+}
 
 
 def sample(first: int = 0) -> list[GoldenCase]:
@@ -72,7 +80,8 @@ def test_version_0_2_agrees_with_independent_programs_and_closed_forms() -> None
 
 @pytest.mark.parametrize("family", ["plain", "rollers"])
 def test_a_difference_of_one_per_cent_is_detected(family: str) -> None:
-    case = golden(family)[0]
+    jumps = {name for name, _ in AT_A_JUMP}
+    case = next(case for case in golden(family) if case.name not in jumps)
     result = solve(case.problem, **case.entry["coarser_solver_options"])
     assert all(one.ratio <= 3 for one in compare(case, result))
     assert all(one.ratio <= 1 for one in compare_samples(case, result))
@@ -118,11 +127,11 @@ def test_97_per_cent_of_the_outputs_lie_within_the_estimates() -> None:
 
 @pytest.mark.slow
 def test_pressures_tractions_and_tension_agree() -> None:
-    """At a traction jump the sampled value depends on the cell in which the jump lies."""
     pairs = [pair for family in families() for pair in solved(family)]
     found = [one for case, result in pairs for one in compare_samples(case, result)]
     assert len(found) > 5000
-    assert [one for one in found if not one.ratio <= 1 and one.output not in JUMPS] == []
+    beyond = [one for one in found if not one.ratio <= 1]
+    assert [one for one in beyond if (one.case, one.output) not in AT_A_JUMP] == []
 
 
 @pytest.mark.slow

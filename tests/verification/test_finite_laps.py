@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import lapack
 from seldom import seldom
 
 import woundon as wo
-from woundon.contact import lapack
 
 NEWSPRINT = wo.WoundRollProblem.example()
 TAPER = wo.Taper(start=350.0, taper=0.4)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Any
-
 import numpy as np
 import pytest
+from hardening_cases import nip, roll
 from thesis_cases import measured_tensions, newsprint_nip
 
 import woundon as wo
-from woundon.contact.response import Response
 from woundon.elasticity.strip import compliance
-from woundon.nip.roll_surface import roll_strain
+from woundon.nip.roll_strain import roll_strain
 
 NIP_LOADS = (350.0, 876.0, 1751.0, 3502.0, 5837.0)
 # tension less T_in by an independent program with its own graded scheme, four digits
@@ -76,19 +74,16 @@ def test_the_estimate_follows_the_strain_of_the_roll() -> None:
         roll_strain(result, np.array([0.5 * a]))
 
 
-def test_a_roll_that_is_not_linear_is_asked_about_its_loads(monkeypatch: pytest.MonkeyPatch):
-    result = wo.solve(newsprint_nip(), nodes=17)
-    linear = roll_strain(result, np.array([result.half_width, 0.1]))
-    asked, respond = [], wo.Cylinder.respond
-
-    def about_its_loads(body: wo.Cylinder, grid: Any, a: float, about: Any = None) -> Response:
-        asked.append(about)
-        return Response(respond(body, grid, a).gradients, strain=np.array([1e-4, 3e-4]))
-
-    monkeypatch.setattr(wo.Cylinder, "respond", about_its_loads)
-    found = roll_strain(result, np.array([result.half_width, 0.1]))
-    # one sum more, of numbers below 1e-2
-    np.testing.assert_allclose(found - linear, [1e-4, 3e-4], rtol=0, atol=1e-16)
-    (loads,) = asked
-    np.testing.assert_array_equal(loads.pressure, result.pressure[1:-1])
-    np.testing.assert_array_equal(loads.traction, result.roll_traction[1:-1])
+def test_the_strain_of_a_hardening_roll_is_that_of_a_linear_one_if_it_does_not_harden() -> None:
+    """A wound roll of a constant radial modulus, by elements, against the closed cylinder."""
+    body = roll(K2=127.0)
+    constant = body.replace(**{"stack.radial": 12e6})
+    stiff = wo.Cylinder(
+        radius=body.radius, core_radius=body.core_radius,
+        material=wo.Orthotropic(**dict(zip(
+            ("radial", "tangential", "cross", "shear"),
+            constant.stack.tangent(0.0, 0.0)[:4], strict=True,
+        ))),
+    )  # fmt: skip
+    one, two = (wo.solve(nip(of), nodes=33) for of in (constant, stiff))
+    assert one.rig_tension == pytest.approx(two.rig_tension, rel=1e-4)

@@ -21,6 +21,12 @@ def on_rigid_core(thickness: float, material: wo.Material, radius: float = 0.15)
     return wo.Cylinder(radius=radius, core_radius=radius - thickness, material=material)
 
 
+def frictionless_load(problem: wo.RollerProblem, nodes: int, a: float) -> float:
+    """Return the load of a contact of half width a without friction."""
+    face = nip_mesh(nodes, Wrap(), Wrap()).roll_face
+    return float(a * face.weights @ frictionless_pressure(problem, face, a))
+
+
 PAPER = wo.Orthotropic(radial=1.1e8, tangential=4.5e6, cross=1.5e5, shear=2e5)
 RUBBER = wo.Isotropic(youngs_modulus=1e6, poissons_ratio=0.45)
 LAYERS = {"paper": on_rigid_core(0.14e-3, PAPER), "rubber": on_rigid_core(0.26e-3, RUBBER)}
@@ -77,18 +83,17 @@ def test_ten_newsprint_loads_on_a_cover_of_a_quarter_millimetre() -> None:
 def test_a_web_wrapped_on_a_thin_cover(drum_wrap: float) -> None:
     cover = on_rigid_core(0.19e-3, wo.Isotropic(youngs_modulus=8e5, poissons_ratio=0.33), 0.041)
     nip = newsprint_nip(drum=cover).wrapped(drum_wrap=drum_wrap)
-    result, finer = (wo.solve(nip, nodes=33, wrap_nodes=cells) for cells in (24, 96))
+    result, finer = (wo.solve(nip, nodes=nodes) for nodes in (33, 129))
     assert result.wound_on_tension == pytest.approx(finer.wound_on_tension, rel=0.01)
 
 
 def test_a_contact_too_wide_to_be_resolved_is_refused_with_what_to_change() -> None:
     nip = newsprint_nip(drum=on_rigid_core(0.04e-3, RUBBER, 0.0762), nip_load=1e5)
     text = (
-        r"no contact carries 1e\+05 N/m: .*; beyond, the elastic layer of the drum, 4e-05 m, is "
-        "too thin for so wide a contact: take a smaller load, a thicker or stiffer layer, or a "
-        "Rigid drum"
+        r"nip_load: 100000 is out of range; must be <= 1.*e\+04 .*the elastic layer of the drum, "
+        "4e-05 m, is too thin for the contact of a larger load"
     )
-    with pytest.raises(wo.NotConverged, match=text):
+    with pytest.raises(wo.InvalidProblem, match=text):
         wo.solve(nip)
 
 
@@ -104,7 +109,7 @@ def test_a_layer_whose_series_is_not_resolved_is_refused() -> None:
 # ---- webs far outside the model -----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("load", [1e-2, 1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("load", [1e-2, 1e-3, 1e-4])
 def test_a_light_nip_of_a_taut_wrapped_web(load: float) -> None:
     """The web's own tension carries the load where it turns from roll to drum: P = 2 a T/R*.
 
@@ -122,12 +127,11 @@ def test_a_web_under_a_thousand_times_its_tension() -> None:
     assert any("the web's strain is" in text for text in result.warnings)
 
 
-def test_slips_are_known_to_the_rounding_of_the_webs_strain() -> None:
+def test_slips_below_the_rounding_of_the_webs_strain_are_not_certified() -> None:
     """xi- holds the web's strain: of 1e7 no digit below 1e-9 is left in a difference."""
     soft = wo.Orthotropic(radial=2e7, tangential=1.0, cross=0.0, shear=1e7)
-    result = wo.solve(newsprint_nip(**{"web.material": soft, "nip_load": 1e-3}), nodes=33)
-    assert abs(result.drum_creep) > 1e6
-    assert result.residuals.largest <= 1e-8
+    with pytest.raises(wo.NotConverged, match="the web's strain is"):
+        wo.solve(newsprint_nip(**{"web.material": soft, "nip_load": 1e-3}), nodes=33)
 
 
 def test_what_is_not_solved_says_how_far_outside_the_model_it_is() -> None:

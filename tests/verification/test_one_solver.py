@@ -1,0 +1,253 @@
+"""The semismooth Newton method: Jacobian, iteration counts, starts, order and error estimates."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hardening_cases import nip as hardening_nip
+from hardening_cases import roll as hardening_roll
+from random_nips import random_nip
+from seldom import seldom
+from thesis_cases import newsprint_nip, paper_nip
+from viscoelastic_cases import cover as covered_drum
+from viscoelastic_cases import rubber
+
+import woundon as wo
+from woundon.nip.equations import NipEquations
+from woundon.nip.rollers import RollerEquations
+
+Array = np.ndarray
+
+COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
+README = newsprint_nip().wrapped()
+NIPS: dict[str, Any] = {
+    "plain": newsprint_nip(winding_force=50.0),
+    "roll wrap": README,
+    "drum wrap": paper_nip(web_tension=300.0).wrapped(roll_wrap=2.0, drum_wrap=1.5),
+    "drum wrap alone": paper_nip(web_tension=300.0).wrapped(roll_wrap=0.0, drum_wrap=1.5),
+    "cover, both wraps": paper_nip(drum=COVER).wrapped(drum_wrap=1.0),
+    "rigid roll": paper_nip(roll=wo.Rigid(radius=0.3), drum=COVER),
+    "viscoelastic cover": wo.NipProblem.example().replace(
+        drum=covered_drum(rubber()), web_speed=3.0
+    ),
+    "hardening": hardening_nip(hardening_roll()),
+    "hardening, wrapped": hardening_nip(hardening_roll()).wrapped(roll_wrap=pi / 2),
+}
+STEEL = wo.material("steel")
+ROLLERS: dict[str, Any] = {
+    "rolling, load": {"tangential_load": 500.0},
+    "rolling, creepage": {"creepage": 5e-4},
+    "frictionless": {"friction": 0.0},
+    "static": {"tangential_load": 500.0, "motion": "static"},
+}
+
+
+def solve(problem: Any, **options: Any) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return wo.solve(problem, **options)
+
+
+def rollers(**fields: Any) -> wo.RollerProblem:
+    """Return two rollers of unlike materials."""
+    soft = wo.Isotropic(youngs_modulus=5e8, poissons_ratio=0.3)
+    given = {
+        "upper": wo.HalfPlane(radius=0.2, material=soft),
+        "lower": wo.Cylinder(radius=0.15, core_radius=0.1, material=rubber(None, 1e8)),
+        "load": 5000.0,
+        "friction": 0.3,
+    }
+    return wo.RollerProblem(**given | fields)
+
+
+# ---- Jacobian -----------------------------------------------------------------------------------
+
+
+def largest_differences(equations: Any, state: Any) -> dict[str, float]:
+    """Return the largest difference of each block of the Jacobian from central differences.
+
+    It is relative to the largest entry of its row.  All columns are in the units of the unknowns.
+    """
+    jacobian = equations.jacobian(state)
+    columns = equations.half_width_column(state)
+    # rounding of residuals, 1e-15, over the step; its square
+    step, found = 1e-5, {}
+    numerical: dict[str, list[Array]] = {name: [] for name in jacobian._fields}
+    for k, scale in enumerate(equations.scales):
+        moved = []
+        for sign in (1.0, -1.0):
+            u = state.u.copy()
+            u[k] += sign * step * scale
+            moved.append(equations.evaluate(u))
+        for name, values in numerical.items():
+            one, two = (getattr(side, name) for side in moved)
+            values.append((one - two) / (2 * step))
+    for name, column, matrix in zip(jacobian._fields, columns, jacobian, strict=True):
+        matrix = matrix.copy()
+        matrix[:, equations.ln_a] = column
+        expected = np.array(numerical[name]).T
+        size = np.abs(expected).max(axis=1, keepdims=True)
+        size[size == 0] = 1.0
+        found[name] = float((np.abs(matrix * equations.scales - expected) / size).max(initial=0))
+    return found
+
+
+@pytest.mark.parametrize("name", NIPS)
+def test_the_jacobian_of_a_nip_agrees_with_differences(name: str) -> None:
+    """On 17 nodes, at the solution and at a disturbed state.
+
+    The column by ln a is a forward difference over 1e-5; tangents of hardening rolls may be those
+    of a neighbouring state.
+    """
+    result = solve(NIPS[name], nodes=17)
+    equations, state = result.refinement.last.system, result.refinement.last.state
+    rng = np.random.default_rng(1)
+    disturbed = state.u.copy()
+    disturbed += 1e-3 * equations.scales * rng.uniform(-1, 1, disturbed.size)
+    accepted = 2e-2 if "hardening" in name else 1e-3
+    for u in (state.u, disturbed):
+        differences = largest_differences(equations, equations.evaluate(u))
+        assert max(differences.values()) < accepted, differences
+
+
+@pytest.mark.parametrize("name", ROLLERS)
+def test_the_jacobian_of_rollers_agrees_with_differences(name: str) -> None:
+    result = solve(rollers(**ROLLERS[name]), nodes=17)
+    equations, state = result.refinement.last.system, result.refinement.last.state
+    assert isinstance(equations, RollerEquations)
+    differences = largest_differences(equations, equations.evaluate(state.u))
+    assert max(differences.values()) < 1e-3, differences
+
+
+# ---- iterations ---------------------------------------------------------------------------------
+
+
+def iterations(result: Any) -> list[int]:
+    return [mesh.solver.counts.iterations for mesh in result.refinement.meshes]
+
+
+@pytest.mark.parametrize("name", NIPS)
+def test_few_iterations_are_needed(name: str) -> None:
+    """An error in one column of the Jacobian leaves the result correct, but costs iterations."""
+    first, *others = iterations(solve(NIPS[name], nodes=129 if "hard" not in name else 41))
+    assert first <= 14
+    assert max(others) <= 10
+
+
+def test_the_readme_nip_needs_few_iterations() -> None:
+    first, *others = iterations(solve(README))
+    assert first <= 12
+    # the last mesh is iterated to the final tolerance
+    assert max(others[:-1]) <= 6
+    assert others[-1] <= 8
+
+
+def test_random_nips_need_few_iterations() -> None:
+    counts = [iterations(solve(random_nip(seed), nodes=65)) for seed in range(200, 220)]
+    first, others = [c[0] for c in counts], [n for c in counts for n in c[1:]]
+    assert np.median(first) <= 10
+    assert np.median(others) <= 5
+    assert max(first) <= 40
+    assert max(others) <= 20
+
+
+# ---- starts -------------------------------------------------------------------------------------
+
+OUTPUTS = ("half_width", "nip_width", "peak_pressure", "offset", "drum_creep", "approach")
+
+
+@pytest.mark.parametrize("name", [*list(NIPS)[:7], seldom("hardening")])
+def test_cold_start_and_warm_start_agree_on_the_same_mesh(name: str) -> None:
+    """The last Newton step is below 1e-11 in the units of the unknowns."""
+    problem = NIPS[name]
+    near = problem.replace(nip_load=0.9 * problem.nip_load)
+    cold = solve(problem, nodes=41)
+    warm = solve(problem, nodes=41, start=solve(near, nodes=41))
+    scale = problem.roll_friction * problem.nip_load
+    assert warm.nip_induced_tension == pytest.approx(cold.nip_induced_tension, abs=1e-7 * scale)
+    for output in OUTPUTS:
+        value = getattr(cold, output)
+        least = cold.half_width if output == "offset" else abs(value)
+        assert getattr(warm, output) == pytest.approx(value, abs=1e-7 * least), output
+    np.testing.assert_array_equal(warm.roll_zone, cold.roll_zone)
+    np.testing.assert_array_equal(warm.drum_zone, cold.drum_zone)
+    # the error estimate of the last meshes belongs to the problem, not to the start
+    assert warm.errors["half_width"] == pytest.approx(cold.errors["half_width"], rel=0.05)
+
+
+def test_a_sweep_returns_the_values_of_single_solutions() -> None:
+    loads = [2000.0, 2500.0, 3000.0, 3500.0]
+    table = wo.sweep(README, over={"nip_load": loads}, outputs=["wound_on_tension"], nodes=41)
+    single = [solve(README.replace(nip_load=P), nodes=41).wound_on_tension for P in loads]
+    np.testing.assert_allclose(np.asarray(table["wound_on_tension"]), single, rtol=1e-7)
+
+
+# ---- order and error estimates ------------------------------------------------------------------
+
+SIZES = np.array([17, 33, 65, 129])
+
+
+@cache
+def tension(name: str, nodes: int) -> float:
+    return float(solve(NIPS[name], nodes=nodes).nip_induced_tension)
+
+
+@pytest.mark.parametrize("name", ["plain", "cover, both wraps", "drum wrap", "viscoelastic cover"])
+def test_the_order_of_the_tensions_is_about_two(name: str) -> None:
+    """RMS over four neighbouring meshes against 513 nodes: zone boundaries pass through cells."""
+    limit = tension(name, 513)
+    rms = [
+        np.sqrt(np.mean([(tension(name, n + k) - limit) ** 2 for k in (-2, 0, 1, 3)]))
+        for n in SIZES.tolist()
+    ]
+    assert -np.polyfit(np.log(SIZES), np.log(rms), 1)[0] >= 1.5
+
+
+ESTIMATED = ("nip_induced_tension", "half_width", "drum_creep", "peak_pressure", "offset")
+
+
+@cache
+def estimate_ratios() -> Array:
+    """Return true error / estimate of the outputs of 30 random nips at the default mesh."""
+    found = []
+    for seed in range(5000, 5030):
+        problem = random_nip(seed)
+        result, fine = solve(problem), solve(problem, nodes=257)
+        if result.nodes > 129:  # the finer mesh is no reference
+            continue
+        for name in ESTIMATED:
+            allowed = result.errors[name] + fine.errors[name]
+            found.append(abs(getattr(result, name) - getattr(fine, name)) / allowed)
+    return np.array(found)
+
+
+def test_error_estimates_hold_for_random_nips() -> None:
+    ratios = estimate_ratios()
+    assert ratios.size > 100
+    assert np.mean(ratios <= 1.5) >= 0.97
+    assert ratios.max() <= 4
+
+
+def test_error_estimates_are_not_much_too_large() -> None:
+    """Measured: 5 to 8 in the median."""
+    ratios = estimate_ratios()
+    assert 1 / np.median(ratios) < 15
+
+
+def test_fewer_than_three_meshes_give_no_estimate() -> None:
+    assert np.isnan(solve(newsprint_nip(), nodes=13).errors["nip_induced_tension"])
+    assert np.isfinite(solve(newsprint_nip(), nodes=41).errors["nip_induced_tension"])
+
+
+def test_equations_of_a_loaded_result_are_satisfied(tmp_path: Any) -> None:
+    result = solve(README, nodes=33)
+    result.save(tmp_path / "nip.nc")
+    again: Any = wo.load_result(tmp_path / "nip.nc")
+    assert again.certified().largest <= 1e-8
+    equations = NipEquations(again.problem, again.nodes)
+    assert equations.layout.end + 1 == again.x.size
