@@ -113,8 +113,8 @@ def test_ratios_vary_smoothly_with_the_load(name: str) -> None:
         # dual itself has a jump or a kink: on a finer mesh as well
         values = values[values != 0]
         assert values.size >= 30
-        # measured: 7 % of a cell on the roll, half a cell on a rigid drum, against which the traction
-        # jumps at a boundary; boundaries half-way between nodes jump by whole cells
+        # measured: 7 % of a cell on the roll, half a cell on a rigid drum, against which the
+        # traction jumps at a boundary; boundaries half-way between nodes jump by whole cells
         limit = 0.6 if ratio == "dual" else 0.12
         assert np.abs(np.diff(values, 2)).max() < limit * cell, ratio
 
