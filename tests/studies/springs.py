@@ -88,13 +88,4 @@ def solve_springs(
     )  # fmt: skip
 
 
-def moved(problem: SpringsProblem, start: SpringsResult) -> SpringsResult | None:
-    """Another origin shifts the end, nothing else."""
-    same = problem.springs == start.problem.springs and problem.force == start.problem.force
-    return start.replace(problem=problem) if same else None
-
-
-kinds.register(
-    SpringsProblem, solve_springs, SpringsResult, neighbour=moved,
-    shifted={"origin": frozenset({"extension", "end"})},
-)  # fmt: skip
+kinds.register(SpringsProblem, solve_springs, SpringsResult)

@@ -20,7 +20,6 @@ from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
 
 SAME = 1e-12  # the same solves in another order: rounding alone
-CORRECTED = 2e-3  # of corrections for where borders lie, which are found before the width is
 STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load
 
 
@@ -47,17 +46,15 @@ def test_wraps_are_swept_as_any_field():
     """Also over friction behind the nip that the base case leaves to that in it."""
     wrapped = paper_nip().wrapped(drum_wrap=0.5)
     over = {"wrap_friction": [0.1, 0.3], "roll_wrap": [0.5, pi]}
-    outputs = ("wound_on_tension", "extrapolation", "slip_angle")
+    outputs = ("wound_on_tension", "slip_angle")
     data = wo.sweep(wrapped, over, outputs, nodes=17, workers=1)
     for mu in over["wrap_friction"]:
         for angle in over["roll_wrap"]:
             single = wo.solve(wrapped.replace(wrap_friction=mu, roll_wrap=angle), nodes=17)
             case = data.sel(wrap_friction=mu, roll_wrap=angle)
-            own = float(case.wound_on_tension - case.extrapolation)
-            assert own == pytest.approx(single.web_tension[-1], rel=STARTED)
-            # what is added for borders within their cells, with the factors at hand
-            apart = float(case.extrapolation) - single.extrapolation
-            assert abs(apart) < CORRECTED * abs(single.extrapolation)
+            assert float(case.wound_on_tension) == pytest.approx(
+                single.wound_on_tension, rel=STARTED
+            )
             assert float(case.slip_angle) == pytest.approx(single.slip_angle, rel=STARTED)
     assert data.roll_wrap.attrs["units"] == "rad"
     assert data.wound_on_tension.attrs["long_name"] == "wound-on tension, far behind the nip"
@@ -66,7 +63,7 @@ def test_wraps_are_swept_as_any_field():
 
 def test_by_default_a_study_gives_what_the_kind_is_about():
     loads = {"nip_load": [1e3]}
-    assert "nip_induced_tension" in wo.sweep(paper_nip(), loads, nodes=9, workers=1)
+    assert "nip_induced_tension" in wo.sweep(paper_nip(), loads, nodes=13, workers=1)
     assert "wound_on_tension" in wo.sweep(paper_nip().wrapped(), loads, nodes=17, workers=1)
     with pytest.raises(wo.InvalidProblem, match=r"none is given; known: .*creepage, shift, "):
         wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
@@ -159,13 +156,13 @@ def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
 
 
 def test_one_grid_for_fits_where_the_solver_would_choose_it():
-    """65 nodes for nips with and without wraps; what is asked for, or has its own, stays."""
-    for nip in (paper_nip(), paper_nip().wrapped()):
+    """65 nodes for all contacts; nodes and tolerances that are given stay."""
+    for nip in (paper_nip(), paper_nip().wrapped(), wo.RollerProblem.example()):
         assert _on_one_grid(nip, {}) == {"nodes": 65}
         assert _on_one_grid(nip, {"nodes": None}) == {"nodes": 65}
         assert _on_one_grid(nip, {"nodes": 33}) == {"nodes": 33}
         assert _on_one_grid(nip, {"rtol": 1e-4}) == {"rtol": 1e-4}
-    assert _on_one_grid(wo.RollerProblem.example(), {}) == {}
+    assert _on_one_grid(wo.WoundRollProblem.example(), {}) == {}
 
 
 def test_rollers_are_fitted_to_a_curve_of_creepage():
@@ -179,19 +176,18 @@ def test_rollers_are_fitted_to_a_curve_of_creepage():
     assert fit.estimate("friction") == pytest.approx(0.5, rel=1e-5)
 
 
-def test_what_follows_the_free_tension_is_solved():
-    """The web tension is free, but not where another field is tied to it."""
-    outputs, tie = ("tension_behind_nip",), {"winding_force": "web_tension"}
-    assert model_of(paper_nip(), outputs, None, {}).free_inputs == {"web_tension"}
-    assert model_of(paper_nip(), outputs, tie, {}).free_inputs == frozenset()
-    assert model_of(paper_nip(), ("drum_creep",), None, {}).free_inputs == frozenset()
+def test_what_follows_a_varied_field_is_solved():
+    """Another field is tied to the web tension."""
+    tie = {"winding_force": "web_tension"}
     data = wo.sweep(
         paper_nip(), {"web_tension": [100.0, 300.0]},
-        (*outputs, "nip_induced_tension", "extrapolation"), tie=tie, nodes=17, workers=1,
+        ("tension_behind_nip", "nip_induced_tension"), tie=tie, nodes=17, workers=1,
     )  # fmt: skip
     single = wo.solve(paper_nip(web_tension=300.0, winding_force=300.0), nodes=17)
-    # warm and cold carry the load to 3e-9
-    assert float(own_tension(data)[1]) == pytest.approx(own_tension(single), rel=1e-8)
+    # warm and cold starts agree to the tolerance of the solver
+    assert float(data.nip_induced_tension[1]) == pytest.approx(
+        single.nip_induced_tension, rel=STARTED
+    )
     behind = 300.0 + float(data.nip_induced_tension[1])
     assert float(data.tension_behind_nip[1]) == pytest.approx(behind, rel=1e-12)
 
@@ -202,7 +198,7 @@ def test_what_follows_the_free_tension_is_solved():
         ({"drum.material.shear": [1e6]}, None, {}, "no such field in Rigid, but in HalfPlane and"),
         ({"web.thickness.x": [1e-5]}, None, {}, "no such field; nothing is below 6.6e-05"),
         ({"nip_load": [1e3]}, None, {"roll_wrap": 1.0}, r"use problem.replace\(roll_wrap=...\)"),
-        ({"nip_load": [1e3]}, None, {"start": 1}, "start: no such option; known: nodes, rtol"),
+        ({"nip_load": [1e3]}, None, {"start": 1}, "start: no such option; known: nodes, "),
         ({"nip_load": [1e3]}, None, {"pivots": 5}, "pivots: no such option"),
         ({"nip_load": [1e3]}, "pressure", {}, "pressure: not a scalar output; did you mean"),
         ({"nip_load": [1e3]}, "errors.with", {}, "errors.with: not a scalar output"),
@@ -265,23 +261,19 @@ def test_workers_know_the_kind_from_its_module(row):
     assert one.identical(two)
 
 
-def test_a_start_is_handed_and_a_shift_is_not_solved(row):
+def test_a_start_is_handed_to_the_next_case(row):
     table = toys.table_of(row, {"force": [1.0, 2.0, 3.0]}, ("solved",))
     assert table.outputs["solved"].tolist() == [1, 2, 3]
-    over = {"origin": [0.0, 1.0, 2.0]}
-    table = toys.table_of(row, over, ("solved", "end"), options={"rounds": 5})
-    assert table.outputs["solved"].tolist() == [5, 5, 5]
-    assert table.outputs["end"] == pytest.approx([0.04, 1.04, 2.04])
 
 
 def test_items_of_a_list_are_fitted(row):
-    """y = origin + F (1/k0 + 1/k1); rows that differ in the origin alone share one solve."""
+    """y = origin + F (1/k0 + 1/k1)."""
     data = {"force": [1.0, 2.0, 2.0], "origin": [0.0, 0.0, 1.0], "end": [0.0125, 0.025, 1.025]}
     vary = {"springs.0.stiffness": (10.0, 1000.0)}
     fit = wo.fit(row, data, vary, tie={"springs.1.stiffness": "springs.0.stiffness"}, starts=1)
     assert fit.estimate("springs.0.stiffness") == pytest.approx(160.0, rel=1e-6)
     assert [part.stiffness for part in fit.problem.springs] == [fit.estimates[0]] * 2
-    assert fit.solves % 2 == 0  # of three rows two are solved
+    assert fit.solves % 3 == 0  # of three rows each
 
 
 @pytest.mark.parametrize("outputs", [("end",), ("end", "extension")])

@@ -57,9 +57,10 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
         single = wo.solve(wo.load_case(CASE).replace(nip_load=4000.0), nodes=17)
-        # warm and cold, the correction for where borders lie is found to a hundredth
-        apart = float(data.nip_induced_tension[2, 0]) - single.nip_induced_tension
-        assert abs(apart) < 0.02 * abs(single.extrapolation)
+        # warm and cold starts agree to the tolerance of the solver
+        assert float(data.nip_induced_tension[2, 0]) == pytest.approx(
+            single.nip_induced_tension, rel=1e-8
+        )
 
 
 def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -191,9 +192,9 @@ def test_wraps_are_swept_from_a_study_file(wrapped_case: Path, tmp_path: Path):
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
         assert data.roll_wrap.values == pytest.approx([np.pi / 6, 3.0])
         single = wo.solve(base.replace(wrap_friction=0.3, roll_wrap=3.0), nodes=17)
-        # from its neighbour; there the correction for where borders lie is found to a hundredth
-        apart = float(data.wound_on_tension[1, 1]) - single.wound_on_tension
-        assert abs(apart) < 0.02 * abs(single.extrapolation)
+        # warm and cold starts agree to the tolerance of the solver
+        found = float(data.wound_on_tension[1, 1])
+        assert found == pytest.approx(single.wound_on_tension, rel=1e-8)
 
 
 def test_rollers_are_swept_from_a_study_file(tmp_path: Path):
@@ -310,7 +311,7 @@ def test_example_studies_load(name: str):
         ("[solver]", "[design]\nsample = 8\n[solver]", "design.sample: no such field"),
         ("nodes = 17", "node = 17", "node: no such option; did you mean 'nodes'"),
         ("nodes = 17", "nodes = ", "line"),
-        ("nodes = 17", "nodes = 3", "nodes: 3 is out of range: must be a whole number, 7 to 4000"),
+        ("nodes = 17", "nodes = 3", "nodes: 3 is out of range: must be a whole number, 13 to 1025"),
         ("nodes = 17", "rtol = nan", "rtol: nan is out of range"),
         (
             "[solver]",
@@ -377,7 +378,7 @@ def test_figures_of_many_inputs(tmp_path: Path):
         "roll_friction": [0.2, 0.3],
         "web.material": ["paper", "newsprint"],
     }
-    table = toys.table_of(paper_nip(), over, options={"nodes": 9})
+    table = toys.table_of(paper_nip(), over, options={"nodes": 13})
     figure = table.plot("nip_induced_tension", tmp_path / "grid.png")
     assert len(figure.axes) == 2
     assert all(len(axes.lines) == 2 for axes in figure.axes)
@@ -385,7 +386,7 @@ def test_figures_of_many_inputs(tmp_path: Path):
     assert np.all(np.isin(drawn, table.outputs["nip_induced_tension"]))
     ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
     cases = toys.table_of(
-        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 9}
+        paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 13}
     )
     scatter = cases.plot("nip_induced_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]

@@ -1,4 +1,4 @@
-"""Derivatives of kinds that tell none themselves: rollers with a lagging cover, nips with air."""
+"""Derivatives of all kinds: by sensitivities of the result, and by differences, as with air."""
 
 from __future__ import annotations
 
@@ -58,23 +58,24 @@ def test_exact_ones_are_the_results_own() -> None:
         assert near.derivative(output, "web_speed") == pytest.approx(
             exact.derivative(output, "web_speed"), rel=1e-3
         )
-    # NIT is corrected for where borders lie in their cells: of 513 nodes' slopes are 1.5 and 1.7 %
-    # off on 33, and of the mesh's own NIT 10 %
+    # zone boundaries keep their nodes: on 33 the slope of the tension is 10 % off that on 513
     fine = -0.5282
     slopes = [d.derivative("nip_induced_tension", "web_speed") for d in (exact, near)]
-    assert slopes == [pytest.approx(fine, rel=0.025)] * 2
+    assert slopes == [pytest.approx(fine, rel=0.12)] * 2
 
 
 @pytest.mark.parametrize(
     ("names", "said"),
     [
         ((), "parameters: missing; must be names of fields"),
-        (("lower.material.elasticity",), "lower.material.elasticity: is not a continuous field"),
-        (("motion",), "motion: is not a continuous field"),
+        (("drum.material.elasticity",), "drum.material.elasticity: is not a continuous field"),
+        (("web.material",), "web.material: is not a continuous field"),
     ],
 )
-def test_what_is_refused(rollers: wo.RollerResult, names: tuple[str, ...], said: str) -> None:
-    refused_in_one_line(lambda: wo.derivatives(rollers, *names), said)
+def test_what_is_refused(names: tuple[str, ...], said: str) -> None:
+    """Of a kind without sensitivities of its own."""
+    result = wo.solve(wo.AirNipProblem.example(), nodes=17)
+    refused_in_one_line(lambda: wo.derivatives(result, *names), said)
 
 
 @pytest.mark.parametrize("given", [3, None, "result.nc"])

@@ -12,15 +12,14 @@ from thesis_cases import paper_nip
 import woundon as wo
 
 LOADS = np.geomspace(1000.0, 3000.0, 120)
-OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error", "extrapolation")
+OUTPUTS = ("nip_induced_tension", "nip_induced_tension_error")
 
 
 def _scan(loads=LOADS, **options):
     data = wo.sweep(
         paper_nip(winding_force=0.0), {"nip_load": loads}, OUTPUTS, workers=1, **options
     )
-    NIT, error, extrapolation = (data[name].values for name in OUTPUTS)
-    return NIT, error, NIT - extrapolation
+    return tuple(data[name].values for name in OUTPUTS)
 
 
 def _off(values):
@@ -30,7 +29,7 @@ def _off(values):
 
 def test_on_one_grid_there_are_no_jumps():
     """Only kinks, where a node changes its zone: far below the stated error of the grid."""
-    _, error, own = _scan(nodes=33)
+    own, error = _scan(nodes=33)
     off = _off(own)
     assert np.all(np.diff(own) > 0)
     assert off.max() < 0.05 * np.median(error)
@@ -38,25 +37,9 @@ def test_on_one_grid_there_are_no_jumps():
     assert np.median(off) < 2e-5 * own.max()
 
 
-def test_where_borders_pass_a_node_corrections_jump_by_less_than_they_mend():
-    """Corrected for where borders lie in their cells, NIT jumps by what that misses there."""
-    NIT, error, own = _scan(nodes=33)
-    off = _off(NIT)
-    assert np.all(np.diff(NIT) > 0)
-    # halves of jumps: 0.13 of the told error at most, in one of 120 cases; 0.04 in all but five
-    assert off.max() < 0.2 * np.median(error)
-    assert np.sort(off)[-6] < 0.06 * np.median(error)
-    assert np.median(off) < 2e-5 * NIT.max()
-    # a third of the error is left of the mesh's own in the median, half at most
-    fine = _scan(LOADS[::6], rtol=1e-4)[0]
-    missed, before = np.abs(NIT[::6] - fine), np.abs(own[::6] - fine)
-    assert np.median(missed) < 0.4 * np.median(before)
-    assert missed.max() < 0.55 * before.max()
-
-
 def test_between_grids_the_jumps_stay_below_the_stated_error():
     """Where the estimate asks for a finer grid the result moves by the error it told."""
-    NIT, error, _ = _scan()
+    NIT, error = _scan()
     off = _off(NIT)
     told = np.maximum(np.maximum(error[:-2], error[1:-1]), error[2:])
     assert np.all(off <= told)
@@ -74,10 +57,6 @@ def test_warm_and_cold_solves_agree(nodes: int):
         for start in (None, near, far)
     )
     for result in warm:
-        # both carry the load to 3e-9
-        assert own_tension(result) == pytest.approx(own_tension(cold), rel=1e-8)
-        # the correction is found about the half width before the last: 0.4 per thousand of the
-        # told error at most, over 40 random nips on 33 to 129 nodes
-        apart = result.nip_induced_tension - cold.nip_induced_tension
-        assert abs(apart) < 6e-4 * cold.nip_induced_tension_error
+        # the tolerance of the last mesh is 1e-11 of the unknowns
+        assert result.nip_induced_tension == pytest.approx(cold.nip_induced_tension, rel=1e-8)
         assert np.array_equal(result.roll_zone, cold.roll_zone)

@@ -138,7 +138,8 @@ OF_NIPS: list[tuple[str, Corrupt]] = [
     ("stick", lambda r: {"drum_creep": r.drum_creep - 1e-4}),
     ("friction_bound", beyond_the_bound("roll_")),
     ("friction_bound", beyond_the_bound("drum_")),
-    *(("slip_traction", off_the_bound(face, by)) for face in ("roll_", "drum_") for by in (0.5, 1.5)),
+    *(("slip_traction", off_the_bound(face, by))
+      for face in ("roll_", "drum_") for by in (0.5, 1.5)),
     ("slip_direction", reversed_slip("roll_")),
     ("slip_direction", reversed_slip("drum_")),
     *(("slip_velocity", changed(name, middle, by))
@@ -150,7 +151,8 @@ OF_NIPS: list[tuple[str, Corrupt]] = [
     ("load", scaled("pressure", 1.001)),
     ("load", scaled("pressure", 0.999)),
     ("load", lambda r: {"problem": r.problem.replace(nip_load=0.99 * r.problem.nip_load)}),
-    *(("web_tension", changed("web_tension", node, by)) for node in (7, -1) for by in (1e-3, -1e-3)),
+    *(("web_tension", changed("web_tension", node, by))
+      for node in (7, -1) for by in (1e-3, -1e-3)),
     ("zones", lambda r: {"roll_zone": np.where(r.roll_zone == 1, 7, r.roll_zone)}),
     ("zones", lambda r: {"drum_zone": np.append([1 - r.drum_zone[0]], r.drum_zone[1:])}),
     ("mesh", scaled("x", 1.01)),

@@ -15,13 +15,14 @@ from seldom import seldom
 import woundon as wo
 from woundon import cli, kinds
 from woundon.io.case_files import apply_settings, make_problem, read_case, template
+from woundon.io.case_texts import to_toml
 from woundon.problems.materials import MATERIALS
 from woundon.studies.studyfile import load_study
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 ALONE = ["--set", "wrap=none"]
-QUICK = ["nip", EXAMPLE, *ALONE, "--nodes", "25"]
-WRAPPED = ["solve", EXAMPLE, "--nodes", "25"]
+QUICK = ["nip", EXAMPLE, *ALONE, "--nodes", "33"]
+WRAPPED = ["solve", EXAMPLE, "--nodes", "33"]
 
 Capture = pytest.CaptureFixture[str]
 
@@ -41,11 +42,11 @@ def plain(tmp_path) -> str:
 
 
 def test_report_is_that_of_the_result(capsys: Capture, pair):
-    for args in (QUICK, WRAPPED, ["rollers", pair, "--nodes", "25"]):
+    for args in (QUICK, WRAPPED, ["rollers", pair, "--nodes", "33"]):
         assert cli.main(args) == 0
         said = capsys.readouterr()
         settings = ALONE if args is QUICK else []
-        result = wo.solve(wo.load_case(args[1], settings[1:]), nodes=25)
+        result = wo.solve(wo.load_case(args[1], settings[1:]), nodes=33)
         assert said.out.strip() == str(result).strip()
         assert said.err == ""
 
@@ -53,7 +54,7 @@ def test_report_is_that_of_the_result(capsys: Capture, pair):
 def test_wound_on_tension_is_told_first_with_its_error(capsys: Capture):
     assert cli.main(WRAPPED) == 0
     lines = {" ".join(line.split()) for line in capsys.readouterr().out.splitlines()}
-    result = wo.solve(wo.load_case(EXAMPLE), nodes=25)
+    result = wo.solve(wo.load_case(EXAMPLE), nodes=33)
     told = f"WOT {result.wound_on_tension:.5g} N/m ± {result.wound_on_tension_error:.2g}"
     assert any(told in line for line in lines)
 
@@ -78,17 +79,24 @@ def test_sensitivity_lists_what_matters_first(capsys: Capture):
     assert table.splitlines()[-1].startswith("winding_force is 0: NIT changes by +0.3")
 
 
-def test_rollers_have_no_sensitivity(pair, capsys: Capture):
-    assert cli.main(["solve", pair, "--sensitivity"]) == 2
-    said = "error: --sensitivity: not available for the kind 'rollers', but for nip and wrapped-nip"
+def test_rolls_have_no_sensitivity(tmp_path, capsys: Capture):
+    case = tmp_path / "roll.toml"
+    case.write_text(to_toml(wo.WoundRollProblem.example()), encoding="utf-8")
+    assert cli.main(["solve", str(case), "--sensitivity"]) == 2
+    said = "error: --sensitivity: not available for the kind 'wound-roll', but for "
     assert said in capsys.readouterr().err
+
+
+def test_rollers_have_sensitivities(pair, capsys: Capture):
+    assert cli.main(["solve", pair, "--sensitivity"]) == 0
+    assert "upper.material.youngs_modulus" in capsys.readouterr().out
 
 
 def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
     assert cli.main([*QUICK, "--sensitivity", "--json"]) == 0
     text = capsys.readouterr().out
     record = json.loads(text)["sensitivity"]
-    exact = wo.solve(wo.load_case(EXAMPLE, ["wrap=none"]), nodes=25).sensitivity()
+    exact = wo.solve(wo.load_case(EXAMPLE, ["wrap=none"]), nodes=33).sensitivity()
     for output in exact.outputs:
         for name in exact.parameters:
             assert record["derivatives"][output][name] == exact.derivative(output, name)
@@ -190,7 +198,11 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             [f"error: {EXAMPLE}: is a case of the kind 'wrapped-nip'; use 'woun"],
         ),
         (["rollers", EXAMPLE], 2, [f"error: {EXAMPLE}: is a case of the kind 'wrapped-nip'; use"]),
-        ([*QUICK, "--wrap-nodes", "30"], 2, ["error: --wrap-nodes: no option of the kind 'nip'"]),
+        (
+            ["solve", EXAMPLE, *ALONE, "--agreed", "1e-3"],
+            2,
+            ["error: --agreed: no option of the kind 'nip'"],
+        ),
         (
             ["new", "--study", "rolers"],
             2,
@@ -327,7 +339,7 @@ def test_help_lists_fields_outputs_and_options(kind, capsys: Capture):
     for place in wo.quantities.outputs(kind.result):
         assert f" {place.path} {place.quantity.symbol}: " in said
     assert "--rtol FLOAT" in said
-    assert ("--sensitivity" in said) == (kind.name in ("nip", "wrapped_nip"))
+    assert ("--sensitivity" in said) == (kind.name in ("nip", "wrapped_nip", "rollers"))
     # the friction's range: rollers may have none; of a roll that of its temperature change
     ranges = {"rollers": "(0 to 10)", "wound_roll": "(-1000 to 1000)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in said
@@ -336,10 +348,11 @@ def test_help_lists_fields_outputs_and_options(kind, capsys: Capture):
 def test_options_are_those_of_the_solver_with_its_words(capsys: Capture):
     assert cli.main(["wrapped-nip", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "--wrap-nodes INTEGER Number of cells on each arc, 12 to 2048" in said
+    assert "--nodes INTEGER Nodes of the nip on the last mesh, 13 to 1025" in said
     assert cli.main(["solve", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "--wrap-nodes INTEGER [wrapped-nip, air-nip]" in said
+    assert "--agreed" in said
+    assert "[winding]" in said
 
 
 # ---- from outside the package -------------------------------------------------------------------
@@ -462,9 +475,8 @@ def test_cheap_commands_load_nothing_heavy(args):
 
 
 def test_a_nip_is_solved_without_what_is_slow_to_import():
-    """scipy.linalg alone takes longer than the solve (docs/performance.md)."""
-    heavy = ("scipy.linalg", "numpy.testing", "numpy.f2py", "pint", "dask", "pandas", "xarray",
-             "matplotlib", "openpyxl", "threadpoolctl")  # fmt: skip
+    heavy = ("pint", "dask", "pandas", "xarray", "matplotlib", "openpyxl", "threadpoolctl",
+             "scipy.sparse", "scipy.optimize")  # fmt: skip
     code = (
         f"import sys; from woundon import cli; cli.main({QUICK}); cli.main({WRAPPED});"
         f"print([name for name in {heavy} if name in sys.modules])"

@@ -134,7 +134,7 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
     behind = (wrapped.x[own.stop :] - a) / 0.1
     np.testing.assert_allclose(on_roll[:, 0], np.degrees(behind))
     np.testing.assert_allclose(on_roll[:, 1], wrapped.web_tension[own.stop :])
-    assert on_roll[-1, 1] == pytest.approx(wrapped.wound_on_tension - wrapped.extrapolation)
+    assert on_roll[-1, 1] == pytest.approx(wrapped.wound_on_tension)
     assert f"WOT {wrapped.wound_on_tension:.5g} N/m" in curves(tension)
     assert curves(tension)["end of slip"][0][0] == pytest.approx(np.degrees(wrapped.slip_angle))
     on_drum = curves(tension)["$T$ on drum"]
@@ -182,7 +182,7 @@ def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, na
     exact = theory(result.problem)
     for marks, form in zip(lines[2:], (exact.pressure, exact.traction), strict=True):
         at = 1e-3 * marks.get_xdata()
-        assert np.all(np.abs(at) <= result.half_width)
+        assert np.all(np.abs(at) <= result.half_width * (1 + 1e-12))
         np.testing.assert_allclose(marks.get_ydata(), 1e-6 * form(at))
     rolling = result.problem.motion == "rolling"
     factor, label = (100, "Relative slip speed $v$ [%]") if rolling else (1e6, "Slip $v$ [µm]")

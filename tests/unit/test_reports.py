@@ -26,7 +26,7 @@ from woundon.show.report import (
 )
 from woundon.show.terminal import print_parts
 
-NODES = 25
+NODES = 33  # of three meshes, so that errors are estimated
 
 
 def lines(text: str) -> list[str]:
@@ -99,7 +99,7 @@ def test_every_told_error_stands_beside_its_output(examples):
         given = isinstance(result, wo.RollerResult) and "tangential_load"
         assert len(told) >= 3
         for name, error in told.items():
-            if name == given:
+            if name == given or (name == "tension_before_nip" and not result.problem.drum_wrap):
                 continue
             quantity = quantities.output(result, name).quantity
             # of a wrapped nip the first; that of the confined one comes below
@@ -126,8 +126,8 @@ def _parsed(line: str, quantity: wo.Quantity) -> tuple[float, str, str]:
 def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
     """A new output needs no line of its own in the reports."""
     otherwise = {
-        "residual", "half_width", "iterations", "series_terms", "series_error", "extrapolation",
-        "extrapolation_behind", "extrapolation_of_nip", "rig_tension", "tension_before_nip",
+        "residual", "half_width", "iterations", "series_terms", "series_error", "rig_tension",
+        "tension_before_nip",
         "drum_wrap_traction", "shift", "tangential_load",
         "steps", "compressed_share",
         # of windings: at the top, beside others, or by the margins
@@ -166,24 +166,6 @@ def test_a_nip_says_where_its_web_is_held(nip):
     assert f"nip load P {nip.problem.nip_load:.5g} N/m" in parts["Loads"]
 
 
-@pytest.mark.parametrize("way", [1, -1])
-def test_a_correction_is_told_where_it_is_larger_than_the_told_error(nip, way):
-    """By less than that NIT and the integral of the tractions differ in any case."""
-    error = nip.nip_induced_tension_error
-    within, beyond = (nip.replace(extrapolation=way * share * error) for share in (0.9, 1.1))
-    said, told = lines(str(within)), lines(str(beyond))
-    row = f"beyond the integral of the tractions dNIT {beyond.extrapolation:.5g} N/m"
-    assert [line for line in told if line not in said] == [next(x for x in told if row in x)]
-    assert set(said) < set(told)
-    assert told[told.index(next(x for x in told if row in x)) - 1].startswith("nip-induced tension")
-
-
-def test_a_correction_is_not_told_where_no_error_is():
-    alone = wo.solve(wo.NipProblem.example(), nodes=17)
-    assert alone.extrapolation != 0
-    assert "dNIT" not in str(alone)
-
-
 def test_other_theories_of_a_nip_are_the_closed_forms(nip):
     said = sections(nip_report(nip))["Other theories"]
     problem = nip.problem
@@ -218,7 +200,8 @@ def test_theories_are_left_out_where_they_do_not_apply():
     (only,) = sections(nip_report(result))["Other theories"]
     assert only == f"friction limit mu+ P + F (upper bound) NIT {limit:.5g} N/m"
     (approach,) = [line for line in lines(str(result)) if line.startswith("approach")]
-    assert approach.endswith(f"{1e3 * result.approach:.5g} mm, up to a constant")
+    assert f"{1e3 * result.approach:.5g} mm ± " in approach
+    assert approach.endswith(", up to a constant")
 
 
 # ---- the nip with its wraps ----------------------------------------------------------------------
@@ -233,7 +216,7 @@ def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
     angle = np.degrees(wrapped.slip_angle)
     assert f"roll behind the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
     before = wrapped.tension_before_nip
-    assert f"web tension at the leading edge of the nip T_n {before:.5g} N/m" in said
+    assert f"web tension at the leading edge of the nip T_n {before:.5g} N/m" in " ".join(said)
     loads = parts["Loads and wraps"]
     assert loads[-3].endswith(f"theta+ {np.degrees(1.0):.5g} deg")
     assert loads[-2].endswith(f"theta- {np.degrees(0.5):.5g} deg")
@@ -305,8 +288,9 @@ def test_similar_rollers_are_compared_with_carter():
 def test_static_rollers_are_compared_with_cattaneo():
     result = rollers(motion="static")
     parts = sections(report_parts(result))
-    shift = f"s {1e6 * result.shift:.5g} um, up to a constant"
-    assert parts["Static contact"][0].endswith(shift)
+    first = parts["Static contact"][0]
+    assert f"s {1e6 * result.shift:.5g} um ± " in first
+    assert first.endswith(", up to a constant")
     assert "creepage" not in str(result)
     exact = wo.theories.cattaneo(result.problem)
     share = 1 - exact.stick_half_width / exact.half_width

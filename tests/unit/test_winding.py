@@ -266,7 +266,7 @@ def test_a_nip_that_has_no_steady_state_is_told_with_its_radius(monkeypatch: pyt
     def slack(*_: Any, **__: Any) -> Any:
         raise wo.NoSteadyState.at("web_tension", "5 leaves the web slack")
 
-    monkeypatch.setattr("woundon.winding.nips.solve_wrapped_nip", slack)
+    monkeypatch.setattr("woundon.winding.nips.solve_nip", slack)
     with pytest.raises(wo.NoSteadyState, match=r"web_tension: at the radius 0.05066 m: 5 leaves"):
         wo.solve(CASE)
 
@@ -279,9 +279,9 @@ def test_nips_whose_tension_jumps_do_not_converge(monkeypatch: pytest.MonkeyPatc
     def jumping(*args: Any, **options: Any) -> Any:
         result = solve(*args, **options)
         jump = 1e-4 * result.wound_on_tension * (next(count) % 3)
-        return result.replace(extrapolation=result.extrapolation + jump)
+        return result.replace(web_tension=result.web_tension + jump)
 
-    monkeypatch.setattr("woundon.winding.nips.solve_wrapped_nip", jumping)
+    monkeypatch.setattr("woundon.winding.nips.solve_nip", jumping)
     with pytest.raises(wo.NotConverged, match="nips and roll do not agree") as stop:
         wo.solve(CASE.replace(radius=0.06), nodes=25, rtol=5e-2)
     assert stop.value.best is not None

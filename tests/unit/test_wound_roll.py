@@ -161,7 +161,10 @@ def test_what_is_no_full_answer_says_so() -> None:
             "pressure: 200000 is out of range; must be >= 0 and < ",
             ),
         (lambda: roll(core_radius=0.2), "core_radius: 0.2 is out of range; must be >= 1e-09 *"),
-        (lambda: roll(hardening="linear"), "hardening: 'linear' is unknown; must be 'direct' or 'frozen'"),
+        (
+            lambda: roll(hardening="linear"),
+            "hardening: 'linear' is unknown; must be 'direct' or 'frozen'",
+        ),
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str) -> None:

@@ -74,11 +74,11 @@ def fields_of(body: Any, *known: str) -> Mapping[str, Any]:
 def warm_up() -> None:
     """Import what answers need, and fill caches, by solving what there is to start from.
 
-    Not what tells its progress: that takes seconds, of every worker and before the first answer.
+    Windings are left out: they take seconds of every worker before the first answer.
     """
     began = time.perf_counter()
     for kind in kinds.every():
-        slow = "progress" in signature(kind.solver).parameters
+        slow = "agreed" in signature(kind.solver).parameters  # nips and rolls in turns
         if not slow and time.perf_counter() - began < WARM_UP:
             with suppress(InvalidProblem):
                 state_of(solved(kind.example(), {}))

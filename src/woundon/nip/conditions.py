@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ..elasticity.hardening_surface import HardeningSurface
 from ..errors import InvalidProblem
 from ..results import largest
 
@@ -81,6 +80,11 @@ def body_equilibrium(
     InvalidProblem
         If the state of a body lies outside of its law.
     """
+    if problem.linear:
+        return {}
+    # imported late: SciPy's sparse solvers take a quarter of a second to load
+    from ..elasticity.hardening_surface import HardeningSurface
+
     out = {}
     for name, surface, load in zip(problem.pair, surfaces, loads, strict=True):
         if isinstance(surface, HardeningSurface):

@@ -154,4 +154,6 @@ class RollerResult(Dissipation, Result):
         outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         main = ("half_width", "peak_pressure", "approach", "offset", "tangential_load")
         own = "shift" if self.problem.motion == "static" else "creepage"
-        return contact_sensitivity(self, solutions(self), parameters, outputs, (own, *main))
+        lost = ("rolling_resistance",) if self.problem.viscoelastic else ()
+        default = (own, *main, *lost)
+        return contact_sensitivity(self, solutions(self), parameters, outputs, default)

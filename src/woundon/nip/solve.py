@@ -197,6 +197,8 @@ def result_of(problem: Any, found: Refinement) -> Any:
     else:
         for name in ("roll_pressure", "hoop_pressure", "curvature", "roll_strain"):
             del fields[name]
+        for name in ("wound_on_tension", "tension_before_nip"):  # not among its outputs
+            del errors[name]
         NIT = outputs["nip_induced_tension"]
         result = NipResult(
             problem=problem, residuals=Residuals(), nip_induced_tension=NIT, **fields

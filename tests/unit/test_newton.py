@@ -1,0 +1,193 @@
+"""The semismooth Newton method on a small system whose solution is known.
+
+A row of masses on springs is pulled along a base with Coulomb friction: K w + q = f, |q| <= mu p,
+with the load p determined by ln a through exp(2 ln a) = P.  No mechanics of nips takes part.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import product
+from math import log
+from typing import Any
+
+import numpy as np
+import pytest
+
+from woundon.contact import newton
+from woundon.contact.newton import Jacobian, NewtonFailed, SemismoothNewton
+
+Array = np.ndarray
+
+
+@dataclass
+class Iterate:
+    u: Array
+    equilibrium: Array
+    slip: Array
+    traction: Array
+    bound: Array
+
+
+@dataclass
+class Row:
+    """Unknowns w (k), ln a, q (k): K w + q = f, exp(2 ln a) = P, slip w, bound mu exp(2 ln a)."""
+
+    K: Array
+    f: Array
+    mu: Array
+    P: float = 4.0
+    largest_ln_a: float = 10.0
+    evaluations: int = 0
+    creep_nodes: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+    def __post_init__(self) -> None:
+        self.k = k = self.f.size
+        self.scales = np.ones(2 * k + 1)
+        self.traction_unknowns = slice(k + 1, 2 * k + 1)
+        self.ln_a = self.load_row = k
+
+    def evaluate(self, u: Array) -> Iterate:
+        self.evaluations += 1
+        k, load = self.k, np.exp(2 * u[self.k])
+        w, q = u[:k], u[k + 1 :]
+        rest = np.append(self.K @ w + q - self.f, load / self.P - 1)
+        # the base drags the masses back: q is opposite to w, so slip counts against it
+        return Iterate(u, rest, w.copy(), q.copy(), self.mu * load)
+
+    def jacobian(self, state: Iterate) -> Jacobian:
+        k, n = self.k, 2 * self.k + 1
+        equilibrium, slip, bound = np.zeros((k + 1, n)), np.zeros((k, n)), np.zeros((k, n))
+        equilibrium[:k, :k], equilibrium[:k, k + 1 :] = self.K, np.eye(k)
+        slip[:, :k] = np.eye(k)
+        return Jacobian(equilibrium, slip, bound)
+
+    def half_width_column(self, state: Iterate) -> tuple[Array, Array, Array]:
+        load = np.exp(2 * state.u[self.k])
+        equilibrium = np.append(np.zeros(self.k), 2 * load / self.P)
+        return equilibrium, np.zeros(self.k), 2 * self.mu * load
+
+
+def row(seed: int, k: int = 7, **more: Any) -> Row:
+    random = np.random.default_rng(seed)
+    K = 3 * np.eye(k) - np.eye(k, k=1) - np.eye(k, k=-1)
+    return Row(K, random.normal(0, 2.5, k), random.uniform(0.1, 0.6, k), **more)
+
+
+def start(system: Row, ln_a: float = 0.3) -> tuple[Iterate, Array]:
+    u = np.zeros(2 * system.k + 1)
+    u[system.k] = ln_a
+    return system.evaluate(u), np.zeros(system.k, dtype=np.int8)
+
+
+def by_enumeration(system: Row) -> tuple[Array, Array]:
+    """Return w and q of the only active set that satisfies the friction law: an independent way."""
+    bound, found = system.mu * system.P, []
+    for active in product((-1, 0, 1), repeat=system.k):
+        s = np.array(active)
+        free = s != 0
+        q, w = s * bound, np.zeros(system.k)
+        w[free] = np.linalg.solve(system.K[np.ix_(free, free)], (system.f - q)[free])
+        q = np.where(free, q, system.f - system.K @ w)
+        if (np.abs(q) <= bound * (1 + 1e-12)).all() and (s * w >= -1e-12).all():
+            found.append((w, q))
+    assert len(found) == 1
+    return found[0]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_it_finds_the_only_active_set(seed: int) -> None:
+    system = row(seed, k=6)
+    state, active = SemismoothNewton(system).solve(*start(system), 1e-11)
+    w, q = by_enumeration(system)
+    np.testing.assert_allclose(state.u[:6], w, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(state.traction, q, rtol=0, atol=1e-10)
+    np.testing.assert_array_equal(active, np.sign(np.where(np.abs(w) > 1e-12, w, 0)))
+    assert state.u[system.ln_a] == pytest.approx(log(system.P) / 2, abs=1e-11)
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_the_solution_does_not_depend_on_the_start(seed: int) -> None:
+    system = row(seed)
+    state, active = SemismoothNewton(system).solve(*start(system), 1e-11)
+    random = np.random.default_rng(seed)
+    for _ in range(5):
+        other, _ = start(system, random.uniform(-2, 2))
+        guess = random.integers(-1, 2, system.k).astype(np.int8)
+        again, found = SemismoothNewton(system).solve(other, guess, 1e-11)
+        np.testing.assert_array_equal(found, active)
+        np.testing.assert_allclose(again.u, state.u, rtol=0, atol=1e-10)
+
+
+def test_from_the_solution_nothing_changes() -> None:
+    system = row(3)
+    solver = SemismoothNewton(system)
+    state, active = solver.solve(*start(system), 1e-11)
+    before = solver.counts.iterations, solver.counts.factorisations
+    again, same = solver.solve(state, active, 1e-9)
+    assert again is state
+    assert same is active
+    assert solver.counts.iterations == before[0] + 1
+    assert solver.counts.factorisations == before[1]  # reused between calls
+
+
+def test_few_iterations_and_fewer_factorisations() -> None:
+    system = row(2, k=7)
+    solver = SemismoothNewton(system)
+    solver.solve(*start(system), 1e-11)
+    counts = solver.counts
+    assert counts.assemblies <= counts.factorisations <= counts.iterations <= 25
+
+
+def test_the_half_width_changes_by_limited_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From far away: each step changes ln a by at most LARGEST_STEP, and it still converges."""
+    system = row(4)
+    seen: list[float] = []
+    evaluate = system.evaluate
+
+    def noted(u: Array) -> Iterate:
+        seen.append(float(u[system.ln_a]))
+        return evaluate(u)
+
+    monkeypatch.setattr(system, "evaluate", noted)
+    state, _ = SemismoothNewton(system).solve(*start(system, -4.0), 1e-11)
+    assert state.u[system.ln_a] == pytest.approx(log(2.0), abs=1e-10)
+    assert np.abs(np.diff(seen)).max() <= newton.LARGEST_STEP * (1 + 1e-9)
+
+
+def test_a_half_width_beyond_the_largest_fails() -> None:
+    system = row(0, largest_ln_a=0.5)  # ln 2 is needed
+    with pytest.raises(NewtonFailed, match="half width exceeds the largest"):
+        SemismoothNewton(system).solve(*start(system), 1e-11)
+
+
+def test_a_singular_jacobian_and_a_residual_that_is_not_finite_fail() -> None:
+    system = row(0)
+    system.K = np.zeros_like(system.K)
+    state, active = start(system)
+    with pytest.raises(NewtonFailed, match="singular"):
+        SemismoothNewton(system).solve(state, np.ones_like(active), 1e-11)
+    system = row(0)
+    state, active = start(system)
+    state.equilibrium[0] = np.nan
+    with pytest.raises(NewtonFailed, match="not finite"):
+        SemismoothNewton(system).solve(state, active, 1e-11)
+
+
+def test_too_many_iterations_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(newton, "MAX_ITERATIONS", 2)
+    system = row(1)
+    with pytest.raises(NewtonFailed, match="violate the friction law; the last step is"):
+        SemismoothNewton(system).solve(*start(system, -3.0), 1e-11)
+
+
+def test_one_creepage_node_keeps_sticking() -> None:
+    """If all nodes whose slip contains the creepage slipped, no equation would determine it."""
+    system = row(6)
+    system.creep_nodes = np.arange(system.k)
+    state, active = start(system)
+    state.traction[:] = 10 * state.bound  # all exceed their bounds
+    new = newton._updated(system, state, active, newton._violated(state, active))
+    assert np.count_nonzero(new == 0) == 1
+    system.creep_nodes = np.zeros(0, dtype=int)
+    assert (newton._updated(system, state, active, newton._violated(state, active)) == 1).all()
