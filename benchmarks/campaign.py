@@ -8,8 +8,8 @@ hardening.  A case ends in one of five ways:
 
 solved          the result satisfies all contact conditions
 inadmissible    the problem is rejected by its own validation, without any mesh
-rejected        InvalidProblem or NoSteadyState by the solver; ``confirmed`` says whether a solution
-                on another mesh, with a finer mesh for the load limit, is rejected for the same field
+rejected        InvalidProblem or NoSteadyState by the solver; ``confirmed`` says whether another
+                mesh, also for the load limit, leads to the same exception for the same field
 not converged   NotConverged
 error           any other exception
 
@@ -118,7 +118,7 @@ def compared(problem: Any, result: Any, of: str) -> Row:
 
 
 def _confirmed(problem: Any, fault: Exception) -> str:
-    """Return whether a solution on another mesh is rejected for the same field: "yes" or how not."""
+    """Return "yes" if another mesh leads to the same rejection, else how it ends there."""
     try:
         with patch.object(load_limit, "NODES", OTHER_LOAD_LIMIT):
             wo.solve(problem, nodes=OTHER)
