@@ -86,12 +86,12 @@ def solved(seed: int, of: str = "plain", errors: bool = False) -> Row:
     except Exception as fault:  # every other exception is a fault of the program
         return row | {"ending": "error", "text": _line(fault)}
     seconds = time.process_time() - start
-    consistency = getattr(getattr(result, "solved", None) or result, "consistency", None)
+    consistency = getattr(getattr(result, "solved", None) or result, "consistency", {})
     row |= {
         "ending": "solved",
         "residual": result.residuals.largest,
         "condition": result.residuals.worst,
-        "consistency": max(value for _, value in consistency.items()) if consistency else "",
+        "consistency": max((value for _, value in consistency.items()), default=""),
         "nodes": _nodes(result),
         "iterations": getattr(result, "iterations", ""),
         "milliseconds": round(1e3 * seconds, 2),
