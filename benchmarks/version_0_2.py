@@ -4,7 +4,7 @@
     python benchmarks/version_0_2.py -c CODE, -m MODULE       as for the Python interpreter
     python benchmarks/version_0_2.py --source                 print the folder src of version 0.2
 
-For timing in pairs, give that folder and ``src`` to ``paired.py``.
+``speed.py`` uses it for timing in pairs.
 
 Version 0.2 is the commit ``COMMIT`` of this repository.  The first call creates a git worktree of
 that commit in ``.version-0.2`` and in it a virtual environment ``.venv`` with the package versions

@@ -34,7 +34,6 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "thesis_figures",
     "mathml",
-    "sizes",
     "tables",
 ]
 exclude_patterns = ["_build", "tables", "thesis/figures/summary.md", "gallery/**/*.ipynb"]
