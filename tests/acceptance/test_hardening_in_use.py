@@ -12,10 +12,10 @@ from hardening import random_nip  # of benchmarks/
 from hardening_cases import NEWSPRINT, linear, nip, roll
 from seldom import seldom
 from sensitivities import own_of_mesh
+from woundon.problems.direct import ring
 
 import woundon as wo
 from woundon.elasticity import hardening_ring
-from woundon.problems.direct import ring
 from woundon.results import Residuals
 
 CASE = """

@@ -18,13 +18,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from thesis_cases import newsprint_nip
+from woundon.contact.schemes import SCHEMES
+from woundon.nip.winding_theorem import at_tension
 
 import woundon as wo
 from woundon.contact import one_mesh
-from woundon.contact.schemes import SCHEMES
 from woundon.elasticity import strip
 from woundon.nip.equations import NipEquations
-from woundon.nip.winding_theorem import at_tension
 from woundon.problems.bodies import half_width_guess
 
 

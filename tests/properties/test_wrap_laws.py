@@ -7,8 +7,6 @@ import pytest
 from random_nips import random_wrapped_nip
 from seldom import seldom
 from thesis_cases import paper_nip
-
-import woundon as wo
 from woundon.contact.loop import FINE, LOOSE
 from woundon.contact.one_mesh import OneMesh
 from woundon.contact.pivoting import solve_stick_slip
@@ -19,6 +17,8 @@ from woundon.wrap.equations import WrapEquations
 from woundon.wrap.influence import Influence
 from woundon.wrap.integrals import OpenGrid
 from woundon.wrap.solve import WrapContact
+
+import woundon as wo
 
 MESH = {"nodes": 33, "wrap_nodes": 24}
 COVER = wo.Cylinder(

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.special import spence
 from viscoelastic_cases import compliance, cover, lost_by_harmonics, rubber
-
-import woundon as wo
 from woundon.contact.response import padded
 from woundon.contact.schemes import Graded
+
+import woundon as wo
 from woundon.elasticity import cylinder, rolling
 from woundon.elasticity.lag import Lag, around
 from woundon.elasticity.relaxation import creep, factor

@@ -8,12 +8,12 @@ from math import exp, pi
 import numpy as np
 import pytest
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
-
-import woundon as wo
 from woundon.contact.schemes import SCHEMES
-from woundon.elasticity.strip import compliance
 from woundon.wrap.equations import Known, WrapEquations
 from woundon.wrap.grid import wrap_grid
+
+import woundon as wo
+from woundon.elasticity.strip import compliance
 
 PAPER = paper_nip(web_tension=300.0)
 # sec. 4.9 tells four cases by the signs of v+ and of the roll's strain at the trailing edge, the

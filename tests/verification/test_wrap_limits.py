@@ -11,14 +11,14 @@ import pytest
 from own_mesh import own_tension
 from seldom import seldom
 from thesis_cases import newsprint_nip, paper_nip
-
-import woundon as wo
 from woundon.contact.grid import Grid
 from woundon.contact.pivoting import solve_stick_slip
 from woundon.contact.schemes import SCHEMES
 from woundon.contact.width import width_for_load
-from woundon.nip.equations import NipEquations, NipMatrices
 from woundon.wrap.certificate import equations_of, unknowns_of
+
+import woundon as wo
+from woundon.nip.equations import NipEquations, NipMatrices
 
 FOAM = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
 RUBBER = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.45)
@@ -134,9 +134,7 @@ def test_friction_behind_the_nip_vanishes() -> None:
 def test_a_large_roll_does_not_hold_the_web_near_the_nip() -> None:
     """R1 -> large: the hoop pressure T/R1 goes to zero, so does what friction adds near the nip."""
     half_plane = NIPS["half-plane roll"]
-    results = [
-        wo.solve(half_plane.replace(**{"roll.radius": R})) for R in (0.6, 2.4, 9.6)
-    ]
+    results = [wo.solve(half_plane.replace(**{"roll.radius": R})) for R in (0.6, 2.4, 9.6)]
     added = [r.roll_wrap_traction for r in results]
     assert added[0] > added[1] > added[2] > 0
     # slipping length and gain both go with the root of the radius

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from seldom import seldom
 from thesis_cases import newsprint_nip, paper_nip
-
-import woundon as wo
 from woundon.contact.schemes import SCHEMES
-from woundon.elasticity.cylinder import sequences
 from woundon.nip.roll_surface import roll_strain
 from woundon.wrap.certificate import equations_of
 from woundon.wrap.face import FaceGrid
 from woundon.wrap.grid import wrap_grid
+
+import woundon as wo
+from woundon.elasticity.cylinder import sequences
 
 Array = np.ndarray
 HARMONICS = 1 << 15
@@ -149,8 +149,7 @@ def test_it_converges_in_both_grids(problem: wo.NipProblem, limit: float) -> Non
         result = wo.solve(problem, nodes=nodes, wrap_nodes=wrap_nodes)
         assert result.wound_on_tension == pytest.approx(limit, rel=within)
     along_nip = [
-        abs(wo.solve(problem, nodes=n, wrap_nodes=96).wound_on_tension - limit)
-        for n in (17, 129)
+        abs(wo.solve(problem, nodes=n, wrap_nodes=96).wound_on_tension - limit) for n in (17, 129)
     ]
     assert along_nip[1] < along_nip[0] / 10
     behind = [
