@@ -14,7 +14,13 @@ import woundon as wo
 from woundon.contact import refinement
 from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
-    FIRST_SIZES, OTHER_SIZES, SIZES, error_estimate, predicted_size, refine, sizes_up_to,
+    FIRST_SIZES,
+    OTHER_SIZES,
+    SIZES,
+    error_estimate,
+    predicted_size,
+    refine,
+    sizes_up_to,
 )  # fmt: skip
 
 
