@@ -748,9 +748,7 @@ ANY_KIND: list[tuple[Callable[[], Any], dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("kind", "bad", "text"), ANY_KIND, ids=named)
-def test_an_option_that_cannot_be(
-    kind: Callable[[], Any], bad: dict[str, Any], text: str
-) -> None:
+def test_an_option_that_cannot_be(kind: Callable[[], Any], bad: dict[str, Any], text: str) -> None:
     assert refusal(wo.solve, kind(), **bad).startswith(text)
 
 

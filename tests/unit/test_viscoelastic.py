@@ -246,9 +246,10 @@ def test_the_balance_of_power_converges_with_the_mesh(kind: str) -> None:
         wrong = result.replace(rolling_resistance=1.01 * result.rolling_resistance)
         assert result.residuals.largest <= 1e-8
         told, tolerance = wrong.recomputed().get("rolling_resistance", (float("nan"), 0.0))
-        found = wrong.certified().largest > 1e-8 or not abs(
-            told - wrong.rolling_resistance
-        ) <= tolerance
+        found = (
+            wrong.certified().largest > 1e-8
+            or not abs(told - wrong.rolling_resistance) <= tolerance
+        )
         assert found
     # meshes four times as fine: of first order or better, with room for moving zone boundaries
     assert left[1] < 0.4 * left[0]

@@ -131,6 +131,7 @@ def test_what_is_no_full_answer_says_so() -> None:
 
 # ---- refused ------------------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize(
     ("make", "told"),
     [
