@@ -180,6 +180,8 @@ def solver_options(kind: Kind) -> Iterator[tuple[str, SolverOption]]:
     for name, given in inspect.signature(kind.solver).parameters.items():
         hint = given.annotation
         hint = hint if isinstance(hint, str) else inspect.formatannotation(hint)
+        if "Callable" in hint:  # functions are for Python only
+            continue
         found = next((_TYPES[word] for word in re.findall(r"\w+", hint) if word in _TYPES), None)
         if given.kind is given.KEYWORD_ONLY and found and name not in kind.problem.model_fields:
             of, text = told.get(name, ("", ""))

@@ -93,7 +93,7 @@ def test_nothing_cancels_far_from_a_cell() -> None:
                     return (s - l) / (t - l) * f(s) if s < t else (r - s) / (r - t) * f(s)
 
                 for part, f in ((INVERSE, lambda s, y=y: 1 / (y - s)),
-                                (LOG, lambda s: mpmath.log(abs(y - s)))):  # fmt: skip
+                                (LOG, lambda s, y=y: mpmath.log(abs(y - s)))):  # fmt: skip
                     known = mpmath.quad(lambda s, f=f, over=over: over(s, f), [left, top, right])
                     # a logarithm near zero crosses zero: relative to the weight of the hat
                     size = max(abs(float(known)), float(right - left) / 2)

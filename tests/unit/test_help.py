@@ -206,4 +206,3 @@ def test_solve_tells_its_kinds() -> None:
     for kind in kinds.every():
         assert kind.problem.__name__ in wo.solve.__doc__
         assert kind.result.__name__ in wo.solve.__doc__
-        assert kind.solver.__name__ in wo.solve.__doc__

@@ -41,8 +41,3 @@ def test_help_does_not_depend_on_docstrings(command: str):
     place = COMMANDS.index(command)
     assert texts("-OO")[place] == texts("-B")[place]
     assert len(texts("-OO")) == len(COMMANDS)
-
-
-@pytest.mark.parametrize("choice", ["graded", "thesis-printed", "panagiotopoulos"])
-def test_choices_are_listed_without_docstrings(choice: str):
-    assert choice in " ".join(texts("-OO")[COMMANDS.index("nip")].split())

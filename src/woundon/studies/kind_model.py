@@ -246,7 +246,7 @@ def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
 
 def options_of(problem: Problem) -> dict[str, Any]:
     """Return the options of a problem's solver by name, with what it takes by default."""
-    own = {"start", *type(problem).model_fields}
+    own = {"start", "progress", *type(problem).model_fields}
     keywords = _keywords(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in own}
 
