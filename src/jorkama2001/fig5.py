@@ -23,7 +23,7 @@ __all__ = ["exhibits"]
 
 LOAD, FRICTION, RADIUS = 89e3, 0.5, 0.25  # [N/m], [1], [m]
 TORQUE, TANGENTIAL_LOAD = 21e3, 21e3  # as printed [Nm/m], as read [N/m]
-# the traction leaves the zone boundary with a vertical tangent: its error is of the order of h^(1/2)
+# The traction leaves the zone boundary with a vertical tangent: its error is of the order h^(1/2).
 NODES = 1001
 
 

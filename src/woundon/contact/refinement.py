@@ -225,7 +225,7 @@ def _polished(mesh: MeshSolution) -> MeshSolution:
 
 
 def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
-    """Return a sequence of meshes that ends with a given one, at least doubling it twice before.
+    """Return a sequence of meshes that ends with a given one, at least three from 13 nodes on.
 
     Examples
     --------
@@ -233,14 +233,18 @@ def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
     [13, 23, 41, 73, 129]
     >>> sizes_up_to(41)
     [13, 23, 41]
+    >>> sizes_up_to(17)
+    [9, 13, 17]
     """
     sizes = [n for n in first if n * LEAST_GROWTH <= nodes]
-    ratio = nodes / sizes[-1] if sizes else 1.0
-    steps = 1
+    if len(sizes) < CHANGES:
+        growth = LEAST_GROWTH if first is FIRST_SIZES else LEAST_GROWTH**1.2
+        coarse = [round(nodes / growth**k) for k in range(CHANGES, 0, -1)]
+        return [*coarse, nodes] if nodes >= FIRST_SIZES[0] else [nodes]
+    ratio, steps = nodes / sizes[-1], 1
     while ratio ** (1 / steps) > MOST_GROWTH:
         steps += 1
-    low = sizes[-1] if sizes else nodes
-    return [*sizes, *(round(low * ratio ** (k / steps)) for k in range(1, steps)), nodes]
+    return [*sizes, *(round(sizes[-1] * ratio ** (k / steps)) for k in range(1, steps)), nodes]
 
 
 def predicted_size(last: int, ratio: float) -> int:

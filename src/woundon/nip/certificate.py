@@ -90,17 +90,26 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     gap, wraps = state.equilibrium[:n_gap], state.equilibrium[n_gap:-2]
     # values that the equations imply, as the result reports them
     implied = web_arrays(equations, state, active)
+    # a slip velocity is a difference of strains, which are known to their rounding
+    web = problem.web
+    strain = web.compliance.c11 / web.thickness * float(np.abs(f.tension).max())
+    strain_rounding = ROUNDING * (strain + abs(result.drum_creep))
+
+    def beyond(slip: Array) -> Array:
+        return np.sign(slip) * np.maximum(np.abs(slip) - strain_rounding, 0.0)
+
     tension_scale = problem.nip_load + ROUNDING * float(np.abs(f.tension).max()) / 1e-8
     conditions = {
         "gap_slope": largest(np.abs(gap)) * equations.slope_scale / top,
         "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
         **friction_law(
-            zones, state.traction, state.slip * equations.slip_scales, state.bound,
+            zones, state.traction, beyond(state.slip * equations.slip_scales), state.bound,
             unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=top,
         ),
-        "slip_velocity": max(
-            difference(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
-        ) / top,
+        "slip_velocity": largest([
+            max(difference(getattr(result, name), implied[name]) - strain_rounding, 0.0)
+            for name in ("roll_slip", "drum_slip")
+        ]) / top,
         "winding_force": abs(float(state.equilibrium[-2])),
         "load": abs(float(state.equilibrium[-1])),
         "web_tension": difference(result.web_tension, f.tension) / tension_scale,
