@@ -76,7 +76,10 @@ def test_what_is_no_file_is_refused_alike(tmp_path, load, name):
     with pytest.raises(wo.InvalidProblem) as refusal:
         load(path)
     assert type(refusal.value) is wo.InvalidProblem
-    assert str(refusal.value).startswith(f"{path}: {said}")
+    # errors shorten long words
+    shown = str(path) if len(str(path)) < 200 else str(path)[:50]
+    assert str(refusal.value).startswith(shown)
+    assert said in str(refusal.value)
     assert len(str(refusal.value).splitlines()) == 1
 
 
