@@ -12,8 +12,8 @@ from wide import WIDE, ending
 
 TOLD = (
     "solved",
-    # a nip that no width carries
-    "NotConverged: no contact carries .*(take a smaller load|the load is too large)",
+    # a load that no contact carries
+    r"InvalidProblem: (nip_)?load: .* is out of range; must be <= .* \[N/m\], about: ",
     # a layer whose response is not resolved
     "InvalidProblem: (roll|drum|upper|lower): .* the layer must be thicker, or the stiffnesses",
     # webs

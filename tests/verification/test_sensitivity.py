@@ -12,10 +12,10 @@ from refusals import refused_in_one_line
 from seldom import seldom
 from sensitivities import ACCEPTED, MET, compared, of_mesh, own_of_mesh
 from thesis_cases import newsprint_nip, paper_nip
+from woundon.wrap import solve as wrap_solve
 
 import woundon as wo
 from woundon.contact import loop
-from woundon.wrap import solve as wrap_solve
 
 MAIN = (
     "wound_on_tension", "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width",
@@ -86,9 +86,7 @@ def test_derivatives_on_elements_are_those_of_the_continuous_nip(name: str) -> N
     found = result.sensitivity("roll_friction", "web.thickness", outputs=outputs)
     for field, value in zip(found.parameters, found.fields, strict=True):
         h = 5e-4 * value
-        more, less = (
-            wo.solve(problem.replace(**{field: value + d}), rtol=1e-7) for d in (h, -h)
-        )
+        more, less = (wo.solve(problem.replace(**{field: value + d}), rtol=1e-7) for d in (h, -h))
         for output in outputs:
             difference = (getattr(more, output) - getattr(less, output)) / (2 * h)
             # an output that hardly moves by a field is known to 1e-7 of itself

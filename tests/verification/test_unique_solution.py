@@ -250,10 +250,7 @@ def test_tractions_grow_with_the_creep_so_that_one_creep_carries_the_force() -> 
     problem = one_face(A, np.random.default_rng(3))
     # wide enough for slip everywhere, either way
     creeps = np.linspace(-1, 1, 49) * (np.abs(problem.offset).max() + np.abs(A).sum())
-    tractions = [
-        newton(replace(problem, offset=problem.offset + creep))[0]
-        for creep in creeps
-    ]
+    tractions = [newton(replace(problem, offset=problem.offset + creep))[0] for creep in creeps]
     steps = np.diff(tractions, axis=0)
     assert steps.min() > -1e-12  # each single traction, not only their sum
     np.testing.assert_allclose(tractions[0], -problem.limit)

@@ -12,13 +12,13 @@ from hardening_cases import nip, roll
 from random_nips import random_nip
 from seldom import seldom
 from sensitivities import own_of_mesh
+from woundon.contact.loop import Tolerance
+from woundon.wrap import solve
 
 import woundon as wo
-from woundon.contact.loop import Tolerance
 from woundon.studies.kind_model import model_of
 from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
-from woundon.wrap import solve
 
 COVER = wo.Cylinder(radius=0.0762, core_radius=0.06, material=wo.material("soft-cover"))
 PAPER: Any = wo.NipProblem.example()
