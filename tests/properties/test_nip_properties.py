@@ -10,21 +10,18 @@ mirrors of two rollers are in test_roller_properties.py.
 
 from __future__ import annotations
 
-from math import isnan, log10, sqrt
+from math import log10, sqrt
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from thesis_cases import newsprint_nip
-from woundon.contact.schemes import SCHEMES
-from woundon.nip.winding_theorem import at_tension
 
 import woundon as wo
-from woundon.contact import one_mesh
 from woundon.elasticity import strip
-from woundon.nip.equations import NipEquations
+from woundon.elasticity.mesh import Wrap, nip_mesh
+from woundon.nip.load_limit import frictionless_pressure
 from woundon.problems.bodies import half_width_guess
 
 
@@ -144,11 +141,11 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
     assert np.trapezoid(result.pressure, x) == pytest.approx(P, rel=1e-8)
     assert np.trapezoid(result.drum_traction, x) == pytest.approx(F, abs=1e-8 * P)
     total = np.trapezoid(result.roll_traction, x) + F
-    assert pytest.approx(total, abs=1e-8 * P) == NIT - result.extrapolation
+    assert pytest.approx(total, abs=1e-8 * P) == NIT
     assert abs(NIT - F) <= problem.roll_friction * P * (1 + 1e-8)
     assert result.web_tension[0] == T_in
     assert result.web_tension[-1] == pytest.approx(T_in + total, abs=1e-8 * P)
-    assert result.tension_behind_nip == T_in + NIT
+    assert result.tension_behind_nip == pytest.approx(T_in + NIT, abs=1e-10 * P)
 
 
 # ---- the winding theorem ------------------------------------------------------------------------
@@ -159,7 +156,8 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
 def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     """T_in changes only the drum's creep and the approach, these exactly by eq. (171)."""
     other = problem.replace(web_tension=T_in)
-    one, two = wo.solve(problem), wo.solve(other)
+    # the default mesh depends on the wound-on tension
+    one, two = (wo.solve(of, nodes=65) for of in (problem, other))
     assert_same_state(one, two)
     P, more = problem.nip_load, T_in - problem.web_tension
     assert two.nip_induced_tension == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
@@ -173,14 +171,6 @@ def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     thinner = -c.c12 * more
     span = max(abs(one.approach), abs(two.approach), abs(thinner))
     assert two.approach - one.approach == pytest.approx(thinner, abs=1e-8 * span)
-    # what studies and fits take in place of a solve, certified anew
-    moved = at_tension(one, T_in)
-    assert moved.problem == other
-    assert_same_state(moved, two)
-    assert moved.certified().largest <= 1e-8
-    assert moved.drum_creep == pytest.approx(two.drum_creep, rel=1e-8, abs=1e-12)
-    assert moved.approach == pytest.approx(two.approach, abs=1e-8 * span)
-    assert moved.tension_behind_nip == pytest.approx(two.tension_behind_nip, abs=1e-8 * P)
 
 
 # ---- scaling ------------------------------------------------------------------------------------
@@ -241,60 +231,26 @@ def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
 @settings(max_examples=40)
 @given(admissible_nips())
 def test_the_normal_problem_mirrors(problem: wo.NipProblem) -> None:
-    """x -> -x turns tractions round, and roll and drum may change places.
-
-    The pressure without friction, p0, is even and the same for exchanged bodies; the pressure's
-    answer K to the tractions is odd under the mirror, and its faces go with their bodies.
-    """
-    mesh, n = SCHEMES["graded"].mesh(41), 39
+    """x -> -x leaves the pressure without friction as it is, and so does exchanging the bodies."""
+    face = nip_mesh(41, Wrap(), Wrap()).roll_face
     widest = 0.3 * min(body.radius for body in problem.bodies)
     a = min(half_width_guess(problem.nip_load, *problem.bodies), widest)
-    one = NipEquations.at(problem, mesh, a)
-    two = NipEquations.at(problem.replace(roll=problem.drum, drum=problem.roll), mesh, a)
-    p0, K = one.pressure, one.pressure_response.reshape(n, 2, n)
-    small = 1e-8 * np.max(np.abs(p0))
-    np.testing.assert_allclose(p0[::-1], p0, rtol=0, atol=small)
-    np.testing.assert_allclose(two.pressure, p0, rtol=0, atol=small)
-    shift = one.normal[-1, 0]  # Delta/R* without friction
-    assert shift == pytest.approx(0.0, abs=1e-8 * a / problem.contact_radius)
-    small = 1e-8 * np.max(np.abs(K))
-    np.testing.assert_allclose(K[::-1, :, ::-1], -K, rtol=0, atol=small)
-    exchanged = two.pressure_response.reshape(n, 2, n)
-    np.testing.assert_allclose(exchanged[:, ::-1], K, rtol=0, atol=small)
+    exchanged = problem.replace(roll=problem.drum, drum=problem.roll)
+    one, two = (frictionless_pressure(of, face, a) for of in (problem, exchanged))
+    small = 1e-8 * np.max(np.abs(one))
+    np.testing.assert_allclose(one[::-1], one, rtol=0, atol=small)
+    np.testing.assert_allclose(two, one, rtol=0, atol=small)
 
 
-@pytest.fixture
-def first_misses(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """By how much the first half width tried on each mesh misses the load, ln of loads."""
-    missed, at = [], one_mesh._Step.at
-
-    def noted(step: one_mesh._Step, a: float) -> object:
-        first, found = isnan(step.missed), at(step, a)
-        if first:
-            missed.append(abs(step.missed))
-        return found
-
-    monkeypatch.setattr(one_mesh._Step, "at", noted)
-    return missed
-
-
-def test_a_width_is_carried_to_finer_meshes_with_what_the_last_one_missed(
-    first_misses: list[float],
-):
-    wo.solve(newsprint_nip(), nodes=65)
-    _, on_33, on_65 = first_misses
-    # errors of second order leave a quarter of the miss on half as many cells: that is taken off
-    assert on_65 < 0.1 * on_33
-
-
-def test_a_neighbour_hands_on_the_widths_of_its_meshes_and_the_power_of_the_load(
-    first_misses: list[float],
-):
-    problem = newsprint_nip()
-    before = wo.solve(problem, nodes=65)
-    first_misses.clear()
-    wo.solve(problem.replace(nip_load=1.01 * problem.nip_load), nodes=65, start=before)
-    (on_65,) = first_misses
-    # a load 1 % away: the power, known to 1e-3 at least, misses it by 1e-5 (the root of the load by
-    # 1e-3)
-    assert on_65 < 2e-5
+@settings(max_examples=20)
+@given(admissible_nips())
+def test_the_response_to_tractions_mirrors(problem: wo.NipProblem) -> None:
+    """Under x -> -x the slope by a traction is even and the strain by a traction is odd."""
+    face = nip_mesh(25, Wrap(), Wrap()).roll_face
+    a, none = 0.01 * problem.roll.radius, np.zeros(25)
+    surface = problem.roll.surface(face, a)
+    made = surface.tangent(none, none)
+    for part, sign in zip(made, (-1, 1, 1, -1), strict=True):
+        inner = part[:-2, 1:-1]
+        small = 1e-8 * np.max(np.abs(inner))
+        np.testing.assert_allclose(inner[::-1, ::-1], sign * inner, rtol=0, atol=small)

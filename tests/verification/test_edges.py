@@ -141,4 +141,4 @@ def test_hardly_any_friction_leaves_slip_everywhere(drum: wo.Rigid, friction: fl
     lower = solved(paper_nip(drum=drum, roll_friction=friction / 10, drum_friction=friction / 10,
                              winding_force=0.0))  # fmt: skip
     assert share(low) == pytest.approx(share(lower), abs=0.02)
-    assert abs(share(low)) <= 1.0
+    assert abs(share(low)) <= 1.0 + 1e-12

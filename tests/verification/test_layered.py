@@ -290,20 +290,6 @@ def test_a_coating_far_thinner_than_the_nip_wears_off() -> None:
     assert np.all(change[-1] < 2e-3)
 
 
-def test_short_kernels_by_their_second_integral() -> None:
-    """A grid integrates kernels that vary within its cells: as by polynomials where both do."""
-    from woundon.contact.schemes import Graded
-
-    R, layers = BODIES["hard on soft on hard"]
-    kernels = layered_kernels(R, stacked(R, layers))
-    mesh = Graded().mesh(49)
-    for name in ("slope_p", "slope_q", "strain_p", "strain_q", "normal_p", "tangent_q"):
-        kernel = getattr(kernels, name)
-        smooth, twice = (mesh.grid.integrate(kernel, 5e-3, rank=rank) for rank in (190, 1000))
-        # polynomials leave the kink at t = 0, falling with their rank
-        assert difference(twice, smooth) < 2e-7, name
-
-
 # ---- layers in all that is done with bodies -----------------------------------------------------
 
 SHELL = (0.02, wo.material("steel"))
@@ -403,12 +389,12 @@ def test_a_load_that_flattens_a_tube_is_refused() -> None:
     for nip in (problem, problem.wrapped()):
         heavy = nip.replace(nip_load=1.5 * borne)
         told = (
-            r"nip_load: .* must be < \S+ \[N/m\], about: the drum is a tube, 0.002 m thick in all"
+            r"nip_load: .* must be <= \S+ \[N/m\], about: the drum is a tube, 0.002 m thick in all"
         )
         with pytest.raises(wo.InvalidProblem, match=told) as refused:
             wo.solve(heavy)
         ((_, text),) = refused.value.faults
-        limit = float(text.partition("must be < ")[2].split()[0])
+        limit = float(text.partition("must be <= ")[2].split()[0])
         assert 0.7 * borne < limit < 1.2 * borne
     pair = wo.RollerProblem(upper=wo.Rigid(radius=0.1), lower=tube, load=5 * borne, friction=0.2)
     with pytest.raises(wo.InvalidProblem, match=r"load: .* the lower is a tube"):

@@ -32,7 +32,12 @@ def scale(problem: wo.NipProblem, tension: float) -> float:
 def test_nip_induced_tension(name: str) -> None:
     problem, half_width, tension = REFERENCE[name]
     result = wo.solve(problem)
-    assert abs(result.nip_induced_tension - tension) <= 1e-3 * scale(problem, tension)
+    # the default asks for 2e-2 of NIT, and for 1e-3 of the tension behind the nip
+    miss = abs(result.nip_induced_tension - tension)
+    assert miss <= 6e-3 * scale(problem, tension)
+    assert miss <= 1e-3 * abs(result.tension_behind_nip) + 5e-4 * abs(tension)
+    fine = wo.solve(problem, nodes=257)
+    assert abs(fine.nip_induced_tension - tension) <= 1e-3 * scale(problem, tension)
     if half_width is not None:
         assert result.half_width * 1e3 == pytest.approx(half_width, rel=1e-3)
     assert result.residuals.largest <= 1e-8
@@ -47,7 +52,8 @@ def test_a_cover() -> None:
     problem = paper_nip(drum=COVER)
     result = wo.solve(problem)
     assert wo.solve(problem, nodes=257).nip_induced_tension == pytest.approx(32.53, rel=2e-3)
-    assert result.nip_induced_tension == pytest.approx(32.4856, rel=1e-3)  # converged, 1025 nodes
+    # converged, 1025 nodes
+    assert abs(result.nip_induced_tension - 32.4856) <= 1.5 * result.nip_induced_tension_error
     assert result.half_width * 1e3 == pytest.approx(7.4423, rel=1e-3)
 
 

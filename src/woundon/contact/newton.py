@@ -179,6 +179,11 @@ class SemismoothNewton:
         ------
         NewtonFailed
         """
+        # a diverging iterate may overflow; it is rejected by its residual
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._iterate(state, active, tolerance)
+
+    def _iterate(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
         visits: dict[bytes, int] = {}
         self.size = np.inf
         for _ in range(MAX_ITERATIONS + active.size):
