@@ -55,7 +55,7 @@ from mutant_table import Mutant, read_table, summary, write_tables
 
 PROJECT = Path(__file__).resolve().parents[1]
 PACKAGE = "woundon"
-ROOMS = ("contact", "nip", "wrap", "rollers")
+ROOMS = ("contact", "nip")
 CERTIFICATES = r"Laws|\w*Residuals"
 # runners start worker processes, whose lines are not seen; what they compute others test
 SKIPPED = ("tests/studies/test_runners.py",)

@@ -1,14 +1,14 @@
 """
-What grid do I need?
+What mesh do I need?
 ====================
 
-Usually you need not care: without options the grid is refined until the estimated error is
-below 0.1 %. ``nodes=`` fixes the grid, ``rtol=`` asks for a relative accuracy. What do finer
-grids cost, and bring?
+Usually none: without options the mesh is refined until the estimated error of the wound-on tension
+is below 0.1 %, and that of the nip-induced tension below 2 %. ``nodes=`` sets the last mesh,
+``rtol=`` the relative error. What do finer meshes cost, and what do they gain?
 
-**Answer:** 33 nodes are good to a tenth of a percent and take some milliseconds; the error
-falls about fourfold with each doubling. The told error is meant to be on the safe side, so that
-the program goes on to 49 nodes here, and elsewhere to more.
+**Answer:** 49 nodes are accurate to about a tenth of a percent and take some milliseconds; the
+error decreases about fourfold with each doubling. The estimated error is larger than the true one
+in most cases, so that the program refines further than this example requires.
 """
 
 # %%
@@ -20,35 +20,34 @@ import numpy as np
 import woundon as wo
 
 problem = wo.NipProblem.example()
-exact = wo.solve(problem, rtol=2e-5).nip_induced_tension
-grids = [9, 17, 33, 65, 129, 257]
-errors, told, times = [], [], []
-for nodes in grids:
+exact = wo.solve(problem, nodes=1025).nip_induced_tension
+meshes = [41, 73, 129, 257, 513]
+errors, estimates, times = [], [], []
+for nodes in meshes:
     start = perf_counter()
     result = wo.solve(problem, nodes=nodes)
     times.append(perf_counter() - start)
     errors.append(abs(result.nip_induced_tension / exact - 1))
-    told.append(result.nip_induced_tension_error / exact)
+    estimates.append(result.nip_induced_tension_error / exact)
     print(
-        f"{nodes:4d} nodes: off by {errors[-1]:.1e}, told {told[-1]:.1e}, {1e3 * times[-1]:.0f} ms"
+        f"{nodes:4d} nodes: error {errors[-1]:.1e}, estimated {estimates[-1]:.1e}, "
+        f"{1e3 * times[-1]:.0f} ms"
     )
 free = wo.solve(problem)
-print(
-    f"without options: {free.nodes} nodes, off by {abs(free.nip_induced_tension / exact - 1):.1e}"
-)
+print(f"without options: {free.nodes} nodes, error {abs(free.nip_induced_tension / exact - 1):.1e}")
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.5), layout="constrained")
-left.loglog(grids, errors, "o-", label="error")
-left.loglog(grids, told, "s--", label="error that the result tells")
+left.loglog(meshes, errors, "o-", label="error")
+left.loglog(meshes, estimates, "s--", label="estimated error")
 left.set(xlabel="nodes", ylabel="relative error of NIT")
 left.legend()
-right.loglog(grids, 1e3 * np.array(times), "o-")
+right.loglog(meshes, 1e3 * np.array(times), "o-")
 right.set(xlabel="nodes", ylabel="time [ms]")
 plt.show()
 
 # sphinx_gallery_start_ignore
-assert errors[3] < 1e-3
+assert errors[0] < 3e-3
 assert errors[-1] < 1e-4
 assert abs(free.nip_induced_tension / exact - 1) < 1e-3
 # sphinx_gallery_end_ignore
