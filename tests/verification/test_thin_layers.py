@@ -21,12 +21,6 @@ def on_rigid_core(thickness: float, material: wo.Material, radius: float = 0.15)
     return wo.Cylinder(radius=radius, core_radius=radius - thickness, material=material)
 
 
-def frictionless_load(problem: wo.RollerProblem, nodes: int, a: float) -> float:
-    """Return the load of a contact of half width a without friction."""
-    face = nip_mesh(nodes, Wrap(), Wrap()).roll_face
-    return float(a * face.weights @ frictionless_pressure(problem, face, a))
-
-
 PAPER = wo.Orthotropic(radial=1.1e8, tangential=4.5e6, cross=1.5e5, shear=2e5)
 RUBBER = wo.Isotropic(youngs_modulus=1e6, poissons_ratio=0.45)
 LAYERS = {"paper": on_rigid_core(0.14e-3, PAPER), "rubber": on_rigid_core(0.26e-3, RUBBER)}

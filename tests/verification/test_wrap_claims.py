@@ -61,9 +61,7 @@ def test_a_slack_nip_leaves_a_hole_in_the_map():
     for P, share, slack in ((1900.0, -0.95, False), (5000.0, 0.0, False), (5000.0, -0.95, True)):
         problem = paper_nip(nip_load=P, winding_force=share * 0.4 * P)
         if slack:
-            with pytest.raises(
-                wo.NoSteadyState, match="leaves the web slack"
-            ):
+            with pytest.raises(wo.NoSteadyState, match="leaves the web slack"):
                 _pinning_error(problem)
         else:
             assert np.isfinite(_pinning_error(problem))
