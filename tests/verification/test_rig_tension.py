@@ -46,7 +46,8 @@ def test_at_57_um_it_is_the_theory_that_the_thesis_prints() -> None:
 def test_the_web_tension_passes_through() -> None:
     """The winding theorem holds for the load cell, too."""
     added = [
-        wo.solve(newsprint_nip(web_tension=T_in)).rig_tension - T_in for T_in in (0.0, 175.0, 350.0)
+        wo.solve(newsprint_nip(web_tension=T_in), nodes=65).rig_tension - T_in
+        for T_in in (0.0, 175.0, 350.0)
     ]
     assert max(added) - min(added) < 1e-9 * 3502
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from seldom import seldom
 from viscoelastic_cases import cover, lost_by_harmonics, rubber
-from woundon.wrap.certificate import equations_of, surfaces_of
 
 import woundon as wo
 
