@@ -239,9 +239,9 @@ def test_error_estimates_are_not_much_too_large() -> None:
     assert 1 / np.median(ratios) < 15
 
 
-def test_fewer_than_three_meshes_give_no_estimate() -> None:
-    assert np.isnan(solve(newsprint_nip(), nodes=13).errors["nip_induced_tension"])
-    assert np.isfinite(solve(newsprint_nip(), nodes=41).errors["nip_induced_tension"])
+@pytest.mark.parametrize("nodes", [13, 17, 41])
+def test_few_nodes_have_an_estimate_too(nodes: int) -> None:
+    assert np.isfinite(solve(newsprint_nip(), nodes=nodes).errors["nip_induced_tension"])
 
 
 def test_equations_of_a_loaded_result_are_satisfied(tmp_path: Any) -> None:

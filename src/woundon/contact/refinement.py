@@ -5,9 +5,10 @@ The discretisation is of order two on average.  With the changes of an output Q,
 
     d_k = |Q_k - Q_(k-1)| / ((N_k/N_(k-1))^2 - 1),
 
-the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the last two changes.
+the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the last three changes.
 Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
-chance, and the factor of safety is that of Roache's grid convergence index.
+chance, and the factor of safety is that of Roache's grid convergence index.  Refinement ends when
+the estimate by the last two changes meets the criterion.
 
 The first three meshes are fixed.  Each further one, at least one, is predicted from the ratio r of
 the estimate and the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last.
@@ -39,7 +40,10 @@ SIZES = (
     *range(49, 97, 8), *range(97, 193, 16), *range(193, 385, 32), *range(385, 769, 64),
     *range(769, 1026, 128),
 )  # fmt: skip
-SAFETY, CHANGES = 3.0, 2
+SAFETY = 3.0
+# Changes between meshes that decide whether the last mesh suffices, and those of the reported
+# estimate: convergence is not monotone, and two changes may both be small by chance.
+CHANGES, REPORTED = 2, 3
 # A predicted mesh aims at this share of the tolerance.
 AIM, LEAST_GROWTH, MOST_GROWTH = 0.6, 1.3, 2.0
 # Last Newton step, in the units of the unknowns: while meshes are refined, and on the last one.
@@ -95,13 +99,14 @@ class Refinement:
         """Newton iterations on all meshes."""
         return sum(mesh.solver.counts.iterations for mesh in self.meshes)
 
-    def errors(self, names: str = "outputs") -> dict[str, float]:
-        """Return the error estimates of ``outputs`` or ``main_outputs`` by name.
+    def errors(self) -> dict[str, float]:
+        """Return the error estimates of all outputs; nan with fewer than three meshes."""
+        history = [(mesh.size, mesh.outputs) for mesh in self.meshes[-REPORTED - 1 :]]
+        return {name: error_estimate(history, name) for name in history[-1][1]}
 
-        They are nan with fewer than three meshes.
-        """
-        meshes = self.meshes[-CHANGES - 1 :]
-        history = [(mesh.size, getattr(mesh, names)) for mesh in meshes]
+    def deciding_errors(self) -> dict[str, float]:
+        """Return the error estimates of the main outputs by the last two changes alone."""
+        history = [(mesh.size, mesh.main_outputs) for mesh in self.meshes[-CHANGES - 1 :]]
         return {name: error_estimate(history, name) for name in history[-1][1]}
 
 
@@ -124,8 +129,7 @@ def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str
         return float("nan")
     last, value = history[-1][0], history[-1][1][name]
     largest = FINE * abs(value)  # the tolerance of the solver
-    pairs = list(pairwise(history))[-CHANGES:]
-    for (m, coarse), (n, fine) in pairs:
+    for (m, coarse), (n, fine) in pairwise(history):
         change = abs(fine[name] - coarse[name]) / ((n / m) ** 2 - 1)
         largest = max(largest, SAFETY * change * (n / last) ** 2)
     return largest
@@ -194,7 +198,7 @@ def _refine(
             check(found.last)
             if progress:
                 progress(min(size / (nodes or most_nodes), 1.0))
-        ratio = criterion(found.last.main_outputs, found.errors("main_outputs"))
+        ratio = criterion(found.last.main_outputs, found.deciding_errors())
         # the first meshes are too coarse for an estimate that decides
         is_last = len(found.meshes) > len(first) and not ratio > 1
         if nodes or is_last or found.last.size >= most_nodes:

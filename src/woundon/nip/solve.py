@@ -98,7 +98,7 @@ def solve_nip(
         raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", outside)))) from None
     _check_taut(problem, found.last)
     result = result_of(problem, found).checked()
-    ratio = nan if nodes else criterion(found.last.outputs, found.errors())
+    ratio = nan if nodes else criterion(found.last.main_outputs, found.deciding_errors())
     if rtol is not None and not ratio <= 1:
         text = f"rtol = {rtol:g} is not reached with {result.nodes} nodes"
         raise NotConverged(f"{text}: the estimated error is {ratio:.2g} times as large", result)

@@ -156,7 +156,7 @@ class Criterion:
 
     def missed(self, found: Refinement) -> str:
         """Return which output is not known well enough; '' where all are."""
-        errors = found.errors("main_outputs")
+        errors = found.deciding_errors()
         ratios = self.ratios(found.last.main_outputs, errors)
         name = max(ratios, key=lambda key: ratios[key])
         if not ratios[name] > 1:
