@@ -208,13 +208,14 @@ def test_the_order_of_the_tensions_is_about_two(name: str) -> None:
     assert -np.polyfit(np.log(SIZES), np.log(rms), 1)[0] >= 1.5
 
 
+# Estimates that are too small by more than a factor of four: three changes small by chance
 ESTIMATED = ("nip_induced_tension", "half_width", "drum_creep", "peak_pressure", "offset")
 
 
 @cache
-def estimate_ratios() -> Array:
+def estimate_ratios() -> dict[tuple[int, str], float]:
     """Return true error / estimate of the outputs of 30 random nips at the default mesh."""
-    found = []
+    found = {}
     for seed in range(5000, 5030):
         problem = random_nip(seed)
         result, fine = solve(problem), solve(problem, nodes=257)
@@ -222,26 +223,33 @@ def estimate_ratios() -> Array:
             continue
         for name in ESTIMATED:
             allowed = result.errors[name] + fine.errors[name]
-            found.append(abs(getattr(result, name) - getattr(fine, name)) / allowed)
-    return np.array(found)
+            found[seed, name] = abs(getattr(result, name) - getattr(fine, name)) / allowed
+    return found
 
 
 def test_error_estimates_hold_for_random_nips() -> None:
-    ratios = estimate_ratios()
+    ratios = np.array(list(estimate_ratios().values()))
     assert ratios.size > 100
     assert np.mean(ratios <= 1.5) >= 0.97
     assert ratios.max() <= 4
 
 
 def test_error_estimates_are_not_much_too_large() -> None:
-    """Measured: 5 to 8 in the median."""
-    ratios = estimate_ratios()
-    assert 1 / np.median(ratios) < 15
+    """Measured: 5 in the median."""
+    assert 1 / np.median(list(estimate_ratios().values())) < 15
 
 
 @pytest.mark.parametrize("nodes", [13, 17, 41])
 def test_few_nodes_have_an_estimate_too(nodes: int) -> None:
     assert np.isfinite(solve(newsprint_nip(), nodes=nodes).errors["nip_induced_tension"])
+
+
+@pytest.mark.parametrize("nodes", [23, 41, 65])
+def test_error_estimates_of_coarse_meshes_hold(nodes: int) -> None:
+    result, fine = (solve(random_nip(204), nodes=n) for n in (nodes, 513))
+    for name in ("nip_induced_tension", "half_width"):
+        miss = abs(getattr(result, name) - getattr(fine, name))
+        assert miss <= 1.5 * result.errors[name]
 
 
 def test_equations_of_a_loaded_result_are_satisfied(tmp_path: Any) -> None:
@@ -251,3 +259,12 @@ def test_equations_of_a_loaded_result_are_satisfied(tmp_path: Any) -> None:
     assert again.certified().largest <= 1e-8
     equations = NipEquations(again.problem, again.nodes)
     assert equations.layout.end + 1 == again.x.size
+
+
+def test_a_soft_cover_on_a_rigid_roll() -> None:
+    """p+ = p- + T kappa starts from zero on a rigid roll as well: it is positive everywhere."""
+    cover = wo.Cylinder(radius=0.5, core_radius=0.48, material="soft-cover")
+    problem = paper_nip(roll=wo.Rigid(radius=0.3), drum=cover).wrapped()
+    coarse, fine = (solve(problem, nodes=nodes) for nodes in (33, 65))
+    allowed = coarse.errors["wound_on_tension"] + fine.errors["wound_on_tension"]
+    assert abs(coarse.wound_on_tension - fine.wound_on_tension) <= allowed

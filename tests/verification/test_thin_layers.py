@@ -121,11 +121,12 @@ def test_a_web_under_a_thousand_times_its_tension() -> None:
     assert any("the web's strain is" in text for text in result.warnings)
 
 
-def test_slips_below_the_rounding_of_the_webs_strain_come_with_a_warning() -> None:
+def test_slips_are_known_to_the_rounding_of_the_webs_strain() -> None:
     """xi- holds the web's strain: of 1e7 no digit below 1e-9 is left in a difference."""
     soft = wo.Orthotropic(radial=2e7, tangential=1.0, cross=0.0, shear=1e7)
     result = wo.solve(newsprint_nip(**{"web.material": soft, "nip_load": 1e-3}), nodes=33)
-    assert any("the web's strain is" in text for text in result.warnings)
+    assert abs(result.drum_creep) > 1e6
+    assert result.residuals.largest <= 1e-8
 
 
 def test_what_is_not_solved_says_how_far_outside_the_model_it_is() -> None:

@@ -289,14 +289,10 @@ class NipEquations:
 
     @cached_property
     def _hoop_nodes(self) -> slice:
-        """Nodes of the nip at which the tension changes the pressure: p+ = p- + T kappa.
-
-        p+ starts from zero at the leading edge, except on a rigid roll.
-        """
-        at = self.layout
+        """Nodes inside the nip, at which p+ = p- + T kappa; p+ starts from zero at its edge."""
         if not self.roll_wrap:
             return slice(0, 0)
-        return slice(at.first + (not self.problem.roll.rigid), at.last)
+        return slice(self.layout.first + 1, self.layout.last)
 
     def _gap_slope(self, u: Array, f: Fields) -> Array:
         """Return the slope of the gap in the cells of the nip."""
@@ -433,8 +429,7 @@ class _Assembly:
         out = np.zeros((k.size, at.size))
         if not k.size:
             return out
-        own = k >= at.p_nodes[0]
-        out[own, k[own] - at.p_nodes[0]] = 1.0
+        out[np.arange(k.size), k - at.p_nodes[0]] = 1.0
         self._subtract_hoop(out, nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
         return out
 
