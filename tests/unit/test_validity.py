@@ -302,7 +302,7 @@ def test_warnings_are_issued_once_at_the_users_line(way: str) -> None:
     assert texts
     assert {one.filename for one in told} == {__file__}
     for one in told:
-        of_grid = "; use nodes=" in str(one.message)
+        of_grid = f"resolution: {one.message}" in result[0].warnings
         assert one.category is (wo.ResolutionWarning if of_grid else wo.ValidityWarning)
 
 

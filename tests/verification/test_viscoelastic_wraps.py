@@ -96,7 +96,7 @@ def test_dissipation_by_the_surface_and_by_harmonics(solved: list[wo.WrappedNipR
 def test_work_of_torques_and_tension_is_dissipated(solved: list[wo.WrappedNipResult]) -> None:
     misses = [abs(put_in(r) - r.rolling_resistance) for r in solved]
     for miss, r in zip(misses, solved, strict=True):
-        assert r.consistency["power_balance"] < 1e-2
+        assert r.consistency.power_balance < 1e-2
         # sums along nodes, of tractions that end like roots, are of first order: they miss by more
         # than the result does, which is of second (above); what they miss where the web comes upon
         # a drum and where it leaves it may cancel: measured 6e-4 to 1.04e-3 on the finer grid,

@@ -9,15 +9,16 @@ discretisation error.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..contact.newton import SemismoothNewton
-from ..contact.refinement import MeshSolution
-from ..results import Residuals, largest
+from ..contact.refinement import MeshSolution, error_estimate
+from ..errors import RESOLUTION
+from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import body_equilibrium, difference, friction_law, negative_pressure
 from .energy import power_balance, rolling_resistance
 from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
@@ -25,13 +26,19 @@ from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
 if TYPE_CHECKING:
     from .equations import NipEquations, NipState
 
-__all__ = ["certificate", "consistency", "equations_of", "recomputed", "solutions", "state_of"]
+__all__ = [
+    "certificate", "consistency", "consistency_defects", "equations_of", "inconsistencies",
+    "recomputed", "solutions", "state_of",
+]  # fmt: skip
 
 Array = np.ndarray
 
 EPS = float(np.finfo(float).eps)
 # Rounding of a sum of some hundred terms, in units of the largest one.
 ROUNDING = 50 * EPS
+# A defect beyond this many error estimates of it is reported, if it has not fallen below this share
+# of the largest one on coarser meshes: the estimate alone may be small by chance.
+INCONSISTENT, FALLEN = 3.0, 0.3
 
 
 def equations_of(result: Any) -> NipEquations:
@@ -166,8 +173,8 @@ def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
     return known and same
 
 
-def consistency(equations: NipEquations, state: NipState) -> dict[str, float]:
-    """Return the defects of conditions that hold for the continuous fields, dimensionless.
+def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, float]:
+    """Return the signed defects of conditions that hold for the continuous fields, dimensionless.
 
     ``power_balance`` is relative to P a/R*; ``load`` and ``tension`` compare the integrals of the
     hat functions with the trapezoidal rule in theta, x = -cos(theta), relative to P and mu+ P.
@@ -181,9 +188,38 @@ def consistency(equations: NipEquations, state: NipState) -> dict[str, float]:
     gained = float(f.tension[mesh.last] - f.tension[mesh.first])
     return {
         "power_balance": power_balance(equations, state),
-        "load": abs(load / problem.nip_load - 1),
-        "tension": abs(tension - gained) / (problem.roll_friction * problem.nip_load),
+        "load": load / problem.nip_load - 1,
+        "tension": (tension - gained) / (problem.roll_friction * problem.nip_load),
     }
+
+
+def consistency(result: Any) -> Residuals:
+    """Return the sizes of the defects of :func:`consistency_defects` by the arrays of a result."""
+    equations = equations_of(result)
+    defects = consistency_defects(equations, state_of(result, equations))
+    return Residuals(**{name: abs(value) for name, value in defects.items()})
+
+
+def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
+    """Return a text for each defect that does not converge to zero with the mesh.
+
+    A defect is of the order of the discretisation error, so that it is smaller than the error
+    estimate of the defect itself.  An error of an influence function leaves a defect that does not
+    change with the mesh.
+    """
+    history = [(mesh.size, consistency_defects(mesh.system, mesh.state)) for mesh in meshes]
+    texts = []
+    for name, value in history[-1][1].items():
+        estimate, largest_defect = (
+            error_estimate(history, name),
+            largest([abs(defects[name]) for _, defects in history]),
+        )
+        if abs(value) > max(INCONSISTENT * estimate, FALLEN * largest_defect, ACCEPTED_RESIDUAL):
+            texts.append(
+                f"{RESOLUTION}the condition {name} is violated by {abs(value):.2g}, "
+                f"{abs(value) / estimate:.2g} times its estimated discretisation error"
+            )
+    return texts
 
 
 def recomputed(result: Any) -> dict[str, tuple[float, float]]:

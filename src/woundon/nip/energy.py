@@ -84,7 +84,7 @@ def rolling_resistance(equations: NipEquations, state: NipState) -> float:
 
 
 def power_balance(equations: NipEquations, state: NipState) -> float:
-    """Return the defect of the balance of power, relative to P a/R*."""
+    """Return the signed defect of the balance of power, relative to P a/R*."""
     at, f, problem = equations.layout, state.fields, equations.problem
     a, mesh = f.geometry.a, f.geometry.mesh
     web, first, last = problem.web, at.first, at.last
@@ -109,4 +109,4 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     supplied -= roll.turned + drum.turned
     # an elastic body takes no work: what the cells leave of it is a defect
     lost = rolling_resistance(equations, state)
-    return float(abs(lost - supplied) / (problem.nip_load * a / problem.contact_radius))
+    return float((lost - supplied) / (problem.nip_load * a / problem.contact_radius))

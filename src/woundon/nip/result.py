@@ -112,9 +112,6 @@ class WindingNipResult(Dissipation, Result):
     refinement : Refinement
         The solutions on all meshes, from which a neighbouring case starts; None of a result that
         was loaded from a file.
-    consistency : mapping of str to float
-        Defects of conditions that hold for the continuous fields: of the order of the
-        discretisation error, relative; see :func:`woundon.nip.certificate.consistency`.
     """
 
     DIFFERENTIATED: ClassVar[tuple[str, ...]]  # outputs of ``sensitivity`` where none is named
@@ -152,9 +149,6 @@ class WindingNipResult(Dissipation, Result):
     series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
     series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
     refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
-    consistency: Mapping[str, float] = field(
-        default_factory=dict, repr=False, compare=False, metadata={"saved": False}
-    )
 
     @property
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]:
@@ -224,6 +218,16 @@ class WindingNipResult(Dissipation, Result):
         from .certificate import certificate, equations_of
 
         return certificate(self, equations_of(self))
+
+    @property
+    def consistency(self) -> Residuals:
+        """Conditions of the continuous fields: the balance of power, and other quadratures.
+
+        Their defects are of the order of the discretisation error and converge with the mesh.
+        """
+        from .certificate import consistency
+
+        return consistency(self)
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:
         """Return the scalars that no condition determines: values from the arrays, tolerances."""

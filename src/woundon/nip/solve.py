@@ -10,14 +10,14 @@ import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import MeshSolution, Refinement, refine
+from ..contact.refinement import REPORTED, MeshSolution, Refinement, refine
 from ..errors import RESOLUTION, NoSteadyState, NotConverged
 from ..problems.bodies import half_width_guess
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
 from ..validity import far_outside
-from .certificate import certificate, consistency
+from .certificate import certificate, inconsistencies
 from .equations import NipEquations
 from .load_limit import check_load
 from .outputs import SLIP_RATIOS, web_arrays
@@ -189,7 +189,6 @@ def result_of(problem: Any, found: Refinement) -> Any:
         "series_error": max((k.truncation_error for k in kernels), default=0.0),
         "rolling_resistance": outputs.get("rolling_resistance", nan),
         "refinement": found,
-        "consistency": consistency(equations, state),
     }  # fmt: skip
     result: Any
     if isinstance(problem, WrappedNipProblem):
@@ -205,5 +204,5 @@ def result_of(problem: Any, found: Refinement) -> Any:
         )
     return measured(
         result, errors=errors, residuals=certificate(result, equations),
-        warnings=nip_warnings(result),
+        warnings=(*nip_warnings(result), *inconsistencies(found.meshes[-REPORTED - 1 :])),
     )  # fmt: skip
