@@ -29,7 +29,10 @@ OVER = {
 }
 OUTPUTS = ["nip_width", "errors.half_width"]
 QUICK = {"nodes": 13}
-SAME = 1e-8  # the cases are solved in another order, each to the solver's own tolerance
+# The cases are solved in another order, from other starts, each to the solver's own tolerance: on the
+# last mesh 1e-11.  Error estimates contain the coarser ones, where the last step of ln(a) is below
+# 1e-5, so 3 times twice that in the half width.
+SAME, SAME_ESTIMATE = 1e-8, 6e-5
 
 
 def sweep_table(problem: Any, *given: Any, nodes: int, **options: Any) -> Table:
@@ -56,8 +59,10 @@ def test_a_table_that_a_study_writes_is_read_as_cases(tmp_path: Path, study, end
     assert list(one) == list(two)
     assert all(list(one[name]) == list(two[name]) for name in one)  # to the last bit
     assert 0 < study.failed.size < study.design.size
-    for name, values in study.outputs.items():
-        assert again.outputs[name] == pytest.approx(values, rel=SAME, nan_ok=True)
+    width = study.outputs["nip_width"]
+    assert again.outputs["nip_width"] == pytest.approx(width, rel=SAME, nan_ok=True)
+    difference = again.outputs["errors.half_width"] - study.outputs["errors.half_width"]
+    assert np.nanmax(np.abs(difference) / (width / 2)) < SAME_ESTIMATE
 
 
 def test_an_excel_file_looks_like_a_table(tmp_path: Path, study):
