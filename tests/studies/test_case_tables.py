@@ -29,9 +29,9 @@ OVER = {
 }
 OUTPUTS = ["nip_width", "errors.half_width"]
 QUICK = {"nodes": 13}
-# The cases are solved in another order, from other starts, each to the solver's own tolerance: on the
-# last mesh 1e-11.  Error estimates contain the coarser ones, where the last step of ln(a) is below
-# 1e-5, so 3 times twice that in the half width.
+# The cases are solved in another order, from other starts, each to the solver's own tolerance:
+# 1e-11 on the last mesh.  Error estimates contain the coarser ones, where the last step of ln(a)
+# is below 1e-5, so 3 times twice that in the half width.
 SAME, SAME_ESTIMATE = 1e-8, 6e-5
 
 
