@@ -170,6 +170,7 @@ def test_intervals_are_those_of_whole_refits_in_a_curved_valley():
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
     """S is bent at every change of a zone, on few nodes by more: a percent of the way."""
     vary = {"roll_friction": (0.05, 0.6), "roll.material.shear": (2e6, 1e8)}
