@@ -18,8 +18,23 @@ def test_solved_or_rejected(seed: int) -> None:
         result = wo.solve(random_layered(seed))
     except (wo.InvalidProblem, wo.NoSteadyState) as rejected:
         assert "must be" in str(rejected) or "is needed" in str(rejected)  # noqa: PT017
+    except wo.NotConverged:
+        assert_parts_on_any_mesh(random_layered(seed))
     else:
         assert result.residuals.largest <= 1e-8
+
+
+def assert_parts_on_any_mesh(problem: wo.Problem) -> None:
+    """The pressure is negative in the middle of a nip that bends its bodies out of their range.
+
+    The model takes the contact for one piece, so such a nip is rejected for a reason, which must
+    not be that of a mesh.
+    """
+    for nodes in (41, 81):
+        with pytest.raises(wo.NotConverged, match="the surfaces part") as rejected:
+            wo.solve(problem, nodes=nodes)
+        assert "indentation" in str(rejected.value)
+        assert rejected.value.best.pressure.min() < -1e-3 * rejected.value.best.peak_pressure
 
 
 def test_most_are_solved() -> None:

@@ -142,7 +142,7 @@ def test_a_place_is_reached_by_its_statement_its_function_or_its_file():
 
 @pytest.mark.slow
 def test_every_fault_of_a_solver_is_another_program():
-    source = (ROOT / "src" / "woundon" / "contact" / "stick_slip.py").read_text(encoding="utf-8")
+    source = (ROOT / "src" / "woundon" / "contact" / "newton.py").read_text(encoding="utf-8")
     sites, original = find_sites(source), ast.dump(ast.parse(source))
     assert len(sites) > 150
     for site in sites[::9]:
