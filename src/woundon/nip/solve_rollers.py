@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
-from ..contact.newton import NewtonFailed, SemismoothNewton
-from ..contact.refinement import CHANGES, MeshSolution, Refinement, refine
+from ..contact.newton import NewtonFailed
+from ..contact.refinement import CHANGES, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
 from ..problems.fields import shown
 from ..problems.rollers import RollerProblem
@@ -19,7 +19,7 @@ from ..results import Residuals, measured
 from ..threads import one_thread
 from ..validity import far_outside
 from .load_limit import check_load
-from .roller_certificate import certificate, consistency, state_of
+from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
 from .roller_validity import roller_warnings
 from .rollers import RollerEquations
@@ -239,15 +239,3 @@ def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str
         f"{RESOLUTION}the power balance is violated by {violation:.2g} of P a/R*, more than "
         f"{INCONSISTENT:g} times the estimated errors of its terms; use more nodes"
     ]
-
-
-def solutions(result: RollerResult) -> list[MeshSolution]:
-    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
-    if result.refinement is not None:
-        meshes: list[MeshSolution] = result.refinement.meshes
-        return meshes
-    found = state_of(result)
-    assert found is not None  # a loaded result is verified
-    equations, state = found
-    solver = SemismoothNewton(equations)
-    return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]
