@@ -134,7 +134,7 @@ def summary(done: Iterable[Published], folder: str = "") -> str:
 def known_counts() -> dict[str, tuple[int, ...]]:
     """Return how many statements of each exhibit are known to hold, fail, be beyond a test.
 
-    By the accurate solver.  Why a statement fails stands beside it in the exhibit.
+    By the accurate solver.  The exhibit states why a statement fails.
     """
     lines = (resources.files(__package__) / "known_counts.csv").read_text("utf-8").splitlines()
     rows = (line.split(",") for line in lines if not line.startswith("#"))

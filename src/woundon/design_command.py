@@ -23,7 +23,7 @@ COLUMNS = ("radius", "pressure")  # of a table of a wanted pressure; "value" is 
 
     CASE is that of a wound roll ('woundon new wound-roll'); its own tension plays no part. The roll
     is then wound forward with what was found, to see how near it comes. No pressure can be wanted
-    of the surface itself: how deep that is felt is told.
+    of the surface itself; the depth of the influence is stated.
     """,
     short_help="Find the wound-on tension that leaves a wanted pressure in a roll.",
 )

@@ -155,7 +155,7 @@ class AirNipResult(Result):
         return with_film(roll, self.film, self.problem.air)
 
     def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the numbers held here.
+        """Return the certificate, computed again from the problem and the fields of the result.
 
         A result that was loaded solves its nip again, on as many nodes.
         """
