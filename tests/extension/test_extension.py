@@ -163,7 +163,7 @@ print(plain.tension_behind_nip, wrapped.wound_on_tension, plain.wound_on_tension
 print(problem.replace(**{"drum.layers.1.thickness": 0.005}).drum.layers[1].thickness)
 """.replace("open('case.toml').read()", repr(CASE))
     ).split()
-    assert said[0] == "Mattress"
+    assert said[0] == "Mattress", said
     assert float(said[1]) <= 1e-8
     assert float(said[2]) <= 1e-8
     confined, wound_on, estimate = map(float, said[3:6])

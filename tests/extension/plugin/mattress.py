@@ -78,18 +78,19 @@ class MattressSurface:
     rigid = False
 
     def __init__(self, body: Mattress, face: Face, a: float) -> None:
-        self.body, self.derivative = body, face.derivative / a
-        self.zero = np.zeros(face.points.size)
+        self.body, self.derivative, self.hats = body, face.derivative / a, face.hats
 
     def deform(self, p: Array, q: Array) -> Deformation:
-        """Return the slope -dw/dx and no strain."""
-        return Deformation(-self.derivative @ self._depth(p)[0], self.zero)
+        """Return the slope v' = -dw/dx and the strain u' + v/R = -w/R."""
+        w = self._depth(p)[0]
+        return Deformation(-self.derivative @ w, -self.hats @ w * self.body.curvature)
 
     def tangent(self, p: Array, q: Array) -> SurfaceTangent:
         """Return the derivatives of ``deform``."""
-        slope_p = -self.derivative * self._depth(p)[1]
+        by_p = self._depth(p)[1]
+        slope_p = -self.derivative * by_p
         none = np.zeros_like(slope_p)
-        return SurfaceTangent(slope_p, none, none, none)
+        return SurfaceTangent(slope_p, none, -self.hats * (by_p * self.body.curvature), none)
 
     def end_displacement(self, p: Array, q: Array) -> float:
         """Return v at the last node."""
