@@ -48,7 +48,7 @@ def paper(**changes: object) -> wo.NipProblem:
         roll=wo.Cylinder(radius=0.3, core_radius=0.05, material="paper"),
         drum=wo.Rigid(radius=0.5),
         roll_friction=0.2, drum_friction=0.4,
-        nip_load=1900.0, winding_force=0.0, web_tension=300.0,
+        nip_load=1900.0, winding_force=0.0, web_tension=300.0, roll_wrap=0.0,
     ).replace(**changes)  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def newsprint(**changes: object) -> wo.NipProblem:
         roll=wo.Cylinder(radius=0.1, core_radius=0.0445, material="newsprint"),
         drum=wo.Rigid(radius=0.0762),
         roll_friction=0.19, drum_friction=0.2,
-        nip_load=3502.0, winding_force=0.0, web_tension=350.0,
+        nip_load=3502.0, winding_force=0.0, web_tension=350.0, roll_wrap=0.0,
     ).replace(**changes)  # fmt: skip
 
 
@@ -112,7 +112,10 @@ def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", wo.ValidityWarning)
         warnings.simplefilter("ignore", wo.ResolutionWarning)
-        alone, wrapped = wo.solve(problem, nodes=nodes), wo.solve(problem.wrapped(), nodes=nodes)
+        alone, wrapped = (
+            wo.solve(problem, nodes=nodes),
+            wo.solve(problem.replace(roll_wrap=pi), nodes=nodes),
+        )
     T_in = problem.web_tension
     return Compared(
         web_tension=T_in,
@@ -263,7 +266,7 @@ def slope_table() -> str:
         added = [point["measured"] - point["web_tension"] for point in own]
         problems = [newsprint(nip_load=P, web_tension=point["web_tension"]) for point in own]
         alone = wo.solve(problems[0])
-        wrapped = (wo.solve(problem.wrapped(roll_wrap=pi / 2)) for problem in problems)
+        wrapped = (wo.solve(problem.replace(roll_wrap=pi / 2)) for problem in problems)
         solved = np.mean(
             [result.wound_on_tension - result.problem.web_tension for result in wrapped]
         )

@@ -63,11 +63,11 @@ class Outcome(NamedTuple):
 @cache
 def results() -> tuple[Any, ...]:
     """Return what is saved: one result of each sort."""
-    nip, pair = wo.NipProblem.example(), wo.RollerProblem.example()
+    nip, pair = wo.NipProblem.example().replace(roll_wrap=0.0), wo.RollerProblem.example()
     return (
         wo.solve(nip, nodes=25),
         wo.solve(nip, rtol=1e-3),
-        wo.solve(nip.wrapped(drum_wrap=1.0), nodes=17),
+        wo.solve(nip.replace(roll_wrap=np.pi, drum_wrap=1.0), nodes=17),
         wo.solve(pair, nodes=25),
         wo.solve(pair.replace(motion="static"), nodes=25),
     )

@@ -102,12 +102,12 @@ def wound_pressure(stack: wo.Stack, tension: float = WOUND_ON) -> wo.Profile:
 def nip(
     P: float, T: float, K2: float, Q: float, G: float = 10e6, exponent: float = 0.0,
     roll: wo.Body | None = None, setting: str = "quarter",
-) -> wo.WrappedNipProblem:  # fmt: skip
+) -> wo.NipProblem:  # fmt: skip
     """Return the laboratory winder's nip, Q = K1 + P0 at the roll's surface."""
     wound = setting == "wound"
     stack = stack_of(Q if wound else Q / 2, K2, G, exponent)
     pressure = wound_pressure(stack) if wound else Q / 2
-    return wo.WrappedNipProblem(
+    return wo.NipProblem(
         web=wo.Web(thickness=66e-6, material=wo.material("newsprint")),
         roll=roll or wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=stack, pressure=pressure),
         drum=wo.Rigid(radius=0.0762), roll_friction=0.19, drum_friction=0.2,
@@ -162,7 +162,7 @@ def linear_points(name: str, nodes: int) -> Iterator[dict[str, Any]]:
 def linear_nip(name: str) -> Any:
     """Return the nip of a linear roll, confined or wrapped."""
     problem = newsprint_nip()
-    return problem if name == "confined" else problem.wrapped(roll_wrap=pi / 2)
+    return problem if name == "confined" else problem.replace(roll_wrap=pi / 2)
 
 
 def points(settings: list[str], nodes: int, folder: Path) -> None:

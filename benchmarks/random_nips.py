@@ -72,7 +72,7 @@ def random_nip(seed: int) -> wo.NipProblem:
         roll = wo.Cylinder(radius=R1, core_radius=core, material=paper)
     return wo.NipProblem(
         web=web, roll=roll, drum=drum, roll_friction=mu_roll, drum_friction=mu_drum,
-        nip_load=P, winding_force=F, web_tension=draw.log(50.0, 1000.0),
+        nip_load=P, winding_force=F, web_tension=draw.log(50.0, 1000.0), roll_wrap=0.0,
     )  # fmt: skip
 
 
@@ -93,7 +93,7 @@ def random_neighbours(seed: int) -> list[wo.NipProblem]:
     return _neighbours(seed, random_nip(seed))
 
 
-def random_wrapped_neighbours(seed: int) -> list[wo.WrappedNipProblem]:
+def random_wrapped_neighbours(seed: int) -> list[wo.NipProblem]:
     """Return a seed's wrapped nip and three more, alike."""
     return _neighbours(seed, random_wrapped_nip(seed))
 
@@ -112,14 +112,14 @@ def _neighbours(seed: int, first: Any) -> list[Any]:
     return nips
 
 
-def random_wrapped_nip(seed: int) -> wo.WrappedNipProblem:
+def random_wrapped_nip(seed: int) -> wo.NipProblem:
     """Return the nip of a seed with its wraps."""
     draw, nip = _Draw(4_000_000 + seed), random_nip(seed)
     roll_wrap, drum_wrap = draw.even(1.0, pi), draw.even(0.2, 3.0) * (seed % 2)
     if not drum_wrap:
-        return nip.wrapped(roll_wrap=roll_wrap)
+        return nip.replace(roll_wrap=roll_wrap)
     taut = nip.replace(web_tension=max(nip.web_tension, 300.0))
-    return taut.wrapped(roll_wrap=roll_wrap, drum_wrap=drum_wrap)
+    return taut.replace(roll_wrap=roll_wrap, drum_wrap=drum_wrap)
 
 
 def random_rollers(seed: int) -> wo.RollerProblem:
@@ -138,7 +138,7 @@ def random_rollers(seed: int) -> wo.RollerProblem:
     return wo.RollerProblem(upper=nip.roll, lower=nip.drum, load=P, friction=friction, **drive)
 
 
-def random_covered(seed: int) -> wo.WrappedNipProblem:
+def random_covered(seed: int) -> wo.NipProblem:
     """Return the wrapped nip of a seed with a soft cover on its drum."""
     draw, nip = _Draw(6_000_000 + seed), random_wrapped_nip(seed)
     R, thickness = nip.drum.radius, draw.log(5e-3, 40e-3)
@@ -157,7 +157,7 @@ def random_low_friction(seed: int) -> Any:
         fields["drum_friction"] = mu * draw.log(0.5, 2.0)
         fields["winding_force"] *= fields["drum_friction"] / nip.drum_friction
     nip = nip.replace(**fields)
-    return nip.wrapped(roll_wrap=draw.even(1.0, pi)) if draw.random.random() < 0.5 else nip
+    return nip.replace(roll_wrap=draw.even(1.0, pi)) if draw.random.random() < 0.5 else nip
 
 
 def random_layered(seed: int) -> wo.NipProblem:
@@ -224,7 +224,11 @@ def random_viscoelastic(seed: int) -> Any:
             tangential_load=pull if friction else None,
         )  # fmt: skip
     nip = plain.replace(roll=roll, drum=drum, web_speed=speed)
-    return nip if seed % 3 == 0 else nip.wrapped(drum_wrap=draw.even(0.0, 2.0) * (seed % 2))
+    return (
+        nip
+        if seed % 3 == 0
+        else nip.replace(roll_wrap=pi, drum_wrap=draw.even(0.0, 2.0) * (seed % 2))
+    )
 
 
 def _rubber(draw: _Draw, low: float, high: float) -> wo.Material:
@@ -253,7 +257,7 @@ def _viscoelastic_drum(draw: _Draw, radius: float) -> wo.Body:
     return wo.Layered(radius=radius, layers=layers[int(draw.random.integers(2)) :])
 
 
-def random_air(seed: int) -> wo.AirNipProblem:
+def random_air(seed: int) -> wo.NipProblem:
     """Return the nip of a seed with entrained air, a third of them on viscoelastic drums.
 
     Raises
@@ -271,7 +275,7 @@ def random_air(seed: int) -> wo.AirNipProblem:
     wrap = draw.even(0.0, 2.0) * (seed % 2)
     speed = draw.log(1e-2, 100.0)
     fields |= {"drum": drum, "drum_wrap": wrap, "web_speed": speed, "air": air}
-    return wo.AirNipProblem(**fields)
+    return wo.NipProblem(**fields)
 
 
 def random_hardening(seed: int) -> Any:
@@ -293,9 +297,9 @@ def random_hardening(seed: int) -> Any:
         ),
         drum=wo.Rigid(radius=rng.uniform(0.05, 0.6)), roll_friction=rng.uniform(0.1, 0.5),
         drum_friction=mu, nip_load=load, winding_force=rng.uniform(-0.6, 0.6) * mu * load,
-        web_tension=10 ** rng.uniform(2, 3),
+        web_tension=10 ** rng.uniform(2, 3), roll_wrap=0.0,
     )  # fmt: skip
-    return plain.wrapped(roll_wrap=rng.uniform(0.3, pi)) if rng.random() < 0.4 else plain
+    return plain.replace(roll_wrap=rng.uniform(0.3, pi)) if rng.random() < 0.4 else plain
 
 
 def _stack(rng: np.random.Generator, P0: float) -> wo.Stack:

@@ -94,10 +94,12 @@ def wide_nip(seed: int) -> wo.NipProblem:
     draw = _Draw(seed)
     fields = draw.nip_fields()
     most = fields["drum_friction"] * fields["nip_load"]
-    return wo.NipProblem(**fields, winding_force=draw.even(-0.99, 0.99) * min(most, 1e7))
+    return wo.NipProblem(
+        **fields, winding_force=draw.even(-0.99, 0.99) * min(most, 1e7), roll_wrap=0.0
+    )
 
 
-def wide_wrapped_nip(seed: int) -> wo.WrappedNipProblem:
+def wide_wrapped_nip(seed: int) -> wo.NipProblem:
     """Return the wrapped nip that belongs to a seed; always the same one."""
     draw = _Draw(seed)
     fields = draw.nip_fields()
@@ -105,7 +107,7 @@ def wide_wrapped_nip(seed: int) -> wo.WrappedNipProblem:
     drum_wrap = draw.even(0.0, pi) if draw.random.random() < 0.7 else 0.0
     most = min(mu * P + T * expm1(mu * drum_wrap), 1e7)
     least = -min(mu * P - T * expm1(-mu * drum_wrap), 1e7)
-    return wo.WrappedNipProblem(
+    return wo.NipProblem(
         **fields, winding_force=draw.even(0.99 * least, 0.99 * most), drum_wrap=drum_wrap,
         roll_wrap=draw.even(0.0, pi) if draw.random.random() < 0.7 else pi,
     )  # fmt: skip

@@ -40,7 +40,7 @@ def nip(body: wo.Body, nip_load: float = 3502.0, **changes: Any) -> wo.NipProble
         "drum": wo.Rigid(radius=0.0762), "roll_friction": 0.19, "drum_friction": 0.2,
         "nip_load": nip_load, "winding_force": 0.0, "web_tension": 350.0,
     }  # fmt: skip
-    return wo.NipProblem(**fields | changes)
+    return wo.NipProblem(**fields | changes, roll_wrap=0.0)
 
 
 class OtherReference(wo.Body, abstract=True):  # of the tests alone

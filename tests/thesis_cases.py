@@ -17,13 +17,13 @@ def paper_nip(**changes: Any) -> wo.NipProblem:
         roll=wo.Cylinder(radius=0.3, core_radius=0.05, material=paper),
         drum=wo.Rigid(radius=0.5),
         roll_friction=0.2, drum_friction=0.4,
-        nip_load=1900.0, winding_force=100.0, web_tension=500.0,
+        nip_load=1900.0, winding_force=100.0, web_tension=500.0, roll_wrap=0.0,
     ).replace(**changes)  # fmt: skip
 
 
 def newsprint_nip(**changes: Any) -> wo.NipProblem:
     """Table 2: newsprint on the laboratory winder, P = 3502 and T_in = 350 N/m."""
-    return wo.NipProblem.example().replace(**changes)
+    return wo.NipProblem.example().replace(roll_wrap=0.0).replace(**changes)
 
 
 def measured_tensions() -> list[dict[str, float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Any
 
 import woundon as wo
@@ -9,9 +10,9 @@ import woundon as wo
 __all__ = ["solve_wrapped"]
 
 
-def solve_wrapped(problem: Any, nodes: int | None = None, **wraps: Any) -> wo.WrappedNipResult:
+def solve_wrapped(problem: Any, nodes: int | None = None, **wraps: Any) -> wo.NipResult:
     """Return the result of a nip with wraps; a plain nip gets half a turn on the roll."""
     if wraps or isinstance(problem, wo.NipProblem):
-        problem = problem.wrapped(**wraps)
-    result: wo.WrappedNipResult = wo.solve(problem, nodes=nodes)
+        problem = problem.replace(roll_wrap=pi, **wraps)
+    result: wo.NipResult = wo.solve(problem, nodes=nodes)
     return result

@@ -36,7 +36,7 @@ over = {
     "roll.radius": 0.5e-3 * settings["roll diameter [mm]"].to_numpy(),
 }
 outputs = ["wound_on_tension", "nip_width", "peak_pressure"]
-solved = wo.sweep(wo.WrappedNipProblem.example(), over, outputs, design="table")
+solved = wo.sweep(wo.NipProblem.example(), over, outputs, design="table")
 settings["wound-on tension [N/m]"] = solved.wound_on_tension.values.round(1)
 settings["nip width [mm]"] = (1e3 * solved.nip_width.values).round(2)
 settings["largest pressure [kPa]"] = (1e-3 * solved.peak_pressure.values).round(0)

@@ -17,7 +17,7 @@ import numpy as np
 
 import woundon as wo
 
-result = wo.solve(wo.WrappedNipProblem.example())
+result = wo.solve(wo.NipProblem.example())
 print(
     f"slip on the roll: first {abs(result.leading_roll):.0%} "
     f"and last {result.trailing_roll:.0%} of the nip"

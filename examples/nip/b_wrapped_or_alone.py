@@ -4,7 +4,7 @@ The nip alone, or with the web wrapped on the roll?
 
 The classical model ends at the trailing edge of the nip and holds the web to the roll there. In
 truth the web slips on behind the nip for a few degrees. ``wo.NipProblem`` is the nip alone,
-``wo.WrappedNipProblem`` has the wraps. Which one is right for a wound-on tension, and how far
+``wo.NipProblem`` has the wraps. Which one is right for a wound-on tension, and how far
 are they apart?
 
 **Answer:** take the wrapped one. The nip alone gives two numbers, a tension at the trailing
@@ -18,7 +18,7 @@ import numpy as np
 
 import woundon as wo
 
-wrapped = wo.WrappedNipProblem.example()
+wrapped = wo.NipProblem.example()
 alone = wrapped.confined()  # the same nip as a NipProblem
 loads = np.geomspace(300, 8000, 9)
 table = []

@@ -17,7 +17,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.WrappedNipProblem.example()
+problem = wo.NipProblem.example()
 loads = np.geomspace(200, 6000, 9)
 rows = []
 for load in loads:

@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 
 import woundon as wo
 
-problem = wo.WrappedNipProblem.example()
+problem = wo.NipProblem.example()
 result = wo.solve(problem)
 print(f"{result.wound_on_tension:.1f} ± {result.wound_on_tension_error:.1f} N/m from the grid")
 print(f"largest violation of any law: {result.residuals.largest:.1e} ({result.residuals.worst})")

@@ -25,7 +25,7 @@ ranges = {
     "roll.material.shear": (8e6, 12e6),
 }
 drawn = wo.sweep(
-    wo.WrappedNipProblem.example(),
+    wo.NipProblem.example(),
     ranges,
     design="latin-hypercube",
     samples=60,

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 import woundon as wo
 
 newsprint = wo.Orthotropic(radial=27e6, tangential=3.38e9, cross=5e6, shear=10e6)
-problem = wo.WrappedNipProblem(
+problem = wo.NipProblem(
     web=wo.Web(thickness=66e-6, material=newsprint),
     roll=wo.Cylinder(radius=0.1, core_radius=0.0445, material=newsprint),
     drum=wo.Rigid(radius=0.0762),

@@ -17,7 +17,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.WrappedNipProblem.example()
+problem = wo.NipProblem.example()
 wound = wo.solve(problem).wound_on_tension
 for name in ("nip_load", "web_tension"):
     more = problem.replace(**{name: 1.1 * getattr(problem, name)})

@@ -18,7 +18,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.AirNipProblem.example()
+problem = wo.NipProblem.example()
 speeds = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0])
 
 

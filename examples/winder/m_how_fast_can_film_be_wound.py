@@ -19,7 +19,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.AirNipProblem.example()
+problem = wo.NipProblem.example()
 stack = wo.Stack(
     radial=wo.Pfeiffer(K1=5e3, K2=100.0), tangential=5e9, poissons_ratio=0.01, shear=10e6
 )

@@ -49,6 +49,7 @@ def paper_nip(**changes: Any) -> wo.NipProblem:
         nip_load=1900.0,
         winding_force=100.0,
         web_tension=500.0,
+        roll_wrap=0.0,
     ).replace(**changes)
 
 
@@ -78,6 +79,7 @@ def newsprint_nip(**changes: Any) -> wo.NipProblem:
         nip_load=3502.0,
         winding_force=0.0,
         web_tension=350.0,
+        roll_wrap=0.0,
     ).replace(**changes)
 
 

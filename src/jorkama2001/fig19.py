@@ -49,7 +49,10 @@ def exhibits(solver: str) -> list[Exhibit]:
 def _wrapped() -> xr.Dataset:
     outputs = ["nip_induced_tension", "wound_on_tension"]
     return swept(
-        paper_nip().wrapped(), OVER | {"roll_friction": FRICTIONS[::4]}, outputs=outputs, nodes=65
+        paper_nip().replace(roll_wrap=np.pi),
+        OVER | {"roll_friction": FRICTIONS[::4]},
+        outputs=outputs,
+        nodes=65,
     )
 
 

@@ -37,12 +37,12 @@ def exhibits(solver: str) -> list[Exhibit]:
     title = "Slips and tension for mu+ below and above mu-"
     below, above = nips.values()
     taut = paper_nip(nip_load=NIP_LOAD)
-    wrapped = [solved(taut.replace(roll_friction=mu).wrapped()) for mu in FRICTIONS]
+    wrapped = [solved(taut.replace(roll_friction=mu).replace(roll_wrap=np.pi)) for mu in FRICTIONS]
     verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
     return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
 
 
-def _pattern(r: Nip | wo.WrappedNipResult, when: str = "mu+ > mu-") -> list[Verdict]:
+def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
     own = r.in_nip
     x, T = r.x[own], r.web_tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
@@ -90,7 +90,7 @@ def _numbers(below: Nip, above: Nip) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _of_the_wrap(below: wo.WrappedNipResult, above: wo.WrappedNipResult) -> list[Verdict]:
+def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
     a, b = below.nip_induced_tension, above.nip_induced_tension
     return [
         *_pattern(above, "with the web wrapped on the roll behind the nip, mu+ > mu-"),

@@ -35,7 +35,7 @@ class _Nip(NamedTuple):
     """A nip of the figure: alone, wrapped, and the strain of its roll over the angle."""
 
     alone: Nip
-    wrapped: wo.WrappedNipResult
+    wrapped: wo.NipResult
     data: xr.Dataset
 
     @property
@@ -73,7 +73,7 @@ def _nip(mu: float, solver: str) -> _Nip:
             "web_rate [1/rad]": np.append(nan, web_rate(problem.web, tension, mu, behind)),
         },
     )
-    return _Nip(alone, solved(problem.wrapped()), data)
+    return _Nip(alone, solved(problem.replace(roll_wrap=np.pi)), data)
 
 
 def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:

@@ -115,7 +115,7 @@ def swept(
 
     Parameters
     ----------
-    problem : NipProblem or WrappedNipProblem
+    problem : NipProblem or NipProblem
     over : mapping
         Parameter -> values; a dimension each.  Moduli are those of roll and web.
     solver : {"accurate", "thesis"}

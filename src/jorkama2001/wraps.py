@@ -34,7 +34,7 @@ def pinning_error(problem: wo.NipProblem) -> dict[str, float]:
         less T_in, wrapped [N/m]; ``slip_angle`` [rad]; the relative ``error`` of the wound-on
         tension, > 0 where the nip alone gives too much.
     """
-    alone, wrapped = (solved(one, nodes=NODES) for one in (problem, problem.wrapped()))
+    alone, wrapped = (solved(one, nodes=NODES) for one in (problem, problem.replace(roll_wrap=pi)))
     T_in, WOT = problem.web_tension, wrapped.wound_on_tension
     return {
         "nip_load": problem.nip_load,
@@ -82,7 +82,7 @@ def rig_table(thickness: float = 66e-6, angle: float = pi / 2) -> pd.DataFrame:
         problem = newsprint_nip(
             nip_load=point.nip_load, web_tension=T_in, **{"web.thickness": thickness}
         )
-        wrapped = solved(problem.wrapped(roll_wrap=angle, drum_wrap=pi), nodes=NODES)
+        wrapped = solved(problem.replace(roll_wrap=angle, drum_wrap=pi), nodes=NODES)
         estimate = solved(problem, nodes=NODES).wound_on_tension_estimate(angle)
         values = (point.measured, estimate, wrapped.wound_on_tension)
         rows.append((point.nip_load, T_in, *(value - T_in for value in values)))
@@ -96,7 +96,7 @@ def rig_misses(table: pd.DataFrame) -> tuple[float, float]:
     return rms(estimate.to_numpy()), rms(solved.to_numpy())
 
 
-def trailing_edge(result: wo.WrappedNipResult) -> tuple[float, float]:
+def trailing_edge(result: wo.NipResult) -> tuple[float, float]:
     """Return v+ and the roll's strain less that on the far side, just behind the trailing edge."""
     k = result.in_nip.stop
     return float(result.roll_slip[k]), float(result.roll_strain[k] - result.roll_strain[-1])

@@ -10,8 +10,7 @@ __version__ = "0.2.0.dev0"
 _HOME = {
     "Air": "problems.air",
     "AirBetween": "problems.air_law",
-    "AirNipProblem": "problems.air",
-    "AirNipResult": "air.result",
+    "AirFilm": "nip.entrained_air",
     "Body": "problems.bodies",
     "Core": "problems.roll",
     "Cylinder": "problems.bodies",
@@ -59,8 +58,6 @@ _HOME = {
     "WoundRoll": "problems.wound_roll",
     "WoundRollProblem": "problems.roll",
     "WoundRollResult": "roll.result",
-    "WrappedNipProblem": "problems.nip",
-    "WrappedNipResult": "nip.result",
     "Zone": "results",
     "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
@@ -83,8 +80,7 @@ _HOME = {
 __all__ = [
     "Air",
     "AirBetween",
-    "AirNipProblem",
-    "AirNipResult",
+    "AirFilm",
     "Body",
     "Core",
     "Cylinder",
@@ -132,8 +128,6 @@ __all__ = [
     "WoundRoll",
     "WoundRollProblem",
     "WoundRollResult",
-    "WrappedNipProblem",
-    "WrappedNipResult",
     "Zone",
     "__version__",
     "derivatives",
@@ -156,7 +150,6 @@ __all__ = [
 if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
-    from .air.result import AirNipResult as AirNipResult
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
@@ -166,12 +159,11 @@ if TYPE_CHECKING:
     from .io.chosen_units import units as units
     from .io.result_files import load_result as load_result
     from .kinds import solve as solve
+    from .nip.entrained_air import AirFilm as AirFilm
     from .nip.result import NipResult as NipResult
-    from .nip.result import WrappedNipResult as WrappedNipResult
     from .nip.roller_result import RollerResult as RollerResult
     from .nip.sensitivity import Sensitivity as Sensitivity
     from .problems.air import Air as Air
-    from .problems.air import AirNipProblem as AirNipProblem
     from .problems.air_law import AirBetween as AirBetween
     from .problems.bodies import Body as Body
     from .problems.bodies import Cylinder as Cylinder
@@ -188,7 +180,6 @@ if TYPE_CHECKING:
     from .problems.materials import material as material
     from .problems.nip import NipProblem as NipProblem
     from .problems.nip import Web as Web
-    from .problems.nip import WrappedNipProblem as WrappedNipProblem
     from .problems.radial_laws import Pfeiffer as Pfeiffer
     from .problems.radial_laws import Polynomial as Polynomial
     from .problems.radial_laws import PowerLaw as PowerLaw

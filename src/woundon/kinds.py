@@ -22,12 +22,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 from .errors import InvalidProblem, did_you_mean, one_of
 
 if TYPE_CHECKING:
-    from .air.result import AirNipResult
-    from .nip.result import NipResult, WrappedNipResult
+    from .nip.result import NipResult
     from .nip.roller_result import RollerResult
-    from .problems.air import AirNipProblem
     from .problems.fields import Problem
-    from .problems.nip import NipProblem, WrappedNipProblem
+    from .problems.nip import NipProblem
     from .problems.roll import WoundRollProblem
     from .problems.rollers import RollerProblem
     from .problems.winding import WindingProblem
@@ -115,7 +113,7 @@ class Kind:
 
     @property
     def command(self) -> str:
-        """The kind's own command: ``woundon wrapped-nip CASE``."""
+        """The kind's own command: ``woundon wound-roll CASE``."""
         return self.name.replace("_", "-")
 
 
@@ -147,8 +145,8 @@ def register(
         :class:`~woundon.problems.fields.Problem`, the result's a
         :class:`~woundon.results.Result`; ``solver(problem, **options)`` returns one.
     name : str
-        By default the snake-case of the problem's class less "Problem": ``wrapped_nip`` of
-        ``WrappedNipProblem``.
+        By default the snake-case of the problem's class less "Problem": ``wound_roll`` of
+        ``WoundRollProblem``.
     about : str
         One line for the command line's help; by default the first of the class's text.
     report, plot : callable or name
@@ -184,19 +182,9 @@ register(
     "woundon.problems.nip:NipProblem",
     "woundon.nip.solve:solve_nip",
     "woundon.nip.result:NipResult",
-    about="The winding nip alone, the web held at its trailing edge.",
+    about="The winding nip: stick and slip, nip-induced and wound-on tension.",
     report="woundon.show.report:nip_report",
     plot="woundon.show.nip_plots:nip_panels",
-    check="woundon.nip.solve:check_options",
-    options=NIP_OPTIONS,
-)
-register(
-    "woundon.problems.nip:WrappedNipProblem",
-    "woundon.nip.solve:solve_nip",
-    "woundon.nip.result:WrappedNipResult",
-    about="The winding nip with the web wrapped on roll and drum: the wound-on tension.",
-    report="woundon.show.report:wrapped_report",
-    plot="woundon.show.nip_plots:wrapped_panels",
     check="woundon.nip.solve:check_options",
     options=NIP_OPTIONS,
 )
@@ -254,14 +242,6 @@ register(
             "default 1e-6, and 1e-5 with a direct roll.",
         ),
     },
-)
-register(
-    "woundon.problems.air:AirNipProblem",
-    "woundon.air.solve:solve_air_nip",
-    "woundon.air.result:AirNipResult",
-    about="The winding nip with the air that the web brings.",
-    check="woundon.air.solve:check_options",
-    options=NIP_OPTIONS,
 )
 
 
@@ -339,13 +319,9 @@ def for_fields(names: Iterable[str]) -> Kind:
 @overload
 def solve(problem: NipProblem, **options: Any) -> NipResult: ...
 @overload
-def solve(problem: WrappedNipProblem, **options: Any) -> WrappedNipResult: ...
-@overload
 def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
 @overload
 def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
-@overload
-def solve(problem: AirNipProblem, **options: Any) -> AirNipResult: ...
 @overload
 def solve(problem: WindingProblem, **options: Any) -> WindingResult: ...
 @overload
@@ -353,14 +329,12 @@ def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:
     """Solve a problem of any kind.
 
-    ===================================  =====================================================
-    :class:`~woundon.NipProblem`         the winding nip alone, the web held at its trailing edge
-    :class:`~woundon.WrappedNipProblem`  the nip with its wraps: the wound-on tension
-    :class:`~woundon.RollerProblem`      two rollers in contact without a web
-    :class:`~woundon.WoundRollProblem`   the stresses that winding leaves in a roll
-    :class:`~woundon.AirNipProblem`      the nip with its wraps, and the air that the web brings
-    :class:`~woundon.WindingProblem`     nips as a roll grows, and the roll that they wind
-    ===================================  =====================================================
+    ==================================  =================================================
+    :class:`~woundon.NipProblem`        one rolling nip: the wound-on tension
+    :class:`~woundon.RollerProblem`     two rollers in contact without a web
+    :class:`~woundon.WoundRollProblem`  stresses in a roll of given wound-on tension
+    :class:`~woundon.WindingProblem`    a winding: nip and roll coupled over the radius
+    ==================================  =================================================
 
     and whatever :func:`woundon.kinds.register` made known.
 
@@ -376,9 +350,8 @@ def solve(problem: Any, **options: Any) -> Any:
     Returns
     -------
     Result
-        Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.WrappedNipResult`,
-        :class:`~woundon.RollerResult`, :class:`~woundon.WoundRollResult`,
-        :class:`~woundon.AirNipResult`, :class:`~woundon.WindingResult`, ...
+        Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.RollerResult`,
+        :class:`~woundon.WoundRollResult`, :class:`~woundon.WindingResult`, ...
 
     Raises
     ------

@@ -312,14 +312,23 @@ def scalar_outputs(thing: Any) -> dict[str, Quantity]:
 
 
 def value_of(thing: Any, name: str) -> Any:
-    """Return an output's value; a method without arguments is called."""
-    value = getattr(thing, name)
+    """Return an output's value; a method without arguments is called.
+
+    An output of a part that the result does not have, as ``air.film`` without air, is nan.
+    """
+    head, _, rest = name.partition(".")
+    value = getattr(thing, head)
+    if rest:
+        return float("nan") if value is None else value_of(value, rest)
     return value() if callable(value) else value
 
 
 def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Iterator[Place]:
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
+        part = name.partition(".")[0]
+        if part != name and thing is not of and getattr(thing, part) is None:
+            continue
         value = value_of(thing, name) if values and thing is not of else None
         yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
 
@@ -336,7 +345,13 @@ def _annotated(of: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
     found: dict[str, Any] = {}
     if dataclasses.is_dataclass(of):
         hints = get_type_hints(of, include_extras=True)
-        found = {field.name: hints[field.name] for field in dataclasses.fields(of)}
+        for field in dataclasses.fields(of):
+            hint = hints[field.name]
+            found[field.name] = hint
+            for part in get_args(hint):
+                if getattr(part, "part_of_result", False):
+                    inner = _annotated(part, version)
+                    found |= {f"{field.name}.{name}": each for name, (_, each) in inner.items()}
     for base in reversed(of.__mro__):
         for name, made in vars(base).items():
             hint = _returned(made)

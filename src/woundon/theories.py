@@ -27,7 +27,7 @@ from .arguments import check_type
 from .elasticity import half_plane
 from .errors import InvalidProblem
 from .problems.bodies import Body, contact_radius
-from .problems.nip import NipProblem, WindingNip, WrappedNipProblem
+from .problems.nip import NipProblem
 from .problems.rollers import RollerProblem
 
 if TYPE_CHECKING:
@@ -48,8 +48,6 @@ __all__ = [
     "hertz",
     "jalkanen",
 ]
-
-_NIPS = (NipProblem, WrappedNipProblem)
 
 Array = np.ndarray
 
@@ -72,9 +70,9 @@ def _compliance(body: Body, name: str) -> half_plane.Coefficients:
     return half_plane.coefficients(*body.surface_material.stiffness)
 
 
-def _pair(problem: WindingNip | RollerProblem) -> _Pair:
-    check_type("problem", problem, *_NIPS, RollerProblem)
-    names = ("roll", "drum") if isinstance(problem, WindingNip) else ("upper", "lower")
+def _pair(problem: NipProblem | RollerProblem) -> _Pair:
+    check_type("problem", problem, NipProblem, RollerProblem)
+    names = ("roll", "drum") if isinstance(problem, NipProblem) else ("upper", "lower")
     one, two = (getattr(problem, name) for name in names)
     K1, K2 = _compliance(one, names[0]), _compliance(two, names[1])
     R = contact_radius(one, two)
@@ -115,7 +113,7 @@ class Hertz:
         return self.peak_pressure * _ellipse(x, 0.0, self.half_width)
 
 
-def hertz(problem: WindingNip | RollerProblem) -> Hertz:
+def hertz(problem: NipProblem | RollerProblem) -> Hertz:
     """Return the frictionless, orthotropic Hertz contact of the two bodies::
 
         a = 2 sqrt(P R/(pi E*)),   p(x) = 2P/(pi a^2) sqrt(a^2 - x^2),   E_i = 2/C_i
@@ -131,11 +129,11 @@ def hertz(problem: WindingNip | RollerProblem) -> Hertz:
     return Hertz(half_width=a, peak_pressure=2 * P / (pi * a), modulus=E, radius=R)
 
 
-def _load(problem: WindingNip | RollerProblem) -> float:
-    return problem.nip_load if isinstance(problem, WindingNip) else problem.load
+def _load(problem: NipProblem | RollerProblem) -> float:
+    return problem.nip_load if isinstance(problem, NipProblem) else problem.load
 
 
-def friction_limit(problem: WindingNip) -> float:
+def friction_limit(problem: NipProblem) -> float:
     """Return NIT = mu+ P + F [N/m], the value when the web slips forward on the whole roll.
 
     In centre winding (F = 0) this is the early theory NIT = mu P.  Since Q+ <= mu+ P and Q- = F
@@ -145,12 +143,12 @@ def friction_limit(problem: WindingNip) -> float:
 
     Source: thesis eqs. (4)-(6), after Good; sec. 4.3.
     """
-    check_type("problem", problem, *_NIPS)
+    check_type("problem", problem, NipProblem)
     mu, P, F = problem.roll_friction, problem.nip_load, problem.winding_force
     return mu * P + F
 
 
-def jalkanen(problem: WindingNip, approach: float) -> float:
+def jalkanen(problem: NipProblem, approach: float) -> float:
     """Return Jalkanen's kinematic NIT = E_t t delta/R [N/m].
 
     Assumes that the web takes the drum's speed up to the contact's centre and the roll's after it,
@@ -168,13 +166,13 @@ def jalkanen(problem: WindingNip, approach: float) -> float:
 
     Source: thesis eq. (9).
     """
-    check_type("problem", problem, *_NIPS)
+    check_type("problem", problem, NipProblem)
     t, R = problem.web.thickness, problem.roll.radius
     E_t = 1 / problem.web.compliance.c11
     return E_t * t * approach / R
 
 
-def dual_slip(problem: WindingNip, dual_slip_ratio: ArrayLike) -> Array:
+def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
     """Return NIT [N/m] as the friction of both faces over the dual-slip zone, Hertzian pressure::
 
         NIT(s_d) = (mu+ + mu-) int_y^a p dx,   y = a (1 - 2 |s_d|)
@@ -192,7 +190,7 @@ def dual_slip(problem: WindingNip, dual_slip_ratio: ArrayLike) -> Array:
 
     Source: thesis eq. (173).
     """
-    check_type("problem", problem, *_NIPS)
+    check_type("problem", problem, NipProblem)
     mu, P = problem.roll_friction + problem.drum_friction, problem.nip_load
     s_d = np.asarray(dual_slip_ratio, dtype=float)
     s = np.abs(s_d)

@@ -57,7 +57,7 @@ def test_a_case_file_has_it(tmp_path: Path) -> None:
 def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
     problem: Any = nip(roll())
     if wrapped:
-        problem = problem.wrapped(roll_wrap=pi / 2)
+        problem = problem.replace(roll_wrap=pi / 2)
     first = wo.solve(problem, nodes=17)
     near = problem.replace(**{"roll.stack.radial.K2": 130.0})
     cold, warm = wo.solve(near, nodes=17), wo.solve(near, nodes=17, start=first)
@@ -138,7 +138,7 @@ FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
 def test_a_modulus_that_turns_negative_is_refused(where: str) -> None:
     """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
     body = roll().replace(**{"stack.radial": FALLS})
-    web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).wrapped()
+    web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).replace(roll_wrap=pi)
     problem, told = {
         "roll": (nip(body), "roll: the pressure in it"),
         "web": (web, "web.material: the press"),

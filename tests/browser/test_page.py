@@ -24,7 +24,7 @@ PLI = 175.1268352464764  # [N/m]
 @pytest.fixture(scope="module")
 def example():
     """The case that the page begins with."""
-    return wo.WrappedNipProblem.example()
+    return wo.NipProblem.example()
 
 
 FETCHED = """() => [...performance.getEntriesByType("navigation"),
@@ -275,9 +275,9 @@ def test_a_case_is_solved_by_the_command_line_and_python_and_comes_up_again(look
     seen.from_menu("Python that computes this")
     space = {}
     exec(seen.page.inner_text(".snippet"), space)
-    results = [thing for thing in space.values() if isinstance(thing, wo.WrappedNipResult)]
+    results = [thing for thing in space.values() if isinstance(thing, wo.NipResult)]
     result = results[0] if results else wo.solve(next(
-        thing for thing in space.values() if isinstance(thing, wo.WrappedNipProblem)))  # fmt: skip
+        thing for thing in space.values() if isinstance(thing, wo.NipProblem)))  # fmt: skip
     assert result.wound_on_tension == pytest.approx(number, rel=CLOSE)
     other = look()
     other.offer("case.toml", case.read_bytes())

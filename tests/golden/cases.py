@@ -77,11 +77,11 @@ def build(data: Any) -> Any:
 def _nip(fields: dict[str, Any]) -> wo.Problem:
     """Return a nip, of the class that its wraps and its air ask for."""
     if "air" in fields:
-        return wo.AirNipProblem(**fields)
+        return wo.NipProblem(**fields)
     if fields["roll_wrap"] == fields["drum_wrap"] == 0:
         del fields["roll_wrap"], fields["drum_wrap"]
-        return wo.NipProblem(**fields)
-    return wo.WrappedNipProblem(**fields)
+        return wo.NipProblem(**fields, roll_wrap=0.0)
+    return wo.NipProblem(**fields)
 
 
 # ---- results -------------------------------------------------------------------------------------

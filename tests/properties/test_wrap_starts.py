@@ -18,7 +18,7 @@ MESH = {"nodes": 33}
 COVER = wo.Cylinder(
     radius=0.25, core_radius=0.235, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)
 )
-HARD = paper_nip(web_tension=300.0).wrapped()
+HARD = paper_nip(web_tension=300.0).replace(roll_wrap=pi)
 BASES = {
     "hard": HARD,
     "both wraps": HARD.replace(drum_wrap=1.5),
@@ -38,11 +38,11 @@ FAR: dict[str, dict[str, Any]] = {
 
 
 @cache
-def solved(name: str) -> wo.WrappedNipResult:
+def solved(name: str) -> wo.NipResult:
     return wo.solve(BASES[name], **MESH)
 
 
-def assert_same(one: wo.WrappedNipResult, other: wo.WrappedNipResult) -> None:
+def assert_same(one: wo.NipResult, other: wo.NipResult) -> None:
     """Assert that two results are equal to the tolerance of the solver."""
     top = float(np.max(one.pressure))
     size = one.problem.web_tension + one.problem.roll_friction * one.problem.nip_load

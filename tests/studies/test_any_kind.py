@@ -44,7 +44,7 @@ def row(springs):
 
 def test_wraps_are_swept_as_any_field():
     """Also over friction behind the nip that the base case leaves to that in it."""
-    wrapped = paper_nip().wrapped(drum_wrap=0.5)
+    wrapped = paper_nip().replace(roll_wrap=pi, drum_wrap=0.5)
     over = {"wrap_friction": [0.1, 0.3], "roll_wrap": [0.5, pi]}
     outputs = ("wound_on_tension", "slip_angle")
     data = wo.sweep(wrapped, over, outputs, nodes=17, workers=1)
@@ -64,7 +64,9 @@ def test_wraps_are_swept_as_any_field():
 def test_by_default_a_study_gives_what_the_kind_is_about():
     loads = {"nip_load": [1e3]}
     assert "nip_induced_tension" in wo.sweep(paper_nip(), loads, nodes=13, workers=1)
-    assert "wound_on_tension" in wo.sweep(paper_nip().wrapped(), loads, nodes=17, workers=1)
+    assert "wound_on_tension" in wo.sweep(
+        paper_nip().replace(roll_wrap=pi), loads, nodes=17, workers=1
+    )
     with pytest.raises(wo.InvalidProblem, match=r"none is given; known: .*creepage, shift, "):
         wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
 
@@ -91,7 +93,7 @@ def test_a_nip_alone_has_no_wound_on_tension_to_sweep():
     with pytest.raises(wo.InvalidProblem, match=f"wound_on_tension: {NIP_ALONE}"):
         wo.sweep(paper_nip(), {"nip_load": [1e3]}, ("half_width", "wound_on_tension"))
     with pytest.raises(wo.InvalidProblem, match="rig_tension: no such output: the wrapped web's"):
-        wo.sweep(paper_nip().wrapped(), {"nip_load": [1e3]}, "rig_tension")
+        wo.sweep(paper_nip().replace(roll_wrap=pi), {"nip_load": [1e3]}, "rig_tension")
 
 
 @pytest.mark.parametrize("column", ["wound_on_tension", "wound_on_tension [N/m]", "WOT"])
@@ -115,11 +117,11 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
         "nip_load": [row["nip_load"] for row in rows],
         "wound_on_tension": [row["measured"] for row in rows],
     }
-    wrapped = newsprint_nip().wrapped(roll_wrap=pi / 2, drum_wrap=pi)
+    wrapped = newsprint_nip().replace(roll_wrap=pi / 2, drum_wrap=pi)
     fit = wo.fit(
         wrapped, data, {"roll_friction": (0.05, 0.8)}, nodes=17, starts=1, profiles=False
     )  # fmt: skip
-    assert isinstance(fit.problem, wo.WrappedNipProblem)
+    assert isinstance(fit.problem, wo.NipProblem)
 
     def tensions(mu: float) -> np.ndarray:
         nips = (wrapped.replace(nip_load=P, roll_friction=mu) for P in data["nip_load"])
@@ -135,7 +137,7 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
 
 
 def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
-    true = paper_nip().wrapped(wrap_friction=0.13)
+    true = paper_nip().replace(roll_wrap=pi, wrap_friction=0.13)
     loads = [1500.0, 3000.0]
     data = {
         "nip_load": loads,
@@ -143,7 +145,7 @@ def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
             wo.solve(true.replace(nip_load=P), nodes=17).wound_on_tension for P in loads
         ],
     }
-    base = paper_nip().wrapped()
+    base = paper_nip().replace(roll_wrap=pi)
     assert base.wrap_friction is None
     fit = wo.fit(
         base, data, {"wrap_friction": (0.05, 0.4)}, nodes=17, starts=1, profiles=False
@@ -157,7 +159,7 @@ def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
 
 def test_one_grid_for_fits_where_the_solver_would_choose_it():
     """65 nodes for all contacts; nodes and tolerances that are given stay."""
-    for nip in (paper_nip(), paper_nip().wrapped(), wo.RollerProblem.example()):
+    for nip in (paper_nip(), paper_nip().replace(roll_wrap=pi), wo.RollerProblem.example()):
         assert _on_one_grid(nip, {}) == {"nodes": 65}
         assert _on_one_grid(nip, {"nodes": None}) == {"nodes": 65}
         assert _on_one_grid(nip, {"nodes": 33}) == {"nodes": 33}
@@ -207,7 +209,7 @@ def test_what_follows_a_varied_field_is_solved():
     ],
 )  # fmt: skip
 def test_bad_studies_of_a_wrapped_nip_are_refused(over, outputs, options, says):
-    wrapped = paper_nip().wrapped()
+    wrapped = paper_nip().replace(roll_wrap=pi)
     with pytest.raises(wo.InvalidProblem, match=says):
         wo.sweep(wrapped, over, outputs, options=options)
 

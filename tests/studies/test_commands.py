@@ -188,7 +188,7 @@ def test_wraps_are_swept_from_a_study_file(wrapped_case: Path, tmp_path: Path):
     assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
     assert (out / "wound_on_tension.png").stat().st_size > 10_000
     base = wo.load_case(wrapped_case)
-    assert isinstance(base, wo.WrappedNipProblem)
+    assert isinstance(base, wo.NipProblem)
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
         assert data.roll_wrap.values == pytest.approx([np.pi / 6, 3.0])
         single = wo.solve(base.replace(wrap_friction=0.3, roll_wrap=3.0), nodes=17)
@@ -237,7 +237,7 @@ def test_the_wrapped_nip_is_fitted_to_the_measured_points(
     assert told["rms"] < _rms(wo.load_case(wrapped_case), 10e6) < 20.0
 
 
-def _rms(nip: wo.WrappedNipProblem, shear: float) -> float:
+def _rms(nip: wo.NipProblem, shear: float) -> float:
     """RMS of the computed less the measured tensions [N/m]."""
     paper = {"roll.material.shear": shear, "web.material.shear": shear}
     missed = []

@@ -15,7 +15,7 @@ from woundon.studies.export import check_export
 from woundon.studies.kind_model import columns_of, measurable
 from woundon.studies.measured import read_measured
 
-NIP = paper_nip().wrapped()
+NIP = paper_nip().replace(roll_wrap=np.pi)
 OUTPUTS = measurable(NIP)
 
 

@@ -34,8 +34,10 @@ CASES: dict[str, Callable[[], Any]] = {
     "nip, viscoelastic drum": lambda: wo.solve(
         paper_nip(drum=wo.HalfPlane(radius=0.25, material=RUBBER), web_speed=2.0), nodes=33
     ),
-    "nip with wraps": lambda: wo.solve(newsprint_nip().wrapped(drum_wrap=1.0), nodes=33),
-    "nip with air": lambda: wo.solve(wo.AirNipProblem.example(), nodes=33),
+    "nip with wraps": lambda: wo.solve(
+        newsprint_nip().replace(roll_wrap=np.pi, drum_wrap=1.0), nodes=33
+    ),
+    "nip with air": lambda: wo.solve(wo.NipProblem.example(), nodes=33),
     "rollers": lambda: wo.solve(ROLLERS, nodes=41),
     "rollers, static": lambda: wo.solve(ROLLERS.replace(motion="static"), nodes=41),
     "rollers, creepage": lambda: wo.solve(
@@ -123,7 +125,7 @@ def test_main_outputs_are_no_estimates(case: str) -> None:
 def test_a_nip_with_air_is_certified_after_it_was_loaded(tmp_path: Any) -> None:
     """Its outputs are those of the nip, solved again."""
     for options in ({}, {"nodes": 33}):
-        result = wo.solve(wo.AirNipProblem.example(), **options)
+        result = wo.solve(wo.NipProblem.example(), **options)
         path = tmp_path / "air.json"
         result.save(path)
         assert wo.load_result(path, verify=True) == result

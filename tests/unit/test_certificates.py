@@ -37,8 +37,8 @@ PROBLEMS: dict[str, wo.Problem] = {
     "nip": newsprint_nip(),
     "nip, cover": paper_nip(drum=COVER),
     "nip, hardening": hardening_nip(hardening_roll()),
-    "wrapped": newsprint_nip().wrapped(),
-    "wrapped, both": paper_nip(drum=COVER).wrapped(drum_wrap=1.0),
+    "wrapped": newsprint_nip().replace(roll_wrap=np.pi),
+    "wrapped, both": paper_nip(drum=COVER).replace(roll_wrap=np.pi, drum_wrap=1.0),
     "rollers": ROLLERS,
     "rollers, static": ROLLERS.replace(motion="static"),
     "rollers, creepage": ROLLERS.replace(tangential_load=None, creepage=1e-4),
@@ -254,7 +254,7 @@ def test_the_equilibrium_inside_a_nonlinear_body_is_a_condition(
 ) -> None:
     soft = hardening_roll(K2=40.0, P0=200e3)
     cases = {
-        "nip": newsprint_nip(roll=soft), "wrapped": newsprint_nip(roll=soft).wrapped(),
+        "nip": newsprint_nip(roll=soft), "wrapped": newsprint_nip(roll=soft).replace(roll_wrap=np.pi),
         "rollers": wo.RollerProblem(
             upper=wo.Rigid(radius=0.2), lower=soft, load=2e3, friction=0.3, tangential_load=100.0
         ),
@@ -355,7 +355,7 @@ def test_an_error_of_an_influence_function_is_detected_by_the_power_balance(wrap
 
     def solved(body: wo.Body) -> Any:
         nip = newsprint_nip(roll=body)
-        return wo.solve(nip.wrapped() if wrapped else nip, nodes=129)
+        return wo.solve(nip.replace(roll_wrap=np.pi) if wrapped else nip, nodes=129)
 
     right, found = solved(roll), solved(wrong)
     assert found.residuals.largest <= ACCEPTED_RESIDUAL

@@ -318,7 +318,7 @@ def test_a_wrap_makes_a_nip_a_wrapped_one(capsys: Capture, plain):
 
 def test_a_plain_nip_has_the_usual_wraps_where_it_is_solved_wrapped(capsys: Capture, plain):
     record = solved_by(capsys, "wrapped-nip", plain)
-    assert record["problem"] == wo.WrappedNipProblem.example().model_dump(mode="json")
+    assert record["problem"] == wo.NipProblem.example().model_dump(mode="json")
     assert solved_by(capsys, "nip", plain)["kind"] == "nip"
 
 

@@ -27,6 +27,7 @@ def nip(**changes: Any) -> wo.NipProblem:
         drum_friction=0.2,
         nip_load=3502.0,
         web_tension=350.0,
+        roll_wrap=0.0,
     )
     return problem.replace(**changes)
 
@@ -45,7 +46,7 @@ DESCRIPTIONS = [
     wo.HalfPlane(radius=0.3, material="steel"),
     wo.Cylinder(radius=0.3, core_radius=0.05, material="rubber"),
     nip(),
-    nip().wrapped(wrap_friction=0.3),
+    nip().replace(roll_wrap=np.pi, wrap_friction=0.3),
     rollers(),
 ]
 each = pytest.mark.parametrize("value", DESCRIPTIONS, ids=lambda d: type(d).__name__)
@@ -144,6 +145,7 @@ def test_tables_stand_for_descriptions() -> None:
         drum_friction=0.2,
         nip_load=3502.0,
         web_tension=350.0,
+        roll_wrap=0.0,
     )
     assert problem == nip()
 
@@ -196,7 +198,7 @@ def test_pydantics_own_copy_cannot_make_an_invalid_description() -> None:
 # ---- results and errors on their way between processes ------------------------------------------
 
 
-@pytest.mark.parametrize("problem", [nip(), nip().wrapped(), rollers()])
+@pytest.mark.parametrize("problem", [nip(), nip().replace(roll_wrap=np.pi), rollers()])
 def test_results_survive_pickling_and_copying(problem: wo.Problem) -> None:
     result = wo.solve(problem, nodes=17)
     for other in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result), copy.copy(result)):

@@ -95,7 +95,7 @@ wo.Web(thickness="66 um", material="newsprint")
 wo.Web(thickness=66e-6, material=3.0)
 wo.Web(thickness=66e-6)
 wo.solve(3.0)
-wo.solve(wo.WrappedNipProblem.example()).wound_on_tension_estimate()
+wo.solve(wo.NipProblem.example()).wound_on_tension_estimate()
 wo.solve(wo.NipProblem.example()).half_widht
 wo.no_such_name
 """

@@ -20,7 +20,7 @@ from woundon.show.panels import Panel
 
 OWN = {
     "nip": (wo.NipProblem, wo.NipResult),
-    "wrapped_nip": (wo.WrappedNipProblem, wo.WrappedNipResult),
+    "wrapped_nip": (wo.NipProblem, wo.NipResult),
     "rollers": (wo.RollerProblem, wo.RollerResult),
     "wound_roll": (wo.WoundRollProblem, wo.WoundRollResult),
 }
@@ -104,7 +104,7 @@ def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) ->
         wo.solve(thing)
     text = str(fault.value)
     assert text.startswith(f"problem: {shown}")
-    known = "NipProblem, WrappedNipProblem, RollerProblem or WoundRollProblem"
+    known = "NipProblem, NipProblem, RollerProblem or WoundRollProblem"
     assert f"must be a {known}" in text
 
 

@@ -97,6 +97,7 @@ def test_every_named_material_works_as_web_roll_and_drum(name: str) -> None:
         roll_friction=0.2,
         drum_friction=0.3,
         nip_load=500.0,
+        roll_wrap=0.0,
     )
     assert problem.web.material is problem.roll.material is wo.material(name)
     assert wo.solve(problem, nodes=13).residuals.largest < 1e-8

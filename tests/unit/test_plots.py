@@ -39,12 +39,16 @@ def plot_outputs(result: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def nip() -> wo.NipResult:
-    return wo.solve(wo.NipProblem.example(), nodes=NODES)
+    return wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0), nodes=NODES)
 
 
 @pytest.fixture(scope="module")
-def wrapped() -> wo.WrappedNipResult:
-    problem = wo.NipProblem.example().wrapped(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
+def wrapped() -> wo.NipResult:
+    problem = (
+        wo.NipProblem.example()
+        .replace(roll_wrap=0.0)
+        .replace(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
+    )
     return wo.solve(problem, nodes=NODES)
 
 
@@ -55,9 +59,13 @@ def results(nip, wrapped) -> dict[str, Any]:
     pair = wo.RollerProblem.example()
     rubber = pair.replace(lower=wo.HalfPlane(radius=0.2, material=SOFT), tangential_load=None)
     more = {
-        "soft cover": nip.problem.replace(drum=cover, winding_force=-200.0).wrapped(),
-        "drum wrap alone": nip.problem.wrapped(roll_wrap=0.0, drum_wrap=1.0),
-        "drum slides": nip.problem.replace(nip_load=1e3).wrapped(winding_force=400, drum_wrap=2.5),
+        "soft cover": nip.problem.replace(drum=cover, winding_force=-200.0).replace(
+            roll_wrap=np.pi
+        ),
+        "drum wrap alone": nip.problem.replace(roll_wrap=0.0, drum_wrap=1.0),
+        "drum slides": nip.problem.replace(nip_load=1e3).replace(
+            roll_wrap=np.pi, winding_force=400, drum_wrap=2.5
+        ),
         "static": pair.replace(motion="static"),
         "free rolling": rubber,
     }
@@ -151,7 +159,9 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
 
 
 def test_without_any_wrap_the_nip_alone_is_drawn():
-    result = wo.solve(wo.NipProblem.example().wrapped(roll_wrap=0.0), nodes=NODES)
+    result = wo.solve(
+        wo.NipProblem.example().replace(roll_wrap=0.0).replace(roll_wrap=0.0), nodes=NODES
+    )
     assert len(result.plot().axes) == len(wo.solve(result.problem.confined()).plot().axes)
 
 
@@ -428,7 +438,7 @@ def test_a_long_meaning_is_set_in_lines():
 
 def test_the_legend_of_a_fit_is_short():
     names = {name: quantities.output(cls, name).quantity for cls, name in (
-        (wo.NipResult, "rig_tension"), (wo.WrappedNipResult, "wound_on_tension"),
+        (wo.NipResult, "rig_tension"), (wo.NipResult, "wound_on_tension"),
     )}  # fmt: skip
     profile = SimpleNamespace(name="web.thickness", values=np.array([1e-5, 5e-5, 9e-5]),
                               rms=np.array([3.0, 1.0, 4.0]), rms_limit=2.0)  # fmt: skip

@@ -18,13 +18,15 @@ from woundon.problems.fields import Number
 from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
 from woundon.results import Residuals, Zone
 
-NIP = wo.NipProblem.example()
+NIP = wo.NipProblem.example().replace(roll_wrap=0.0)
 PAIR = wo.RollerProblem.example()
 
 CASES: dict[str, Any] = {
     "nip": lambda: wo.solve(NIP, nodes=25),
     "nip_rtol": lambda: wo.solve(NIP, rtol=1e-4),
-    "wrapped": lambda: wo.solve(NIP.wrapped(drum_wrap=1.0, wrap_friction=0.25), nodes=33),
+    "wrapped": lambda: wo.solve(
+        NIP.replace(roll_wrap=np.pi, drum_wrap=1.0, wrap_friction=0.25), nodes=33
+    ),
     "rolling": lambda: wo.solve(PAIR, nodes=25),
     "static": lambda: wo.solve(PAIR.replace(motion="static"), nodes=25),
 }

@@ -14,7 +14,7 @@ from woundon.io import sheets
 from woundon.studies.kind_model import columns_of, measurable
 from woundon.studies.measured import Measured, read_measured
 
-NIP = wo.WrappedNipProblem.example()
+NIP = wo.NipProblem.example()
 
 
 def read(data, columns=None) -> Measured:

@@ -18,8 +18,8 @@ QUICK = {"nodes": 25}
 
 
 @pytest.fixture(scope="module")
-def result() -> wo.WrappedNipResult:
-    return wo.solve(PAPER.wrapped(drum_wrap=pi / 2), **QUICK)
+def result() -> wo.NipResult:
+    return wo.solve(PAPER.replace(roll_wrap=pi, drum_wrap=pi / 2), **QUICK)
 
 
 @pytest.mark.parametrize(
@@ -38,13 +38,13 @@ def result() -> wo.WrappedNipResult:
 )
 def test_bad_wraps_are_named(options, said):
     with pytest.raises(wo.InvalidProblem) as fault:
-        PAPER.wrapped(**options)
+        PAPER.replace(roll_wrap=pi, **options)
     assert said in str(fault.value)
 
 
 def test_wraps_are_fields_of_the_problem():
     options = {"roll_wrap": 2.0, "drum_wrap": 0.5, "wrap_friction": 0.3, "winding_force": 50.0}
-    wrapped = PAPER.wrapped(**options)
+    wrapped = PAPER.replace(roll_wrap=pi, **options)
     assert {name: getattr(wrapped, name) for name in options} == options
     assert wrapped.confined() == PAPER.replace(winding_force=50.0)
     # a force that the nip alone cannot carry is the wrap's, and cannot be confined
@@ -56,8 +56,10 @@ def test_wraps_are_fields_of_the_problem():
 def test_a_slack_web_is_refused():
     slack = PAPER.replace(web_tension=0.0)
     with pytest.raises(wo.InvalidProblem, match=r"web_tension: 0 is .*must be taut"):
-        wo.solve(slack.wrapped(drum_wrap=1.0))
-    pulled = PAPER.replace(winding_force=-700.0).wrapped()  # NIT is about -320 N/m there
+        wo.solve(slack.replace(roll_wrap=pi, drum_wrap=1.0))
+    pulled = PAPER.replace(winding_force=-700.0).replace(
+        roll_wrap=pi
+    )  # NIT is about -320 N/m there
     with pytest.raises(wo.NoSteadyState, match="slack downstream of the nip") as fault:
         wo.solve(pulled)
     needed = float(str(fault.value).split("; about ")[1].split()[0])
@@ -66,8 +68,8 @@ def test_a_slack_web_is_refused():
 
 def test_forces_that_slide_the_drum_are_refused():
     with pytest.raises(wo.NoSteadyState, match="winding_force: 770 is out of range"):
-        wo.solve(PAPER.wrapped(winding_force=770.0))
-    assert wo.solve(PAPER.wrapped(winding_force=770.0, drum_wrap=1.0), **QUICK)
+        wo.solve(PAPER.replace(roll_wrap=pi, winding_force=770.0))
+    assert wo.solve(PAPER.replace(roll_wrap=pi, winding_force=770.0, drum_wrap=1.0), **QUICK)
 
 
 def test_the_nip_of_a_wrapped_result_is_its_nodes_in_nip(result):
@@ -95,7 +97,7 @@ def test_the_confined_nip_is_the_plain_problem(result):
     assert type(nip) is wo.NipResult
     assert nip == wo.solve(PAPER, nodes=25)
     # plain answer and estimate bracket the wrapped one (theory page: wrap)
-    unwrapped = wo.solve(PAPER.wrapped(), **QUICK)
+    unwrapped = wo.solve(PAPER.replace(roll_wrap=pi), **QUICK)
     ends = sorted([nip.tension_behind_nip, nip.wound_on_tension_estimate()])
     assert ends[0] < unwrapped.wound_on_tension < ends[1]
 

@@ -12,11 +12,11 @@ from lubricated import lubricated, second_derivative, sinks
 from refusals import refused_in_one_line
 from scipy.integrate import solve_ivp
 from seldom import seldom
-
-import woundon as wo
 from woundon.air.certificate import edge_of, films_of
 from woundon.air.films import FOIL, escaped_film, foil_film, friction_share, nip_film
 from woundon.air.inlet import inlet, passed
+
+import woundon as wo
 
 MU, AMBIENT = 1.81e-5, 101325.0
 
@@ -162,7 +162,7 @@ def test_friction_falls_with_the_film():
 
 @pytest.fixture(scope="module")
 def film_nip():
-    return wo.AirNipProblem.example()
+    return wo.NipProblem.example()
 
 
 @pytest.fixture(scope="module")
@@ -171,8 +171,8 @@ def with_air(film_nip):
 
 
 def dry_nip(problem):
-    fields = {name: getattr(problem, name) for name in wo.WrappedNipProblem.model_fields}
-    return wo.WrappedNipProblem(**fields | {"web_speed": None})
+    fields = {name: getattr(problem, name) for name in wo.NipProblem.model_fields}
+    return wo.NipProblem(**fields | {"web_speed": None})
 
 
 def test_at_rest_the_answers_are_the_nips_own_to_the_last_bit(film_nip):

@@ -20,7 +20,7 @@ import woundon as wo
 
 Array = np.ndarray
 
-LINEAR = wo.NipProblem.example()
+LINEAR = wo.NipProblem.example().replace(roll_wrap=0.0)
 # 1/c22 of newsprint
 E_R = NEWSPRINT.radial - NEWSPRINT.cross**2 / NEWSPRINT.tangential
 
@@ -60,7 +60,7 @@ WRAPS: dict[str, dict[str, float] | None] = {
 
 @pytest.mark.parametrize("wraps", WRAPS.values(), ids=WRAPS)
 def test_a_constant_law_is_the_orthotropic_web(wraps: Any) -> None:
-    problem = LINEAR if wraps is None else LINEAR.wrapped(**wraps)
+    problem = LINEAR if wraps is None else LINEAR.replace(roll_wrap=pi, **wraps)
     constant = problem.replace(**{"web.material": stack(E_R)})
     assert constant.linear
     found, wanted = (wo.solve(one, nodes=33) for one in (constant, problem))
@@ -71,7 +71,7 @@ def test_a_constant_law_is_the_orthotropic_web(wraps: Any) -> None:
 @pytest.mark.parametrize("wraps", WRAPS.values(), ids=WRAPS)
 def test_stiff_from_the_start_it_is_linear(wraps: Any) -> None:
     """K1 K2 kept and K1 -> infinity: by 1/K1, through the equations that are not linear."""
-    problem = LINEAR if wraps is None else LINEAR.wrapped(**wraps)
+    problem = LINEAR if wraps is None else LINEAR.replace(roll_wrap=pi, **wraps)
     wanted, missed = wo.solve(problem, nodes=33).nip_induced_tension, []
     for K1 in (1e8, 1e9):
         found = wo.solve(hardened(problem, K1=K1, K2=E_R / K1), nodes=33)
@@ -111,7 +111,7 @@ def test_between_hard_bodies_it_is_pressed_point_by_point(wrapped: bool) -> None
         web_tension=0.0,
     )  # fmt: skip
     if wrapped:  # held where the nip ends: the same nip by the other equations
-        problem = problem.wrapped(roll_wrap=0.0)
+        problem = problem.replace(roll_wrap=0.0)
     a, exact = winkler(problem.nip_load, K1, K2, 2 * h2 * problem.contact_radius)
     errors = []
     for nodes in (33, 65):
@@ -135,7 +135,7 @@ def test_between_hard_bodies_it_is_pressed_point_by_point(wrapped: bool) -> None
 )  # fmt: skip
 def test_every_roll_takes_it(name: str, wraps: Any) -> None:
     problem = nip(ROLLS[name])
-    problem = problem if wraps is None else problem.wrapped(**wraps)
+    problem = problem if wraps is None else problem.replace(roll_wrap=pi, **wraps)
     linear, found = (coarse(one, 17) for one in (problem, hardened(problem)))
     assert found.residuals.largest <= 1e-8
     # soft at the edges, it makes the nip wider and the confined NIT larger, by some percent
@@ -146,7 +146,7 @@ def test_every_roll_takes_it(name: str, wraps: Any) -> None:
 
 def test_without_wraps_it_is_the_plain_nip() -> None:
     plain = hardened(LINEAR)
-    found, wanted = wo.solve(plain.wrapped(roll_wrap=0.0), nodes=33), wo.solve(plain, nodes=33)
+    found, wanted = wo.solve(plain.replace(roll_wrap=0.0), nodes=33), wo.solve(plain, nodes=33)
     T_out, plain_T_out = (one.tension_behind_nip for one in (found, wanted))
     # their least interpolation differs: 1.1e-7, as with a linear web
     assert T_out == pytest.approx(plain_T_out, rel=2e-7)
@@ -156,7 +156,7 @@ def test_without_wraps_it_is_the_plain_nip() -> None:
 def test_what_it_does_to_table_2() -> None:
     """Confined NIT some 12 % more at heavy load, the wrapped tension between -5 and 1 % other."""
     problem = nip(roll())
-    around: Any = problem.wrapped(roll_wrap=pi / 2)
+    around: Any = problem.replace(roll_wrap=pi / 2)
     one, two = (wo.solve(p, nodes=33).nip_induced_tension for p in (problem, hardened(problem)))
     assert two / one == pytest.approx(1.112, abs=0.01)
     one, two = (coarse(p, 17).wound_on_tension - 350.0 for p in (around, hardened(around)))
@@ -230,7 +230,7 @@ def test_case_file_result_file_and_sweep(tmp_path: Path) -> None:
 @pytest.mark.parametrize("wrapped", [False, seldom(True)])
 def test_the_report_says_whether_it_hardens(wrapped: bool) -> None:
     def told(problem: Any) -> str:
-        around = problem.wrapped(**WRAPS["wrapped"]) if wrapped else problem
+        around = problem.replace(roll_wrap=pi, **WRAPS["wrapped"]) if wrapped else problem
         return str(coarse(around, 17))
 
     assert "the roll does not harden, the web hardens" in told(hardened(LINEAR))
@@ -250,7 +250,7 @@ def test_a_pressure_beyond_its_law_is_refused(wrapped: bool) -> None:
     problem: Any = LINEAR.replace(**{"web.material": stack(test)})
     text = r"web.material: the pressure on the web reaches .* \[Pa\], .* ends at 4e\+05"
     with pytest.raises(wo.InvalidProblem, match=text):
-        wo.solve(problem.wrapped() if wrapped else problem, nodes=17)
+        wo.solve(problem.replace(roll_wrap=pi) if wrapped else problem, nodes=17)
 
 
 def test_only_a_web_may_be_of_a_stack() -> None:

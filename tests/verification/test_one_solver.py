@@ -24,19 +24,19 @@ from woundon.nip.rollers import RollerEquations
 Array = np.ndarray
 
 COVER = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))
-README = newsprint_nip().wrapped()
+README = newsprint_nip().replace(roll_wrap=pi)
 NIPS: dict[str, Any] = {
     "plain": newsprint_nip(winding_force=50.0),
     "roll wrap": README,
-    "drum wrap": paper_nip(web_tension=300.0).wrapped(roll_wrap=2.0, drum_wrap=1.5),
-    "drum wrap alone": paper_nip(web_tension=300.0).wrapped(roll_wrap=0.0, drum_wrap=1.5),
-    "cover, both wraps": paper_nip(drum=COVER).wrapped(drum_wrap=1.0),
+    "drum wrap": paper_nip(web_tension=300.0).replace(roll_wrap=2.0, drum_wrap=1.5),
+    "drum wrap alone": paper_nip(web_tension=300.0).replace(roll_wrap=0.0, drum_wrap=1.5),
+    "cover, both wraps": paper_nip(drum=COVER).replace(roll_wrap=pi, drum_wrap=1.0),
     "rigid roll": paper_nip(roll=wo.Rigid(radius=0.3), drum=COVER),
-    "viscoelastic cover": wo.NipProblem.example().replace(
-        drum=covered_drum(rubber()), web_speed=3.0
-    ),
+    "viscoelastic cover": wo.NipProblem.example()
+    .replace(roll_wrap=0.0)
+    .replace(drum=covered_drum(rubber()), web_speed=3.0),
     "hardening": hardening_nip(hardening_roll()),
-    "hardening, wrapped": hardening_nip(hardening_roll()).wrapped(roll_wrap=pi / 2),
+    "hardening, wrapped": hardening_nip(hardening_roll()).replace(roll_wrap=pi / 2),
 }
 STEEL = wo.material("steel")
 ROLLERS: dict[str, Any] = {
@@ -264,7 +264,7 @@ def test_equations_of_a_loaded_result_are_satisfied(tmp_path: Any) -> None:
 def test_a_soft_cover_on_a_rigid_roll() -> None:
     """p+ = p- + T kappa starts from zero on a rigid roll as well: it is positive everywhere."""
     cover = wo.Cylinder(radius=0.5, core_radius=0.48, material="soft-cover")
-    problem = paper_nip(roll=wo.Rigid(radius=0.3), drum=cover).wrapped()
+    problem = paper_nip(roll=wo.Rigid(radius=0.3), drum=cover).replace(roll_wrap=pi)
     coarse, fine = (solve(problem, nodes=nodes) for nodes in (33, 65))
     allowed = coarse.errors["wound_on_tension"] + fine.errors["wound_on_tension"]
     assert abs(coarse.wound_on_tension - fine.wound_on_tension) <= allowed

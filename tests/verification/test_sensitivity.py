@@ -53,7 +53,7 @@ def test_derivatives_are_those_of_the_solved_equations(seed: int, wrapped: bool)
     """Elasticities, those of NIT relative to at least 1 % of mu+ P."""
     problem: Any = random_nip(seed).replace(web_tension=600.0)
     if wrapped:
-        problem = problem.wrapped(roll_wrap=2.0)
+        problem = problem.replace(roll_wrap=2.0)
     told, quotients, kept = differences(problem, 41, 1e-5, ())
     assert np.count_nonzero(kept) > 0.75 * kept.size
     least = 0.01 * problem.roll_friction * problem.nip_load
@@ -109,7 +109,7 @@ def test_only_the_named_outputs_are_answered_in_their_order() -> None:
 
 @pytest.mark.parametrize("wrapped", [False, True])
 def test_an_output_without_derivative_is_refused_by_name(wrapped: bool) -> None:
-    problem = newsprint_nip().wrapped() if wrapped else newsprint_nip()
+    problem = newsprint_nip().replace(roll_wrap=np.pi) if wrapped else newsprint_nip()
     result = wo.solve(problem, nodes=33)
     with pytest.raises(wo.InvalidProblem, match=r"'half_widht'.*did you mean 'half_width'\?"):
         result.sensitivity(outputs=("half_widht",))

@@ -53,7 +53,7 @@ def paper_nip(**fields: Any) -> wo.NipProblem:
         "nip_load": 1900.0,
         "winding_force": 100.0,
     } | fields
-    return wo.NipProblem(**given)
+    return wo.NipProblem(**given, roll_wrap=0.0)
 
 
 def integral(f: Any, a: float, kinks: tuple[float, ...] = ()) -> float:

@@ -26,10 +26,16 @@ CASES: list[dict[str, float]] = [{}, {"drum_wrap": 1.0}, {"winding_force": -200.
     params=[CASES[0], *map(seldom, CASES[1:])],
     ids=["roll's wrap", "both wraps", "a force"],
 )
-def solved(request: Any) -> list[wo.WrappedNipResult]:
+def solved(request: Any) -> list[wo.NipResult]:
     """The same wrapped nip on two grids, four times as fine."""
-    nip = wo.NipProblem.example().replace(drum=cover(rubber()), web_speed=SPEED)
-    return [wo.solve(nip.wrapped(**request.param), nodes=nodes) for nodes in (33, 129)]
+    nip = (
+        wo.NipProblem.example()
+        .replace(roll_wrap=0.0)
+        .replace(drum=cover(rubber()), web_speed=SPEED)
+    )
+    return [
+        wo.solve(nip.replace(roll_wrap=np.pi, **request.param), nodes=nodes) for nodes in (33, 129)
+    ]
 
 
 def surface_of(side: Any, deformation: Any, p: Array, q: Array, a: float) -> SimpleNamespace:
@@ -42,7 +48,7 @@ def surface_of(side: Any, deformation: Any, p: Array, q: Array, a: float) -> Sim
     return SimpleNamespace(normal=(v[1:] + v[:-1]) / 2, slope=deformation.slope[:-2])
 
 
-def put_in(r: wo.WrappedNipResult) -> float:
+def put_in(r: wo.NipResult) -> float:
     """Work of torques and web tension less that of friction, tension by its lever arms [N/m]."""
     problem, x, T, a = r.problem, r.x, r.web_tension, r.half_width
     c11 = problem.web.compliance.c11 / problem.web.thickness
@@ -83,7 +89,7 @@ def put_in(r: wo.WrappedNipResult) -> float:
     return moment + speeds + strained + levers + slopes / 2 + torques - friction
 
 
-def test_dissipation_by_the_surface_and_by_harmonics(solved: list[wo.WrappedNipResult]) -> None:
+def test_dissipation_by_the_surface_and_by_harmonics(solved: list[wo.NipResult]) -> None:
     misses = []
     for r in solved:
         found = lost_by_harmonics(r.x, r.pressure, r.drum_traction, r.problem.drum, SPEED)
@@ -93,7 +99,7 @@ def test_dissipation_by_the_surface_and_by_harmonics(solved: list[wo.WrappedNipR
     assert misses[1] < 0.15 * misses[0]  # of second order, a sixteenth
 
 
-def test_work_of_torques_and_tension_is_dissipated(solved: list[wo.WrappedNipResult]) -> None:
+def test_work_of_torques_and_tension_is_dissipated(solved: list[wo.NipResult]) -> None:
     misses = [abs(put_in(r) - r.rolling_resistance) for r in solved]
     for miss, r in zip(misses, solved, strict=True):
         assert r.consistency.power_balance < 1e-2

@@ -34,6 +34,7 @@ def test_in_the_nip_without_friction_the_web_runs_ahead_where_it_is_pressed() ->
         drum_friction=1e-8,
         nip_load=2000.0,
         web_tension=300.0,
+        roll_wrap=0.0,
     )
     result = wo.solve(problem)
     a, M = result.half_width, result.nodes

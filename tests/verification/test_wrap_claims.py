@@ -36,7 +36,7 @@ def _pinning_error(problem: wo.NipProblem) -> float:
     return 100 * (alone.tension_behind_nip / wrapped.wound_on_tension - 1)
 
 
-def _trailing_edge(result: wo.WrappedNipResult) -> tuple[float, float]:
+def _trailing_edge(result: wo.NipResult) -> tuple[float, float]:
     """Return v+ and the roll's strain less that on the far side, just behind the trailing edge."""
     k = result.in_nip.stop
     return float(result.roll_slip[k]), float(result.roll_strain[k] - result.roll_strain[-1])
@@ -113,7 +113,7 @@ def test_the_winder_of_chapter_5():
     for point in measured_tensions():
         problem = newsprint_nip(nip_load=point["nip_load"], web_tension=point["web_tension"])
         estimate = wo.solve(problem, nodes=33).rig_tension
-        solved = wo.solve(problem.wrapped(roll_wrap=pi / 2, drum_wrap=pi), nodes=33)
+        solved = wo.solve(problem.replace(roll_wrap=pi / 2, drum_wrap=pi), nodes=33)
         rows.append([estimate, solved.wound_on_tension, point["measured"]])
     loads, T_in = (
         np.array([point[name] for point in measured_tensions()])
@@ -126,7 +126,7 @@ def test_the_winder_of_chapter_5():
     fitted = (loads == 3502.0) & (T_in == 350.0)
     assert solved[fitted] == pytest.approx(measured[fitted], abs=1.0)
     # where the web is led off, and what it is wound with, hardly matter
-    half, quarter = (wo.solve(newsprint_nip().wrapped(roll_wrap=a)) for a in (pi, pi / 2))
+    half, quarter = (wo.solve(newsprint_nip().replace(roll_wrap=a)) for a in (pi, pi / 2))
     assert quarter.wound_on_tension == pytest.approx(half.wound_on_tension, abs=1.0)
     for P in (350.0, 3502.0):
         assert np.ptp((solved - T_in)[loads == P]) < 1.0

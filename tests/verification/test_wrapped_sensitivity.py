@@ -17,15 +17,15 @@ from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
 
 COVER = wo.Cylinder(radius=0.0762, core_radius=0.06, material=wo.material("soft-cover"))
-PAPER: Any = wo.NipProblem.example()
-HARDENS = nip(roll(shear_exponent=0.3)).wrapped(roll_wrap=pi / 2, drum_wrap=pi)
+PAPER: Any = wo.NipProblem.example().replace(roll_wrap=0.0)
+HARDENS = nip(roll(shear_exponent=0.3)).replace(roll_wrap=pi / 2, drum_wrap=pi)
 # problem, fields (all where none is named), nodes, step of the differences
 CASES: dict[str, tuple[Any, list[str], int, float]] = {
-    "roll's arc": (PAPER.wrapped(roll_wrap=pi / 2, wrap_friction=0.3), [], 33, 1e-4),
+    "roll's arc": (PAPER.replace(roll_wrap=pi / 2, wrap_friction=0.3), [], 33, 1e-4),
     "both arcs": (
-        PAPER.wrapped(roll_wrap=2.0, drum_wrap=3.0, drum=COVER, winding_force=50.0), [], 33, 1e-4
+        PAPER.replace(roll_wrap=2.0, drum_wrap=3.0, drum=COVER, winding_force=50.0), [], 33, 1e-4
     ),
-    "no arc": (PAPER.wrapped(roll_wrap=0.0, drum=COVER), ["roll.radius", "nip_load"], 33, 1e-4),
+    "no arc": (PAPER.replace(roll_wrap=0.0, drum=COVER), ["roll.radius", "nip_load"], 33, 1e-4),
     "hardening": (HARDENS, ["roll.stack.radial.K2"], 17, 1e-3),
     "hardening, more": (
         HARDENS, ["roll.stack.radial.K1", "roll.stack.shear", "roll.stack.shear_exponent",
@@ -77,7 +77,7 @@ def test_random_nips_with_wraps_too(
     seed: int,
 ) -> None:
     """Measured over 14 seeds: 4e-5 at the worst, by the drum's radius, with which its arc moves."""
-    problem = random_nip(seed).wrapped(roll_wrap=2.0, drum_wrap=1.5 * (seed % 2))
+    problem = random_nip(seed).replace(roll_wrap=2.0, drum_wrap=1.5 * (seed % 2))
     result = wo.solve(problem, nodes=33)
     names = ("nip_load", "roll_friction", "web.thickness", "drum.radius", "web_tension")
     told = result.sensitivity(*names)
@@ -92,7 +92,7 @@ def test_random_nips_with_wraps_too(
 
 def test_a_nip_held_at_its_trailing_edge_has_the_plain_ones() -> None:
     plain = wo.solve(PAPER, nodes=33).sensitivity()
-    wrapped = wo.solve(PAPER.wrapped(roll_wrap=0.0), nodes=33).sensitivity(*plain.parameters)
+    wrapped = wo.solve(PAPER.replace(roll_wrap=0.0), nodes=33).sensitivity(*plain.parameters)
     for output in plain.outputs:
         one, two = (s.elasticities[s.outputs.index(output)] for s in (plain, wrapped))
         # plain tensions have what the mesh misses at the trailing edge, here 2e-4 of NIT
@@ -105,7 +105,7 @@ def test_one_unit_of_stress_or_length_for_another_changes_nothing() -> None:
 
     3e-3: a dozen differences, good to 1e-4 each where the tangent is old, with terms up to 1.
     """
-    s = wo.solve(nip(roll()).wrapped(roll_wrap=pi / 2, drum_wrap=pi), nodes=17).sensitivity()
+    s = wo.solve(nip(roll()).replace(roll_wrap=pi / 2, drum_wrap=pi), nodes=17).sensitivity()
     last = [name.rpartition(".")[2] for name in s.parameters]
     loads = np.isin(last, ["nip_load", "winding_force", "web_tension"])
     stresses = ["K1", "pressure", "radial", "tangential", "cross", "shear"]
@@ -117,7 +117,7 @@ def test_one_unit_of_stress_or_length_for_another_changes_nothing() -> None:
 
 
 def test_a_wrap_that_is_not_there_has_no_derivative() -> None:
-    result = wo.solve(PAPER.wrapped(roll_wrap=pi / 2), nodes=17)
+    result = wo.solve(PAPER.replace(roll_wrap=pi / 2), nodes=17)
     assert "drum_wrap" not in result.sensitivity().parameters
     with pytest.raises(wo.InvalidProblem, match="drum_wrap: 0 has no derivative: with a wrap the "):
         result.sensitivity("drum_wrap")
@@ -129,7 +129,7 @@ def test_a_wrap_that_is_not_there_has_no_derivative() -> None:
 
 
 LOADS = [1000.0, 4000.0]
-HARDENING: Any = nip(roll()).wrapped(roll_wrap=pi / 2)
+HARDENING: Any = nip(roll()).replace(roll_wrap=pi / 2)
 
 
 def test_fits_take_them_with_what_is_tied() -> None:

@@ -94,6 +94,10 @@ def _panel(name: str, column: str, x: Any, y: Any, curves: list[Any], **more: An
 
 
 def _nip_panels(result: Any) -> list[Panel]:
+    return _panels_in_nip(result) + (_wrap_panels(result) if result.problem.is_wrapped else [])
+
+
+def _panels_in_nip(result: Any) -> list[Panel]:
     own = result.in_nip
     x, slip_x = result.x[own], result.slip_x[own]
     edge = 1.03 * result.half_width
@@ -126,7 +130,7 @@ def _nip_panels(result: Any) -> list[Panel]:
 
 
 def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
-    if not hasattr(result, "roll_pressure"):
+    if not result.problem.is_wrapped:
         return [_curve(result, "pressure", "in the nip", "web", x=x, own=own)]
     return [
         _curve(result, "roll_pressure", "on the roll", "roll", x=x, own=own),
@@ -158,17 +162,12 @@ def _zones(result: Any, x: Any, y: Any) -> Panel:
     return _panel("zones", "nip", x, y, [], strips=runs, words=words)
 
 
-# ---- the nip with its wraps ---------------------------------------------------------------------
-
-
-def _wrapped_panels(result: Any) -> list[Panel]:
-    panels, problem = _nip_panels(result), result.problem
-    if not (problem.roll_wrap or problem.drum_wrap):
-        return panels
+def _wrap_panels(result: Any) -> list[Panel]:
+    problem = result.without_air
     a, own, angle = result.half_width, result.in_nip, _quantity(result, "slip_angle")
     tensions, pressures = [], []
     faces = [("roll", slice(own.stop, None), result.x - a, result.roll_pressure,
-              problem.friction_behind),
+              problem.friction_on_wrap),
              ("drum", slice(0, own.start), -a - result.x, result.pressure,
               problem.drum_friction)]  # fmt: skip
     for face, part, away, pressure, mu in faces:
@@ -189,7 +188,7 @@ def _wrapped_panels(result: Any) -> list[Panel]:
     words = "Angle from the edge of the nip"
     shown = [("wrap_tension", "Web tension", "web_tension", tensions, _wrap_marks(result)),
              ("wrap_pressure", "Pressure", "pressure", pressures, [])]  # fmt: skip
-    return panels + [
+    return [
         _panel(name, "wraps", _axis(words, angle, log=True), _axis(label, _quantity(result, of)),
                curves, marks=marks)
         for name, label, of, curves, marks in shown
@@ -316,7 +315,6 @@ def _any_panels(result: Any) -> list[Panel]:
 
 _PANELS: dict[str, Callable[[Any], list[Panel]]] = {
     "nip": _nip_panels,
-    "wrapped_nip": _wrapped_panels,
     "rollers": _roller_panels,
     "wound_roll": _wound_roll_panels,
     "winding": _winding_panels,

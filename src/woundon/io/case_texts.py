@@ -38,7 +38,7 @@ Loads and tensions are per metre of width.  Fields of no [section] come first.
 Behind a value: symbol, meaning, the usual range, and in brackets what is admissible."""
 
 
-def template(kind: str = "wrapped_nip") -> str:
+def template(kind: str = "nip") -> str:
     """Return the text of a commented case file that is ready to run.
 
     Parameters

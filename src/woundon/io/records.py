@@ -23,7 +23,8 @@ from ..quantities import scalar_outputs, value_of
 from ..results import Residuals, Result, Zone
 
 __all__ = [
-    "FORMAT", "SCHEMA", "Record", "from_record", "number", "plain", "saved_fields", "to_record",
+    "FORMAT", "SCHEMA", "Record", "from_record", "number", "plain", "saved_hints", "saved_values",
+    "to_record",
 ]  # fmt: skip
 
 FORMAT = "woundon-result"
@@ -43,7 +44,7 @@ def to_record(result: Result) -> Record:
     InvalidProblem
         For a field that is nothing that files hold.
     """
-    saved = {part.name: getattr(result, part.name) for part in saved_fields(type(result))}
+    saved = saved_values(result)
     told = [name for name in scalar_outputs(result) if name not in saved]
     return {
         "format": FORMAT,
@@ -63,6 +64,45 @@ def to_record(result: Result) -> Record:
 def saved_fields(cls: type[Any]) -> list[Field[Any]]:
     """Return the fields of a result's class that a record has under ``fields``."""
     return [f for f in fields(cls) if f.name not in _OWN and f.metadata.get("saved", True)]
+
+
+def saved_hints(cls: type[Any]) -> dict[str, Any]:
+    """Return the types of the saved fields, those of parts by dotted name."""
+    hints, parts = {}, _parts(cls)
+    for each in saved_fields(cls):
+        if each.name in parts:
+            inner = saved_hints(parts[each.name])
+            hints |= {f"{each.name}.{name}": hint for name, hint in inner.items()}
+        else:
+            hints[each.name] = each.type
+    return hints
+
+
+def saved_values(result: Result) -> dict[str, Any]:
+    """Return the values of the saved fields; those of a part, as an air film, by dotted name.
+
+    Empty arrays and missing parts are the defaults of their fields.
+    """
+    values: dict[str, Any] = {}
+    parts = _parts(type(result))
+    for each in saved_fields(type(result)):
+        value = getattr(result, each.name)
+        if each.name not in parts:
+            values[each.name] = value
+        elif value is not None:
+            values |= {f"{each.name}.{f.name}": getattr(value, f.name) for f in fields(value)}
+    return {
+        name: value for name, value in values.items()
+        if not (isinstance(value, np.ndarray) and value.size == 0)
+    }  # fmt: skip
+
+
+def _parts(cls: type[Any]) -> dict[str, type[Any]]:
+    """Return the classes of the fields that are parts with outputs of their own, by name."""
+    return {
+        name: part for name, hint in get_type_hints(cls).items() for part in get_args(hint)
+        if getattr(part, "part_of_result", False)
+    }  # fmt: skip
 
 
 def plain(value: Any, name: str) -> Any:
@@ -123,16 +163,31 @@ def _restored_fields(
     cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any]
 ) -> Iterator[tuple[str, Any]]:
     """Yield the fields of a result by name; those that have a default may be missing."""
-    hints = get_type_hints(cls, include_extras=True)
-    known = {part.name: part for part in saved_fields(cls)}
+    parts = _parts(cls)
+    sizes: dict[str, int] = {}
+    for name, part in parts.items():
+        inside = {k.partition(".")[2]: v for k, v in given.items() if k.startswith(f"{name}.")}
+        inner = {k.partition(".")[2]: v for k, v in dimensions.items() if k.startswith(f"{name}.")}
+        if inside:
+            yield name, part(**dict(_restored_values(part, inside, inner, {})))
+    own = {k: v for k, v in given.items() if k.partition(".")[0] not in parts}
+    yield from _restored_values(cls, own, dimensions, sizes)
+
+
+def _restored_values(
+    cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any], sizes: dict[str, int]
+) -> Iterator[tuple[str, Any]]:
+    """Yield the values of a dataclass by name, those of parts excepted."""
+    hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
+    known = {each.name: each for each in saved_fields(cls) if each.name not in parts}
+    may_be_nan = getattr(cls, "MAY_BE_NAN", frozenset())
     strange = [str(name) for name in given if name not in known]
     if strange:
         text = f"not known to this version of woundon, left out: {', '.join(strange)}"
-        warnings.warn(text, UserWarning, stacklevel=5)
-    sizes: dict[str, int] = {}
+        warnings.warn(text, UserWarning, stacklevel=6)
     for name, part in known.items():
         if name in given:
-            free = cls.MAY_BE_NAN is None or name in cls.MAY_BE_NAN
+            free = may_be_nan is None or name in may_be_nan
             value = _restored(given[name], hints[name], name, free)
             if isinstance(value, np.ndarray):
                 _check_shape(value, dimensions[name], sizes, name)

@@ -22,7 +22,17 @@ from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
 from ..results import Residuals, Result
 from . import seals
 from .files import read_whole, write_whole
-from .records import FORMAT, SCHEMA, Record, from_record, number, plain, saved_fields, to_record
+from .records import (
+    FORMAT,
+    SCHEMA,
+    Record,
+    from_record,
+    number,
+    plain,
+    saved_hints,
+    saved_values,
+    to_record,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -235,8 +245,8 @@ def _csv(result: Result) -> bytes:
             _told(table, f"{name}_error", known.get(name), error)
     for note in result.warnings:
         table.writerow(["# warning", note])
-    arrays = {f.name: value for f in saved_fields(type(result))
-              if isinstance(value := getattr(result, f.name), np.ndarray)}  # fmt: skip
+    arrays = {name: value for name, value in saved_values(result).items()
+              if isinstance(value, np.ndarray)}  # fmt: skip
     first = next(iter(arrays.values()), np.empty(0))
     columns = {name: array for name, array in arrays.items() if array.shape == first.shape[:1]}
     told = [_in_table(name, known.get(name), array) for name, array in columns.items()]
@@ -284,7 +294,7 @@ def to_dataset(result: Result) -> xarray.Dataset:
         if isinstance(value, list) and not dims:  # a tuple of whatever
             attributes[name] = json.dumps(value)
             continue
-        data = np.asarray(getattr(result, name)) if dims else nan if value is None else value
+        data = np.asarray(value_of(result, name)) if dims else nan if value is None else value
         variables[name] = (dims, data, _labels(known.get(name)))
     for name, error in result.errors.items():
         variables.setdefault(f"{name}_error", ((), error, _error(known.get(name))))
@@ -335,7 +345,7 @@ def _record_of_netcdf(content: bytes) -> Record:
     if record["schema"] == 1:
         return record | values | attributes
     cls = kinds.named(str(record["kind"])).result
-    hints = {part.name: part.type for part in saved_fields(cls)}
+    hints = saved_hints(cls)
     known = {place.path for place in outputs(cls)}
     errors = {str(name): f"{name}_error" for name in json.loads(attributes.pop("errors"))}
     told = {name: value for name, value in values.items()

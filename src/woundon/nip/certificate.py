@@ -21,6 +21,7 @@ from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import body_equilibrium, difference, friction_law, negative_pressure
 from .energy import power_balance, rolling_resistance
+from .entrained_air import air_conditions
 from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def equations_of(result: Any) -> NipEquations:
     """Return the equations on the mesh of a result."""
     from .equations import NipEquations
 
-    return NipEquations(result.problem, result.nodes)
+    return NipEquations(result.without_air, result.nodes)
 
 
 def state_of(result: Any, equations: NipEquations) -> NipState:
@@ -56,13 +57,12 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     ValueError
         If the nodes are not those of such a nip.
     """
-    at, web, problem = equations.layout, result.problem.web, result.problem
+    at, web, problem = equations.layout, result.problem.web, equations.problem
     if result.x.size != at.end + 1:
         raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {at.end + 1}")
-    p_roll = getattr(result, "roll_pressure", result.pressure)
     u = np.empty(at.size)
     u[at.drum_p] = result.pressure[at.p_nodes[at.drum_p]]
-    u[at.wrap_p] = p_roll[at.p_nodes[at.wrap_p]]
+    u[at.wrap_p] = result.roll_pressure[at.p_nodes[at.wrap_p]]
     u[at.shift] = result.offset / problem.contact_radius
     # the creepage of the equations refers to the web's strain at the end
     u[at.xi] = result.drum_creep + web.compliance.c11 / web.thickness * result.web_tension[-1]
@@ -79,17 +79,17 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
 
     Parameters
     ----------
-    result : NipResult or WrappedNipResult
+    result : NipResult
     equations : NipEquations
         Those of its mesh.
     """
-    problem = result.problem
+    problem = equations.problem
     problem.web.refuse(float(result.pressure.max()))
     try:
         state = state_of(result, equations)
     except ValueError:
         return Residuals(mesh=inf)
-    at, f, problem = equations.layout, state.fields, result.problem
+    at, f = equations.layout, state.fields
     peak, top = float(np.abs(f.p_drum).max()), equations.slope_scale
     zones = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
     active = zones.astype(np.int8)
@@ -127,27 +127,26 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
             difference(result.x, implied["x"]), difference(result.slip_x, implied["slip_x"])
         ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
     }  # fmt: skip
-    pressures = {"pressure": f.p_drum}
-    if hasattr(result, "roll_pressure"):
-        pressures |= {"roll_pressure": f.p_roll, "hoop_pressure": f.p_roll - f.p_drum}
+    pressures = {
+        "pressure": f.p_drum, "roll_pressure": f.p_roll, "hoop_pressure": implied["hoop_pressure"],
+    }  # fmt: skip
+    conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
+    if problem.is_wrapped:
         # as nodal forces and as turns of the web over a cell: on short cells curvatures are
         # differences of nearly equal slopes
         lengths = f.geometry.a * f.geometry.mesh.weights
         on_wraps = np.concatenate([
-            lengths[: at.first + 1] if equations.drum_wrap else lengths[:0],
-            lengths[at.last :] if equations.roll_wrap else lengths[:0],
+            lengths[: at.first + 1] if problem.drum_wrap else lengths[:0],
+            lengths[at.last :] if problem.roll_wrap else lengths[:0],
         ])  # fmt: skip
         conditions["hoop_pressure"] = (
             largest(np.abs(wraps) * on_wraps) * equations.pressure_scale / problem.nip_load
         )
+        lengths = lengths if result.curvature.shape == lengths.shape else np.ones(())
         turn = lengths * result.curvature, lengths * implied["curvature"]
         conditions["curvature"] = difference(*turn) / top
-        conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
     else:
-        gained = state.fields.geometry.a * f.geometry.mesh.weights @ (f.q_roll + f.q_drum)
-        conditions["nip_induced_tension"] = (
-            abs(result.nip_induced_tension - gained) / problem.nip_load
-        )
+        conditions["curvature"] = difference(result.curvature, implied["curvature"])
     conditions["normal_equilibrium"] = (
         max(difference(getattr(result, name), value) for name, value in pressures.items()) / peak
     )
@@ -160,6 +159,8 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     )  # fmt: skip
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
     conditions |= body_equilibrium(problem, surfaces, loads)
+    if result.air is not None:
+        conditions |= air_conditions(result)
     return Residuals(**conditions)
 
 
@@ -227,7 +228,7 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     equations = equations_of(result)
     state = state_of(result, equations)
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
-    ratios = slip_ratios(result.problem, arrays, result.in_nip)
+    ratios = slip_ratios(equations.problem, arrays, result.in_nip)
     indented = approach(equations, state)
     values = {"approach": (indented, 1e-8 * abs(indented))}
     values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}

@@ -129,7 +129,8 @@ class NipEquations:
 
     Parameters
     ----------
-    problem : NipProblem or WrappedNipProblem
+    problem : NipProblem
+        Without air.
     size : int
     like : Mesh, optional
         A mesh whose numbers of cells are taken; by default those of the initial guess.
@@ -137,8 +138,7 @@ class NipEquations:
 
     def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
         self.problem, self.size = problem, size
-        self.roll_wrap = getattr(problem, "roll_wrap", 0.0)
-        self.drum_wrap = getattr(problem, "drum_wrap", 0.0)
+        self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
         P, R = problem.nip_load, problem.contact_radius
         # of the web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R; between soft ones Hertz's
         compressed = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
@@ -158,8 +158,7 @@ class NipEquations:
         """Coefficient of friction at each traction node, roll then drum."""
         at, problem = self.layout, self.problem
         mu = problem.roll_friction
-        on_wrap = getattr(problem, "friction_behind", mu)
-        roll = np.where(at.roll_nodes >= at.last, on_wrap, mu)
+        roll = np.where(at.roll_nodes >= at.last, problem.friction_on_wrap, mu)
         return np.append(roll, np.full(at.drum_nodes.size, problem.drum_friction))
 
     @cached_property

@@ -97,13 +97,14 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
         kappa[: at.last + 1] = -f.drum_curvature
     if f.roll_curvature.size:
         kappa[at.last :] = f.roll_curvature[at.last - at.first :]
+    wrapped = slice(None) if equations.problem.is_wrapped else slice(0, 0)
     return {
         "x": a * mesh.nodes,
         "slip_x": a * slip_x,
         "pressure": f.p_drum,
         "roll_pressure": f.p_roll,
-        "hoop_pressure": f.p_roll - f.p_drum,
-        "curvature": kappa,
+        "hoop_pressure": (f.p_roll - f.p_drum)[wrapped],
+        "curvature": kappa[wrapped],
         "roll_traction": f.q_roll,
         "drum_traction": f.q_drum,
         "roll_slip": _on_nodes(roll_slip, at.first, n),
@@ -120,16 +121,16 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
 
     Parameters
     ----------
-    problem : NipProblem or WrappedNipProblem
+    problem : NipProblem
     arrays : mapping
-        As :func:`web_arrays` has them; ``roll_pressure`` may be missing where it is ``pressure``.
+        As :func:`web_arrays` returns them.
     nip : slice
         The nodes of the nip.
     """
-    x, p, lengths = arrays["x"][nip], arrays["pressure"], []
+    x, lengths = arrays["x"][nip], []
     for face, pressure, friction in (
-        ("roll", arrays.get("roll_pressure", p), problem.roll_friction),
-        ("drum", p, problem.drum_friction),
+        ("roll", arrays["roll_pressure"], problem.roll_friction),
+        ("drum", arrays["pressure"], problem.drum_friction),
     ):
         zone, slip, q = (arrays[f"{face}_{name}"][nip] for name in ("zone", "slip", "traction"))
         lengths.append(slip_lengths(x, zone, slip, friction * pressure[nip] - np.abs(q)))

@@ -1,4 +1,4 @@
-"""The state of a winding nip: what it has with and without its wraps, and the plain one."""
+"""The state of a winding nip."""
 
 from __future__ import annotations
 
@@ -7,23 +7,29 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import nan, pi
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from .. import kinds
-from ..problems.nip import NipProblem, WrappedNipProblem
+from ..errors import InvalidProblem
+from ..problems.air import with_film
+from ..problems.fields import shown
+from ..problems.nip import NipProblem
+from ..problems.roll import WoundRollProblem
 from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
+from .air_films import friction_between
+from .entrained_air import AirFilm
 
 if TYPE_CHECKING:
     from .sensitivity import Sensitivity
 
-__all__ = ["Dissipation", "NipResult", "SlipRatios", "WindingNipResult", "WrappedNipResult"]
+__all__ = ["Dissipation", "NipResult", "SlipRatios"]
 
 Array = np.ndarray
 
-RIG_ANGLE = pi / 2  # behind the nip, where the laboratory winder leads the web to its load cell
+# Angle downstream of the nip at which the laboratory winder of the thesis leads the web off the roll.
+RIG_ANGLE = pi / 2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -59,7 +65,7 @@ class Dissipation:
     ]:
         """Position of the pressure's resultant along +x, from the line of centres [m]."""
         own: Any = self
-        if own.problem.rolling_speed is None:
+        if not own.problem.viscoelastic:
             return nan
         x, p = own.x[own.in_nip], own.pressure[own.in_nip]
         moment = np.diff(x) @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:])) / 6
@@ -76,35 +82,49 @@ class SlipRatios:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingNipResult(Dissipation, Result):
-    """What every solved winding nip has; the arrays along the web.
+class NipResult(Dissipation, Result):
+    """The state of a winding nip; the arrays run along the web.
+
+    With wraps the arrays run from the web's first contact with the drum through the nip (the nodes
+    ``in_nip``) to where it is held to the roll.  Slips are nan where the web does not touch the
+    body, and roll strains upstream of the nip.
 
     Attributes
     ----------
+    problem : NipProblem
     half_width : float
-        a [m]; contact is [-a, a].
+        a [m]; the nip is [-a, a].
     approach : float
         Mutual approach of the centres, > 0 [m].  With a half-plane it holds up to a constant.
     offset : float
         Delta, where the line of centres lies along +x, from the centre of the contact [m].
     drum_creep : float
-        xi-, creep ratio of web and drum (thesis eq. 92), unstrained web and drum as reference.
+        xi-, creepage of web and drum (thesis eq. 92), unstrained web and drum as reference.
     leading_roll, trailing_roll, dual : float
         Signed slip lengths over the nip width (thesis eq. 172), to a fraction of a cell;
         ``slip_ratios`` holds all three.
     x : (M,) array
         Nodes [m].
     slip_x : (M,) array
-        Where the slips are taken [m]: a point in the cell before each node.
-    pressure, roll_traction, drum_traction : (M,) arrays
-        p (of a wrapped nip p-, that on the drum), q+, q- [Pa]; q is the traction of the web on the
-        body along +x.
+        Where the slips are evaluated [m]: a point in the cell upstream of each node.
+    pressure, roll_pressure : (M,) arrays
+        p- on the drum and p+ on the roll [Pa].
+    roll_traction, drum_traction : (M,) arrays
+        q+, q- [Pa], traction of the web on the body along +x.
     roll_slip, drum_slip : (M,) arrays
         v+, v- relative slip speeds, > 0 where the web is faster (thesis eq. 133).
     roll_zone, drum_zone : (M,) int arrays
         :class:`~woundon.results.Zone` of each node.
     web_tension : (M,) array
         T(x) [N/m].
+    roll_strain : (M,) array
+        eps_1 of the roll's surface at ``slip_x``.
+    hoop_pressure : (M,) array
+        T kappa, the pressure of the web on what it is wrapped on [Pa]; length 0 without wraps.
+    curvature : (M,) array
+        kappa of the web on the wraps, centre on the roll's side > 0 [1/m]; length 0 without wraps.
+    air : AirFilm or None
+        Film of entrained air, and the friction coefficients that it leaves.
     iterations : int
         Number of Newton iterations on all meshes.
     series_terms, series_error : int, float
@@ -114,16 +134,25 @@ class WindingNipResult(Dissipation, Result):
         was loaded from a file.
     """
 
-    DIFFERENTIATED: ClassVar[tuple[str, ...]]  # outputs of ``sensitivity`` where none is named
+    MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
+    # outputs of ``sensitivity`` where none is named
+    DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
+        "wound_on_tension", "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width",
+        "drum_creep",
+    )  # fmt: skip
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
+        {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
+    )
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("roll_slip", "drum_slip", "roll_strain"), "slip_x")
     )
     ESTIMATES: ClassVar[frozenset[str]] = frozenset({"iterations", "series_error", "series_terms"})
 
+    problem: NipProblem
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
     offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
-    drum_creep: Annotated[float, strain("xi-", "creep of web and drum")]
+    drum_creep: Annotated[float, strain("xi-", "creepage of web and drum")]
     leading_roll: Annotated[
         float, strain("s_l+", "slip length at the roll's leading edge / nip width")
     ]
@@ -131,9 +160,10 @@ class WindingNipResult(Dissipation, Result):
         float, strain("s_t+", "slip length at the roll's trailing edge / nip width")
     ]
     dual: Annotated[float, strain("s_d", "length of slip at both roll and drum / nip width")]
-    x: Annotated[Array, length("x", "position along the nip, with the web; the contact is [-a, a]")]
-    slip_x: Annotated[Array, length("x_v", "where the slips are taken, in the cell before a node")]
-    pressure: Annotated[Array, stress("p", "pressure")]
+    x: Annotated[Array, length("x", "position along the web; the nip is [-a, a]")]
+    slip_x: Annotated[Array, length("x_v", "where slips are evaluated, in the cell upstream")]
+    pressure: Annotated[Array, stress("p-", "pressure of the web on the drum")]
+    roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
     drum_traction: Annotated[Array, stress("q-", "traction of the web on the drum")]
     roll_slip: Annotated[Array, strain("v+", "slip of the web against the roll, > 0: web faster")]
@@ -145,6 +175,14 @@ class WindingNipResult(Dissipation, Result):
         Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
     web_tension: Annotated[Array, line_load("T", "web tension along the nip")]
+    roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
+    hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")] = (
+        field(default_factory=lambda: np.zeros(0))
+    )
+    curvature: Annotated[
+        Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
+    ] = field(default_factory=lambda: np.zeros(0))
+    air: AirFilm | None = None
     iterations: Annotated[int, pure("n_it", "Newton iterations")] = 0
     series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
     series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
@@ -180,11 +218,6 @@ class WindingNipResult(Dissipation, Result):
         """Number of nodes in the nip."""
         return self.in_nip.stop - self.in_nip.start
 
-    @property
-    def slip_zone(self) -> Zone:
-        """The way the web slips on the roll at the nip's trailing edge."""
-        return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
-
     def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
         """Return exact derivatives of outputs with respect to fields of the problem.
 
@@ -210,7 +243,7 @@ class WindingNipResult(Dissipation, Result):
         text = "0 has no derivative: with a wrap the path of the web changes"
         return {
             name: text for name in ("roll_wrap", "drum_wrap")
-            if getattr(self.problem, name, None) == 0
+            if getattr(self.problem, name) == 0
         }  # fmt: skip
 
     def certified(self) -> Residuals:
@@ -235,143 +268,13 @@ class WindingNipResult(Dissipation, Result):
 
         return recomputed(self)
 
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class NipResult(WindingNipResult):
-    """The state of a winding nip, the web held to the roll at its trailing edge (thesis eq. 97).
-
-    Attributes
-    ----------
-    problem : NipProblem
-    nip_induced_tension : float
-        NIT = Q+ + Q- [N/m], the integral of the tractions.
-
-    The others as of :class:`WindingNipResult`.
-    """
-
-    MAIN: ClassVar[tuple[str, ...]] = ("nip_induced_tension",)
-    DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
-        "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width", "drum_creep",
-    )  # fmt: skip
-    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "wound_on_tension": "a nip alone has tension_behind_nip (at its trailing edge) and "
-        "wound_on_tension_estimate(angle) by eq. (183); the wound-on tension itself is that of "
-        "problem.wrapped()",
-    })  # fmt: skip
-    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"rolling_resistance"})
-
-    problem: NipProblem
-    nip_induced_tension: Annotated[float, line_load("NIT", "nip-induced tension")]
-
-    @property
-    def in_nip(self) -> slice:
-        """All nodes."""
-        return slice(0, self.x.size)
-
-    @property
-    def nip_induced_tension_error(
-        self,
-    ) -> Annotated[
-        float, line_load("NIT error", "estimated discretisation error of the nip-induced tension")
-    ]:
-        """Estimated discretisation error of NIT [N/m]; nan where only one grid was solved."""
-        return self.errors.get("nip_induced_tension", float("nan"))
-
-    @property
-    def tension_behind_nip(
-        self,
-    ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
-        """T_out = T_in + NIT [N/m]."""
-        return float(self.problem.web_tension + self.nip_induced_tension)
-
-    def wound_on_tension_estimate(
-        self, angle: float = pi
-    ) -> Annotated[
-        float, line_load("WOT est.", "wound-on tension estimated by eq. (183), half a turn behind")
-    ]:
-        """Return the tension of a web that sticks to the roll behind the nip (thesis eq. 183).
-
-        Parameters
-        ----------
-        angle : float
-            Where the web is held, or led off the roll, behind the nip [rad].
-
-        Returns
-        -------
-        float
-            T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With the confined ``tension_behind_nip``
-            it brackets the wound-on tension of the wrapped nip.
-        """
-        from .roll_strain import wound_on_tension_estimate
-
-        return wound_on_tension_estimate(self, angle)
-
-    @property
-    def rig_tension(
-        self,
-    ) -> Annotated[
-        float,
-        line_load(
-            "T_rig", "tension at a load cell to which the web is led off the roll, eq. (183)"
-        ),
-    ]:
-        """The estimate (183) where the web leaves the roll a quarter turn behind the nip [N/m]."""
-        return self.wound_on_tension_estimate(RIG_ANGLE)
-
-    @property
-    def wound_on_tension(self) -> NoReturn:
-        """Not a nip's alone: the error names what it has instead."""
-        raise AttributeError(f"no wound_on_tension: {self.REPLACED['wound_on_tension']}")
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WrappedNipResult(WindingNipResult):
-    """The state of a winding nip with the web wrapped on the roll behind it and the drum before it.
-
-    The arrays run along the whole web that touches anything: from the drum's arc, if any, through
-    the nip (``in_nip`` tells which nodes) to the far side of the roll.
-
-    Attributes
-    ----------
-    problem : WrappedNipProblem
-    roll_pressure, hoop_pressure : (N,) arrays
-        p+ on the roll, and T kappa, the web's weight on what it lies on [Pa]; ``pressure`` is p-.
-    curvature : (N,) array
-        kappa of the web, centre on the roll's side > 0 [1/m].
-    roll_strain : (N,) array
-        eps_theta1 of the roll's surface where the slips are taken; nan before the nip.
-
-    The others as of :class:`WindingNipResult`; slips are nan where the web does
-    not touch the body.
-    """
-
-    MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
-    DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
-        "wound_on_tension", "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width",
-        "drum_creep",
-    )  # fmt: skip
-    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "nip": "take the nodes in_nip of the arrays, or confined() for the nip alone",
-        "rig_tension": "the wrapped web's wound_on_tension is what a load cell at roll_wrap reads",
-        "wound_on_tension_estimate": "the wrapped web's wound_on_tension is solved, not estimated",
-    })  # fmt: skip
-    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
-        {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
-    )
-
-    problem: WrappedNipProblem
-    roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
-    hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")]
-    curvature: Annotated[
-        Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
-    ]
-    roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
+    # ---- tensions and wraps ------------------------------------------------------------------------
 
     @property
     def wound_on_tension(
         self,
-    ) -> Annotated[float, line_load("WOT", "wound-on tension, far behind the nip")]:
-        """WOT, the tension at the far side of the roll [N/m]: what the roll keeps."""
+    ) -> Annotated[float, line_load("WOT", "wound-on tension, where the web is held to the roll")]:
+        """WOT, the tension at the end of the roll wrap, as a load cell reads it [N/m]."""
         return float(self.web_tension[-1])
 
     @property
@@ -380,7 +283,7 @@ class WrappedNipResult(WindingNipResult):
     ) -> Annotated[
         float, line_load("WOT error", "estimated discretisation error of the wound-on tension")
     ]:
-        """Its estimated discretisation error [N/m]; nan where only one grid was solved."""
+        """Its estimated discretisation error [N/m]; nan where only one mesh was solved."""
         return self.errors.get("wound_on_tension", float("nan"))
 
     @property
@@ -401,54 +304,156 @@ class WrappedNipResult(WindingNipResult):
     def nip_induced_tension(
         self,
     ) -> Annotated[float, line_load("NIT", "nip-induced tension, of the nip between its edges")]:
-        """NIT = Q+ + Q- of the nip alone, T(a) - T(-a) [N/m]."""
-        return self.tension_behind_nip - self.tension_before_nip
+        """NIT = Q+ + Q- of the nip, the integral of the tractions [N/m].
+
+        A difference of tensions would lose digits at a high web tension.
+        """
+        nip = self.in_nip
+        q = self.roll_traction[nip] + self.drum_traction[nip]
+        return float(np.trapezoid(q, self.x[nip]))
+
+    @property
+    def nip_induced_tension_error(
+        self,
+    ) -> Annotated[
+        float, line_load("NIT error", "estimated discretisation error of the nip-induced tension")
+    ]:
+        """Estimated discretisation error of NIT [N/m]; nan where only one mesh was solved."""
+        return self.errors.get("nip_induced_tension", float("nan"))
 
     @property
     def roll_wrap_traction(
         self,
-    ) -> Annotated[float, line_load("Q_w+", "traction on the roll behind the nip, integrated")]:
+    ) -> Annotated[float, line_load("Q_w+", "traction on the roll wrap, integrated")]:
         """Q_w+ [N/m]."""
         return self.wound_on_tension - self.tension_behind_nip
 
     @property
     def drum_wrap_traction(
         self,
-    ) -> Annotated[float, line_load("Q_w-", "traction on the drum before the nip, integrated")]:
+    ) -> Annotated[float, line_load("Q_w-", "traction on the drum wrap, integrated")]:
         """Q_w- [N/m]."""
         return self.tension_before_nip - float(self.web_tension[0])
 
     @property
     def slip_angle(
         self,
-    ) -> Annotated[float, angle("theta_s", "how far the web slips on the roll behind the nip")]:
-        """How far behind the trailing edge the web slips on the roll before it sticks [rad]."""
+    ) -> Annotated[float, angle("theta_s", "slip angle on the roll downstream of the nip")]:
+        """Angle on the roll downstream of the trailing edge on which the web slips [rad]."""
         last = self.in_nip.stop - 1
         zones, x = self.roll_zone[last:], self.x[last:]
         if zones[0] == 0 or self.problem.roll_wrap == 0:
             return 0.0
         other = np.nonzero(zones != zones[0])[0]
-        border = (x[other[0]] + x[other[0] - 1]) / 2 if other.size else x[-1]
-        return float((border - self.half_width) / self.problem.roll.radius)
+        boundary = (x[other[0]] + x[other[0] - 1]) / 2 if other.size else x[-1]
+        return float((boundary - self.half_width) / self.problem.roll.radius)
 
     @property
     def slip_zone(self) -> Zone:
-        """The way the web slips on the roll just behind the nip; STICK where it does not."""
-        return super().slip_zone if self.slip_angle else Zone.STICK
+        """The way the web slips on the roll at the trailing edge; with a roll wrap, beyond it."""
+        if self.problem.roll_wrap > 0 and not self.slip_angle:
+            return Zone.STICK
+        return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
 
-    def confined(self, **options: Any) -> NipResult:
-        """Solve the nip alone, the web held at its trailing edge (thesis eq. 97).
+    # ---- without a roll wrap: thesis eq. (183) ----------------------------------------------------
 
-        Its ``tension_behind_nip`` and ``wound_on_tension_estimate()`` bracket ``wound_on_tension``.
+    def wound_on_tension_estimate(
+        self, angle: float = pi
+    ) -> Annotated[
+        float, line_load("WOT est.", "wound-on tension estimated by eq. (183), without roll wrap")
+    ]:
+        """Return the tension of a web that sticks to the roll downstream of the nip (eq. 183).
+
+        For a nip without wraps only; nan with wraps, where the wound-on tension is solved.
 
         Parameters
         ----------
-        options
-                Of :func:`woundon.solve`.
+        angle : float
+            Where the web is held, or led off the roll, downstream of the nip [rad].
+
+        Returns
+        -------
+        float
+            T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With ``tension_behind_nip`` it brackets
+            the wound-on tension of the wrapped nip.
+        """
+        if self.problem.is_wrapped:
+            return nan
+        from .roll_strain import wound_on_tension_estimate
+
+        return wound_on_tension_estimate(self, angle)
+
+    @property
+    def rig_tension(
+        self,
+    ) -> Annotated[
+        float,
+        line_load(
+            "T_rig", "tension at a load cell to which the web is led off the roll, eq. (183)"
+        ),
+    ]:
+        """The estimate (183) where the web leaves the roll a quarter turn downstream [N/m]."""
+        return self.wound_on_tension_estimate(RIG_ANGLE)
+
+    # ---- entrained air -----------------------------------------------------------------------------
+
+    @property
+    def without_air(self) -> NipProblem:
+        """The nip without air, with the friction coefficients that the film leaves."""
+        if self.air is None:
+            return self.problem
+        return self.problem.without_air(self.air.roll_friction, self.air.wrap_friction)
+
+    def layer_friction(self, pressure: float | Array) -> float | Array:
+        """Return the friction between layers of the roll under a pressure P, an array of its shape.
+
+        The air between the layers is compressed, h p_a/(p_a + P); none escapes.  Without air:
+        ``roll_friction``.
+
+        Parameters
+        ----------
+        pressure : array_like
+            P [Pa], >= 0.
 
         Raises
         ------
-        NoSteadyState
-            If the nip alone cannot carry the winding force.
+        InvalidProblem
+            For anything else.
         """
-        return kinds.solve(self.problem.confined(), **options)
+        try:
+            P = np.asarray(pressure, dtype=float)
+        except (TypeError, ValueError):
+            text = f"{shown(pressure)} is out of place; must be numbers >= 0 [Pa]"
+            raise InvalidProblem.at("pressure", text) from None
+        if not (P >= 0).all():
+            text = f"{shown(float(np.min(P)))} is out of range; must be >= 0 [Pa]"
+            raise InvalidProblem.at("pressure", text)
+        air, dry = self.problem.air, self.problem.roll_friction
+        if air is None or self.air is None:
+            return dry * np.ones(P.shape)[()]
+        share: float | Array = friction_between(self.air.film, pressure, air)
+        return dry * share
+
+    def wound(self, roll: WoundRollProblem) -> WoundRollProblem:
+        """Return a roll with the film of this nip between its layers; see :class:`.AirBetween`.
+
+        Parameters
+        ----------
+        roll : WoundRollProblem
+            Of the same web, without air.
+
+        Raises
+        ------
+        InvalidProblem
+            If the web's thickness is not the nip's, or the roll's stack has air already.
+        """
+        web = roll.web_thickness
+        if abs(web / self.problem.web.thickness - 1) > 1e-9:
+            raise InvalidProblem.at(
+                "web_thickness",
+                f"{shown(web)} is out of range; must be the nip's, "
+                f"{self.problem.web.thickness:.6g} [m]",
+            )
+        if self.air is None or self.problem.air is None:
+            return roll
+        return with_film(roll, self.air.film, self.problem.air)

@@ -1,4 +1,4 @@
-"""Solve a web nip, with and without wraps, on a sequence of meshes."""
+"""Solve a winding nip on a sequence of meshes."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ from ..contact.newton import NewtonFailed
 from ..contact.refinement import REPORTED, MeshSolution, Refinement, refine
 from ..errors import RESOLUTION, NoSteadyState, NotConverged
 from ..problems.bodies import half_width_guess
-from ..problems.nip import NipProblem, WrappedNipProblem
+from ..problems.nip import NipProblem
 from ..results import Residuals, measured
 from ..threads import one_thread
 from ..validity import far_outside
 from .certificate import certificate, inconsistencies
+from .entrained_air import AirFilm, air_warnings
 from .equations import NipEquations
 from .load_limit import check_load
 from .outputs import SLIP_RATIOS, web_arrays
-from .result import NipResult, WrappedNipResult
+from .result import NipResult
+from .solve_air import solve_with_air
 from .validity import nip_warnings, web_far_outside
 
-__all__ = ["check_options", "solve_nip"]
+__all__ = ["check_options", "solve_nip", "solve_with_film"]
 
 # Default criterion: relative error of the wound-on tension, and the nip-induced tension's error
 # relative to it; the largest mesh of the default and of an explicit tolerance.
@@ -43,18 +45,18 @@ LEAST_TENSION = 0.01
 
 @one_thread
 def solve_nip(
-    problem: NipProblem | WrappedNipProblem,
+    problem: NipProblem,
     *,
     nodes: int | None = None,
     rtol: float | None = None,
-    start: NipResult | WrappedNipResult | None = None,
+    start: NipResult | None = None,
     progress: Callable[[float], None] | None = None,
-) -> NipResult | WrappedNipResult:
-    """Solve a web nip: where the web sticks and slips, and the tension that the nip adds.
+) -> NipResult:
+    """Solve a winding nip: stick and slip zones, tractions and the wound-on tension.
 
     Parameters
     ----------
-    problem : NipProblem or WrappedNipProblem
+    problem : NipProblem
     nodes : int, optional
         Nodes of the nip on the last mesh, 13 to 1025.  By default as many as it takes until the
         estimated error of the wound-on tension is below 0.1 % of it (0.3 % with nonlinear bodies),
@@ -62,7 +64,7 @@ def solve_nip(
     rtol : float, optional
         Relative error of the wound-on tension in place of the default, 1e-5 to 0.1; up to 1025
         nodes.
-    start : NipResult or WrappedNipResult, optional
+    start : NipResult, optional
         A solved neighbouring case, which replaces the initial guess on every mesh.  The result
         does not depend on it beyond the tolerance of the solver.
     progress : callable, optional
@@ -71,17 +73,50 @@ def solve_nip(
     Raises
     ------
     InvalidProblem
-        For options out of range, and loads that no contact of the bodies carries.
+        For options out of range, loads that no contact of the bodies carries, and an air film
+        under more than 100 times the ambient pressure.
     NoSteadyState
         If the web would be slack on a wrap.
     NotConverged
-        If a contact condition is not satisfied to 1e-8, or ``rtol`` is not reached; it carries the
-        best result.
+        If a contact condition is not satisfied to 1e-8, ``rtol`` is not reached, or the air film
+        does not converge; it carries the best result.
     """
-    check_type("problem", problem, NipProblem, WrappedNipProblem)
+    check_type("problem", problem, NipProblem)
     check_options(nodes=nodes, rtol=rtol)
     if start is not None:
-        check_type("start", start, NipResult, WrappedNipResult)
+        check_type("start", start, NipResult)
+    options = {"nodes": nodes, "rtol": rtol, "start": start, "progress": progress}
+    if problem.air is None:
+        return _solve(problem, **options).warned()
+    return solve_with_film(problem, **options).warned()
+
+
+def solve_with_film(problem: NipProblem, **options: Any) -> NipResult:
+    """Solve a nip with entrained air, and return its result without issuing the warnings.
+
+    Parameters
+    ----------
+    problem : NipProblem
+        With air.
+    options
+        Of :func:`solve_nip`, and ``frictions`` and ``tolerance`` of
+        :func:`~woundon.nip.solve_air.solve_with_air`.
+    """
+    solved, film = solve_with_air(problem, _solve, **options)
+    result = result_of(problem, solved.refinement, film).checked()
+    more = [text for text in solved.warnings if text not in result.warnings]
+    return result.replace(warnings=(*result.warnings, *more))
+
+
+def _solve(
+    problem: NipProblem,
+    *,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    start: NipResult | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> NipResult:
+    """Solve a nip without air."""
     check_load(problem, "nip_load")
     default = RTOL if problem.linear else RTOL_NONLINEAR
     most = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
@@ -105,7 +140,7 @@ def solve_nip(
     if ratio > 1:
         text = f"{RESOLUTION}the error estimate is {ratio:.2g} times the default tolerance"
         result = result.replace(warnings=(*result.warnings, text))
-    return result.warned()
+    return result
 
 
 def check_options(*, nodes: Any = None, rtol: Any = None) -> None:
@@ -150,7 +185,7 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
 
     Parameters
     ----------
-    problem : NipProblem or WrappedNipProblem
+    problem : NipProblem
     mesh : MeshSolution
     permitted : float
         Slackness that counts as an error of a coarse mesh, relative to the largest tension.
@@ -158,8 +193,8 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
     equations: NipEquations = mesh.system
     at, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
     for name, tension, wrapped in (
-        ("downstream of the nip", T[at.last :], equations.roll_wrap > 0),
-        ("upstream of the nip", T[: at.first + 1], equations.drum_wrap > 0),
+        ("downstream of the nip", T[at.last :], problem.roll_wrap > 0),
+        ("upstream of the nip", T[: at.first + 1], problem.drum_wrap > 0),
     ):
         least = float(tension.min())
         if wrapped and least <= -permitted * float(np.abs(T).max()):
@@ -170,7 +205,7 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
             )
 
 
-def result_of(problem: Any, found: Refinement) -> Any:
+def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = None) -> NipResult:
     """Return the result of the last mesh with its certificate, errors and warnings."""
     equations, state, active = found.last.system, found.last.state, found.last.active
     f, errors, outputs = state.fields, found.errors(), found.last.outputs
@@ -179,30 +214,23 @@ def result_of(problem: Any, found: Refinement) -> Any:
     for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
         errors[name] = max(errors[name], cell)
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
-    fields: dict[str, Any] = {
+    result = NipResult(
+        problem=problem, residuals=Residuals(), air=film,
         **{name: outputs[name] for name in (
             "half_width", "approach", "offset", "drum_creep", *SLIP_RATIOS
         )},
         **arrays,
-        "iterations": found.iterations,
-        "series_terms": max((k.terms for k in kernels), default=0),
-        "series_error": max((k.truncation_error for k in kernels), default=0.0),
-        "rolling_resistance": outputs.get("rolling_resistance", nan),
-        "refinement": found,
-    }  # fmt: skip
-    result: Any
-    if isinstance(problem, WrappedNipProblem):
-        result = WrappedNipResult(problem=problem, residuals=Residuals(), **fields)
-    else:
-        for name in ("roll_pressure", "hoop_pressure", "curvature", "roll_strain"):
-            del fields[name]
-        for name in ("wound_on_tension", "tension_before_nip"):  # not among its outputs
-            del errors[name]
-        NIT = outputs["nip_induced_tension"]
-        result = NipResult(
-            problem=problem, residuals=Residuals(), nip_induced_tension=NIT, **fields
-        )
+        iterations=found.iterations,
+        series_terms=max((k.terms for k in kernels), default=0),
+        series_error=max((k.truncation_error for k in kernels), default=0.0),
+        rolling_resistance=outputs.get("rolling_resistance", nan),
+        refinement=found,
+    )  # fmt: skip
+    of_the_film = air_warnings(problem, film, result.half_width) if film else ()
     return measured(
         result, errors=errors, residuals=certificate(result, equations),
-        warnings=(*nip_warnings(result), *inconsistencies(found.meshes[-REPORTED - 1 :])),
+        warnings=(
+            *of_the_film, *nip_warnings(result),
+            *inconsistencies(found.meshes[-REPORTED - 1 :]),
+        ),
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Where a solved nip, alone or wrapped, leaves the model of two bodies and a thin taut web."""
+"""Warnings where a nip leaves the validity of the model of two bodies and a thin taut web."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import RESOLUTION
-from ..problems.nip import WindingNip
+from ..problems.nip import NipProblem
 from ..validity import pair_warnings, past, zone_warnings
-from .result import WindingNipResult
+from .result import NipResult
 
 __all__ = ["nip_warnings", "web_far_outside"]
 
@@ -20,7 +20,7 @@ FAR_STRAIN = 1.0
 FAR_THICKNESS = 10.0  # nip widths
 
 
-def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
+def nip_warnings(result: NipResult) -> tuple[str, ...]:
     """Return where a solved nip leaves the model's validity, and what its grid is too coarse for.
 
     Strains and tensions are those of the whole web; surfaces and zones those of the nip.
@@ -38,13 +38,13 @@ def nip_warnings(result: WindingNipResult) -> tuple[str, ...]:
     )
 
 
-def _cautions(r: WindingNipResult) -> Iterator[str]:
+def _cautions(r: NipResult) -> Iterator[str]:
     for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
         if body.caution:
             yield f"of the {name}: {body.caution}"
 
 
-def _surface_strains(r: WindingNipResult, web: Array) -> Iterator[str]:
+def _surface_strains(r: NipResult, web: Array) -> Iterator[str]:
     x = r.x[r.in_nip]
     for (name, strain), body in zip(_bodies_strains(r, web).items(), r.problem.bodies, strict=True):
         if not body.rigid:
@@ -55,7 +55,7 @@ def _surface_strains(r: WindingNipResult, web: Array) -> Iterator[str]:
             )  # fmt: skip
 
 
-def _bodies_strains(r: WindingNipResult, web: Array) -> dict[str, Array]:
+def _bodies_strains(r: NipResult, web: Array) -> dict[str, Array]:
     """Return the bodies' surface strains in the nip where slips are taken, by the slips (eq. 133).
 
     ``web`` are the web's strains in the nip.  The roll's is that less the one at the trailing edge.
@@ -66,15 +66,15 @@ def _bodies_strains(r: WindingNipResult, web: Array) -> dict[str, Array]:
     return {"roll": roll - roll[-1], "drum": web + r.drum_creep - r.drum_slip[own]}
 
 
-def _web_strain(r: WindingNipResult) -> Array:
+def _web_strain(r: NipResult) -> Array:
     """Return the web's strain (thesis eq. 72) along all of it, (N,)."""
     web = r.problem.web
     c = web.compliance
-    p = getattr(r, "roll_pressure", r.pressure)  # on a wrap nothing else presses
+    p = r.roll_pressure
     return c.c11 / web.thickness * r.web_tension - c.c12 * p
 
 
-def _web(r: WindingNipResult, strain: Array) -> Iterator[str]:
+def _web(r: NipResult, strain: Array) -> Iterator[str]:
     web, peak = r.problem.web, float(r.pressure.max())
     modulus = web.radial_modulus(peak)
     yield from past(
@@ -101,12 +101,12 @@ def _web(r: WindingNipResult, strain: Array) -> Iterator[str]:
         )
 
 
-def web_far_outside(problem: WindingNip, width: float) -> Iterator[str]:
+def web_far_outside(problem: NipProblem, width: float) -> Iterator[str]:
     """Yield where a web is far outside the model, and what to change.
 
     Parameters
     ----------
-    problem : NipProblem or WrappedNipProblem
+    problem : NipProblem
     width : float
         About that of the nip [m].
     """
@@ -129,7 +129,7 @@ def web_far_outside(problem: WindingNip, width: float) -> Iterator[str]:
         )
 
 
-def _series(r: WindingNipResult) -> Iterator[str]:
+def _series(r: NipResult) -> Iterator[str]:
     if r.series_error > SERIES_ERROR:
         yield (
             f"{RESOLUTION}the series of an elastic layer is truncated with an error of "

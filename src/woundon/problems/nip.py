@@ -1,8 +1,8 @@
-"""A web in the nip between wound roll and winding drum: alone, or wrapped on roll and drum."""
+"""The winding nip: a web between wound roll and winding drum, which may be wrapped on both."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from math import exp, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
@@ -14,6 +14,7 @@ from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure, velocity
 from . import wound_roll as wound_roll  # it joins the bodies
+from .air import Air
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
 from .materials import Material, Solid, material
@@ -25,14 +26,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Web",
-    "WindingNip", "WrapFriction", "WrappedNip", "WrappedNipProblem",
+    "WrapFriction",
 ]  # fmt: skip
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
 _FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
 _HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
 
-# what nips and windings have alike
+# fields that nips and windings share
 RollFriction = Annotated[Number, pure("mu+", "friction between the layers", (0.1, 0.6)), _FRICTION]
 DrumFriction = Annotated[
     Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), _FRICTION
@@ -43,11 +44,11 @@ RollWrap = Annotated[
     _HALF_TURN,
 ]
 DrumWrap = Annotated[
-    Number, angle("theta-", "arc of the web on the drum before the nip", (0.0, pi)), _HALF_TURN
+    Number, angle("theta-", "arc of the web on the drum upstream of the nip", (0.0, pi)), _HALF_TURN
 ]
 WrapFriction = Annotated[
     Number | None,
-    pure("mu_w+", "friction on the roll behind the nip", (0.1, 0.6)),
+    pure("mu_w+", "friction on the roll downstream of the nip", (0.1, 0.6)),
     Field(ge=1e-6, le=10.0),
 ]
 WRAP_TABLE: Mapping[str, tuple[str, ...]] = {"wrap": ("roll_wrap", "drum_wrap", "wrap_friction")}
@@ -124,11 +125,60 @@ class Web(Description):
             )
 
 
-class WindingNip(ContactProblem):
-    """What a nip has with and without its wraps; not a problem of its own."""
+class NipProblem(ContactProblem):
+    """A winding nip in steady state, per metre of width (thesis ch. 3 and sec. 3.5).
+
+    The web runs over the drum (``drum_wrap``), through the nip and onto the roll (``roll_wrap``).
+    Downstream of the nip it slips on the roll as far as friction permits, and is held to the roll
+    at the end of the roll wrap (thesis eq. 96); its tension there is the wound-on tension.  With
+    ``roll_wrap=0`` it is held at the trailing edge of the nip (thesis eq. 97).
+
+    Parameters
+    ----------
+    web : Web
+    roll, drum : Rigid, HalfPlane, Cylinder or another Body
+        Wound roll (body 1, +) and winding drum (body 2, -).
+    roll_friction, drum_friction : float
+        mu+ between the layers and mu- between web and drum, 1e-8 to 10; with ``air`` those without
+        it.
+    nip_load : float
+        P [N/m], 1e-12 to 1e7.
+    winding_force : float
+        F = integral of q- on nip and drum wrap together = -M2/R2 [N/m]; F > 0: the drum brakes,
+        F = 0: centre winding, F = -web_tension: surface winding.  In the nip
+        |F| < mu- P; a drum wrap carries mu- P + T_in (exp(mu- drum_wrap) - 1).
+    web_tension : float
+        T_in upstream of drum wrap and nip [N/m], >= 0; > 0 with a drum wrap.
+    roll_wrap : float
+        Angle from the line of centres to where the web is held to the roll [rad], 0 to pi.
+    drum_wrap : float
+        Angle of the arc on which the web lies on the drum upstream of the nip [rad], 0 to pi.
+    wrap_friction : float, optional
+        mu+ on the roll wrap, 1e-6 to 10; ``roll_friction`` if None.
+    web_speed : float, optional
+        V of web, roll and drum [m/s]; required with ``air`` (0: a film of no thickness) and with
+        viscoelastic bodies (> 0), and only there.
+    air : Air, optional
+        The air that the web entrains, which reduces the friction.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and permitted range.
+    NoSteadyState
+        If the drum slides under nip and wrap (capstan, thesis eq. 179).
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.NipProblem.example()
+    >>> problem.nip_load, problem.roll_wrap, problem.air
+    (3502.0, 3.141592653589793, None)
+    """
 
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
     speed_field: ClassVar[str] = "web_speed"
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
 
     web: Annotated[Web, Field(description="the paper or film")]
     roll: Annotated[AnyBody, Field(description="the wound roll")]
@@ -143,14 +193,18 @@ class WindingNip(ContactProblem):
     ] = 0.0
     web_tension: Annotated[
         Number,
-        line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
+        line_load("T_in", "web tension upstream of the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
     ] = 0.0
+    roll_wrap: RollWrap = pi
+    drum_wrap: DrumWrap = 0.0
+    wrap_friction: WrapFriction = None
     web_speed: Annotated[
         Number | None,
-        velocity("V", "speed of the web, of viscoelastic bodies", (1.0, 50.0)),
-        Field(gt=0, le=1e4),
+        velocity("V", "web speed", (1.0, 50.0)),
+        Field(ge=0, le=1e4),
     ] = None
+    air: Annotated[Air | None, Field(description="the air that the web entrains")] = None
 
     @model_validator(mode="after")
     def _web_is_elastic(self) -> Self:
@@ -161,7 +215,7 @@ class WindingNip(ContactProblem):
     @model_validator(mode="before")
     @classmethod
     def _has_friction(cls, given: Any) -> Any:
-        """Refuse a face without friction: what it would carry and its web's speed are not told."""
+        """Reject a face without friction: its web speed is not determined."""
         for name in ("roll_friction", "drum_friction"):
             if (
                 isinstance(given, dict)
@@ -171,99 +225,9 @@ class WindingNip(ContactProblem):
                 raise InvalidProblem.at(
                     name, f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
                     "friction nothing fixes how fast the web runs against the "
-                    f"{name.partition('_')[0]}; the least tells the limit"
+                    f"{name.partition('_')[0]}; the smallest value shows the limit"
                 )  # fmt: skip
         return given
-
-    @cached_property
-    def linear(self) -> bool:
-        """Whether the bodies and the web are."""
-        return self.web.linear and all(body.linear for body in self.bodies)
-
-    @property
-    def thinning(self) -> float:
-        """-2h c22 of the web [m/Pa], without pressure."""
-        return -self.web.thickness * self.web.compliance.c22
-
-    @classmethod
-    def example(cls) -> Self:
-        """Return newsprint on a hard drum (thesis Table 2)."""
-        newsprint = material("newsprint")
-        return cls(
-            web=Web(thickness=66e-6, material=newsprint),
-            roll=Cylinder(radius=0.1, core_radius=0.0445, material=newsprint),
-            drum=Rigid(radius=0.0762),
-            roll_friction=0.19, drum_friction=0.2,
-            nip_load=3502.0, winding_force=0.0, web_tension=350.0,
-        )  # fmt: skip
-
-
-class NipProblem(WindingNip):
-    """A winding nip in steady state, per metre of width (thesis ch. 3).
-
-    The web is held to the roll at the trailing edge of the nip (thesis eq. 97).  For the tension
-    that the roll keeps see :class:`WrappedNipProblem`.
-
-    Parameters
-    ----------
-    web : Web
-    roll, drum : Rigid, HalfPlane, Cylinder or another Body
-        Wound roll (body 1, +) and winding drum (body 2, -).
-    roll_friction, drum_friction : float
-        mu+ between the layers and mu- between web and drum, 1e-8 to 10.
-    nip_load : float
-        P [N/m], 1e-12 to 1e7.
-    winding_force : float
-        F = integral of q- = -M2/R2 [N/m]; F > 0: the drum brakes, F = 0: centre winding,
-        F = -web_tension: surface winding.  |F| < mu- P.
-    web_tension : float
-        T_in before the nip [N/m], >= 0.
-    web_speed : float, optional
-        V [m/s]; needed where roll or drum is viscoelastic, and only there.
-
-    Raises
-    ------
-    InvalidProblem
-        Naming every field, value and range at fault.
-    NoSteadyState
-        If |F| >= mu- P: the web would slide on the whole drum.
-    """
-
-    @model_validator(mode="after")
-    def _has_steady_state(self) -> Self:
-        limit = self.drum_friction * self.nip_load
-        if abs(self.winding_force) >= limit:
-            raise NoSteadyState.at(
-                "winding_force",
-                f"{self.winding_force:.10g} is out of range; |winding_force| "
-                f"must be < drum_friction * nip_load = {limit:.10g} [N/m], or the drum slides",
-            )
-        return self
-
-    def wrapped(
-        self,
-        roll_wrap: float = pi,
-        drum_wrap: float = 0.0,
-        wrap_friction: float | None = None,
-        **changes: Any,
-    ) -> WrappedNipProblem:
-        """Return the same nip with the web wrapped on the roll behind it and the drum before it.
-
-        Parameters as of :class:`WrappedNipProblem`; ``changes`` are any of its fields.
-        """
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        wraps = {"roll_wrap": roll_wrap, "drum_wrap": drum_wrap, "wrap_friction": wrap_friction}
-        return WrappedNipProblem(**fields | wraps | changes)
-
-
-class WrappedNip(WindingNip):
-    """What a nip with its wraps has, with and without air; not a problem of its own."""
-
-    tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
-
-    roll_wrap: RollWrap = pi
-    drum_wrap: DrumWrap = 0.0
-    wrap_friction: WrapFriction = None
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:
@@ -279,52 +243,88 @@ class WrappedNip(WindingNip):
             raise NoSteadyState.at(
                 "winding_force",
                 f"{self.winding_force:.10g} is out of range; must be > {low:.10g} and < "
-                f"{high:.10g} [N/m], what friction can carry in the nip and on the drum's wrap, "
-                "or the drum slides",
+                f"{high:.10g} [N/m], what friction carries in the nip (drum_friction * nip_load) "
+                "and on the drum wrap, or the drum slides",
             )
         return self
 
+    @model_validator(mode="after")
+    def _rolls(self) -> Self:
+        if self.web_speed == 0 and self.viscoelastic:
+            uses = next(text for field, text in super().uses_of_speed())
+            raise InvalidProblem.at("web_speed", f"0 is out of range; must be > 0 [m/s], as {uses}")
+        return self
+
+    @model_validator(mode="after")
+    def _air_is_possible(self) -> Self:
+        if self.air is not None:
+            for field, text in self.air.too_rough(self.web.thickness):
+                raise InvalidProblem.at(f"air.{field}", text)
+            if not (self.roll.compliance + self.drum.compliance) > 0:
+                raise InvalidProblem.at(
+                    "roll",
+                    "is rigid, and so is the drum; one of them must deform, or there is no nip "
+                    "that air could pass",
+                )
+        return self
+
+    def uses_of_speed(self) -> Iterator[tuple[str, str]]:
+        """Yield what depends on the speed: entrained air, and viscoelastic bodies."""
+        if self.air is not None:
+            yield "air", "the web entrains air"
+        yield from super().uses_of_speed()
+
+    @cached_property
+    def linear(self) -> bool:
+        """Whether the bodies and the web are linear."""
+        return self.web.linear and all(body.linear for body in self.bodies)
+
     @property
-    def friction_behind(self) -> float:
-        """mu+ behind the nip."""
+    def thinning(self) -> float:
+        """-2h c22 of the web [m/Pa], without pressure."""
+        return -self.web.thickness * self.web.compliance.c22
+
+    @property
+    def friction_on_wrap(self) -> float:
+        """mu+ on the roll downstream of the nip."""
         return self.roll_friction if self.wrap_friction is None else self.wrap_friction
 
+    @property
+    def is_wrapped(self) -> bool:
+        """Whether the web lies on the roll downstream, or on the drum upstream of the nip."""
+        return self.roll_wrap > 0 or self.drum_wrap > 0
 
-class WrappedNipProblem(WrappedNip):
-    """A winding nip with the web wrapped on the roll behind it and on the drum before it.
+    def without_air(
+        self, roll_friction: float | None = None, wrap_friction: float | None = None
+    ) -> Self:
+        """Return the nip without air, with other friction coefficients in the nip and on the wrap.
 
-    The web slips on the roll behind the nip as far as it must and is held far away (thesis sec.
-    3.5, eq. 96): its tension there is the wound-on tension.
-
-    Parameters
-    ----------
-    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension, web_speed
-        As of :class:`NipProblem`.
-    winding_force : float
-        F on nip and drum wrap together [N/m].  With a wrap the drum can take
-        mu- P + T_in (exp(mu- drum_wrap) - 1).
-    roll_wrap : float
-        Angle from the line of centres to where the web is held to the roll [rad], at most pi;
-        0 holds it at the trailing edge, as :class:`NipProblem` does.
-    drum_wrap : float
-        Angle of the arc on which the web lies on the drum before the nip [rad], 0 to pi.
-    wrap_friction : float, optional
-        mu+ behind the nip, 1e-6 to 10; that in the nip where None.
-
-    Raises
-    ------
-    InvalidProblem
-        Naming every field, value and range at fault; for a wrap on the drum without web tension.
-    NoSteadyState
-        If the drum slides under nip and wrap (capstan, thesis eq. 179).
-    """
-
-    def confined(self) -> NipProblem:
-        """Return the nip alone, the web held at its trailing edge.
-
-        Raises
-        ------
-        NoSteadyState
-            If the nip alone cannot carry the winding force.
+        Parameters
+        ----------
+        roll_friction, wrap_friction : float, optional
+            Those that the air film leaves; by default those of this problem.
         """
-        return NipProblem(**{name: getattr(self, name) for name in NipProblem.model_fields})
+        if self.air is None:
+            return self
+        changes: dict[str, Any] = {"air": None}
+        if not self.viscoelastic:
+            changes["web_speed"] = None  # nothing but the air depends on it
+        if roll_friction is not None and roll_friction != self.roll_friction:
+            changes["roll_friction"] = roll_friction
+        if wrap_friction is not None and wrap_friction != self.friction_on_wrap:
+            changes["wrap_friction"] = wrap_friction
+        elif "roll_friction" in changes:
+            changes["wrap_friction"] = self.friction_on_wrap
+        return self.replace(**changes)
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return newsprint on a hard drum (thesis Table 2)."""
+        newsprint = material("newsprint")
+        return cls(
+            web=Web(thickness=66e-6, material=newsprint),
+            roll=Cylinder(radius=0.1, core_radius=0.0445, material=newsprint),
+            drum=Rigid(radius=0.0762),
+            roll_friction=0.19, drum_friction=0.2,
+            nip_load=3502.0, winding_force=0.0, web_tension=350.0,
+        )  # fmt: skip

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import Quantity, length, line_load, pure, velocity
-from .air import Air, AirNipProblem, with_film
+from .air import Air, with_film
 from .bodies import AnyBody, Body, Rigid
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
@@ -24,7 +24,6 @@ from .nip import (
     RollWrap,
     Web,
     WrapFriction,
-    WrappedNipProblem,
 )  # fmt: skip
 from .radial_laws import Pfeiffer
 from .roll import Core, WoundRollProblem
@@ -86,7 +85,7 @@ class WindingProblem(Problem):
     radius : float
         R of the finished roll [m].
     roll_friction, drum_friction, roll_wrap, drum_wrap, wrap_friction
-        As of :class:`~woundon.problems.nip.WrappedNipProblem`.
+        As of :class:`~woundon.NipProblem`.
     web_tension, nip_load, winding_force : float, Taper or Profile
         T_in, P and F over the radius [N/m]; F = 0: centre winding.
     torque_split : float, Taper or Profile, optional
@@ -310,20 +309,15 @@ class WindingProblem(Problem):
 
     # ---- what it is made of ---------------------------------------------------------------------
 
-    def nip(self, radius: float, roll: Body) -> WrappedNipProblem:
-        """Return the nip when the roll has a radius [m], the roll given as a body."""
+    def nip(self, radius: float, roll: Body) -> NipProblem:
+        """Return the nip, with the air, when the roll has a radius [m] and is the given body."""
         same: dict[str, Any] = {
-            name: getattr(self, name) for name in WrappedNipProblem.model_fields if name in SAME
+            name: getattr(self, name) for name in NipProblem.model_fields if name in SAME
         }
         same |= {name: float(self.at(name, radius)) for name in LOADS}
-        if self.drum.viscoelastic:
-            same["web_speed"] = self.web_speed
-        return WrappedNipProblem(**same, roll=roll)
-
-    def with_air(self, nip: WrappedNipProblem) -> AirNipProblem:
-        """Return a nip with the air of this winding, which must have some."""
-        fields: dict[str, Any] = {name: getattr(nip, name) for name in type(nip).model_fields}
-        return AirNipProblem(**fields | {"web_speed": self.web_speed, "air": self.air})
+        if self.drum.viscoelastic or self.air is not None:
+            same |= {"web_speed": self.web_speed, "air": self.air}
+        return NipProblem(**same, roll=roll)
 
     def wound_roll(
         self, wound_on_tension: float | Taper | Profile, film: float = 0.0

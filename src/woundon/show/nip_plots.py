@@ -1,4 +1,4 @@
-"""The panels of a winding nip, alone and with its wraps."""
+"""The panels of a winding nip and its wraps."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..nip.result import NipResult, WindingNipResult, WrappedNipResult
+from ..nip.result import NipResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
 from .panels import NEUTRAL, Case, Panel
 from .parts import nip_zones
 
-__all__ = ["draw_slips", "nip_panels", "wrapped_panels"]
+__all__ = ["draw_slips", "nip_panels"]
 
 Array = np.ndarray
 Cases = Sequence[Case]
@@ -33,8 +33,14 @@ def nip_panels(result: NipResult) -> dict[str, Panel]:
     - slips: v+ and v- [%], and the web tension [N/m] on the right
     - zones: at roll and drum
     - pressure, tension: alone, if asked for
+
+    With a wrap, over the distance from the nip as an angle [deg], on a logarithmic scale:
+
+    - wrap_tension: the web tension
+    - wrap_pressure: the pressure on the body and |q|/mu, the pressure that its traction requires
+      [kPa]
     """
-    return dict(NIP)
+    return {**NIP, **WRAPS} if result.problem.is_wrapped else dict(NIP)
 
 
 def draw_tractions(axes: Axes, cases: Cases) -> Handles:
@@ -55,12 +61,11 @@ def draw_tractions(axes: Axes, cases: Cases) -> Handles:
     return handles
 
 
-def _draw_bounds(axes: Axes, result: WindingNipResult) -> Handles:
+def _draw_bounds(axes: Axes, result: NipResult) -> Handles:
     """Shade what friction allows, the narrower bound on top."""
-    problem, own = result.problem, result.in_nip
+    problem, own = result.without_air, result.in_nip
     x, on_drum = shown(result, "x")[own], shown(result, "pressure")[own]
-    wrapped = isinstance(result, WrappedNipResult)
-    on_roll = shown(result, "roll_pressure")[own] if wrapped else on_drum
+    wrapped, on_roll = problem.is_wrapped, shown(result, "roll_pressure")[own]
     bounds = [
         (problem.roll_friction, on_roll, ROLL_BOUND, "+"),
         (problem.drum_friction, on_drum, DRUM_BOUND, "-"),
@@ -135,22 +140,7 @@ NIP = {
 }
 
 
-# ---- the nip with its wraps ---------------------------------------------------------------------
-
-
-def wrapped_panels(result: WrappedNipResult) -> dict[str, Panel]:
-    """Return the panels of a nip with its wraps: those of a nip, then the web along the roll.
-
-    Over the distance from the nip as an angle [deg], on a logarithmic scale:
-
-    - wrap_tension: the web tension
-    - wrap_pressure: the pressure on the roll and |q+|/mu+, the pressure that its traction needs
-      [kPa]
-
-    Where the web is wrapped on the drum too, the same before the nip.
-    """
-    wrapped = result.problem.roll_wrap or result.problem.drum_wrap
-    return {**NIP, **WRAPS} if wrapped else dict(NIP)
+# ---- the wraps ----------------------------------------------------------------------------------
 
 
 def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
@@ -170,7 +160,7 @@ def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
     return handles
 
 
-def _mark_wound_on(axes: Axes, result: WrappedNipResult) -> Handles:
+def _mark_wound_on(axes: Axes, result: NipResult) -> Handles:
     """Mark the wound-on tension, and where slip ends."""
     wound = quantity_of(result, "wound_on_tension")
     far = f"{wound.symbol} {wound.shown(result.wound_on_tension):.5g} {unit_of(wound)}"
@@ -191,7 +181,8 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
         for face, theta, own in _wraps(result):
             roll = face == "roll"
             sign, colour, lines = ("+", ROLL, "-:") if roll else ("-", DRUM, ("--", "-."))
-            friction = result.problem.friction_behind if roll else result.problem.drum_friction
+            problem = result.without_air
+            friction = problem.friction_on_wrap if roll else problem.drum_friction
             present = shown(result, "roll_pressure" if roll else "pressure")[own]
             needed = np.abs(shown(result, f"{face}_traction")[own]) / friction
             needs = rf"$|q^{{{sign}}}|/\mu^{{{sign}}}$"
@@ -205,7 +196,7 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
     return handles
 
 
-def _wraps(result: WrappedNipResult) -> list[tuple[str, Array, slice]]:
+def _wraps(result: NipResult) -> list[tuple[str, Array, slice]]:
     """Return the faces on which the web is wrapped: angles from the nip [deg], nodes."""
     problem, own, a = result.problem, result.in_nip, result.half_width
     angle, x = quantity_of(result, "slip_angle"), result.x

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import quantities
-from ..nip.result import WindingNipResult, WrappedNipResult
+from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..quantities import Quantity
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
@@ -227,7 +227,7 @@ def _words(law: str) -> str:
 # ---- zones --------------------------------------------------------------------------------------
 
 
-def nip_zones(result: WindingNipResult) -> ZoneStrips:
+def nip_zones(result: NipResult) -> ZoneStrips:
     """Return the zones of a nip at roll and drum."""
     own = result.in_nip
     faces = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
@@ -241,7 +241,7 @@ def roller_zones(result: RollerResult) -> ZoneStrips:
 
 def zone_strips(result: Result) -> ZoneStrips | None:
     """Return the zones of a contact of any kind; None where there are none."""
-    if isinstance(result, WindingNipResult):
+    if isinstance(result, NipResult):
         return nip_zones(result)
     return roller_zones(result) if isinstance(result, RollerResult) else None
 
@@ -251,13 +251,15 @@ def friction_bounds(result: Result) -> dict[str, Array]:
     problem = result.problem
     if isinstance(result, RollerResult):
         return {"traction": problem.friction * result.pressure}
-    if not isinstance(result, WindingNipResult):
+    if not isinstance(result, NipResult):
         return {}
-    on_roll, mu = result.pressure, np.full(result.x.shape, problem.roll_friction)
-    if isinstance(result, WrappedNipResult):
-        on_roll = result.roll_pressure
-        mu[result.in_nip.stop :] = problem.friction_behind
-    return {"roll_traction": mu * on_roll, "drum_traction": problem.drum_friction * result.pressure}
+    problem = result.without_air
+    mu = np.full(result.x.shape, problem.roll_friction)
+    mu[result.in_nip.stop :] = problem.friction_on_wrap
+    return {
+        "roll_traction": mu * result.roll_pressure,
+        "drum_traction": problem.drum_friction * result.pressure,
+    }
 
 
 def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:

@@ -18,11 +18,11 @@ from rich.text import Text
 
 from .. import kinds, quantities, theories
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
-from ..nip.result import NipResult, WindingNipResult, WrappedNipResult
+from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.bodies import Body
 from ..problems.fields import Description
-from ..problems.nip import WindingNip, WrappedNipProblem
+from ..problems.nip import NipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import Quantity
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 __all__ = [
     "field_rows", "nip_report", "outputs_report", "plain_console", "print_report",
     "print_sensitivity", "report_parts", "report_text", "roller_report", "rows_of",
-    "sensitivity_text", "wrapped_report",
+    "sensitivity_text",
 ]  # fmt: skip
 
 
@@ -115,29 +115,60 @@ HELD = "Winding nip, the web held at its trailing edge"
 WRAPPED = "Winding nip, the web wrapped on the roll"
 BRACKETS = (
     "T_out (web held at the trailing edge, eq. 97) and the estimate by eq. (183) bracket the "
-    "wound-on tension. To compute it, wrap the web on the roll: 'woundon solve' with a [wrap] "
-    "table in the case, or wo.solve(problem.wrapped()) in Python."
+    "wound-on tension of a web that is wrapped on the roll: set roll_wrap to compute it."
 )
+# wound-on tension and wraps, of a nip that has some
+OF_WRAPS = frozenset({
+    "wound_on_tension", "tension_before_nip", "roll_wrap_traction", "drum_wrap_traction",
+    "slip_angle",
+})  # fmt: skip
 
 
 def nip_report(result: NipResult) -> list[Part]:
-    """Return the report of a nip whose web is held at its trailing edge."""
-    names = ["nip_induced_tension", "tension_behind_nip", "wound_on_tension_estimate"]
+    """Return the report of a nip; with a roll wrap, also of the same nip without wraps."""
+    problem = result.problem
+    rows, wraps = _tension_rows(result), tuple(_wraps(problem))
     return [
         _how(result),
-        *_hardening(result.problem),
-        Section("Loads", _loads(result)),
-        Section(HELD, rows_of(result, names + NIP, approach=_level(result)), BRACKETS),
+        *_hardening(problem),
+        Section("Loads and wraps" if wraps else "Loads", (*_loads(result), *wraps)),
+        Section(
+            WRAPPED if problem.roll_wrap else HELD, rows,
+            "" if problem.is_wrapped else BRACKETS,
+        ),
         nip_zones(result),
+        *_held_at_the_edge(result),
         *_other_theories(result),
-    ]
+    ]  # fmt: skip
 
 
-def _how(result: WindingNipResult) -> Line:
+def _wraps(problem: NipProblem) -> Iterator[Row]:
+    """Yield the wrap angles and the friction on the wrap, of those that there are."""
+    if problem.is_wrapped:
+        yield field_row(problem, "roll_wrap")
+    if problem.drum_wrap:
+        yield field_row(problem, "drum_wrap")
+    if problem.roll_wrap and problem.wrap_friction is not None:
+        yield field_row(problem, "wrap_friction")
+
+
+def _tension_rows(result: NipResult) -> tuple[Row, ...]:
+    level = _level(result)
+    if not result.problem.is_wrapped:
+        names = ["nip_induced_tension", "tension_behind_nip", "wound_on_tension_estimate"]
+        return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=level)
+    on_drum = ["tension_before_nip", "drum_wrap_traction"] if result.problem.drum_wrap else []
+    names = ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", *on_drum,
+             "roll_wrap_traction", "slip_angle"]  # fmt: skip
+    way = f", web {result.slip_zone.word}" if result.slip_zone else ""
+    return rows_of(result, names + NIP, approach=level, slip_angle=way)
+
+
+def _how(result: NipResult) -> Line:
     return Line(f"{result.nodes} nodes in the nip, {result.iterations} Newton iterations", "quiet")
 
 
-def _hardening(problem: WindingNip) -> Iterator[Line]:
+def _hardening(problem: NipProblem) -> Iterator[Line]:
     """Say of a nip with a stack in it whether the nip's pressure hardens roll and web."""
     if isinstance(problem.roll, WoundRoll) or isinstance(problem.web.material, Stack):
         told = (f"the {name} {'does not harden' if part.linear else 'hardens'}"
@@ -145,13 +176,13 @@ def _hardening(problem: WindingNip) -> Iterator[Line]:
         yield Line(f"under the nip's pressure {', '.join(told)}", "quiet")
 
 
-def _loads(result: WindingNipResult) -> tuple[Row, ...]:
+def _loads(result: NipResult) -> tuple[Row, ...]:
     moving = [] if result.problem.web_speed is None else ["web_speed"]
     names = ("nip_load", "winding_force", "web_tension", *moving)
     return tuple(field_row(result.problem, name) for name in names)
 
 
-def _level(result: WindingNipResult) -> str:
+def _level(result: NipResult) -> str:
     """Return what is to be said of an approach: that of a half-plane has no fixed level."""
     return _up_to_a_constant(result.problem.roll, result.problem.drum)
 
@@ -164,46 +195,17 @@ def _deep(body: Body) -> bool:
     return not body.rigid and isinf(body.thickness)
 
 
-# ---- the nip with its wraps ---------------------------------------------------------------------
-
-
-def wrapped_report(result: WrappedNipResult) -> list[Part]:
-    """Return the report of a nip with its wraps, and of the same nip without them."""
-    problem = result.problem
-    loads = [*_loads(result), field_row(problem, "roll_wrap")]
-    if problem.drum_wrap:
-        loads.append(field_row(problem, "drum_wrap"))
-    if problem.wrap_friction is not None:
-        loads.append(field_row(problem, "wrap_friction"))
-    return [
-        _how(result),
-        *_hardening(problem),
-        Section("Loads and wraps", tuple(loads)),
-        Section(WRAPPED if problem.roll_wrap else HELD, _wrapped_rows(result)),
-        nip_zones(result),
-        *_held_at_the_edge(result),
-        *_other_theories(result),
-    ]
-
-
-def _wrapped_rows(result: WrappedNipResult) -> tuple[Row, ...]:
-    on_drum = ["tension_before_nip", "drum_wrap_traction"] if result.problem.drum_wrap else []
-    names = ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", *on_drum,
-             "roll_wrap_traction", "slip_angle"]  # fmt: skip
-    way = f", web {result.slip_zone.word}" if result.slip_zone else ""
-    notes = {"approach": _level(result), "slip_angle": way}
-    return rows_of(result, names + NIP, **notes)
-
-
-def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
-    """Yield what the same nip without its wraps says, solved with as many nodes."""
+def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
+    """Yield a section on the same nip without its wraps, solved with as many nodes."""
     angle = result.problem.roll_wrap
     if angle == 0:
         return  # held there already
     title = "The same nip, its web held at the trailing edge"
     try:
         with unwarned():
-            nip = result.confined(nodes=result.nodes)
+            nip = kinds.solve(
+                result.without_air.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=result.nodes
+            )
         estimate = nip.wound_on_tension_estimate(angle)
     except NoSteadyState as fault:
         yield Section(title, (), f"Has no steady state: {fault}")
@@ -215,7 +217,7 @@ def _held_at_the_edge(result: WrappedNipResult) -> Iterator[Section]:
         output_row(nip, "tension_behind_nip", note="  eq. (97)"),
         output_row(
             nip, "wound_on_tension_estimate", estimate, note="  eq. (183)",
-            meaning="wound-on tension estimated for a web that sticks behind",
+            meaning="wound-on tension estimated for a web that sticks downstream",
         ),
     )  # fmt: skip
     low, high = sorted((nip.tension_behind_nip, estimate))
@@ -260,7 +262,7 @@ def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
 # ---- other theories, where they apply -----------------------------------------------------------
 
 
-def _other_theories(result: WindingNipResult) -> Iterator[Section]:
+def _other_theories(result: NipResult) -> Iterator[Section]:
     """Yield closed forms of a nip; those of the tension take the solved approach and zones."""
     rows = [
         output_row(result, "nip_induced_tension", value, meaning=label)
@@ -271,9 +273,9 @@ def _other_theories(result: WindingNipResult) -> Iterator[Section]:
         yield Section("Other theories", tuple(rows))
 
 
-def _rival_tensions(result: WindingNipResult) -> Iterator[tuple[str, float]]:
+def _rival_tensions(result: NipResult) -> Iterator[tuple[str, float]]:
     problem = result.problem
-    if getattr(problem, "drum_wrap", 0):
+    if problem.drum_wrap or problem.air:
         return  # they know of no winding force but the nip's
     yield "friction limit mu+ P + F (upper bound)", theories.friction_limit(problem)
     if result.dual:
@@ -284,7 +286,7 @@ def _rival_tensions(result: WindingNipResult) -> Iterator[tuple[str, float]]:
         yield "Jalkanen, with the solved approach", jalkanen
 
 
-def _hertz(result: WindingNipResult | RollerResult, label: str) -> list[Row]:
+def _hertz(result: NipResult | RollerResult, label: str) -> list[Row]:
     if result.problem.viscoelastic:
         label += ", all relaxed"
     try:
@@ -418,7 +420,7 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
         if not field:  # no percent of it; what it does all the same
             main = ordered.outputs[0]
             slope, symbol = ordered.derivative(main, name), known[main].symbol
-            quantity = quantities.find(WrappedNipProblem, name)[0].quantity
+            quantity = quantities.find(NipProblem, name)[0].quantity
             unit = "unit" if quantity is None else quantity.unit.replace("1", "unit")
             text = f"{name} is 0: {symbol} changes by {slope:+.4g} N/m per {unit} of it"
             console.print(Text(text))

@@ -65,7 +65,7 @@ def sweep(
     Parameters
     ----------
     problem : Problem
-        What is not varied: :class:`~woundon.NipProblem`, :class:`~woundon.WrappedNipProblem`,
+        What is not varied: :class:`~woundon.NipProblem`,
         :class:`~woundon.RollerProblem`, ...
     over : mapping, path or pandas.DataFrame
         Dotted name of any field, ``"drum.layers.0.thickness"``, -> its values, SI or texts with

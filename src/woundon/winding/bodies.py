@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import NotConverged
-from ..nip.result import WrappedNipResult
+from ..nip.result import NipResult
 from ..problems.bodies import Body, Cylinder
 from ..problems.materials import Material, Orthotropic
 from ..problems.schedules import Profile
@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
-Solve = Callable[[Body, WrappedNipResult | None], WrappedNipResult]
+Solve = Callable[[Body, NipResult | None], NipResult]
 
 SHARE = 0.25  # of p_max
 DEPTHS = 33  # at which the wound pressure is averaged
@@ -56,7 +56,7 @@ class Felt(NamedTuple):
 
     Attributes
     ----------
-    result : WrappedNipResult
+    result : NipResult
     pressure : float
         P_e of its roll [Pa]; nan where the roll has no single one.
     wanted : float
@@ -67,7 +67,7 @@ class Felt(NamedTuple):
         Of P_e, with which the wound-on tension, the half-width and the peak pressure go.
     """
 
-    result: WrappedNipResult
+    result: NipResult
     pressure: float = nan
     wanted: float = nan
     steep: float = 0.0
@@ -158,7 +158,7 @@ def foreseen(problem: WindingProblem, stage: Stage, felt: Felt) -> Felt:
     return felt._replace(wanted=P, steep=steep)
 
 
-def _told(result: WrappedNipResult) -> tuple[float, float, float]:
+def _told(result: NipResult) -> tuple[float, float, float]:
     return result.wound_on_tension, result.half_width, result.peak_pressure
 
 

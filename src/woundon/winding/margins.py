@@ -183,7 +183,7 @@ class Pull:
 
 
 def _left(film: float, P: Array, air: Air) -> Array:
-    share: Array = kinds.fetch("woundon.air.certificate:friction_between")(film, P, air)
+    share: Array = kinds.fetch("woundon.nip.air_films:friction_between")(film, P, air)
     return share
 
 

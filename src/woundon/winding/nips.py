@@ -8,12 +8,11 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..air.solve import air_warnings, solved_with_air
 from ..errors import RESOLUTION, InvalidProblem, NotConverged
-from ..nip.result import WrappedNipResult
-from ..nip.solve import solve_nip
+from ..nip.result import NipResult
+from ..nip.solve import solve_nip, solve_with_film
 from ..problems.bodies import Body
-from ..problems.nip import WrappedNipProblem
+from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..roll.stages import wound_so_far
@@ -63,7 +62,6 @@ class Nips:
         self.solved, self.coarse = solved, False
         self.films: dict[float, float] = {}  # of air, that the nips let through, by radius
         self.frictions: dict[float, tuple[float, float]] = {}  # that they leave
-        self.airy: dict[float, tuple[str, ...]] = {}  # warnings of the air
 
     @property
     def alone(self) -> bool:
@@ -108,10 +106,7 @@ class Nips:
 
     def warnings(self) -> tuple[str, ...]:
         """Return what is to be said of the nips, each sort once, with the radii it holds for."""
-        return warnings_of(
-            [(felt.radius, (*self.airy.get(felt.radius, ()), *felt.result.warnings))
-             for felt in self.told()]
-        )  # fmt: skip
+        return warnings_of([(felt.radius, felt.result.warnings) for felt in self.told()])
 
     def _on(self, roll: WoundRollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, air and all."""
@@ -126,7 +121,7 @@ class Nips:
         found = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)
         return None if found is None else known[found]
 
-    def _solve(self, roll: Body, start: WrappedNipResult | None) -> WrappedNipResult:
+    def _solve(self, roll: Body, start: NipResult | None) -> NipResult:
         nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
         nip = self.problem.nip(roll.radius, roll)
         try:
@@ -139,25 +134,20 @@ class Nips:
         self.tell(self.solved)
         return result
 
-    def _with_its_air(
-        self, nip: WrappedNipProblem, nodes: int, start: WrappedNipResult | None
-    ) -> WrappedNipResult:
+    def _with_its_air(self, nip: NipProblem, nodes: int, start: NipResult | None) -> NipResult:
         """Solve a nip, with the friction that its air leaves; keep the film."""
         radius = nip.roll.radius
-        if self.problem.air is None:
+        if nip.air is None:
             self.films[radius] = 0.0
-            result = solve_nip(nip, nodes=nodes, start=start)
-            assert isinstance(result, WrappedNipResult)
-            return result
+            return solve_nip(nip, nodes=nodes, start=start)
         near = min(self.films, key=lambda other: abs(other - radius), default=None)
-        with_air = self.problem.with_air(nip)
-        result, found = solved_with_air(
-            with_air, None if near is None else self.frictions[near], self.agreed,
+        result = solve_with_film(
+            nip, frictions=None if near is None else self.frictions[near], tolerance=self.agreed,
             nodes=nodes, start=start,
         )  # fmt: skip
-        self.films[radius] = found["film"]
-        self.frictions[radius] = found["roll_friction"], found["wrap_friction"]
-        self.airy[radius] = air_warnings(with_air, found, result.half_width)
+        assert result.air is not None
+        self.films[radius] = result.air.film
+        self.frictions[radius] = result.air.roll_friction, result.air.wrap_friction
         return result
 
 

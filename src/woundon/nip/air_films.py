@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .inlet import passed
+from .air_inlet import passed
 
-__all__ = ["NipFilm", "escaped_film", "foil_film", "friction_share", "nip_film"]
+if TYPE_CHECKING:
+    from ..problems.air import Air
+
+__all__ = [
+    "NipFilm", "escaped_film", "foil_film", "friction_between", "friction_share", "nip_film",
+]  # fmt: skip
 
 # of y''' = (y - 1)/y^3, y'' -> FOIL^(3/2)... far before the roll; integrated by the tests
 FOIL = 0.64304
@@ -106,3 +111,20 @@ def friction_share(film: Any, roughness: float, kept: float, lost: float) -> Any
     """
     thick = np.asarray(film, dtype=float) / roughness
     return np.clip((lost - thick) / (lost - kept), 0.0, 1.0)[()]
+
+
+def friction_between(film: float, pressure: Any, air: Air) -> Any:
+    """Return the share of their friction that layers retain under a pressure [1].
+
+    The film between them is compressed; no air escapes.
+
+    Parameters
+    ----------
+    film : float
+        At ambient pressure [m].
+    pressure : array_like
+        [Pa].
+    air : Air
+    """
+    compressed = film * air.ambient_pressure / (air.ambient_pressure + np.asarray(pressure))
+    return friction_share(compressed, air.roughness, air.full_friction, air.no_friction)

@@ -1,0 +1,261 @@
+r"""The air film that a web entrains through a nip, and the friction that it leaves.
+
+Near the inlet edge the pressure of the nip without air is K sqrt(s), s the distance downstream of
+the edge.  K, the compliance C of the surfaces and the speed give the film that passes
+(:mod:`.air_inlet`).  Under a pressure p the passing film has the thickness m/(p_a + p); friction
+falls linearly with the thickness in units of the roughness (:func:`.air_films.friction_share`).
+
+A viscoelastic surface responds to waves of the wave number 1/l, l the length of the inlet, with its
+modulus at the frequency V/l; a drum that the web is wrapped on deforms by C/(1 + T C/l), as the web
+tension acts in parallel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, log
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+
+from ..elasticity.relaxation import factor
+from ..errors import InvalidProblem
+from ..quantities import Quantity, length, pure, strain
+from ..results import ReadOnly, largest
+from .air_films import escaped_film, foil_film, friction_share, nip_film
+
+if TYPE_CHECKING:
+    from ..problems.bodies import Body
+    from ..problems.nip import NipProblem
+    from .result import NipResult
+
+__all__ = ["AirFilm", "air_conditions", "air_film", "air_warnings", "films_of", "inlet_gradient"]
+
+Array = np.ndarray
+
+# Smallest friction coefficient with a film: a nip without any friction has no unique solution.
+LEAST_FRICTION = 1e-6
+# Smallest pressure of the inlet relative to the largest one, so that its logarithm exists.
+LEAST_PRESSURE = 1e-6
+LENGTHS = 1e-12, 1e3  # bracket of the length of the inlet [m]
+# Node from which, and share of the half width up to which, K is taken: on the first two nodes a
+# piecewise linear Hertz pressure is 9 and 1 % off.
+FIRST, FARTHEST = 3, 0.5
+LONG = 0.3  # of the half width: up to there the film is accurate to 2 % (tests/verification)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AirFilm(ReadOnly):
+    """The air film of a nip, and the friction coefficients that it leaves.
+
+    Attributes
+    ----------
+    thickness : (M,) array
+        Film between web and roll at the nodes of the nip [m].
+    foil_film : float
+        Film that the web would carry in without a nip [m].
+    nip_film : float
+        Film that the nip lets through, under the pressure T_in/R of the layer wound on [m].
+    film : float
+        Film between the layers when the next layer is wound: the smaller one of the two, less the
+        air that has passed through the web [m].
+    film_in_nip : float
+        Film under the mean pressure of the nip [m].
+    roll_friction, wrap_friction : float
+        Friction coefficients in the nip and on the roll wrap, reduced by the film [1].
+    friction_share : float
+        ``roll_friction`` relative to that without air [1].
+    gradient : float
+        K [Pa/sqrt(m)]: the pressure near the inlet edge is K sqrt(s).
+    inlet_length : float
+        Length of the inlet in which the film forms [m].
+    """
+
+    part_of_result: ClassVar[bool] = True  # its fields are outputs of the result that holds it
+
+    thickness: Annotated[Array, length("h_a", "air film in the nip", "um")]
+    foil_film: Annotated[float, length("h_foil", "air film without a nip", "um")]
+    nip_film: Annotated[float, length("h_nip", "air film that passes the nip", "um")]
+    film: Annotated[float, length("h", "air film between the layers", "um")]
+    film_in_nip: Annotated[
+        float, length("h_in", "air film in the nip, under its mean pressure", "um")
+    ]
+    roll_friction: Annotated[float, pure("mu+ eff", "friction in the nip, reduced by the air film")]
+    wrap_friction: Annotated[
+        float, pure("mu_w+ eff", "friction on the roll wrap, reduced by the air film")
+    ]
+    friction_share: Annotated[float, strain("mu/mu0", "friction retained in the nip")]
+    gradient: Annotated[
+        float, Quantity("K", "Pa/m**0.5", "gradient of the pressure at the inlet edge")
+    ]
+    inlet_length: Annotated[float, length("l", "length of the inlet of the air film", "um")]
+
+
+def _compliance(problem: NipProblem, length: float) -> float:
+    """Return C, half the sum of the surfaces' compliances for the wave number 1/length [1/Pa].
+
+    A length of 0 stands for a web at rest.
+    """
+    roll, drum = (_body_compliance(body, problem.web_speed, length) for body in problem.bodies)
+    if problem.drum_wrap > 0 and length > 0:
+        drum /= 1 + problem.web_tension * drum / length
+    return (roll + drum) / 2
+
+
+def _body_compliance(body: Body, speed: float | None, length: float) -> float:
+    material = body.surface_material
+    if material is None or not material.relaxes:
+        return body.compliance
+    relaxation = material.relaxation(speed)
+    return float(body.compliance / abs(factor(relaxation, np.array(1 / length))))
+
+
+def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> float:
+    """Return the length l of the inlet, with K the gradient at that length [m]; 0 at rest."""
+    V, air = problem.web_speed, problem.air
+    assert air is not None
+    if not V:
+        return 0.0
+    from scipy.optimize import brentq
+
+    drag = 12 * air.viscosity * V
+
+    def defect(ln_length: float) -> float:
+        l = exp(ln_length)
+        return ln_length - 0.4 * log(drag / (_compliance(problem, l) ** 2 * gradient(l) ** 3))
+
+    low, high = map(log, LENGTHS)
+    return exp(float(brentq(defect, low, high, xtol=1e-14, rtol=1e-14)))
+
+
+def inlet_gradient(problem: NipProblem, x: Array, pressure: Array, half_width: float) -> float:
+    """Return K [Pa/sqrt(m)] of a nip, at the length of the inlet from the edge.
+
+    Closer to the edge the pressure may rise differently, as with a viscoelastic drum or a web that
+    is wrapped on the drum, but there the film does not follow it.
+
+    Parameters
+    ----------
+    problem : NipProblem
+        With air.
+    x, pressure : (M,) arrays
+        Nodes of the nip [m] and the pressure between web and roll, without air [Pa].
+    half_width : float
+        a [m].
+    """
+    s, p = x[FIRST:] + half_width, pressure[FIRST:]
+    gradient = np.maximum(p, LEAST_PRESSURE * p.max()) / np.sqrt(s)
+
+    def at(length: float) -> float:
+        return float(np.interp(min(length, FARTHEST * half_width), s, gradient))
+
+    return at(_inlet_length(problem, at))
+
+
+def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[str, float]:
+    """Return films and friction coefficients by their names in :class:`AirFilm`.
+
+    Parameters
+    ----------
+    problem : NipProblem
+        With air.
+    gradient : float
+        K [Pa/sqrt(m)].
+    half_width : float
+        a [m].
+
+    Raises
+    ------
+    InvalidProblem
+        If the pressure of the inlet exceeds 100 times the ambient one.
+    """
+    air, V, R, T = problem.air, problem.web_speed, problem.roll.radius, problem.web_tension
+    assert air is not None
+    assert V is not None
+    p_a, mean = air.ambient_pressure, problem.nip_load / (2 * half_width)
+    compliance = _compliance(problem, _inlet_length(problem, lambda _: gradient))
+    try:
+        passing = nip_film(gradient, compliance, V, air.viscosity, p_a)
+    except ValueError as reason:
+        text = f"of {V:.6g} m/s is out of range: in the inlet of the nip {reason}"
+        raise InvalidProblem.at("web_speed", text) from None
+    downstream = passing.film * p_a / (p_a + T / R)
+    # without web tension only the nip limits the film
+    foil = float(foil_film(R, V, T, air.viscosity)) if T > 0 else downstream
+    wound = min(downstream, foil)
+    in_nip = passing.film * p_a / (p_a + mean)
+
+    def reduced(friction: float, film: float) -> float:
+        share = friction_share(film, air.roughness, air.full_friction, air.no_friction)
+        return float(max(friction * share, min(LEAST_FRICTION, friction)))
+
+    friction = reduced(problem.roll_friction, in_nip)
+    return {
+        "foil_film": foil, "nip_film": downstream, "film_in_nip": in_nip,
+        "inlet_length": passing.length,
+        "film": float(escaped_film(wound, air.permeance, T, V)),
+        "roll_friction": friction,
+        "wrap_friction": reduced(problem.friction_on_wrap, wound),
+        "friction_share": friction / problem.roll_friction,
+    }  # fmt: skip
+
+
+def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) -> AirFilm:
+    """Return the film of a nip; parameters as of :func:`inlet_gradient`."""
+    gradient = inlet_gradient(problem, x, pressure, half_width)
+    films = films_of(problem, gradient, half_width)
+    thickness = _thickness(problem, pressure, half_width, films["film_in_nip"])
+    return AirFilm(gradient=gradient, thickness=thickness, **films)
+
+
+def _thickness(problem: NipProblem, pressure: Array, half_width: float, in_nip: float) -> Array:
+    """Return m/(p_a + p), the film of a constant mass flow under the pressure."""
+    assert problem.air is not None
+    p_a = problem.air.ambient_pressure
+    mass = in_nip * (p_a + problem.nip_load / (2 * half_width))
+    return np.asarray(mass / (p_a + pressure))
+
+
+def air_conditions(result: NipResult) -> dict[str, float]:
+    """Return the violations of the equations of the film, relative.
+
+    ``air_inlet``: the gradient K by the pressure of the result.  ``air_film``: films and friction
+    coefficients by K and the half width.  ``air_film_profile``: the film at every node.
+    """
+    air, nip = result.air, result.in_nip
+    assert air is not None
+    arrays = result.x[nip], result.roll_pressure[nip]
+    gradient = inlet_gradient(result.problem, *arrays, result.half_width)
+    films = films_of(result.problem, air.gradient, result.half_width)
+    profile = _thickness(result.problem, arrays[1], result.half_width, air.film_in_nip)
+    return {
+        "air_inlet": abs(air.gradient - gradient) / gradient,
+        "air_film": largest([
+            abs(getattr(air, name) - value) / max(value, 1e-300)
+            for name, value in films.items() if value or getattr(air, name)
+        ]),
+        "air_film_profile": (
+            largest(np.abs(air.thickness - profile)) / max(air.film_in_nip, 1e-300)
+            if air.thickness.shape == profile.shape else float("inf")
+        ),
+    }  # fmt: skip
+
+
+def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple[str, ...]:
+    """Return warnings about the air film of a nip."""
+    texts: list[str] = []
+    if film.inlet_length > LONG * half_width:
+        texts.append(
+            f"the inlet in which the air film forms is {film.inlet_length * 1e3:.3g} mm long, "
+            f"{film.inlet_length / half_width:.2g} of the half width; the model assumes that it is "
+            "much shorter: the film changes the pressure of the nip"
+        )
+    air: Any = problem.air
+    if film.film_in_nip >= air.no_friction * air.roughness:
+        texts.append(
+            f"the air film in the nip is {film.film_in_nip * 1e6:.3g} um thick, more than "
+            f"{air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip adds "
+            "no tension"
+        )
+    return tuple(texts)
