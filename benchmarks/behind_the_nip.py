@@ -119,7 +119,7 @@ def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
     T_in = problem.web_tension
     return Compared(
         web_tension=T_in,
-        confined=alone.tension_behind_nip - T_in,
+        confined=alone.outlet_tension - T_in,
         estimate=alone.wound_on_tension_estimate() - T_in,
         nip_induced=wrapped.nip_induced_tension,
         far=wrapped.wound_on_tension - T_in,

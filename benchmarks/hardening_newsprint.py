@@ -90,7 +90,7 @@ def stack_of(K1: float, K2: float, G: float = 10e6, exponent: float = 0.0) -> wo
 @cache
 def wound_pressure(stack: wo.Stack, tension: float = WOUND_ON) -> wo.Profile:
     """Return the pressure in a roll of the laboratory winder's size, wound with one tension."""
-    wound: Any = wo.solve(wo.WoundRollProblem(
+    wound: Any = wo.solve(wo.RollProblem(
         core=wo.Core(radius=0.0445, stiffness=1e9), radius=0.1, stack=stack, web_thickness=66e-6,
         wound_on_tension=tension,
     ))  # fmt: skip

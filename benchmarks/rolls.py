@@ -25,7 +25,7 @@ LAWS = ("Pfeiffer", "Polynomial", "PowerLaw", "StackTest", "constant")
 SCHEDULES = ("constant", "linear", "hyperbolic", "constant_torque", "profile", "smooth")
 
 
-def cases(count: int, seed: int) -> Iterator[tuple[str, wo.WoundRollProblem | Exception]]:
+def cases(count: int, seed: int) -> Iterator[tuple[str, wo.RollProblem | Exception]]:
     """Yield the name and the problem of each case, or why it is none."""
     for k in range(count):
         rng = np.random.default_rng([seed, k])
@@ -40,7 +40,7 @@ def _log(rng: Any, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def _roll(rng: Any, law: str, schedule: str) -> wo.WoundRollProblem:
+def _roll(rng: Any, law: str, schedule: str) -> wo.RollProblem:
     core, h = _log(rng, 0.01, 0.2), _log(rng, 8e-6, 5e-4)
     radius = core * _log(rng, 1.1, 15)
     tangential, nu = _log(rng, 0.2e9, 80e9), rng.uniform(0, 0.05)
@@ -53,7 +53,7 @@ def _roll(rng: Any, law: str, schedule: str) -> wo.WoundRollProblem:
                 "radial_expansion": _log(rng, 1e-6, 2e-4), "core_expansion": 1.2e-5}  # fmt: skip
     if rng.random() < 0.2:
         more["core_shrinkage"] = rng.uniform(-1e-3, 1e-3)
-    return wo.WoundRollProblem(
+    return wo.RollProblem(
         core=wo.Core(radius=core, inner_radius=core * rng.uniform(0, 0.95),
                      material=wo.Isotropic(youngs_modulus=_log(rng, 0.3e9, 200e9),
                                            poissons_ratio=0.3))
@@ -90,7 +90,7 @@ def _tension(rng: Any, schedule: str, T: float, core: float, radius: float) -> A
     return wo.Taper(start=T, taper=taper, law=schedule)
 
 
-def ending(problem: wo.WoundRollProblem | Exception) -> str:
+def ending(problem: wo.RollProblem | Exception) -> str:
     """Return how a case ends: "certificate", or why it is refused, or else what is wrong."""
     if isinstance(problem, wo.InvalidProblem):
         return f"refused: {problem}"
@@ -132,7 +132,7 @@ def told(count: int, seed: int) -> int:
     return 0
 
 
-def missed(problem: wo.WoundRollProblem) -> float:
+def missed(problem: wo.RollProblem) -> float:
     """Return what a default solution misses of one to rtol 1e-6, of what is told."""
     result, fine = wo.solve(problem), wo.solve(problem, rtol=1e-6)
     r = np.union1d(np.linspace(problem.core.radius, problem.radius, 400), result.radius)

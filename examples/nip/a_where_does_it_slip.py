@@ -28,7 +28,7 @@ fastest = np.abs(result.roll_slip).max()
 print(
     f"fastest slip on the roll {fastest:.2%} of the web speed, at 20 m/s {2000 * fastest:.1f} cm/s"
 )
-print(f"creep between web and drum {result.drum_creep:.3%}")
+print(f"creep between web and drum {result.drum_creepage:.3%}")
 
 # %%
 # Tractions with their friction bounds (where the line meets the edge of the shade, the web

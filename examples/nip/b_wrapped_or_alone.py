@@ -25,7 +25,7 @@ table = []
 for load in loads:
     far = wo.solve(wrapped.replace(nip_load=load)).wound_on_tension
     nip = wo.solve(alone.replace(nip_load=load))
-    table.append((nip.tension_behind_nip, far, nip.wound_on_tension_estimate()))
+    table.append((nip.outlet_tension, far, nip.wound_on_tension_estimate()))
     print(
         "P = {:4.0f} N/m: edge {:.0f}, wrapped {:.0f}, estimate {:.0f} N/m".format(load, *table[-1])
     )

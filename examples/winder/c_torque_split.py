@@ -31,7 +31,7 @@ forces = np.linspace(-0.9, 0.9, 13) * limit
 results = [wo.solve(problem.replace(winding_force=force)) for force in forces]
 plt.plot(forces, [result.wound_on_tension for result in results], label="wound-on tension")
 plt.plot(
-    forces, [result.tension_behind_nip for result in results], "--", label="at the trailing edge"
+    forces, [result.outlet_tension for result in results], "--", label="at the trailing edge"
 )
 for name, force in (("surface\nwinding", -problem.web_tension), ("centre\nwinding", 0.0)):
     plt.axvline(force, color="grey", linestyle=":")

@@ -40,7 +40,7 @@ for V, result in zip(speeds, cases["300 N/m"], strict=True):
 
 # %%
 # How soft the roll gets: laps and air in series, the same wound-on tension.
-roll = wo.WoundRollProblem(
+roll = wo.RollProblem(
     core=wo.Core(radius=0.05, stiffness=2e9),
     radius=0.2,
     web_thickness=23e-6,

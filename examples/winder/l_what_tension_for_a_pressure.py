@@ -17,7 +17,7 @@ import numpy as np
 
 import woundon as wo
 
-roll = wo.WoundRollProblem.example()
+roll = wo.RollProblem.example()
 wanted = wo.Profile(radius=[0.0445, 0.1, 0.13, 0.15], value=[200e3, 200e3, 160e3, 0.0])
 design = wo.design_tension(roll, wanted)
 wound = wo.solve(design.problem)

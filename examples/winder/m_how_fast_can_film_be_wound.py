@@ -30,7 +30,7 @@ nips = [wo.solve(problem.replace(web_speed=V), nodes=33) for V in speeds]
 # %%
 # The roll that each of them winds, and its density: mass over volume.
 rolls = [
-    wo.solve(nip.wound(wo.WoundRollProblem(
+    wo.solve(nip.wound(wo.RollProblem(
         core=core, radius=0.2, stack=stack, web_thickness=23e-6, density=1390.0,
         wound_on_tension=nip.wound_on_tension,
     )))

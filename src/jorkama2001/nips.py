@@ -95,7 +95,7 @@ def quiet() -> Iterator[None]:
 def solved(problem: wo.Problem, solver: str = "accurate", nodes: int = NODES) -> Any:
     """Solve a nip accurately with so many nodes, or by the procedure of the thesis with M = 200.
 
-    A wrapped nip, ``problem.wrapped()``, is solved accurately only.
+    A nip with wraps is solved accurately only.
     """
     if solver == "thesis":
         assert isinstance(problem, wo.NipProblem)
@@ -115,7 +115,7 @@ def swept(
 
     Parameters
     ----------
-    problem : NipProblem or NipProblem
+    problem : NipProblem
     over : mapping
         Parameter -> values; a dimension each.  Moduli are those of roll and web.
     solver : {"accurate", "thesis"}

@@ -65,7 +65,7 @@ class ProcedureResult:
         a [m].
     nip_induced_tension : float
         NIT = Q+ + Q- = T_out - T_in [N/m].
-    drum_creep : float
+    drum_creepage : float
         xi-, creep ratio of web and drum (92).
     approach, offset : float
         -delta > 0 and Delta (82) [m].
@@ -88,7 +88,7 @@ class ProcedureResult:
     problem: wo.NipProblem
     half_width: float
     nip_induced_tension: float
-    drum_creep: float
+    drum_creepage: float
     approach: float
     offset: float
     x: Array
@@ -124,7 +124,7 @@ class ProcedureResult:
         return 2 * self.half_width
 
     @property
-    def tension_behind_nip(self) -> float:
+    def outlet_tension(self) -> float:
         """T_out [N/m]."""
         return float(self.problem.web_tension + self.nip_induced_tension)
 
@@ -134,7 +134,7 @@ class ProcedureResult:
         points = np.array([angle * roll.radius, a])
         far, edge = surface_strain(roll, self.x, self.pressure, self.roll_traction, points)
         D, *_ = _web_constants(self.problem.web)
-        return float(self.tension_behind_nip + (far - edge) / D)
+        return float(self.outlet_tension + (far - edge) / D)
 
     @property
     def rig_tension(self) -> float:
@@ -219,6 +219,12 @@ def _check(problem: Any, nodes: Any, web_tension: Any, load_tolerance: Any) -> N
     if not isinstance(problem, wo.NipProblem):
         text = f"{type(problem).__name__} is not possible; must be a NipProblem"
         raise wo.InvalidProblem([("problem", text)])
+    for name in ("roll_wrap", "drum_wrap"):
+        if angle := getattr(problem, name):
+            text = f"{angle:.6g} is not possible; must be 0 [rad], the procedure has no wraps"
+            raise wo.InvalidProblem([(name, text)])
+    if problem.air is not None:
+        raise wo.InvalidProblem([("air", "is not possible; must be left out")])
     for name in ("roll", "drum"):
         body = getattr(problem, name)
         if type(body) not in (wo.Rigid, wo.HalfPlane, wo.Cylinder) or body.viscoelastic:
@@ -434,7 +440,7 @@ def _result(nip: _Nip, state: _State, systems: int) -> ProcedureResult:
         problem=problem,
         half_width=nip.a,
         nip_induced_tension=state.T_out - problem.web_tension,
-        drum_creep=state.xi,
+        drum_creepage=state.xi,
         approach=-state.delta,
         offset=state.shift,
         x=nip.x,

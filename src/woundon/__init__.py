@@ -56,8 +56,8 @@ _HOME = {
     "WindingProblem": "problems.winding",
     "WindingResult": "winding.result",
     "WoundRoll": "problems.wound_roll",
-    "WoundRollProblem": "problems.roll",
-    "WoundRollResult": "roll.result",
+    "RollProblem": "problems.roll",
+    "RollResult": "roll.result",
     "Zone": "results",
     "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
@@ -126,8 +126,8 @@ __all__ = [
     "WindingProblem",
     "WindingResult",
     "WoundRoll",
-    "WoundRollProblem",
-    "WoundRollResult",
+    "RollProblem",
+    "RollResult",
     "Zone",
     "__version__",
     "derivatives",
@@ -185,7 +185,7 @@ if TYPE_CHECKING:
     from .problems.radial_laws import PowerLaw as PowerLaw
     from .problems.radial_laws import StackTest as StackTest
     from .problems.roll import Core as Core
-    from .problems.roll import WoundRollProblem as WoundRollProblem
+    from .problems.roll import RollProblem as RollProblem
     from .problems.rollers import RollerProblem as RollerProblem
     from .problems.schedules import Profile as Profile
     from .problems.schedules import Taper as Taper
@@ -200,7 +200,7 @@ if TYPE_CHECKING:
     from .results import Zone as Zone
     from .roll.design import TensionDesign as TensionDesign
     from .roll.design import design_tension as design_tension
-    from .roll.result import WoundRollResult as WoundRollResult
+    from .roll.result import RollResult as RollResult
     from .show.plots import plot as plot
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity

@@ -21,7 +21,7 @@ COLUMNS = ("radius", "pressure")  # of a table of a wanted pressure; "value" is 
     help="""\
     Find the wound-on tension over the radius that leaves a wanted pressure in a wound roll.
 
-    CASE is that of a wound roll ('woundon new wound-roll'); its own tension plays no part. The roll
+    CASE is that of a wound roll ('woundon new roll'); its own tension plays no part. The roll
     is then wound forward with what was found, to see how near it comes. No pressure can be wanted
     of the surface itself; the depth of the influence is stated.
     """,
@@ -51,7 +51,7 @@ def design(
 ) -> None:  # fmt: skip
     """Find the wound-on tension over the radius that leaves a wanted pressure in a wound roll."""
     from .io.case_files import load_case
-    from .problems.roll import WoundRollProblem
+    from .problems.roll import RollProblem
     from .show.design_report import plot_design, print_design
     from .show.figures import check_format
 
@@ -64,8 +64,8 @@ def design(
     if plot:
         check_format(plot)
     problem = load_case(case, settings)
-    if not isinstance(problem, WoundRollProblem):
-        text = "is not the case of a wound roll; 'woundon new wound-roll' writes one"
+    if not isinstance(problem, RollProblem):
+        text = "is not the case of a wound roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
     from .roll.design import design_tension
     from .roll.solve import solve_wound_roll

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from .nip.roller_result import RollerResult
     from .problems.fields import Problem
     from .problems.nip import NipProblem
-    from .problems.roll import WoundRollProblem
+    from .problems.roll import RollProblem
     from .problems.rollers import RollerProblem
     from .problems.winding import WindingProblem
-    from .roll.result import WoundRollResult
+    from .roll.result import RollResult
     from .winding.result import WindingResult
 
 __all__ = [
@@ -113,7 +113,7 @@ class Kind:
 
     @property
     def command(self) -> str:
-        """The kind's own command: ``woundon wound-roll CASE``."""
+        """The kind's own command: ``woundon roll CASE``."""
         return self.name.replace("_", "-")
 
 
@@ -146,7 +146,7 @@ def register(
         :class:`~woundon.results.Result`; ``solver(problem, **options)`` returns one.
     name : str
         By default the snake-case of the problem's class less "Problem": ``wound_roll`` of
-        ``WoundRollProblem``.
+        ``RollProblem``.
     about : str
         One line for the command line's help; by default the first of the class's text.
     report, plot : callable or name
@@ -208,9 +208,9 @@ register(
 
 
 register(
-    "woundon.problems.roll:WoundRollProblem",
+    "woundon.problems.roll:RollProblem",
     "woundon.roll.solve:solve_wound_roll",
-    "woundon.roll.result:WoundRollResult",
+    "woundon.roll.result:RollResult",
     about="The stresses that winding leaves in a roll.",
     report="woundon.show.wound_roll_report:wound_roll_report",
     plot="woundon.show.wound_roll_plots:wound_roll_panels",
@@ -321,7 +321,7 @@ def solve(problem: NipProblem, **options: Any) -> NipResult: ...
 @overload
 def solve(problem: RollerProblem, **options: Any) -> RollerResult: ...
 @overload
-def solve(problem: WoundRollProblem, **options: Any) -> WoundRollResult: ...
+def solve(problem: RollProblem, **options: Any) -> RollResult: ...
 @overload
 def solve(problem: WindingProblem, **options: Any) -> WindingResult: ...
 @overload
@@ -332,7 +332,7 @@ def solve(problem: Any, **options: Any) -> Any:
     ==================================  =================================================
     :class:`~woundon.NipProblem`        one rolling nip: the wound-on tension
     :class:`~woundon.RollerProblem`     two rollers in contact without a web
-    :class:`~woundon.WoundRollProblem`  stresses in a roll of given wound-on tension
+    :class:`~woundon.RollProblem`  stresses in a roll of given wound-on tension
     :class:`~woundon.WindingProblem`    a winding: nip and roll coupled over the radius
     ==================================  =================================================
 
@@ -351,7 +351,7 @@ def solve(problem: Any, **options: Any) -> Any:
     -------
     Result
         Of the kind: :class:`~woundon.NipResult`, :class:`~woundon.RollerResult`,
-        :class:`~woundon.WoundRollResult`, :class:`~woundon.WindingResult`, ...
+        :class:`~woundon.RollResult`, :class:`~woundon.WindingResult`, ...
 
     Raises
     ------

@@ -346,7 +346,9 @@ def measured(
 
 
 def _same(one: Any, two: Any) -> bool:
-    """Tell whether two fields hold the same; nan is nan."""
+    """Return whether two fields are equal; nan equals nan."""
+    if type(one) is type(two) and getattr(one, "part_of_result", False):
+        return all(_same(getattr(one, f.name), getattr(two, f.name)) for f in fields(one))
     if isinstance(one, np.ndarray) and isinstance(two, np.ndarray):
         return bool(np.array_equal(one, two, equal_nan=one.dtype.kind == "f"))
     if isinstance(one, Mapping) and isinstance(two, Mapping):

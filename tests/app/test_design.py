@@ -8,11 +8,11 @@ WANTED = {"radius": ["44.5 mm", 0.09, 0.15], "value": ["250 kPa", 180e3, 0]}
 
 
 def test_a_design_is_that_of_python(client, cases):
-    case = cases["wound_roll"]
+    case = cases["roll"]
     told = client.post("/api/design", json={"case": case, "pressure": WANTED, "rtol": 1e-3})
     found = told.raise_for_status().json()
     pressure = wo.Profile(radius=[0.0445, 0.09, 0.15], value=[250e3, 180e3, 0.0])
-    design = wo.design_tension(wo.WoundRollProblem.example(), pressure, rtol=1e-3)
+    design = wo.design_tension(wo.RollProblem.example(), pressure, rtol=1e-3)
     assert found["tension"] == {
         "radius": list(design.tension.radius), "value": list(design.tension.value),
         "between": "smooth",
@@ -36,12 +36,12 @@ def test_a_design_is_that_of_python(client, cases):
         ({"pressure": {"radius": 1}}, "pressure.value: missing"),
         ({"pressure": None}, "pressure: None is not a number"),
         ({"rtol": 0.5}, "rtol: 0.5 is out of range"),
-        ({"case": "nip"}, "must be a WoundRollProblem"),
+        ({"case": "nip"}, "must be a RollProblem"),
         ({"presure": 1}, "presure: no such field; did you mean 'pressure'?"),
     ],
 )
 def test_what_cannot_be_designed_is_refused_in_words(client, cases, change, says):
-    body = {"case": cases["wound_roll"], "pressure": 2e5} | change
+    body = {"case": cases["roll"], "pressure": 2e5} | change
     if body["case"] == "nip":
         body["case"] = cases["nip"]
     answer = client.post("/api/design", json=body)

@@ -32,7 +32,7 @@ def test_the_judge_sees_a_fault():
 @pytest.mark.slow
 def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(process, cases):
     """All of them at once, in the midst of a state that takes seconds."""
-    stack = cases["wound_roll"]["stack"]
+    stack = cases["roll"]["stack"]
     roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "stack": stack,
             "pressure": 200e3}  # fmt: skip
     slow, answers = cases["nip"] | {"roll": roll}, []

@@ -47,7 +47,7 @@ def test_a_script_of_layers_and_schedules_runs():
         wo.Layer(thickness=0.01, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)),
         wo.Layer(thickness=0.005, material=wo.material("steel")),
     ])  # fmt: skip
-    roll = kinds.named("wound_roll").example().replace(
+    roll = kinds.named("roll").example().replace(
         wound_on_tension=wo.Taper(start=300.0, taper=0.2)
     )  # fmt: skip
     for problem in (wo.NipProblem.example().replace(roll_wrap=0.0).replace(drum=drum), roll):
@@ -70,7 +70,7 @@ def test_a_file_that_is_no_case_is_refused(client, text):
 def test_a_file_that_names_another_is_refused_and_that_is_not_opened(client, cases, tmp_path):
     rows = "10,0.9\n25,1.6\n50,2.2\n100,2.8\n"
     (tmp_path / "test.csv").write_text(f"pressure [kPa], strain [%]\n{rows}")
-    text = client.post("/api/case/write", json=cases["wound_roll"]).text
+    text = client.post("/api/case/write", json=cases["roll"]).text
     first, _, rest = text.partition("[stack.radial]")
     assert "\n[" not in rest  # or what follows would have to stay
     text = f'{first}[stack.radial]\ncsv = "{tmp_path}/test.csv"\n'

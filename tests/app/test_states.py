@@ -203,10 +203,10 @@ def test_numbers_beyond_floats_are_refused(client, cases):
 def test_tables_that_name_files_are_refused(client, cases, tmp_path):
     """As a case file's columns that stand in a CSV file beside it."""
     (tmp_path / "test.csv").write_text("pressure [kPa], strain [%]\n10,0.9\n25,1.6\n")
-    stack = cases["wound_roll"]["stack"] | {
+    stack = cases["roll"]["stack"] | {
         "radial": {"kind": "stack_test", "csv": str(tmp_path / "test.csv")}
     }
-    told = refused(client, cases["wound_roll"] | {"stack": stack})
+    told = refused(client, cases["roll"] | {"stack": stack})
     assert any("csv" in fault["field"] for fault in told["errors"])
 
 

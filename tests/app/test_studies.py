@@ -19,7 +19,7 @@ def events(client, study):
 
 def slow(cases):
     """A study that takes much longer than the test: a hardening roll, a hundred cases."""
-    stack = cases["wound_roll"]["stack"]
+    stack = cases["roll"]["stack"]
     roll = {"kind": "wound_roll", "radius": 0.1, "core_radius": 0.0445, "stack": stack,
             "pressure": 200e3}  # fmt: skip
     case = cases["nip"] | {"roll": roll}

@@ -76,7 +76,7 @@ def test_units_are_read_in_lists_and_studies(look):
     page.locator("#f-wound_on_tension-value").blur()
     seen.rest()
     profile = wo.Profile(radius=[0.0445, 3.5 * 0.0254, 0.15], value=[2 * PLI, 300, 250])
-    result = wo.solve(wo.WoundRollProblem.example().replace(wound_on_tension=profile))
+    result = wo.solve(wo.RollProblem.example().replace(wound_on_tension=profile))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=CLOSE)
 
 

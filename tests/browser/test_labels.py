@@ -222,7 +222,7 @@ def test_the_whole_hoop_stress_is_shown_and_its_compression_enlarged(recorded):
     page.click("#tab-winding")
     page.wait_for_selector("[data-panel=hoop_stress] canvas")
     panels = written(recorded)
-    result = wo.solve(wo.WoundRollProblem.example())
+    result = wo.solve(wo.RollProblem.example())
     stress = result.at_radius(np.linspace(result.radius[0], result.radius[-1], 241))["hoop_stress"]
     low, high = shown_range(panels["hoop_stress"])
     assert low < 1e-3 * stress.min()

@@ -34,7 +34,7 @@ FETCHED = """() => [...performance.getEntriesByType("navigation"),
 
 def told(result):
     """Return the main outputs of a wrapped nip by name."""
-    names = ("wound_on_tension", "nip_induced_tension", "nip_width", "peak_pressure", "drum_creep",
+    names = ("wound_on_tension", "nip_induced_tension", "nip_width", "peak_pressure", "drum_creepage",
              "leading_roll", "trailing_roll", "dual")  # fmt: skip
     return {name: getattr(result, name) for name in names}
 
@@ -348,7 +348,7 @@ def test_a_wound_roll_by_dragging_its_schedule(look):
     page.click("#tab-winding")
     page.wait_for_selector(".schedule-plot")
     seen.rest()
-    example = wo.WoundRollProblem.example()
+    example = wo.RollProblem.example()
     assert seen.output("core_pressure") == pytest.approx(wo.solve(example).core_pressure, rel=SAME)
     page.click(".pin")
     knob = page.locator(".knob").nth(4).bounding_box()
@@ -392,7 +392,7 @@ def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
     seen.rest()
     assert page.locator(".chip.pin-A").count() == 1  # before and after are seen
     middle = 1e-3 * radii[2]
-    example = wo.WoundRollProblem.example()
+    example = wo.RollProblem.example()
     profile = wo.Profile(radius=[0.0445, *(1e-3 * r for r in radii[1:-1]), 0.15],
                          value=[1e3 * P for P in pressures])  # fmt: skip
     design = wo.design_tension(example, profile, rtol=1e-3)

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import woundon as wo
+from woundon.quantities import value_of
 
 __all__ = [
     "SLIP_LENGTHS", "Comparison", "GoldenCase", "build", "compare", "compare_samples", "families",
@@ -43,6 +44,7 @@ TYPES: Mapping[str, Any] = {
     "layered": wo.Layered,
     "limits": wo.Limits,
     "loss_angle": wo.LossAngle,
+    "nip_problem": wo.NipProblem,
     "orthotropic": wo.Orthotropic,
     "pfeiffer": wo.Pfeiffer,
     "polynomial": wo.Polynomial,
@@ -56,7 +58,7 @@ TYPES: Mapping[str, Any] = {
     "web": wo.Web,
     "winding_problem": wo.WindingProblem,
     "wound_roll": wo.WoundRoll,
-    "wound_roll_problem": wo.WoundRollProblem,
+    "wound_roll_problem": wo.RollProblem,
 }
 
 
@@ -69,19 +71,7 @@ def build(data: Any) -> Any:
     fields = {name: build(value) for name, value in data.items() if name != "type"}
     if data["type"] == "constant":  # a modulus that does not depend on the pressure
         return fields["youngs_modulus"]
-    if data["type"] == "nip_problem":
-        return _nip(fields)
     return TYPES[data["type"]](**fields)
-
-
-def _nip(fields: dict[str, Any]) -> wo.Problem:
-    """Return a nip, of the class that its wraps and its air ask for."""
-    if "air" in fields:
-        return wo.NipProblem(**fields)
-    if fields["roll_wrap"] == fields["drum_wrap"] == 0:
-        del fields["roll_wrap"], fields["drum_wrap"]
-        return wo.NipProblem(**fields, roll_wrap=0.0)
-    return wo.NipProblem(**fields)
 
 
 # ---- results -------------------------------------------------------------------------------------
@@ -94,12 +84,11 @@ class Output(NamedTuple):
     error: float
 
 
-RENAMED = {
-    "inlet_tension": "tension_before_nip",
-    "outlet_tension": "tension_behind_nip",
-    "edge_to_edge_tension_rise": "nip_induced_tension",
-    "drum_creepage": "drum_creep",
-}
+RENAMED = {"edge_to_edge_tension_rise": "nip_induced_tension"}
+OF_THE_FILM = frozenset({
+    "film", "film_in_nip", "foil_film", "nip_film", "friction_share", "inlet_length",
+    "roll_friction", "wrap_friction",
+})  # fmt: skip
 
 
 def outputs(result: Any, names: Any) -> dict[str, Output]:
@@ -111,12 +100,9 @@ def outputs(result: Any, names: Any) -> dict[str, Output]:
         offset = 0.0
         if is_nip and name == "nip_induced_tension":
             own, offset = "wound_on_tension", -problem.web_tension
-        if isinstance(problem, wo.NipProblem):
-            if name == "inlet_tension":
-                found[name] = Output(problem.web_tension, 0.0)
-                continue
-            own = "tension_behind_nip" if own == "wound_on_tension" else own
-        value = float(getattr(result, own)) + offset
+        if is_nip and name in OF_THE_FILM:
+            own = f"air.{name}"
+        value = float(value_of(result, own)) + offset
         found[name] = Output(value, float(result.errors.get(own, np.nan)))
     return found
 
@@ -130,7 +116,7 @@ def samples(result: Any, x_over_a: Any) -> dict[str, Any]:
         own = result.in_nip
         arrays = {
             "drum_pressure": result.pressure[own],
-            "roll_pressure": getattr(result, "roll_pressure", result.pressure)[own],
+            "roll_pressure": result.roll_pressure[own],
             "roll_traction": result.roll_traction[own],
             "drum_traction": result.drum_traction[own],
             "tension": result.web_tension[own],

@@ -146,7 +146,7 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
     assert abs(NIT - F) <= problem.roll_friction * P * (1 + 1e-8)
     assert result.web_tension[0] == T_in
     assert result.web_tension[-1] == pytest.approx(T_in + total, abs=1e-8 * P)
-    assert result.tension_behind_nip == pytest.approx(T_in + NIT, abs=1e-10 * P)
+    assert result.outlet_tension == pytest.approx(T_in + NIT, abs=1e-10 * P)
 
 
 # ---- the winding theorem ------------------------------------------------------------------------
@@ -167,7 +167,7 @@ def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     np.testing.assert_allclose(two.web_tension - one.web_tension, more, rtol=0, atol=1e-8 * P)
     c = strip.compliance(*problem.web.material.stiffness[:3])
     creep = -c.c11 / problem.web.thickness * more
-    assert two.drum_creep - one.drum_creep == pytest.approx(creep, rel=1e-8, abs=1e-12)
+    assert two.drum_creepage - one.drum_creepage == pytest.approx(creep, rel=1e-8, abs=1e-12)
     # c12 < 0: a tauter web is thinner, the centres come closer
     thinner = -c.c12 * more
     span = max(abs(one.approach), abs(two.approach), abs(thinner))
@@ -217,7 +217,7 @@ def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
     assert two.nip_induced_tension / load == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
     assert two.half_width / length == pytest.approx(one.half_width, rel=1e-8)
     assert two.offset / length == pytest.approx(one.offset, abs=1e-8 * one.half_width)
-    assert two.drum_creep == pytest.approx(one.drum_creep, rel=1e-8, abs=1e-12)
+    assert two.drum_creepage == pytest.approx(one.drum_creepage, rel=1e-8, abs=1e-12)
     for ratio in ("leading_roll", "trailing_roll", "dual"):
         # borders within a cell follow from slips, roots of differences of 1e-8
         assert getattr(two, ratio) == pytest.approx(getattr(one, ratio), abs=1e-6)

@@ -20,7 +20,7 @@ import rolls  # of benchmarks/
 SAMPLE = (0, 1, 3, 4, 5, 8, 9)
 
 
-def sample(which: tuple[int, ...]) -> list[wo.WoundRollProblem]:
+def sample(which: tuple[int, ...]) -> list[wo.RollProblem]:
     made = [problem for _, problem in rolls.cases(10, seed=1)]
     return [made[k] for k in which]
 

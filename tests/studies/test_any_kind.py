@@ -86,7 +86,7 @@ def test_properties_methods_and_told_errors_are_outputs():
     assert data["errors.half_width"].attrs["units"] == "m"
 
 
-NIP_ALONE = "no such output: a nip alone has tension_behind_nip .* and wound_on_tension_estimate"
+NIP_ALONE = "no such output: a nip alone has outlet_tension .* and wound_on_tension_estimate"
 
 
 def test_a_nip_alone_has_no_wound_on_tension_to_sweep():
@@ -105,7 +105,7 @@ def test_a_nip_alone_is_not_fitted_to_wound_on_tensions(column: str):
 
 
 def test_deviations_of_a_wound_on_tension_do_not_fit_a_nip_alone_either():
-    data = {"tension_behind_nip": [600.0], "wound_on_tension +-": [5.0]}
+    data = {"outlet_tension": [600.0], "wound_on_tension +-": [5.0]}
     with pytest.raises(wo.InvalidProblem, match=f"measured: wound_on_tension: {NIP_ALONE}"):
         wo.fit(paper_nip(), data, ["roll_friction"])
 
@@ -164,7 +164,7 @@ def test_one_grid_for_fits_where_the_solver_would_choose_it():
         assert _on_one_grid(nip, {"nodes": None}) == {"nodes": 65}
         assert _on_one_grid(nip, {"nodes": 33}) == {"nodes": 33}
         assert _on_one_grid(nip, {"rtol": 1e-4}) == {"rtol": 1e-4}
-    assert _on_one_grid(wo.WoundRollProblem.example(), {}) == {}
+    assert _on_one_grid(wo.RollProblem.example(), {}) == {}
 
 
 def test_rollers_are_fitted_to_a_curve_of_creepage():
@@ -183,7 +183,7 @@ def test_what_follows_a_varied_field_is_solved():
     tie = {"winding_force": "web_tension"}
     data = wo.sweep(
         paper_nip(), {"web_tension": [100.0, 300.0]},
-        ("tension_behind_nip", "nip_induced_tension"), tie=tie, nodes=17, workers=1,
+        ("outlet_tension", "nip_induced_tension"), tie=tie, nodes=17, workers=1,
     )  # fmt: skip
     single = wo.solve(paper_nip(web_tension=300.0, winding_force=300.0), nodes=17)
     # warm and cold starts agree to the tolerance of the solver
@@ -191,7 +191,7 @@ def test_what_follows_a_varied_field_is_solved():
         single.nip_induced_tension, rel=STARTED
     )
     behind = 300.0 + float(data.nip_induced_tension[1])
-    assert float(data.tension_behind_nip[1]) == pytest.approx(behind, rel=1e-12)
+    assert float(data.outlet_tension[1]) == pytest.approx(behind, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -122,11 +122,11 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     rows = ["Linienlast,tension [N/m],reel"]
     for P in (1000.0, 2000.0, 4000.0):
         true = case.replace(nip_load=P, **{"roll.material.shear": 1.3e7})
-        rows.append(f"{P / 1e3},{wo.solve(true, nodes=25).tension_behind_nip:.6f},7")
+        rows.append(f"{P / 1e3},{wo.solve(true, nodes=25).outlet_tension:.6f},7")
     data.write_text("\n".join(rows), encoding="utf-8")
     command = [
         "fit", str(CASE), str(data), "--vary", "roll.material.shear=1 MPa:100 MPa",
-        "--column", "Linienlast=nip_load [kN/m]", "--column", "tension=tension_behind_nip",
+        "--column", "Linienlast=nip_load [kN/m]", "--column", "tension=outlet_tension",
         "--column", "reel=", "--nodes", "25", "--starts", "2",
     ]  # fmt: skip
     figure, saved = tmp_path / "fit.png", tmp_path / "fit.json"
@@ -139,7 +139,7 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     assert estimate == pytest.approx(1.3e7, rel=1e-5)  # six decimals of the data
     assert cli.main([*command, "--no-profiles", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["profiles"] == {}
-    units = ["--unit", "roll.material.shear=MPa", "--unit", "tension_behind_nip=mN/m"]
+    units = ["--unit", "roll.material.shear=MPa", "--unit", "outlet_tension=mN/m"]
     assert cli.main([*command, *units]) == 0
     shown = capsys.readouterr().out
     assert "roll.material.shear  13 MPa, standard error " in shown
@@ -252,7 +252,7 @@ def test_the_plain_nip_is_not_fitted_to_wound_on_tensions(capsys: pytest.Capture
     command = ["fit", str(CASE), str(POINTS), *MEASURED, "--vary", "roll.material.shear"]
     assert cli.main(command) == 2
     said = capsys.readouterr().err
-    assert "wound_on_tension: no such output: a nip alone has tension_behind_nip" in said
+    assert "wound_on_tension: no such output: a nip alone has outlet_tension" in said
     assert "problem.wrapped()" in said
 
 
@@ -327,7 +327,7 @@ def test_example_studies_load(name: str):
         (
             '["nip_induced_tension"]',
             '["wound_on_tension"]',
-            "wound_on_tension: no such output: a nip alone has tension_behind_nip",
+            "wound_on_tension: no such output: a nip alone has outlet_tension",
         ),
         ("nodes = 17", "web_tension = 100", "web_tension: is a field of the problem, not an opt"),
         ('"4 kN/m"', "inf", "over.nip_load.to: inf is not a finite number"),

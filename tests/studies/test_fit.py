@@ -193,11 +193,11 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
 def test_starts_look_around_on_few_nodes():
     """On few nodes all starts descend; the minimum that they end in is that of all nodes."""
     vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
-    data = {"nip_load": LOADS, "tension_behind_nip": [560.0, 640.0, 700.0, 800.0]}
+    data = {"nip_load": LOADS, "outlet_tension": [560.0, 640.0, 700.0, 800.0]}
     one = wo.fit(paper_nip(), data, vary, nodes=35, starts=1, profiles=False)
     predictor = Predictor(
-        model_of(paper_nip(), ("tension_behind_nip",), None, {"nodes": 35}),
-        Measured({"nip_load": np.array(LOADS)}, {"tension_behind_nip": np.zeros(4)}, {}),
+        model_of(paper_nip(), ("outlet_tension",), None, {"nodes": 35}),
+        Measured({"nip_load": np.array(LOADS)}, {"outlet_tension": np.zeros(4)}, {}),
         tuple(Parameter(name, *ends, None) for name, ends in vary.items()),
     )
     assert predictor.coarse.model.options == {"nodes": 17}
@@ -219,9 +219,9 @@ def _nip_data(nodes: int = 33):
     true = [wo.solve(paper_nip(nip_load=P, **TRUE), nodes=nodes) for P in LOADS]
     return {
         "nip_load [kN/m]": [P / 1e3 for P in LOADS],
-        "tension_behind_nip [N/m]": [r.tension_behind_nip for r in true],
+        "outlet_tension [N/m]": [r.outlet_tension for r in true],
         "half_width [mm]": [1e3 * r.half_width for r in true],
-        "tension_behind_nip +- [N/m]": [1.0] * len(LOADS),
+        "outlet_tension +- [N/m]": [1.0] * len(LOADS),
         "half_width +- [mm]": [0.02] * len(LOADS),
     }
 
@@ -251,7 +251,7 @@ def test_exact_derivatives_are_those_of_differences():
         measured = Measured({"nip_load": np.array(LOADS)}, dict.fromkeys(outputs, unknown), {})
         return Predictor(model_of(paper_nip(), outputs, tie, {"nodes": 33}), measured, parameters)
 
-    u, outputs = np.log([1.1e7, 0.21]), ("tension_behind_nip", "half_width", "nip_width")
+    u, outputs = np.log([1.1e7, 0.21]), ("outlet_tension", "half_width", "nip_width")
     exact, differences = predictor(*outputs).jacobian(u), predictor(*outputs)._differences(u)
     # kinks where a node changes its zone within the step of 0.2 %
     assert exact == pytest.approx(differences, rel=0.02, abs=1e-3 * np.abs(exact).max())
@@ -288,18 +288,18 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
 @pytest.mark.parametrize(
     ("data", "vary", "says"),
     [
-        ({"tension_behind_nip": [600.0]}, {}, "vary: nothing to fit"),
-        ({"tension_behind_nip": [600.0]}, ["roll.material.sheer"], "did you mean 'shear'"),
-        ({"tension_behind_nip": [600.0]}, ["drum"], "drum: .* is not a number"),
-        ({"tension_behind_nip": [600.0]}, {"roll_friction": (0.3, 0.1)}, "must be low < high"),
-        ({"tension_behind_nip": [600.0]}, {"roll_friction": 0.3}, r"write \(low, high\)"),
-        ({"tension_behind_nip": [600.0]}, ["roll_friction", "nip_load"], "2 parameters cannot be"),
+        ({"outlet_tension": [600.0]}, {}, "vary: nothing to fit"),
+        ({"outlet_tension": [600.0]}, ["roll.material.sheer"], "did you mean 'shear'"),
+        ({"outlet_tension": [600.0]}, ["drum"], "drum: .* is not a number"),
+        ({"outlet_tension": [600.0]}, {"roll_friction": (0.3, 0.1)}, "must be low < high"),
+        ({"outlet_tension": [600.0]}, {"roll_friction": 0.3}, r"write \(low, high\)"),
+        ({"outlet_tension": [600.0]}, ["roll_friction", "nip_load"], "2 parameters cannot be"),
         (
-            {"tension_behind_nip": [600.0], "nip_load": [1e3]}, ["nip_load"],
+            {"outlet_tension": [600.0], "nip_load": [1e3]}, ["nip_load"],
             "nip_load: is measured, so it cannot be fitted",
         ),
         (
-            {"tension_behind_nip": [600.0], "half_width": [4e-3]}, ["roll_friction"],
+            {"outlet_tension": [600.0], "half_width": [4e-3]}, ["roll_friction"],
             "outputs of different units .* need standard deviations",
         ),
     ],
@@ -310,7 +310,7 @@ def test_bad_fits_are_refused(data, vary, says):
 
 
 def test_profiles_are_those_asked_for():
-    data = {"nip_load": LOADS, "tension_behind_nip": [560.0, 640.0, 700.0, 800.0]}
+    data = {"nip_load": LOADS, "outlet_tension": [560.0, 640.0, 700.0, 800.0]}
     vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
     one = wo.fit(paper_nip(), data, vary, nodes=17, starts=1, profiles=["roll_friction"])
     assert [profile.name for profile in one.profiles] == ["roll_friction"]
@@ -322,14 +322,14 @@ def test_profiles_are_those_asked_for():
 
 def test_a_parameter_at_zero_needs_bounds():
     with pytest.raises(wo.InvalidProblem, match="winding_force: is 0: give bounds for it"):
-        wo.fit(paper_nip(winding_force=0.0), {"tension_behind_nip": [600.0]}, ["winding_force"])
+        wo.fit(paper_nip(winding_force=0.0), {"outlet_tension": [600.0]}, ["winding_force"])
 
 
 def test_a_fit_that_cannot_be_solved_says_so():
     # |F| >= mu- P at every start
     with pytest.raises(wo.NotConverged, match="no start of the fit could be solved: NoSteadyState"):
         wo.fit(
-            paper_nip(), {"tension_behind_nip": [600.0, 610.0]},
+            paper_nip(), {"outlet_tension": [600.0, 610.0]},
             {"winding_force": (800.0, 900.0)}, nodes=17,
         )  # fmt: skip
 
@@ -414,7 +414,7 @@ def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
 
 def test_few_nodes_are_no_neighbour_of_many():
     """They start a case of the same fields; they are not its answer."""
-    model = model_of(paper_nip(), ("tension_behind_nip",), None, {"nodes": 35})
+    model = model_of(paper_nip(), ("outlet_tension",), None, {"nodes": 35})
     few = model.coarse.run({}, None)
     assert model.run({}, few.state).values == pytest.approx(model.run({}, None).values, rel=1e-7)
     assert few.values[0] != pytest.approx(model.run({}, None).values[0], rel=1e-5)

@@ -52,13 +52,13 @@ def test_excel_reads_as_csv_does(tmp_path: Path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     for row in (
-        ["nip_load [kN/m]", "tension_behind_nip [N/m]"], [1.9, 650], [None, None], [2.5, None]
+        ["nip_load [kN/m]", "outlet_tension [N/m]"], [1.9, 650], [None, None], [2.5, None]
     ):  # fmt: skip
         book.active.append(row)
     book.save(tmp_path / "rig.xlsx")
     data = _read(tmp_path / "rig.xlsx")
     assert data.inputs["nip_load"] == pytest.approx([1900.0, 2500.0])
-    assert np.array_equal(data.outputs["tension_behind_nip"], [650.0, np.nan], equal_nan=True)
+    assert np.array_equal(data.outputs["outlet_tension"], [650.0, np.nan], equal_nan=True)
 
 
 def test_columns_by_name_are_si_and_can_be_renamed():

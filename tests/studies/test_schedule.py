@@ -21,22 +21,22 @@ COARSE = {"rtol": 3e-3}
 
 
 @pytest.fixture(scope="module")
-def problem() -> wo.WoundRollProblem:
-    return wo.WoundRollProblem.example().replace(
+def problem() -> wo.RollProblem:
+    return wo.RollProblem.example().replace(
         wound_on_tension=wo.Taper(start=350.0, taper=0.0, law="hyperbolic"),
         **{"stack.radial": 8e6},  # does not harden: quickly solved
     )
 
 
 @pytest.fixture(scope="module")
-def best(problem: wo.WoundRollProblem) -> wo.OptimisedSchedule:
+def best(problem: wo.RollProblem) -> wo.OptimisedSchedule:
     return wo.optimise_schedule(
         problem, OVER, limits=LIMITS, maximise="mid_pressure", options=COARSE
     )
 
 
 @pytest.fixture(scope="module")
-def grid(problem: wo.WoundRollProblem) -> list[tuple[float, float]]:
+def grid(problem: wo.RollProblem) -> list[tuple[float, float]]:
     """Return the smallest reserve and the pressure half-way, brute force."""
     found = []
     for taper in np.linspace(0, 0.6, 7):
@@ -77,7 +77,7 @@ def test_an_active_constraint_is_met_and_named(best: wo.OptimisedSchedule) -> No
 
 
 def test_without_a_goal_the_smallest_reserve_is_the_largest(
-    problem: wo.WoundRollProblem, grid: list[tuple[float, float]]
+    problem: wo.RollProblem, grid: list[tuple[float, float]]
 ) -> None:
     found = wo.optimise_schedule(problem, OVER, limits=LIMITS, options=COARSE)
     least = found.margins_after.least
@@ -89,7 +89,7 @@ def test_without_a_goal_the_smallest_reserve_is_the_largest(
     assert set(found.binding) == {"blocking", "slack"}  # too much tension, and too little
 
 
-def test_limits_that_nothing_keeps_are_told_with_what_binds(problem: wo.WoundRollProblem) -> None:
+def test_limits_that_nothing_keeps_are_told_with_what_binds(problem: wo.RollProblem) -> None:
     hard = LIMITS.replace(compression=1e3, torque_share=0.01)
     found = wo.optimise_schedule(problem, OVER, limits=hard, evaluations=25, options=COARSE)
     assert not found.feasible
@@ -99,7 +99,7 @@ def test_limits_that_nothing_keeps_are_told_with_what_binds(problem: wo.WoundRol
     assert "VIOLATED" in str(found)
 
 
-def test_it_stops_after_so_many_windings_and_tells_each(problem: wo.WoundRollProblem) -> None:
+def test_it_stops_after_so_many_windings_and_tells_each(problem: wo.RollProblem) -> None:
     told: list[tuple[int, int]] = []
     found = wo.optimise_schedule(
         problem, OVER, limits=LIMITS, evaluations=6, options=COARSE,
@@ -110,7 +110,7 @@ def test_it_stops_after_so_many_windings_and_tells_each(problem: wo.WoundRollPro
     assert told[-1] == (6, 6)
 
 
-def test_an_interruption_gives_the_best_so_far(problem: wo.WoundRollProblem) -> None:
+def test_an_interruption_gives_the_best_so_far(problem: wo.RollProblem) -> None:
     def interrupt(done: int, size: int) -> None:
         if done == 4:
             raise KeyboardInterrupt
@@ -120,7 +120,7 @@ def test_an_interruption_gives_the_best_so_far(problem: wo.WoundRollProblem) -> 
     assert len(found.tried) == 4
 
 
-def test_schedules_that_cannot_be_wound_are_put_aside(problem: wo.WoundRollProblem) -> None:
+def test_schedules_that_cannot_be_wound_are_put_aside(problem: wo.RollProblem) -> None:
     """A start of no tension is refused by the problem itself: the search goes on without it."""
     found = wo.optimise_schedule(
         problem, {START: (-400.0, 450.0)}, limits=wo.Limits(compression=300e3),
@@ -157,7 +157,7 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
     ],
 )
 def test_bad_input_is_refused(
-    problem: wo.WoundRollProblem, given: dict[str, Any], told: str
+    problem: wo.RollProblem, given: dict[str, Any], told: str
 ) -> None:
     options = {"over": OVER, "limits": LIMITS, **given}
     refused_in_one_line(lambda: wo.optimise_schedule(problem, **options), told)

@@ -18,7 +18,7 @@ from woundon.studies.api import study_of
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8
 TENSION = ("nip_induced_tension",)
-OUTPUTS = (*TENSION, "half_width", "drum_creep", "approach", "dual", "peak_pressure")
+OUTPUTS = (*TENSION, "half_width", "drum_creepage", "approach", "dual", "peak_pressure")
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_a_grid_gives_the_numbers_of_single_solves(grid):
             expected = {
                 "nip_induced_tension": single.nip_induced_tension,
                 "half_width": single.half_width,
-                "drum_creep": single.drum_creep,
+                "drum_creepage": single.drum_creepage,
                 "approach": single.approach,
                 "dual": single.slip_ratios.dual,
                 "peak_pressure": single.pressure.max(),
@@ -98,21 +98,21 @@ def test_web_tension_is_free_and_right():
     """The winding theorem: T_in shifts T_out, and moves creep and approach, which are solved."""
     tensions = [100.0, 500.0, 900.0]
     cheap = wo.sweep(
-        paper_nip(), {"web_tension": tensions}, ("tension_behind_nip", "rig_tension"), nodes=17
+        paper_nip(), {"web_tension": tensions}, ("outlet_tension", "rig_tension"), nodes=17
     )
     whole = wo.sweep(
-        paper_nip(), {"web_tension": tensions}, ("tension_behind_nip", "drum_creep"), nodes=17
+        paper_nip(), {"web_tension": tensions}, ("outlet_tension", "drum_creepage"), nodes=17
     )
     for T_in in tensions:
         single = wo.solve(paper_nip(web_tension=T_in), nodes=17)
         at = {"web_tension": T_in}
-        assert float(cheap.tension_behind_nip.sel(at)) == pytest.approx(
-            single.tension_behind_nip, rel=SAME
+        assert float(cheap.outlet_tension.sel(at)) == pytest.approx(
+            single.outlet_tension, rel=SAME
         )
-        assert float(whole.tension_behind_nip.sel(at)) == pytest.approx(
-            single.tension_behind_nip, rel=SAME
+        assert float(whole.outlet_tension.sel(at)) == pytest.approx(
+            single.outlet_tension, rel=SAME
         )
-        assert float(whole.drum_creep.sel(at)) == pytest.approx(single.drum_creep, rel=SAME)
+        assert float(whole.drum_creepage.sel(at)) == pytest.approx(single.drum_creepage, rel=SAME)
         assert str(cheap.warnings.sel(at).values) == "; ".join(single.warnings)
 
 

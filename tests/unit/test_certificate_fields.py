@@ -43,7 +43,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "rollers, creepage": lambda: wo.solve(
         ROLLERS.replace(tangential_load=None, creepage=1e-3), nodes=41
     ),
-    "roll": lambda: wo.solve(wo.WoundRollProblem.example()),
+    "roll": lambda: wo.solve(wo.RollProblem.example()),
     "winding": lambda: wo.solve(WINDING, **COARSE),
     "winding with air": lambda: wo.solve(
         WINDING.replace(web_speed=20.0, air=wo.Air(roughness=3e-6)), **COARSE

@@ -135,8 +135,8 @@ OF_NIPS: list[tuple[str, Corrupt]] = [
     ("gap_slope", lambda r: {"offset": r.offset - 1e-3 * r.half_width}),
     ("gap_slope", changed("pressure", middle, 0.01)),
     ("positive_pressure", changed("pressure", middle, -1.2)),
-    ("stick", lambda r: {"drum_creep": r.drum_creep + 1e-4}),
-    ("stick", lambda r: {"drum_creep": r.drum_creep - 1e-4}),
+    ("stick", lambda r: {"drum_creepage": r.drum_creepage + 1e-4}),
+    ("stick", lambda r: {"drum_creepage": r.drum_creepage - 1e-4}),
     ("friction_bound", beyond_the_bound("roll_")),
     ("friction_bound", beyond_the_bound("drum_")),
     *(("slip_traction", off_the_bound(face, by))
@@ -145,7 +145,7 @@ OF_NIPS: list[tuple[str, Corrupt]] = [
     ("slip_direction", reversed_slip("drum_")),
     *(("slip_velocity", changed(name, middle, by))
       for name in ("roll_slip", "drum_slip") for by in (0.1, -0.1)),
-    ("slip_velocity", scaled("drum_creep", 1.1)),
+    ("slip_velocity", scaled("drum_creepage", 1.1)),
     ("winding_force", changed("drum_traction", middle, 0.1)),
     ("winding_force", other_problem(winding_force=50.0)),
     ("winding_force", other_problem(winding_force=-50.0)),
@@ -316,14 +316,14 @@ def test_the_nip_induced_tension_is_the_integral_of_the_tractions() -> None:
     r = solved("wrapped, both")
     T, own = r.web_tension, r.in_nip
     assert r.wound_on_tension == T[-1]
-    assert (r.tension_before_nip, r.tension_behind_nip) == (T[own.start], T[own.stop - 1])
-    assert r.nip_induced_tension == r.tension_behind_nip - r.tension_before_nip
+    assert (r.inlet_tension, r.outlet_tension) == (T[own.start], T[own.stop - 1])
+    assert r.nip_induced_tension == r.outlet_tension - r.inlet_tension
     # the traction downstream of the edge is that on the roll alone
     behind = slice(own.stop - 1, None)
     on_roll = np.trapezoid(r.roll_traction[behind], r.x[behind])
     cell = r.x[own.stop] - r.x[own.stop - 1]
     lumped = abs(r.drum_traction[own.stop - 1] + r.roll_traction[own.stop - 1]) * cell
-    assert r.wound_on_tension - r.tension_behind_nip == pytest.approx(on_roll, abs=lumped + 1e-6)
+    assert r.wound_on_tension - r.outlet_tension == pytest.approx(on_roll, abs=lumped + 1e-6)
 
 
 @pytest.mark.parametrize("case", ["nip", "nip, cover", "wrapped, both"])

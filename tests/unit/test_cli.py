@@ -81,7 +81,7 @@ def test_sensitivity_lists_what_matters_first(capsys: Capture):
 
 def test_rolls_have_no_sensitivity(tmp_path, capsys: Capture):
     case = tmp_path / "roll.toml"
-    case.write_text(to_toml(wo.WoundRollProblem.example()), encoding="utf-8")
+    case.write_text(to_toml(wo.RollProblem.example()), encoding="utf-8")
     assert cli.main(["solve", str(case), "--sensitivity"]) == 2
     said = "error: --sensitivity: not available for the kind 'wound-roll', but for "
     assert said in capsys.readouterr().err

@@ -18,7 +18,7 @@ TABLE = "radius [mm]; pressure [kPa]\n44,5; 250\n60; 200\n120; 120\n150; 0\n"
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    Path("roll.toml").write_text(template("wound-roll"))
+    Path("roll.toml").write_text(template("roll"))
     Path("wanted.csv").write_text(TABLE)
     return tmp_path
 

@@ -28,7 +28,7 @@ CASES = {
     "wraps": (NIP.replace(roll_wrap=pi), {}),
     "wraps on a cover": (COVERED.replace(roll_wrap=pi, drum_wrap=1.0), {}),
     "rollers": (wo.RollerProblem.example(), {}),
-    "wound roll": (wo.WoundRollProblem.example(), {}),
+    "wound roll": (wo.RollProblem.example(), {}),
 }
 
 

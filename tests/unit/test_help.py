@@ -67,7 +67,7 @@ def report(result: wo.NipResult, path: Path) -> str:
 
 nip = wo.solve(problem, nodes=33)
 text: str = report(nip, Path("nip.nc"))
-tension: float = nip.tension_behind_nip + nip.wound_on_tension_estimate()
+tension: float = nip.outlet_tension + nip.wound_on_tension_estimate()
 peak = float(np.max(nip.pressure))
 load: float = nip.problem.nip_load
 wrapped = wo.solve(problem.wrapped(roll_wrap=1.0))

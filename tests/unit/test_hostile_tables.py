@@ -114,7 +114,7 @@ CURVES = {
 @pytest.mark.parametrize("name", CURVES)
 def test_a_hostile_curve_of_a_case_is_rejected_in_time(name: str, tmp_path: Path):
     (tmp_path / "curve.csv").write_text(CURVES[name], encoding="utf-8")
-    case = template("wound_roll") + '\n[stack.curve]\ncsv = "curve.csv"\n'
+    case = template("roll") + '\n[stack.curve]\ncsv = "curve.csv"\n'
     (tmp_path / "case.toml").write_text(case, encoding="utf-8")
     start = time.perf_counter()
     with pytest.raises(wo.InvalidProblem) as fault:

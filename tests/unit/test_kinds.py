@@ -22,10 +22,10 @@ OWN = {
     "nip": (wo.NipProblem, wo.NipResult),
     "wrapped_nip": (wo.NipProblem, wo.NipResult),
     "rollers": (wo.RollerProblem, wo.RollerResult),
-    "wound_roll": (wo.WoundRollProblem, wo.WoundRollResult),
+    "roll": (wo.RollProblem, wo.RollResult),
 }
 # an option of each out of range
-WRONG = dict.fromkeys(OWN, ("nodes", 3)) | {"wound_roll": ("rtol", 3)}
+WRONG = dict.fromkeys(OWN, ("nodes", 3)) | {"roll": ("rtol", 3)}
 
 
 class HammockProblem(wo.Problem):
@@ -104,7 +104,7 @@ def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) ->
         wo.solve(thing)
     text = str(fault.value)
     assert text.startswith(f"problem: {shown}")
-    known = "NipProblem, NipProblem, RollerProblem or WoundRollProblem"
+    known = "NipProblem, NipProblem, RollerProblem or RollProblem"
     assert f"must be a {known}" in text
 
 
@@ -152,7 +152,7 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     # what it did not bring is a default: it can be told and drawn
     assert "sag" in str(result)
     assert kind.check is None
-    with pytest.raises(wo.InvalidProblem, match="WoundRollProblem or HammockProblem"):
+    with pytest.raises(wo.InvalidProblem, match="RollProblem or HammockProblem"):
         wo.solve("hammock.toml")
 
 

@@ -25,16 +25,16 @@ MU = 0.19
 
 
 @pytest.fixture(scope="module")
-def problem() -> wo.WoundRollProblem:
-    return wo.WoundRollProblem.example()
+def problem() -> wo.RollProblem:
+    return wo.RollProblem.example()
 
 
 @pytest.fixture(scope="module")
-def roll(problem: wo.WoundRollProblem) -> wo.WoundRollResult:
+def roll(problem: wo.RollProblem) -> wo.RollResult:
     return coarse(problem)
 
 
-def reserve(problem: wo.WoundRollProblem, name: str, **limits: float) -> float:
+def reserve(problem: wo.RollProblem, name: str, **limits: float) -> float:
     """Return the reserve of one margin of a roll wound for it."""
     found = wo.margins(coarse(problem), wo.Limits(**limits))[name].reserve
     assert isinstance(found, float)
@@ -81,7 +81,7 @@ def test_laps_that_slide_buckle_as_beams_on_springs(laps: int) -> None:
     assert sliding_laps_buckle(E_r, E_t, h, laps * h) == pytest.approx(load / h, rel=1e-5)
 
 
-def test_what_friction_must_hold_is_told(roll: wo.WoundRollResult) -> None:
+def test_what_friction_must_hold_is_told(roll: wo.RollResult) -> None:
     """Of newsprint about as much as its compression; a taper that leaves none is told nothing."""
     note = wo.margins(roll)["compression"].note
     told = float(note.partition("about ")[2].partition(" kPa")[0])
@@ -101,7 +101,7 @@ def test_a_roll_in_closed_form_slips_where_and_as_it_should() -> None:
     """Constant moduli: P is known in closed form, and so is the share, over all radii."""
     stack = wo.Stack(radial=40e6, tangential=4e9, poissons_ratio=0.01, shear=10e6)
     core, h, T = wo.Core(radius=0.05, stiffness=2e8), 100e-6, 200.0
-    problem = wo.WoundRollProblem(
+    problem = wo.RollProblem(
         core=core, radius=0.2, stack=stack, web_thickness=h, wound_on_tension=T
     )
     found = wo.margins(wo.solve(problem, rtol=1e-5), wo.Limits(layer_friction=MU))["slip"]
@@ -115,7 +115,7 @@ def test_a_roll_in_closed_form_slips_where_and_as_it_should() -> None:
 # ---- over the build-up --------------------------------------------------------------------------
 
 
-def test_what_is_worst_before_the_roll_is_finished_is_found(problem: wo.WoundRollProblem) -> None:
+def test_what_is_worst_before_the_roll_is_finished_is_found(problem: wo.RollProblem) -> None:
     """A tension that ends low asks most of the laps when the roll is half wound."""
     falls = wo.Profile(radius=[0.0445, 0.09, 0.1, 0.15], value=[400.0, 400.0, 200.0, 200.0])
     roll = wo.solve(problem.replace(wound_on_tension=falls))
@@ -129,7 +129,7 @@ def test_what_is_worst_before_the_roll_is_finished_is_found(problem: wo.WoundRol
 
 
 def test_the_stages_that_are_looked_at_suffice(
-    problem: wo.WoundRollProblem, monkeypatch: pytest.MonkeyPatch
+    problem: wo.RollProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Sixty-four stages in place of sixteen change no value by more than 2 %."""
     rises = wo.Profile(radius=[0.0445, 0.1, 0.15], value=[250.0, 500.0, 200.0])
@@ -157,12 +157,12 @@ def test_the_stages_that_are_looked_at_suffice(
     ],
 )  # fmt: skip
 def test_each_margin_grows_with_what_is_known_to_help(
-    problem: wo.WoundRollProblem, name: str, limits: dict[str, float], change: dict[str, object]
+    problem: wo.RollProblem, name: str, limits: dict[str, float], change: dict[str, object]
 ) -> None:
     assert reserve(problem.replace(**change), name, **limits) > reserve(problem, name, **limits)
 
 
-def test_friction_helps_and_a_start_by_the_core_asks_for_more(roll: wo.WoundRollResult) -> None:
+def test_friction_helps_and_a_start_by_the_core_asks_for_more(roll: wo.RollResult) -> None:
     def share(**limits: float) -> float:
         return float(wo.margins(roll, wo.Limits(**limits))["slip"].value)
 
@@ -186,7 +186,7 @@ BROKEN = {
 }  # fmt: skip
 
 
-def test_all_margins_may_hold(roll: wo.WoundRollResult) -> None:
+def test_all_margins_may_hold(roll: wo.RollResult) -> None:
     found = wo.margins(roll, wo.Limits(**KEPT))
     assert tuple(margin.name for margin in found) == NAMES
     assert all(margin.ok is True for margin in found)
@@ -194,7 +194,7 @@ def test_all_margins_may_hold(roll: wo.WoundRollResult) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_margin_can_fail_and_fails_alone(roll: wo.WoundRollResult, name: str) -> None:
+def test_each_margin_can_fail_and_fails_alone(roll: wo.RollResult, name: str) -> None:
     found = wo.margins(roll, wo.Limits(**{**KEPT, **BROKEN[name]}))
     assert found.violated == (name,)
     assert found.least is found[name]
@@ -204,7 +204,7 @@ def test_each_margin_can_fail_and_fails_alone(roll: wo.WoundRollResult, name: st
     assert found._repr_html_().count("#B00020") == 1  # in red, and in a word
 
 
-def test_none_is_silently_absent(roll: wo.WoundRollResult) -> None:
+def test_none_is_silently_absent(roll: wo.RollResult) -> None:
     found = wo.margins(roll)
     assert [margin.ok for margin in found] == [None] * 6
     assert found.least is None
@@ -217,7 +217,7 @@ def test_none_is_silently_absent(roll: wo.WoundRollResult) -> None:
     assert "the friction between laps is not given" in told
 
 
-def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.WoundRollProblem) -> None:
+def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.RollProblem) -> None:
     board = wo.Isotropic(youngs_modulus=3e9, poissons_ratio=0.3)
     thin = wo.Core(radius=0.0445, inner_radius=0.0425, material=board)
     margin = wo.margins(wo.solve(problem.replace(core=thin)))["core"]
@@ -226,17 +226,17 @@ def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.WoundRoll
     assert "elastic collapse of a thin tube" in margin.note
 
 
-def test_margins_are_found_by_name_and_number(roll: wo.WoundRollResult) -> None:
+def test_margins_are_found_by_name_and_number(roll: wo.RollResult) -> None:
     found = wo.margins(roll)
     assert found["core"] is found[3]
     with pytest.raises(KeyError, match="known: slip, compression"):
         found["telescope"]
 
 
-def test_bad_input_is_refused(roll: wo.WoundRollResult, problem: wo.WoundRollProblem) -> None:
+def test_bad_input_is_refused(roll: wo.RollResult, problem: wo.RollProblem) -> None:
     refused_in_one_line(
         lambda: wo.margins(problem),  # type: ignore[arg-type]
-        "result: WoundRollProblem is out of place; must be a WindingResult or WoundRollResult",
+        "result: RollProblem is out of place; must be a WindingResult or RollResult",
     )
     light = wo.solve(problem.replace(density=None))
     refused_in_one_line(

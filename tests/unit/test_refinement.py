@@ -165,8 +165,8 @@ def test_estimated_errors_bound_true_errors() -> None:
     97 % of true errors are required within 1.5 estimates; of 12 nips with a chance of 3 % each,
     more than two lie outside in one of two hundred draws.
     """
-    names = ("nip_induced_tension", "tension_behind_nip", "half_width", "peak_pressure", "offset",
-             "drum_creep")  # fmt: skip
+    names = ("nip_induced_tension", "outlet_tension", "half_width", "peak_pressure", "offset",
+             "drum_creepage")  # fmt: skip
     problems = [random_nip(seed) for seed in range(300, 312)]
     pairs = [(wo.solve(p, nodes=65), wo.solve(p, nodes=257)) for p in problems]
     for name in names:

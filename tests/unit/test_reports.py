@@ -105,7 +105,7 @@ def test_every_told_error_stands_beside_its_output(examples):
         for name, error in told.items():
             if name == given or error != error:
                 continue
-            if name == "tension_before_nip" and not result.problem.drum_wrap:
+            if name == "inlet_tension" and not result.problem.drum_wrap:
                 continue  # it is the given web tension
             quantity = quantities.output(result, name).quantity
             # of a wrapped nip the first; that of the confined one comes below
@@ -133,7 +133,7 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
     """A new output needs no line of its own in the reports."""
     otherwise = {
         "residual", "half_width", "iterations", "series_terms", "series_error", "rig_tension",
-        "tension_before_nip",
+        "inlet_tension",
         "drum_wrap_traction", "shift", "tangential_load",
         "steps", "compressed_share",
         # of windings: at the top, beside others, or by the margins
@@ -158,10 +158,10 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
 def test_a_nip_says_where_its_web_is_held(nip):
     parts = sections(nip_report(nip))
     said = parts["Winding nip, the web held at its trailing edge"]
-    NIT, T_out = nip.nip_induced_tension, nip.tension_behind_nip
+    NIT, T_out = nip.nip_induced_tension, nip.outlet_tension
     error = f"{nip.nip_induced_tension_error:.2g}"
     assert said[0] == f"nip-induced tension NIT {NIT:.5g} N/m ± {error}"
-    error = f"{nip.errors['tension_behind_nip']:.2g}"
+    error = f"{nip.errors['outlet_tension']:.2g}"
     assert said[1].endswith(f"edge of the nip T_out {T_out:.5g} N/m ± {error}")
     estimate = nip.wound_on_tension_estimate(pi)
     assert said[2].endswith(f"half a turn behind WOT est. {estimate:.5g} N/m")
@@ -223,7 +223,7 @@ def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
     assert said[0] == f"wound-on tension, far behind the nip WOT {WOT:.5g} N/m ± {error:.2g}"
     angle = np.degrees(wrapped.slip_angle)
     assert f"roll behind the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
-    before = wrapped.tension_before_nip
+    before = wrapped.inlet_tension
     assert f"web tension at the leading edge of the nip T_n {before:.5g} N/m" in " ".join(said)
     loads = parts["Loads and wraps"]
     assert loads[-3].endswith(f"theta+ {np.degrees(1.0):.5g} deg")
@@ -235,9 +235,9 @@ def test_the_same_nip_confined_stands_beside_it(wrapped):
     """Solved on as many nodes; estimated to where the web is held; both bracket the wrapped one."""
     said = sections(wrapped_report(wrapped))["The same nip, its web held at the trailing edge"]
     alone = wo.solve(wrapped.problem.confined(), nodes=NODES)
-    low, high = alone.tension_behind_nip, alone.wound_on_tension_estimate(1.0)
+    low, high = alone.outlet_tension, alone.wound_on_tension_estimate(1.0)
     assert low < wrapped.wound_on_tension < high
-    error = f"{alone.errors['tension_behind_nip']:.2g}"
+    error = f"{alone.errors['outlet_tension']:.2g}"
     assert said[0].endswith(f"T_out {low:.5g} N/m ± {error} eq. (97)")
     assert said[1].endswith(f"WOT est. {high:.5g} N/m eq. (183)")
     WOT = f"{wrapped.wound_on_tension:.5g}"

@@ -369,7 +369,7 @@ def test_damage_is_refused_by_name(solved, tmp_path, place, value, said):
         ("nip", "problem.nip_load", 3503.0),
         ("nip", "problem.web.thickness", 67e-6),
         ("nip", "fields.roll_traction.9", 0.0),
-        ("nip", "fields.drum_creep", 0.0),
+        ("nip", "fields.drum_creepage", 0.0),
         ("nip", "fields.offset", 0.0),
         ("nip", "fields.half_width", 2.6e-3),
         ("nip", "fields.half_width", 1e-300),

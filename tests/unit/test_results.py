@@ -233,7 +233,7 @@ def test_nothing_is_passed_off_as_solved(results) -> None:  # type: ignore[no-un
 def test_a_plain_nip_has_no_wound_on_tension(results) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(AttributeError) as told:
         _ = results["nip"].wound_on_tension
-    for name in ("tension_behind_nip", "wound_on_tension_estimate", "problem.wrapped()"):
+    for name in ("outlet_tension", "wound_on_tension_estimate", "problem.wrapped()"):
         assert name in str(told.value)
     assert not hasattr(results["nip"], "wound_on_tension")
     assert "wound_on_tension" not in wo.quantities.scalar_outputs(wo.NipResult)

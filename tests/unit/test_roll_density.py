@@ -14,7 +14,7 @@ from seldom import seldom
 
 import woundon as wo
 
-NEWSPRINT = wo.WoundRollProblem.example()
+NEWSPRINT = wo.RollProblem.example()
 ROLLS = {
     "newsprint": NEWSPRINT,
     "taper": NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.4)),
@@ -32,7 +32,7 @@ rolls = pytest.mark.parametrize(
 
 
 @cache
-def wound(name: str) -> wo.WoundRollResult:
+def wound(name: str) -> wo.RollResult:
     return wo.solve(ROLLS[name], rtol=1e-5)
 
 
@@ -97,7 +97,7 @@ def test_its_panels_are_drawn():
     plt.close(figure)
 
 
-def _panels(result: wo.WoundRollResult) -> list[str]:
+def _panels(result: wo.RollResult) -> list[str]:
     from woundon.show.wound_roll_plots import wound_roll_panels
 
     return [name for name, panel in wound_roll_panels(result).items() if panel.shown]

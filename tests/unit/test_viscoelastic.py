@@ -289,9 +289,9 @@ def test_exact_sensitivities(wrapped: bool, name: str, value: float) -> None:
     up, down = (
         wo.solve(problem.replace(**{name: value + way * step}), nodes=33) for way in (1, -1)
     )
-    told = [(r.nip_induced_tension, r.half_width, r.drum_creep) for r in (up, down)]
+    told = [(r.nip_induced_tension, r.half_width, r.drum_creepage) for r in (up, down)]
     differences = np.subtract(*told) / (2 * step)
-    outputs = ("nip_induced_tension", "half_width", "drum_creep")
+    outputs = ("nip_induced_tension", "half_width", "drum_creepage")
     found = [exact.derivative(output, name) for output in outputs]
     assert found == pytest.approx(differences.tolist(), rel=2e-4)
 

@@ -37,7 +37,7 @@ def roll(**changes: Any) -> wo.WoundRoll:
 
 def outputs(problem: wo.NipProblem, **options: Any) -> np.ndarray:
     result = wo.solve(problem, nodes=49, **options)
-    return np.array([result.nip_induced_tension, result.half_width, result.drum_creep])
+    return np.array([result.nip_induced_tension, result.half_width, result.drum_creepage])
 
 
 def cylinder(P: float, wound: float) -> wo.Cylinder:

@@ -14,7 +14,7 @@ from woundon.io.case_files import template
 from woundon.io.case_texts import to_toml
 from woundon.problems.schedules import Curve
 
-ROLL = wo.WoundRollProblem.example()
+ROLL = wo.RollProblem.example()
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_roll_that_comes_apart_is_told():
 
 
 @pytest.fixture(scope="module")
-def result() -> wo.WoundRollResult:
+def result() -> wo.RollResult:
     return wo.solve(ROLL.replace(wound_on_tension=wo.Taper(start=400.0, taper=0.25)), rtol=1e-2)
 
 
@@ -141,13 +141,13 @@ def test_a_table_for_spreadsheets_has_the_roll(result, tmp_path):
 
 
 def test_the_command_line_winds_a_new_case(tmp_path, capsys):
-    assert cli.main(["new", "--wound-roll"]) == 0
+    assert cli.main(["new", "--roll"]) == 0
     case = tmp_path / "roll.toml"
     case.write_text(capsys.readouterr().out, encoding="utf-8")
     assert wo.load_case(case) == ROLL
     assert cli.main(["solve", str(case), "--set", "wound_on_tension=400 N/m", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["kind"] == "wound_roll"
+    assert told["kind"] == "roll"
     assert cli.main(["solve", str(case), "--set", "core.radius=200 mm"]) == 2
     assert "core.radius: 0.2 is out of range" in capsys.readouterr().err
 
@@ -240,5 +240,5 @@ def test_temperatures_and_expansions_have_units_in_case_files():
 
 
 def test_the_template_names_only_what_the_field_admits():
-    (line,) = [line for line in template("wound-roll").splitlines() if '"stack"' in line]
+    (line,) = [line for line in template("roll").splitlines() if '"stack"' in line]
     assert line.rstrip() == 'kind                 = "stack"'

@@ -77,14 +77,14 @@ def test_the_nip_of_a_wrapped_result_is_its_nodes_in_nip(result):
     assert (x[nip][0], x[nip][-1]) == (-result.half_width, result.half_width)
     assert result.nodes == x[nip].size == 25
     T, T_in = result.web_tension[nip], result.problem.web_tension
-    assert result.tension_behind_nip == T[-1]
-    assert result.nip_induced_tension == result.tension_behind_nip - result.tension_before_nip
+    assert result.outlet_tension == T[-1]
+    assert result.nip_induced_tension == result.outlet_tension - result.inlet_tension
     # on the drum's arc the web has gained the drum's traction there, F less the nip's part
     force = np.trapezoid(result.drum_traction[nip], x[nip])
     assert force == pytest.approx(100 - (T[0] - T_in), rel=1e-9)
     assert result.drum_wrap_traction == pytest.approx(T[0] - T_in, rel=1e-3)
     assert result.wound_on_tension == pytest.approx(
-        result.tension_behind_nip + result.roll_wrap_traction
+        result.outlet_tension + result.roll_wrap_traction
     )
     assert np.isnan(result.roll_slip[: nip.start]).all()
     assert np.isnan(result.drum_slip[nip.stop :]).all()
@@ -98,7 +98,7 @@ def test_the_confined_nip_is_the_plain_problem(result):
     assert nip == wo.solve(PAPER, nodes=25)
     # plain answer and estimate bracket the wrapped one (theory page: wrap)
     unwrapped = wo.solve(PAPER.replace(roll_wrap=pi), **QUICK)
-    ends = sorted([nip.tension_behind_nip, nip.wound_on_tension_estimate()])
+    ends = sorted([nip.outlet_tension, nip.wound_on_tension_estimate()])
     assert ends[0] < unwrapped.wound_on_tension < ends[1]
 
 

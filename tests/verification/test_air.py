@@ -61,7 +61,7 @@ def frictionless(problem, **changes):
 
 def film_of(problem):
     """Return the film at ambient pressure that a nip lets through, and its dry nip."""
-    dry = wo.solve(problem.without_air(problem.roll_friction, problem.friction_behind), nodes=129)
+    dry = wo.solve(problem.without_air(problem.roll_friction, problem.friction_on_wrap), nodes=129)
     found = films_of(problem, edge_of(problem, dry), dry.half_width)
     lap = problem.web_tension / problem.roll.radius
     return found["nip_film"] * (1 + lap / AMBIENT), found["inlet_length"], dry
@@ -397,7 +397,7 @@ def test_air_between_rigid_laps_is_boyles_law():
 
 
 def test_air_softens_the_roll_and_leaves_its_web(film_nip, with_air):
-    roll = wo.WoundRollProblem(
+    roll = wo.RollProblem(
         core=wo.Core(radius=0.05, stiffness=2e9), radius=0.2, web_thickness=23e-6, density=1390.0,
         wound_on_tension=100.0, stack=wo.Stack(radial=wo.Pfeiffer(K1=500.0, K2=400.0),
         tangential=5e9, poissons_ratio=0.01, shear=10e6),

@@ -14,7 +14,7 @@ from seldom import seldom
 
 import woundon as wo
 
-NEWSPRINT = wo.WoundRollProblem.example()
+NEWSPRINT = wo.RollProblem.example()
 TAPER = wo.Taper(start=350.0, taper=0.4)
 
 
@@ -26,7 +26,7 @@ class Rings:
     its law says of the pressure at the face between them.
     """
 
-    def __init__(self, problem: wo.WoundRollProblem, parts: int) -> None:
+    def __init__(self, problem: wo.RollProblem, parts: int) -> None:
         stack, h = problem.stack, problem.web_thickness
         laps = round((problem.radius - problem.core.radius) / h)
         count, self.d = laps * parts, h / parts
@@ -91,7 +91,7 @@ class Rings:
         raise AssertionError("the rings find no equilibrium")
 
 
-def thick(problem: wo.WoundRollProblem, times: float) -> wo.WoundRollProblem:
+def thick(problem: wo.RollProblem, times: float) -> wo.RollProblem:
     """Return the same roll of thicker laps under the same stress, a whole number of them."""
     core, h = problem.core.radius, times * problem.web_thickness
     T = problem.wound_on_tension
@@ -101,8 +101,8 @@ def thick(problem: wo.WoundRollProblem, times: float) -> wo.WoundRollProblem:
 
 
 def of(
-    problem: wo.WoundRollProblem, parts: int = 2
-) -> tuple[wo.WoundRollResult, Rings, np.ndarray]:
+    problem: wo.RollProblem, parts: int = 2
+) -> tuple[wo.RollResult, Rings, np.ndarray]:
     """Return the roll of thin laps, that of rings, and by how much the second's P is larger."""
     result, rings = wo.solve(problem, rtol=1e-4), Rings(problem, parts)
     r = np.minimum(rings.r, problem.radius)
@@ -112,7 +112,7 @@ def of(
 def test_the_rings_of_constant_moduli_are_a_sum():
     """Each lap adds T h/s F(r)/F(s) to all below, F the closed form: no equations are solved."""
     stack = wo.Stack(radial=4e7, tangential=4e9, poissons_ratio=0.0, shear=1e7)
-    problem = wo.WoundRollProblem(
+    problem = wo.RollProblem(
         core=wo.Core(radius=0.05, stiffness=2e9), radius=0.09, stack=stack, web_thickness=4e-4,
         wound_on_tension=800.0,
     )  # fmt: skip
@@ -139,7 +139,7 @@ def test_the_rings_of_constant_moduli_are_a_sum():
     ],
     ids=["newsprint, 264 um", "132 um", "taper", "soft core", "constant", "few stiff laps"],
 )  # fmt: skip
-def test_what_finite_laps_change_is_told(problem: wo.WoundRollProblem):
+def test_what_finite_laps_change_is_told(problem: wo.RollProblem):
     """To 12 % of it: 10 % here, 7 % in 40 random rolls of 24 to 1500 laps, 0.2 to 34 %."""
     result, rings, change = of(problem)
     found = np.interp(rings.r, result.radius, result.finite_laps)

@@ -64,7 +64,7 @@ def test_a_constant_law_is_the_orthotropic_web(wraps: Any) -> None:
     constant = problem.replace(**{"web.material": stack(E_R)})
     assert constant.linear
     found, wanted = (wo.solve(one, nodes=33) for one in (constant, problem))
-    for name in ("nip_induced_tension", "half_width", "approach", "drum_creep", "peak_pressure"):
+    for name in ("nip_induced_tension", "half_width", "approach", "drum_creepage", "peak_pressure"):
         assert getattr(found, name) == pytest.approx(getattr(wanted, name), rel=1e-10)
 
 
@@ -147,7 +147,7 @@ def test_every_roll_takes_it(name: str, wraps: Any) -> None:
 def test_without_wraps_it_is_the_plain_nip() -> None:
     plain = hardened(LINEAR)
     found, wanted = wo.solve(plain.replace(roll_wrap=0.0), nodes=33), wo.solve(plain, nodes=33)
-    T_out, plain_T_out = (one.tension_behind_nip for one in (found, wanted))
+    T_out, plain_T_out = (one.outlet_tension for one in (found, wanted))
     # their least interpolation differs: 1.1e-7, as with a linear web
     assert T_out == pytest.approx(plain_T_out, rel=2e-7)
     assert found.approach == pytest.approx(wanted.approach, rel=1e-6)
@@ -177,7 +177,7 @@ def test_sensitivities_are_the_derivatives() -> None:
     }
     told = result.sensitivity(*names)
     for name, (less, more) in ends.items():
-        for output in ("nip_induced_tension", "half_width", "drum_creep"):
+        for output in ("nip_induced_tension", "half_width", "drum_creepage"):
             difference = (getattr(more, output) - getattr(less, output)) / (2e-3 * names[name])
             assert told.derivative(output, name) == pytest.approx(difference, rel=1e-3)
 

@@ -158,7 +158,7 @@ def test_random_nips_need_few_iterations() -> None:
 
 # ---- starts -------------------------------------------------------------------------------------
 
-OUTPUTS = ("half_width", "nip_width", "peak_pressure", "offset", "drum_creep", "approach")
+OUTPUTS = ("half_width", "nip_width", "peak_pressure", "offset", "drum_creepage", "approach")
 
 
 @pytest.mark.parametrize("name", [*list(NIPS)[:7], seldom("hardening")])
@@ -209,7 +209,7 @@ def test_the_order_of_the_tensions_is_about_two(name: str) -> None:
 
 
 # Estimates that are too small by more than a factor of four: three changes small by chance
-ESTIMATED = ("nip_induced_tension", "half_width", "drum_creep", "peak_pressure", "offset")
+ESTIMATED = ("nip_induced_tension", "half_width", "drum_creepage", "peak_pressure", "offset")
 
 
 @cache

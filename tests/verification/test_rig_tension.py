@@ -57,13 +57,13 @@ def test_the_estimate_follows_the_strain_of_the_roll() -> None:
     result = wo.solve(newsprint_nip())
     problem, a = result.problem, result.half_width
     at_edge = result.wound_on_tension_estimate(a / problem.roll.radius)
-    assert at_edge == pytest.approx(result.tension_behind_nip, rel=1e-12)
+    assert at_edge == pytest.approx(result.outlet_tension, rel=1e-12)
     assert result.rig_tension == result.wound_on_tension_estimate(pi / 2)
     assert result.wound_on_tension_estimate() == result.wound_on_tension_estimate(pi)
     angles = np.array([0.1, 0.5, 1.0, pi / 2, pi])
     strain = roll_strain(result, np.append(angles * problem.roll.radius, a))
     stiffness = problem.web.thickness / compliance(*problem.web.material.stiffness[:3]).c11
-    expected = result.tension_behind_nip + stiffness * (strain[:-1] - strain[-1])
+    expected = result.outlet_tension + stiffness * (strain[:-1] - strain[-1])
     told = [result.wound_on_tension_estimate(angle) for angle in angles]
     np.testing.assert_allclose(told, expected, rtol=1e-12)
     for angle in (0.01, 3.2, float("nan")):

@@ -13,8 +13,8 @@ from thesis_cases import newsprint_nip, paper_nip
 import woundon as wo
 
 MAIN = (
-    "wound_on_tension", "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width",
-    "drum_creep",
+    "wound_on_tension", "nip_induced_tension", "outlet_tension", "half_width", "nip_width",
+    "drum_creepage",
 )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def test_one_unit_of_stress_or_length_for_another_changes_nothing(problem: wo.Ni
     loads times c: tensions and widths times c.  Creep has no degree.  1e-5: forward differences,
     good to 1e-6 each, some twenty in the sum.
     """
-    outputs = ("nip_induced_tension", "half_width", "nip_width", "drum_creep")
+    outputs = ("nip_induced_tension", "half_width", "nip_width", "drum_creepage")
     s = wo.solve(problem, nodes=65).sensitivity(outputs=outputs)
     last = [name.rpartition(".")[2] for name in s.parameters]
     loads = np.isin(last, ["nip_load", "winding_force", "web_tension"])
@@ -141,9 +141,9 @@ def test_the_winding_theorem_web_tension_moves_neither_nit_nor_width() -> None:
     s = wo.solve(newsprint_nip(), nodes=65).sensitivity("web_tension")
     assert s.derivative("nip_induced_tension", "web_tension") == 0.0
     assert s.derivative("half_width", "web_tension") == 0.0
-    assert s.derivative("tension_behind_nip", "web_tension") == pytest.approx(1.0, rel=1e-8)
+    assert s.derivative("outlet_tension", "web_tension") == pytest.approx(1.0, rel=1e-8)
     # the creep refers to the unstrained web: xi- falls by the strain, c11/(2h) a unit of tension
-    assert s.derivative("drum_creep", "web_tension") < 0.0
+    assert s.derivative("drum_creepage", "web_tension") < 0.0
 
 
 def test_where_the_whole_roll_side_slips_nit_is_mu_p_plus_f() -> None:

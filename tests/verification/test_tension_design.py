@@ -11,11 +11,11 @@ from seldom import seldom
 
 import woundon as wo
 
-ROLL = wo.WoundRollProblem.example()
+ROLL = wo.RollProblem.example()
 CORE, R = ROLL.core.radius, ROLL.radius
 
 
-def miss(problem: wo.WoundRollProblem, radius: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+def miss(problem: wo.RollProblem, radius: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     """Of the roll wound by the solver, of the largest wanted."""
     wound = wo.solve(problem, rtol=1e-4)
     return np.abs(wound.at_radius(radius)["pressure"] - wanted) / wanted.max()
@@ -56,7 +56,7 @@ def test_forward_then_inverse_finds_the_tension_again(schedule: Any):
     assert design.outer_layer == 0.0
 
 
-def stiff_core() -> wo.WoundRollProblem:
+def stiff_core() -> wo.RollProblem:
     return ROLL.replace(**{"core.stiffness": 1e11})
 
 

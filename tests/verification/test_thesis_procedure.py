@@ -161,7 +161,7 @@ def test_winding_theorem() -> None:
     np.testing.assert_allclose(taut.drum_traction, slack.drum_traction, rtol=1e-6, atol=1e-3)
     A_rr, A_tt, A_rt, *_ = PAPER.stiffness
     det = A_rr * A_tt - A_rt**2
-    change = taut.approach - slack.approach, taut.drum_creep - slack.drum_creep
+    change = taut.approach - slack.approach, taut.drum_creepage - slack.drum_creepage
     assert change[0] == pytest.approx(500.0 * A_rt / det, rel=1e-4)
     assert change[1] == pytest.approx(-500.0 * A_rr / det / 66e-6, rel=1e-6)
 
@@ -175,7 +175,7 @@ def test_contact_conditions() -> None:
     assert dx * result.drum_traction.sum() == pytest.approx(problem.winding_force, rel=1e-8)
     gain = dx * (result.roll_traction + result.drum_traction).sum()
     assert gain == pytest.approx(result.nip_induced_tension, rel=1e-8)
-    assert result.web_tension[-1] == pytest.approx(result.tension_behind_nip, rel=1e-12)
+    assert result.web_tension[-1] == pytest.approx(result.outlet_tension, rel=1e-12)
     for face, friction in (("roll", problem.roll_friction), ("drum", problem.drum_friction)):
         q, v, zone = (
             getattr(result, f"{face}_{name}")[inside] for name in ("traction", "slip", "zone")
@@ -256,7 +256,7 @@ def test_tension_far_downstream(problem: wo.NipProblem) -> None:
     far, edge = surface_strain(problem.roll, x, p, q, points)
     A_rr, A_tt, A_rt, *_ = problem.web.material.stiffness
     stiffness = problem.web.thickness * (A_tt - A_rt**2 / A_rr)
-    estimate = accurate.tension_behind_nip + stiffness * (far - edge)
+    estimate = accurate.outlet_tension + stiffness * (far - edge)
     assert estimate == pytest.approx(accurate.wound_on_tension_estimate(np.pi / 2), rel=1e-6)
     rough = procedure.solve(problem, 200, exact_edge=True)
     assert rough.rig_tension == pytest.approx(accurate.rig_tension, rel=5e-3)

@@ -89,7 +89,7 @@ def test_slow_and_fast_are_elastic(where: str, speed: float, modulus: float) -> 
     for name in ("nip_induced_tension", "half_width", "peak_pressure"):
         assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-6), name  # asked
     if where == "half-plane" or speed < 1:
-        assert one.drum_creep == pytest.approx(two.drum_creep, rel=1e-6)
+        assert one.drum_creepage == pytest.approx(two.drum_creepage, rel=1e-6)
     assert abs(one.rolling_resistance) < 1e-5 * one.problem.nip_load
 
 
@@ -105,8 +105,8 @@ def test_the_mean_of_a_fast_cylinder_stays_relaxed(where: str) -> None:
     assert sunk > 1e-4 * two.approach  # there is something to see
     assert one.approach - two.approach == pytest.approx(sunk, rel=1e-6)
     # both creeps are known to the balance that the loop asks for, 1e-9 of them
-    known = 1e-8 * abs(two.drum_creep)
-    assert one.drum_creep - two.drum_creep == pytest.approx(-sunk / body.radius, abs=known)
+    known = 1e-8 * abs(two.drum_creepage)
+    assert one.drum_creepage - two.drum_creepage == pytest.approx(-sunk / body.radius, abs=known)
 
 
 def solved(prony: Any, where: str) -> wo.NipResult:
@@ -277,7 +277,7 @@ def test_work_of_shafts_and_tensions_is_dissipated(force: float) -> None:
         # creep of roll and drum: the web against either, unstrained
         roll_strain = _edge_strain(r)
         on_roll = -c11 * T_out / h + roll_strain
-        creep_work = on_roll * over(q1) + r.drum_creep * over(q2)
+        creep_work = on_roll * over(q1) + r.drum_creepage * over(q2)
         misses.append(abs(moment + tension + creep_work - friction - r.rolling_resistance))
         # what is left out: tractions on a surface that is farther out than R, v/R of them
         allowed = over(np.abs(q1)) * 2 * r.approach / problem.roll.radius

@@ -75,7 +75,7 @@ def put_in(r: wo.NipResult) -> float:
     moment = over(r.roll_pressure * (r.offset - x), nip) / problem.contact_radius
     # shafts turn at other speeds than the unstrained web
     on_the_roll = r.roll_strain[-1] - c11 * T[-1] + c12 * r.roll_pressure[-1]
-    speeds = on_the_roll * over(q1) + r.drum_creep * over(q2)
+    speeds = on_the_roll * over(q1) + r.drum_creepage * over(q2)
     strained = c11 / 2 * (T[-1] ** 2 - T[0] ** 2) - c12 * over(q1 * r.roll_pressure, arc)
     # the tension pulls at R + v, along the slope v'
     levers = -(T[last] * on_drum(drum.normal, a) - T[0] * on_drum(drum.normal, x[0])) / R2

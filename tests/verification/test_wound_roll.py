@@ -26,7 +26,7 @@ TENSION = 200.0  # N/m on 100 um: 2 MPa
 def plain(radial: float, nu: float, core: float, tangential: float = 4e9, **more: object):
     """A roll of constant moduli, 0.05 to 0.20 m."""
     stack = wo.Stack(radial=radial, tangential=tangential, poissons_ratio=nu, shear=1e7)
-    return wo.WoundRollProblem(
+    return wo.RollProblem(
         core=wo.Core(radius=0.05, stiffness=core), radius=0.2, stack=stack, web_thickness=1e-4,
         **{"wound_on_tension": TENSION, **more},
     )  # fmt: skip
@@ -35,10 +35,10 @@ def plain(radial: float, nu: float, core: float, tangential: float = 4e9, **more
 STIFF = {"radial": 4e9, "nu": 0.3, "core": 1e12}
 PAPER = {"radial": 40e6, "nu": 0.01, "core": 20e9}
 SOFT_CORE = {"radial": 40e6, "nu": 0.01, "core": 0.2e9}
-NEWSPRINT = wo.WoundRollProblem.example()
+NEWSPRINT = wo.RollProblem.example()
 
 
-def left(result: wo.WoundRollResult, name: str = "peak_pressure") -> float:
+def left(result: wo.RollResult, name: str = "peak_pressure") -> float:
     """Return the told error without what finite laps change: that of the solution [Pa]."""
     by = np.abs(result.finite_laps)
     return result.errors[name] - float(by[0] if name == "core_pressure" else by.max())
@@ -123,7 +123,7 @@ def test_the_published_scheme_tends_to_the_same_roll_with_order_one():
     assert np.log2(misses[0] / misses[1]) == pytest.approx(1, abs=0.1)  # 0.97 measured
 
 
-def missed(problem: wo.WoundRollProblem, tolerance: float, cells: int) -> float:
+def missed(problem: wo.RollProblem, tolerance: float, cells: int) -> float:
     """Return what a build-up by given stages and nodes misses of the closed form, at the nodes."""
     equations, curve = equations_of(problem), problem.tension_curve
     wound = wind(equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
@@ -175,7 +175,7 @@ def test_a_stage_is_the_roll_wound_so_far():
 
 
 # polyester film; K1 and K2 are illustrative
-FILM = wo.WoundRollProblem(
+FILM = wo.RollProblem(
     core=wo.Core(radius=0.0762, stiffness=5e9), radius=0.25, web_thickness=25e-6,
     stack=wo.Stack(radial=wo.Pfeiffer(K1=2e3, K2=80.0), tangential=4.5e9, poissons_ratio=0.01,
                    shear=30e6),
@@ -186,14 +186,14 @@ PAPER_AND_FILM = pytest.mark.parametrize(
 )
 
 
-def inside(problem: wo.WoundRollProblem) -> np.ndarray:
+def inside(problem: wo.RollProblem) -> np.ndarray:
     """Return radii away from the core's and the surface's layers."""
     core, R = problem.core.radius, problem.radius
     return np.linspace(core + 0.25 * (R - core), R - 0.3 * (R - core), 30)
 
 
 @PAPER_AND_FILM
-def test_the_plateau_under_constant_tension(problem: wo.WoundRollProblem, exponent: float):
+def test_the_plateau_under_constant_tension(problem: wo.RollProblem, exponent: float):
     roll = coarse(problem).at_radius(inside(problem))
     P, hoop = (roll[name][:20] for name in ("pressure", "hoop_stress"))
     low = plateau_pressure(problem.stack, problem.wound_on_tension / problem.web_thickness)
@@ -206,7 +206,7 @@ def test_the_plateau_under_constant_tension(problem: wo.WoundRollProblem, expone
 @pytest.mark.parametrize("K1", [1e3, 1e5])
 @pytest.mark.parametrize("K2", [10.0, 40.0])
 def test_by_how_much_the_plateau_law_is_low(
-    problem: wo.WoundRollProblem, exponent: float, K1: float, K2: float
+    problem: wo.RollProblem, exponent: float, K1: float, K2: float
 ):
     """By (E_r/E_t)^1/2 of it, for it leaves out a curvature felt over that depth: 1 to 10 %.
 
@@ -221,7 +221,7 @@ def test_by_how_much_the_plateau_law_is_low(
 
 @PAPER_AND_FILM
 def test_a_tension_that_falls_keeps_the_web_in_tension(
-    problem: wo.WoundRollProblem, exponent: float
+    problem: wo.RollProblem, exponent: float
 ):
     """Hoop stress >= 0 needs P to fall like 1/r, so T about like r^-0.6 or, of film, r^-0.5."""
     r, level = np.geomspace(problem.core.radius, problem.radius, 40), coarse(problem).mid_pressure

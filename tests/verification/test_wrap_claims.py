@@ -33,7 +33,7 @@ def _cover(nu: float) -> wo.Cylinder:
 def _pinning_error(problem: wo.NipProblem) -> float:
     """Return by how many per cent the nip alone gives too much tension, of that far behind it."""
     alone, wrapped = wo.solve(problem, nodes=65), solve_wrapped(problem, nodes=65)
-    return 100 * (alone.tension_behind_nip / wrapped.wound_on_tension - 1)
+    return 100 * (alone.outlet_tension / wrapped.wound_on_tension - 1)
 
 
 def _trailing_edge(result: wo.NipResult) -> tuple[float, float]:
@@ -142,7 +142,7 @@ def test_the_winding_theorem_with_wraps():
             problem = PAPER.replace(drum=drum, web_tension=T_in)
             result = solve_wrapped(problem, drum_wrap=pi / 2, nodes=65)
             added.setdefault(name, []).append(result.wound_on_tension - T_in)
-            at_nip.setdefault(name, []).append(result.tension_before_nip / T_in)
+            at_nip.setdefault(name, []).append(result.inlet_tension / T_in)
     assert np.ptp(added["hard"]) < 1.5
     assert at_nip["hard"] == pytest.approx([1.0] * 3, abs=2e-3)
     assert np.ptp(added["rubber"]) > 70
@@ -158,7 +158,7 @@ def test_a_hard_drum_and_the_creep_of_the_nip_alone():
     taken = both.drum_wrap_traction
     alone = wo.solve(PAPER.replace(winding_force=100.0 - taken), nodes=129)
     c11 = compliance(*PAPER.web.material.stiffness[:3]).c11
-    asked = PAPER.web.thickness / c11 * alone.drum_creep + PAPER.web_tension
+    asked = PAPER.web.thickness / c11 * alone.drum_creepage + PAPER.web_tension
     assert taken == pytest.approx(asked, abs=0.02)  # of 0.13 N/m: the edge cell is shared
     assert both.nip_induced_tension == pytest.approx(alone.nip_induced_tension, abs=0.02)
 

@@ -37,8 +37,8 @@ def test_without_wraps_it_is_the_plain_nip(name: str) -> None:
     plain = wo.solve(problem, nodes=65)
     bare = solve_wrapped(problem, roll_wrap=0.0, nodes=65)
     assert bare.nip_induced_tension == pytest.approx(plain.nip_induced_tension, rel=1e-8)
-    assert bare.wound_on_tension == pytest.approx(plain.tension_behind_nip, rel=1e-8)
-    for field in ("half_width", "approach", "offset", "drum_creep",
+    assert bare.wound_on_tension == pytest.approx(plain.outlet_tension, rel=1e-8)
+    for field in ("half_width", "approach", "offset", "drum_creepage",
                   "peak_pressure", "leading_roll", "trailing_roll", "dual"):  # fmt: skip
         assert getattr(bare, field) == pytest.approx(getattr(plain, field), rel=1e-8), field
     for field in ("pressure", "roll_traction", "drum_traction"):
@@ -98,7 +98,7 @@ def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
     alone, unit = _held_far_away(problem), problem.roll_friction * problem.nip_load
     # the hoop pressure left is T/R = 1 Pa beside 300 kPa
     assert wrapped.nip_induced_tension == pytest.approx(alone, abs=2e-5 * unit)
-    assert wrapped.wound_on_tension == pytest.approx(wrapped.tension_behind_nip, abs=2e-6)
+    assert wrapped.wound_on_tension == pytest.approx(wrapped.outlet_tension, abs=2e-6)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProbl
     differences = [r.nip_induced_tension - alone for r in far]
     assert all(abs(b) < abs(a) for a, b in pairwise(differences))
     # linear in the tension between T_in and T_out
-    between = [(r.tension_before_nip + r.tension_behind_nip) / 2 for r in far]
+    between = [(r.inlet_tension + r.outlet_tension) / 2 for r in far]
     assert differences[0] / differences[3] == pytest.approx(between[0] / between[3], rel=0.4)
     # trailing edge (97) against far side (96): most of what the wrap changes in the nip
     held = wo.solve(problem, nodes=65).nip_induced_tension
@@ -158,7 +158,7 @@ def test_the_drum_takes_force_by_nip_first_then_by_the_wrap_to_the_capstan_bound
     )
     bound = nip_limit + T_in * (exp(mu * angle) - 1)
     nearly = solve_wrapped(PAPER, drum_wrap=angle, winding_force=0.995 * bound)
-    assert nearly.tension_before_nip < wo.theories.capstan(T_in, mu, angle)
+    assert nearly.inlet_tension < wo.theories.capstan(T_in, mu, angle)
     with pytest.raises(wo.NoSteadyState, match="the drum slides"):
         solve_wrapped(PAPER, drum_wrap=angle, winding_force=1.0001 * bound)
 
@@ -173,7 +173,7 @@ def test_on_a_hard_drum_the_web_sticks_up_to_the_nip() -> None:
         stuck = result.drum_zone[before] == 0
         np.testing.assert_allclose(result.web_tension[before][stuck][:-1], 300.0, rtol=1e-12)
         # what it brings to the nip differs by what slips there at the leading edge
-        assert result.tension_before_nip == pytest.approx(300.0, abs=0.2)
+        assert result.inlet_tension == pytest.approx(300.0, abs=0.2)
 
 
 def test_capstan_behind_the_nip() -> None:

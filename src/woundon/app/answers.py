@@ -319,7 +319,7 @@ def curve(
 def _usual_outputs(problem: Problem) -> tuple[str, ...]:
     """Return the main outputs of a problem's kind, and of a nip's its tensions; at least some."""
     known = measurable(problem)
-    tensions = ("nip_induced_tension", "tension_behind_nip")
+    tensions = ("nip_induced_tension", "outlet_tension")
     main = kinds.of(problem).result.MAIN
     named = dict.fromkeys((*main, *(name for name in tensions if name in known)))
     return tuple(named or list(known)[:MOST_OUTPUTS])

@@ -227,7 +227,7 @@ def _roller_panels(result: Any) -> list[Panel]:
     ]  # fmt: skip
 
 
-def _wound_roll_panels(result: Any) -> list[Panel]:
+def _roll_panels(result: Any) -> list[Panel]:
     radius, curve = _quantity(result, "radius"), result.problem.tension_curve
     r = np.linspace(result.radius[0], result.radius[-1], POINTS)
     between = result.at_radius(r)
@@ -288,7 +288,7 @@ def _winding_panels(result: Any) -> list[Panel]:
     }
     loads = {"nip_load": ("nip load", "drum", "solid"),
              "winding_force": ("winding force", "web", "dashed")}  # fmt: skip
-    pressure, *stresses, hardness, _ = _wound_roll_panels(result.roll)
+    pressure, *stresses, hardness, _ = _roll_panels(result.roll)
     return [over_radius("tension", "Tension", tensions), pressure, *stresses,
             over_radius("loads", "Nip load, winding force", loads), hardness]  # fmt: skip
 
@@ -316,6 +316,6 @@ def _any_panels(result: Any) -> list[Panel]:
 _PANELS: dict[str, Callable[[Any], list[Panel]]] = {
     "nip": _nip_panels,
     "rollers": _roller_panels,
-    "wound_roll": _wound_roll_panels,
+    "roll": _roll_panels,
     "winding": _winding_panels,
 }

@@ -65,7 +65,7 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     u[at.wrap_p] = result.roll_pressure[at.p_nodes[at.wrap_p]]
     u[at.shift] = result.offset / problem.contact_radius
     # the creepage of the equations refers to the web's strain at the end
-    u[at.xi] = result.drum_creep + web.compliance.c11 / web.thickness * result.web_tension[-1]
+    u[at.xi] = result.drum_creepage + web.compliance.c11 / web.thickness * result.web_tension[-1]
     u[at.ln_a] = np.log(result.half_width)
     u[at.roll_q], u[at.drum_q] = (
         result.roll_traction[at.roll_nodes],
@@ -102,7 +102,7 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     # a slip velocity is a difference of strains, which are known to their rounding
     web = problem.web
     strain = web.compliance.c11 / web.thickness * float(np.abs(f.tension).max())
-    strain_rounding = ROUNDING * (strain + abs(result.drum_creep))
+    strain_rounding = ROUNDING * (strain + abs(result.drum_creepage))
 
     def beyond(slip: Array) -> Array:
         return np.sign(slip) * np.maximum(np.abs(slip) - strain_rounding, 0.0)

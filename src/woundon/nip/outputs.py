@@ -38,12 +38,12 @@ def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict
     a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
     out = {
         **main_outputs(equations, state),
-        "tension_before_nip": float(T[at.first]),
-        "tension_behind_nip": float(T[at.last]),
+        "inlet_tension": float(T[at.first]),
+        "outlet_tension": float(T[at.last]),
         "half_width": a,
         "nip_width": 2 * a,
         "peak_pressure": float(f.p_drum.max()),
-        "drum_creep": float(state.u[at.xi] - web.compliance.c11 / web.thickness * T[-1]),
+        "drum_creepage": float(state.u[at.xi] - web.compliance.c11 / web.thickness * T[-1]),
         "offset": float(state.u[at.shift] * equations.problem.contact_radius),
         "approach": approach(equations, state),
         **slip_ratios(equations.problem, web_arrays(equations, state, active), mesh.nip_nodes),

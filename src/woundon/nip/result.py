@@ -15,7 +15,7 @@ from ..errors import InvalidProblem
 from ..problems.air import with_film
 from ..problems.fields import shown
 from ..problems.nip import NipProblem
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 from .air_films import friction_between
@@ -98,7 +98,7 @@ class NipResult(Dissipation, Result):
         Mutual approach of the centres, > 0 [m].  With a half-plane it holds up to a constant.
     offset : float
         Delta, where the line of centres lies along +x, from the centre of the contact [m].
-    drum_creep : float
+    drum_creepage : float
         xi-, creepage of web and drum (thesis eq. 92), unstrained web and drum as reference.
     leading_roll, trailing_roll, dual : float
         Signed slip lengths over the nip width (thesis eq. 172), to a fraction of a cell;
@@ -137,8 +137,8 @@ class NipResult(Dissipation, Result):
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
     # outputs of ``sensitivity`` where none is named
     DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
-        "wound_on_tension", "nip_induced_tension", "tension_behind_nip", "half_width", "nip_width",
-        "drum_creep",
+        "wound_on_tension", "nip_induced_tension", "outlet_tension", "half_width", "nip_width",
+        "drum_creepage",
     )  # fmt: skip
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
         {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
@@ -152,7 +152,7 @@ class NipResult(Dissipation, Result):
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
     offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
-    drum_creep: Annotated[float, strain("xi-", "creepage of web and drum")]
+    drum_creepage: Annotated[float, strain("xi-", "creepage of web and drum")]
     leading_roll: Annotated[
         float, strain("s_l+", "slip length at the roll's leading edge / nip width")
     ]
@@ -287,14 +287,14 @@ class NipResult(Dissipation, Result):
         return self.errors.get("wound_on_tension", float("nan"))
 
     @property
-    def tension_before_nip(
+    def inlet_tension(
         self,
     ) -> Annotated[float, line_load("T_n", "web tension at the leading edge of the nip")]:
         """T at x = -a [N/m]."""
         return float(self.web_tension[self.in_nip.start])
 
     @property
-    def tension_behind_nip(
+    def outlet_tension(
         self,
     ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
         """T_out at x = a [N/m]."""
@@ -326,14 +326,14 @@ class NipResult(Dissipation, Result):
         self,
     ) -> Annotated[float, line_load("Q_w+", "traction on the roll wrap, integrated")]:
         """Q_w+ [N/m]."""
-        return self.wound_on_tension - self.tension_behind_nip
+        return self.wound_on_tension - self.outlet_tension
 
     @property
     def drum_wrap_traction(
         self,
     ) -> Annotated[float, line_load("Q_w-", "traction on the drum wrap, integrated")]:
         """Q_w- [N/m]."""
-        return self.tension_before_nip - float(self.web_tension[0])
+        return self.inlet_tension - float(self.web_tension[0])
 
     @property
     def slip_angle(
@@ -374,7 +374,7 @@ class NipResult(Dissipation, Result):
         Returns
         -------
         float
-            T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With ``tension_behind_nip`` it brackets
+            T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With ``outlet_tension`` it brackets
             the wound-on tension of the wrapped nip.
         """
         if self.problem.is_wrapped:
@@ -434,12 +434,12 @@ class NipResult(Dissipation, Result):
         share: float | Array = friction_between(self.air.film, pressure, air)
         return dry * share
 
-    def wound(self, roll: WoundRollProblem) -> WoundRollProblem:
+    def wound(self, roll: RollProblem) -> RollProblem:
         """Return a roll with the film of this nip between its layers; see :class:`.AirBetween`.
 
         Parameters
         ----------
-        roll : WoundRollProblem
+        roll : RollProblem
             Of the same web, without air.
 
         Raises

@@ -75,4 +75,4 @@ def wound_on_tension_estimate(result: NipResult, angle: float) -> float:
         )
     far, near = roll_strain(result, np.array([angle * problem.roll.radius, result.half_width]))
     c11 = problem.web.compliance.c11
-    return float(result.tension_behind_nip + problem.web.thickness / c11 * (far - near))
+    return float(result.outlet_tension + problem.web.thickness / c11 * (far - near))

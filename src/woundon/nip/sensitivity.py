@@ -58,8 +58,8 @@ class Sensitivity(ReadOnly):
     Attributes
     ----------
     outputs : tuple of str
-        Those asked for; else ``nip_induced_tension``, ``tension_behind_nip``, ``half_width``,
-        ``nip_width``, ``drum_creep``, and before them ``wound_on_tension`` of a wrapped nip.
+        Those asked for; else ``nip_induced_tension``, ``outlet_tension``, ``half_width``,
+        ``nip_width``, ``drum_creepage``, and before them ``wound_on_tension`` of a wrapped nip.
     parameters : tuple of str
         Dotted names of the fields.
     derivatives : (outputs, parameters) array

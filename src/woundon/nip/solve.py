@@ -217,7 +217,7 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
     result = NipResult(
         problem=problem, residuals=Residuals(), air=film,
         **{name: outputs[name] for name in (
-            "half_width", "approach", "offset", "drum_creep", *SLIP_RATIOS
+            "half_width", "approach", "offset", "drum_creepage", *SLIP_RATIOS
         )},
         **arrays,
         iterations=found.iterations,

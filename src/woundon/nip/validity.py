@@ -63,7 +63,7 @@ def _bodies_strains(r: NipResult, web: Array) -> dict[str, Array]:
     own = r.in_nip
     web = np.interp(r.slip_x[own], r.x[own], web)
     roll = web - r.roll_slip[own]
-    return {"roll": roll - roll[-1], "drum": web + r.drum_creep - r.drum_slip[own]}
+    return {"roll": roll - roll[-1], "drum": web + r.drum_creepage - r.drum_slip[own]}
 
 
 def _web_strain(r: NipResult) -> Array:

@@ -12,7 +12,7 @@ from ..quantities import Quantity, length, pure, stress
 from .air_law import AirBetween
 from .fields import Description, Number, shown
 from .radial_laws import SolidLaw
-from .roll import WoundRollProblem
+from .roll import RollProblem
 
 __all__ = ["Air", "with_film"]
 
@@ -80,12 +80,12 @@ class Air(Description):
             )
 
 
-def with_film(roll: WoundRollProblem, film: float, air: Air) -> WoundRollProblem:
+def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
     """Return a roll whose laps hold a film of air between them; see :class:`.AirBetween`.
 
     Parameters
     ----------
-    roll : WoundRollProblem
+    roll : RollProblem
         Without air.
     film : float
         At ambient pressure [m].

@@ -15,7 +15,7 @@ from .radial_laws import Pfeiffer
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
 
-__all__ = ["Core", "WoundRollProblem"]
+__all__ = ["Core", "RollProblem"]
 
 MOST_LAPS = 1e6
 FEWEST_LAPS = 10
@@ -96,7 +96,7 @@ class Core(Description):
         return E / ((1 + nu) * ((1 + share) / (1 - share) - nu * 2 / (1 - share)))
 
 
-class WoundRollProblem(Problem):
+class RollProblem(Problem):
     """A roll as it is wound lap by lap: what pressures and stresses stay in it.
 
     The laps are thin beside the radius, in plane strain, their law that of the stack; the tension

@@ -26,7 +26,7 @@ from .nip import (
     WrapFriction,
 )  # fmt: skip
 from .radial_laws import Pfeiffer
-from .roll import Core, WoundRollProblem
+from .roll import Core, RollProblem
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
 
@@ -321,9 +321,9 @@ class WindingProblem(Problem):
 
     def wound_roll(
         self, wound_on_tension: float | Taper | Profile, film: float = 0.0
-    ) -> WoundRollProblem:
+    ) -> RollProblem:
         """Return the roll that is wound with a tension over the radius [N/m], and air [m]."""
-        roll = WoundRollProblem(
+        roll = RollProblem(
             core=self.core, radius=self.radius, stack=self.stack, web_thickness=self.web.thickness,
             wound_on_tension=wound_on_tension, density=self.density,
         )  # fmt: skip

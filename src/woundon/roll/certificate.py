@@ -11,15 +11,15 @@ from .build_up import cell_source
 from .equations import CellSource, StageEquations
 
 if TYPE_CHECKING:
-    from ..problems.roll import WoundRollProblem
-    from .result import WoundRollResult
+    from ..problems.roll import RollProblem
+    from .result import RollResult
 
 __all__ = ["certificate", "changes", "equations_of"]
 
 Array = np.ndarray
 
 
-def equations_of(problem: WoundRollProblem) -> StageEquations:
+def equations_of(problem: RollProblem) -> StageEquations:
     """Return the equations of a roll's stages."""
     stack, E_c = problem.stack, problem.core.effective_stiffness
     E_t, nu = stack.tangential, stack.poissons_ratio
@@ -29,7 +29,7 @@ def equations_of(problem: WoundRollProblem) -> StageEquations:
     )  # fmt: skip
 
 
-def changes(problem: WoundRollProblem) -> tuple[float, float]:
+def changes(problem: RollProblem) -> tuple[float, float]:
     """Return what the finished roll's changes add to its source, and to the core's tension [Pa].
 
     A lap's free strain alpha dT takes no part in its stress, so C gets E_t (alpha_t - alpha_r) dT;
@@ -42,7 +42,7 @@ def changes(problem: WoundRollProblem) -> tuple[float, float]:
     return source, core
 
 
-def certificate(result: WoundRollResult) -> Residuals:
+def certificate(result: RollResult) -> Residuals:
     """Measure every law of a result; stresses are counted in wound-on stresses at the core.
 
     equilibrium

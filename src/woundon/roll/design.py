@@ -20,7 +20,7 @@ import numpy as np
 from ..arguments import check_type, tolerance
 from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import shown
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..threads import one_thread
 from .build_up import in_cells, nodes_between
@@ -47,7 +47,7 @@ class TensionDesign:
 
     Attributes
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
         With the tension found as its ``wound_on_tension``.
     radius : (M,) array
         [m].
@@ -57,7 +57,7 @@ class TensionDesign:
         As asked for.
     """
 
-    problem: WoundRollProblem
+    problem: RollProblem
     radius: Array
     wanted: Array
     reached: Array
@@ -84,13 +84,13 @@ class TensionDesign:
 
 @one_thread
 def design_tension(
-    problem: WoundRollProblem, pressure: float | Profile, *, rtol: float = 1e-4
+    problem: RollProblem, pressure: float | Profile, *, rtol: float = 1e-4
 ) -> TensionDesign:
     """Find the wound-on tension over the radius that leaves a wanted pressure in the roll.
 
     Parameters
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
         The roll; its own tension plays no part.
     pressure : float or Profile
         Wanted between the laps [Pa], from the core to the surface, > 0.  A pressure has no kinks:
@@ -112,7 +112,7 @@ def design_tension(
     NotConverged
         Where a stage cannot be solved.
     """
-    check_type("problem", problem, WoundRollProblem)
+    check_type("problem", problem, RollProblem)
     tolerance("rtol", rtol, 1e-6, 1e-2)
     if problem.temperature_change or problem.core_shrinkage:
         raise InvalidProblem.at(
@@ -136,7 +136,7 @@ def design_tension(
     )  # fmt: skip
 
 
-def _checked(problem: WoundRollProblem, pressure: float | Profile) -> Profile:
+def _checked(problem: RollProblem, pressure: float | Profile) -> Profile:
     """Return what is wanted as a profile from the core to the surface."""
     core, R, limit = problem.core.radius, problem.radius, problem.stack.limit
     if not isinstance(pressure, Profile):
@@ -166,7 +166,7 @@ def _checked(problem: WoundRollProblem, pressure: float | Profile) -> Profile:
 class _Wanted:
     """A wanted pressure as a smooth curve over x = ln r, and its source."""
 
-    def __init__(self, problem: WoundRollProblem, pressure: Profile) -> None:
+    def __init__(self, problem: RollProblem, pressure: Profile) -> None:
         from scipy.interpolate import BPoly, CubicSpline, PchipInterpolator
 
         x, P = np.log(pressure.radius), np.array(pressure.value)

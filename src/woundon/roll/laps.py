@@ -11,20 +11,20 @@ from .build_up import Laps
 from .certificate import changes, equations_of, shifted
 
 if TYPE_CHECKING:
-    from .result import WoundRollResult
+    from .result import RollResult
 
 __all__ = ["changed_by_laps", "finite_laps", "laps_of"]
 
 Array = np.ndarray
 
 
-def laps_of(result: WoundRollResult) -> Laps:
+def laps_of(result: RollResult) -> Laps:
     """Return laps as thick as the web of a result."""
     problem = result.problem
     return Laps(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
 
 
-def finite_laps(result: WoundRollResult) -> tuple[Array, Array]:
+def finite_laps(result: RollResult) -> tuple[Array, Array]:
     """Return what they add to pressure and hoop stress [Pa]; nan in a roll that is not solved."""
     x = np.log(result.radius)
     if np.isnan(result.lap_growth).any():
@@ -38,7 +38,7 @@ def finite_laps(result: WoundRollResult) -> tuple[Array, Array]:
     return solved.P - P, (P + Q) - (solved.P + solved.Q)
 
 
-def changed_by_laps(result: WoundRollResult) -> dict[str, float]:
+def changed_by_laps(result: RollResult) -> dict[str, float]:
     """Return how much they change each output that an error is told of [Pa]."""
     pressure, hoop = finite_laps(result)
     middle = (result.radius[0] + result.radius[-1]) / 2

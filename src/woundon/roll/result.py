@@ -18,19 +18,19 @@ from ..results import Residuals, Result
 if TYPE_CHECKING:
     from .growth import Growth
 
-__all__ = ["WoundRollResult"]
+__all__ = ["RollResult"]
 
 Array = np.ndarray
 COMPARED = 1001  # radii of a share
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WoundRollResult(Result):
+class RollResult(Result):
     """The stresses in a wound roll, over its radius.
 
     Attributes
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
     radius : (M,) array
         Where laps are laid, from the core to the surface [m].
     pressure : (M,) array
@@ -230,7 +230,7 @@ class WoundRollResult(Result):
         """
         return dict(kinds.fetch("woundon.roll.stages:between")(self, radius))
 
-    def at(self, radius: float) -> WoundRollResult:
+    def at(self, radius: float) -> RollResult:
         """Return the roll when its surface was at a radius: a stage of its build-up.
 
         Parameters
@@ -243,7 +243,7 @@ class WoundRollResult(Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        stage: WoundRollResult = kinds.fetch("woundon.roll.stages:at")(self, radius)
+        stage: RollResult = kinds.fetch("woundon.roll.stages:at")(self, radius)
         return stage
 
     def certified(self) -> Residuals:

@@ -1,9 +1,9 @@
 r"""The stresses in a wound roll: from a problem to a certified result.
 
-    WoundRollProblem --> stage after stage: source, pressure       build_up, equations
+    RollProblem --> stage after stage: source, pressure       build_up, equations
                      --> the finished roll, its changes put in
                      --> the same with more stages and nodes, until both agree
-                     --> WoundRollResult with its certificate      certificate
+                     --> RollResult with its certificate      certificate
 
 The published lap-by-lap scheme (Hakiel 1987) stands beside it: ``theories.lap_by_lap``.
 """
@@ -18,7 +18,7 @@ import numpy as np
 
 from ..arguments import check_type, tolerance
 from ..errors import NotConverged
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from ..results import Residuals
 from ..threads import one_thread
 from .build_up import (
@@ -34,7 +34,7 @@ from .certificate import certificate, changes, equations_of, shifted
 from .equations import Solved, pressure_between
 from .growth import Growth
 from .laps import changed_by_laps, laps_of
-from .result import WoundRollResult
+from .result import RollResult
 
 __all__ = [
     "ThinLaps",
@@ -69,11 +69,11 @@ NEAR = 0.15  # of the build-up
 
 @one_thread
 def solve_wound_roll(
-    problem: WoundRollProblem,
+    problem: RollProblem,
     *,
     rtol: float = DEFAULT_RTOL,
     told: Told | None = None,
-) -> WoundRollResult:
+) -> RollResult:
     """Solve for the pressure and the stresses that winding leaves in a roll.
 
     Every stage of the build-up is one boundary-value problem; the cost does not depend on the
@@ -81,7 +81,7 @@ def solve_wound_roll(
 
     Parameters
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
     rtol : float
         Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.
     told : callable, optional
@@ -89,7 +89,7 @@ def solve_wound_roll(
 
     Returns
     -------
-    WoundRollResult
+    RollResult
 
     Raises
     ------
@@ -98,7 +98,7 @@ def solve_wound_roll(
     NotConverged
         If a stage has no solution, a pressure leaves the stack's law, or ``rtol`` is not reached.
     """
-    check_type("problem", problem, WoundRollProblem)
+    check_type("problem", problem, RollProblem)
     check_options(rtol=rtol)
     return solve_thin_laps(problem, rtol, told).with_laps()
 
@@ -108,23 +108,23 @@ class ThinLaps(NamedTuple):
 
     Attributes
     ----------
-    result : WoundRollResult
+    result : RollResult
         Without a certificate; its errors are those of the discretisation.
     known : BuildUp
     cells : int
         Of its stages.
     """
 
-    result: WoundRollResult
+    result: RollResult
     known: BuildUp
     cells: int
 
-    def with_laps(self) -> WoundRollResult:
+    def with_laps(self) -> RollResult:
         """Return the result with laps of the web's thickness, certified."""
         result = _with_laps(self.result, self.known, self.cells)
         return result.replace(residuals=certificate(result)).checked()
 
-    def wound_with(self, problem: WoundRollProblem) -> ThinLaps:
+    def wound_with(self, problem: RollProblem) -> ThinLaps:
         """Return the roll of a neighbouring tension, in the same stages and on as many cells.
 
         So the discretisation takes no part in what it differs by; the errors are those of this one.
@@ -133,13 +133,13 @@ class ThinLaps(NamedTuple):
         return ThinLaps(result.replace(errors=self.result.errors), known, self.cells)
 
 
-def solve_thin_laps(problem: WoundRollProblem, rtol: float, told: Told | None = None) -> ThinLaps:
+def solve_thin_laps(problem: RollProblem, rtol: float, told: Told | None = None) -> ThinLaps:
     """Return a roll in the limit of thin laps; see :func:`solve_wound_roll`."""
     level = max(0, int(log(rtol / COARSE, FINER)))
     tolerance, cells = FIRST * FINER**level, round(CELLS * MORE**level)
     least = tolerance * FINER**3
     known: BuildUp | None = None
-    before: WoundRollResult | None = None
+    before: RollResult | None = None
     steps, error = 0, inf
     for _ in range(MOST_LEVELS):
         known, result = _wound(problem, tolerance, cells, known, told)
@@ -177,7 +177,7 @@ def check_options(*, rtol: Any = DEFAULT_RTOL, told: Any = None) -> None:
     tolerance("rtol", rtol, 1e-8, 0.1)
 
 
-def layer_of(problem: WoundRollProblem) -> float:
+def layer_of(problem: RollProblem) -> float:
     """Return over which part of ln r the pressure rises below a surface.
 
     There the modulus doubles, or, where it does not, waves of the incremental equation die out.
@@ -188,9 +188,9 @@ def layer_of(problem: WoundRollProblem) -> float:
 
 
 def _wound(
-    problem: WoundRollProblem, tolerance: float, cells: int, known: BuildUp | None,
+    problem: RollProblem, tolerance: float, cells: int, known: BuildUp | None,
     told: Told | None,
-) -> tuple[BuildUp, WoundRollResult]:  # fmt: skip
+) -> tuple[BuildUp, RollResult]:  # fmt: skip
     equations, curve = equations_of(problem), problem.tension_curve
     layer = layer_of(problem)
     try:
@@ -210,13 +210,13 @@ def _wound(
 
 
 def finished(
-    problem: WoundRollProblem, x: Array, growth: Growth, solved: Solved
-) -> WoundRollResult:
+    problem: RollProblem, x: Array, growth: Growth, solved: Solved
+) -> RollResult:
     """Return the result of a roll wound so far, what changes the finished roll put in.
 
     Parameters
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
     x : (M,) array
         ln r of the nodes.
     growth : Growth
@@ -235,7 +235,7 @@ def finished(
     hoop = -(P + Q)
     strain = (hoop + stack.poissons_ratio * P) / E_t
     strain = strain + problem.tangential_expansion * problem.temperature_change
-    return WoundRollResult(
+    return RollResult(
         problem=problem,
         radius=r,
         pressure=P,
@@ -255,7 +255,7 @@ def finished(
     )  # fmt: skip
 
 
-def _with_laps(result: WoundRollResult, known: BuildUp, cells: int) -> WoundRollResult:
+def _with_laps(result: RollResult, known: BuildUp, cells: int) -> RollResult:
     """Return a result with laps of the web's thickness, and what they change in its errors."""
     laps = laps_of(result)
     try:
@@ -267,7 +267,7 @@ def _with_laps(result: WoundRollResult, known: BuildUp, cells: int) -> WoundRoll
     return result.replace(errors={name: error + by[name] for name, error in result.errors.items()})
 
 
-def _left_by_nodes(before: WoundRollResult, now: WoundRollResult) -> dict[str, float]:
+def _left_by_nodes(before: RollResult, now: RollResult) -> dict[str, float]:
     """Return what a change by more nodes leaves of errors [Pa]."""
     x = _compared(now)
     (P0, Q0), (P1, Q1) = (
@@ -277,7 +277,7 @@ def _left_by_nodes(before: WoundRollResult, now: WoundRollResult) -> dict[str, f
     return _worst(now, LEFT * np.abs(P1 - P0), LEFT * np.abs(P1 + Q1 - P0 - Q0))
 
 
-def _left_by_stages(result: WoundRollResult) -> dict[str, float]:
+def _left_by_stages(result: RollResult) -> dict[str, float]:
     """Return the errors that come of the source between stages, where it is interpolated [Pa]."""
     problem, x = result.problem, np.log(result.radius)
     missed = missed_source(problem.tension_curve, result.kappa, x)
@@ -286,13 +286,13 @@ def _left_by_stages(result: WoundRollResult) -> dict[str, float]:
     return _worst(result, np.abs(P), np.abs(P + Q))
 
 
-def _compared(result: WoundRollResult) -> Array:
+def _compared(result: RollResult) -> Array:
     """Return ln r where errors are told of: at the nodes, dense where it matters, and between."""
     x = np.log(result.radius)
     return np.sort(np.append(x, (x[1:] + x[:-1]) / 2))
 
 
-def _worst(result: WoundRollResult, pressure: Array, hoop: Array) -> dict[str, float]:
+def _worst(result: RollResult, pressure: Array, hoop: Array) -> dict[str, float]:
     """Return the largest errors; for one place the largest ones near it, not to meet a zero."""
     r, core, R = np.exp(_compared(result)), result.radius[0], result.radius[-1]
     near_core, near_mid = (abs(r - place) <= NEAR * (R - core) for place in (core, (core + R) / 2))
@@ -300,7 +300,7 @@ def _worst(result: WoundRollResult, pressure: Array, hoop: Array) -> dict[str, f
     return {name: float(np.max(errors)) for name, errors in zip(TOLD, worst, strict=True)}
 
 
-def _admissible(result: WoundRollResult, known: BuildUp) -> WoundRollResult:
+def _admissible(result: RollResult, known: BuildUp) -> RollResult:
     """Return the result, if the laps press each other, within the stack's law.
 
     At every radius the pressure rises from stage to stage, so that the roll as wound has the
@@ -318,7 +318,7 @@ def _admissible(result: WoundRollResult, known: BuildUp) -> WoundRollResult:
     return result
 
 
-def _pressed(result: WoundRollResult, slack: float) -> None:
+def _pressed(result: RollResult, slack: float) -> None:
     """Refuse a roll whose laps come apart."""
     loosest = int(np.argmin(result.pressure))
     if result.pressure[loosest] < -slack * result.peak_pressure:

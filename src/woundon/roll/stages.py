@@ -8,13 +8,13 @@ import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import shown
-from ..problems.roll import FEWEST_LAPS, WoundRollProblem
+from ..problems.roll import FEWEST_LAPS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
 from .certificate import certificate, equations_of
 from .equations import Solved, pressure_between
 from .growth import Growth
-from .result import WoundRollResult
+from .result import RollResult
 from .solve import finished, layer_of
 
 __all__ = ["Stage", "at", "between", "wound_so_far"]
@@ -44,7 +44,7 @@ class Stage(NamedTuple):
         return pressure_between(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
 
 
-def _inside(result: WoundRollResult, radius: Any) -> np.ndarray:
+def _inside(result: RollResult, radius: Any) -> np.ndarray:
     try:
         r = np.asarray(radius, dtype=float)
     except (TypeError, ValueError):
@@ -62,16 +62,16 @@ def _inside(result: WoundRollResult, radius: Any) -> np.ndarray:
     return np.clip(r, core, surface)
 
 
-def between(result: WoundRollResult, radius: Any) -> dict[str, Any]:
-    """Return pressure and hoop stress at radii [m]; see :meth:`WoundRollResult.at_radius`."""
+def between(result: RollResult, radius: Any) -> dict[str, Any]:
+    """Return pressure and hoop stress at radii [m]; see :meth:`RollResult.at_radius`."""
     r = _inside(result, radius)
     x = np.log(result.radius)
     P, Q = pressure_between(x, result.pressure, result.pressure_gradient, np.log(r))
     return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
 
 
-def at(result: WoundRollResult, radius: float) -> WoundRollResult:
-    """Return a stage of the build-up; see :meth:`WoundRollResult.at`."""
+def at(result: RollResult, radius: float) -> RollResult:
+    """Return a stage of the build-up; see :meth:`RollResult.at`."""
     place = _inside(result, radius)
     if place.ndim:
         raise InvalidProblem.at("radius", f"{place.size} values; must be one radius [m]")
@@ -86,12 +86,12 @@ def at(result: WoundRollResult, radius: float) -> WoundRollResult:
     return found.replace(residuals=certificate(found)).checked()
 
 
-def wound_so_far(result: WoundRollResult, radius: float) -> Stage:
+def wound_so_far(result: RollResult, radius: float) -> Stage:
     """Return a stage of the build-up by its pressure alone, without a certificate.
 
     Parameters
     ----------
-    result : WoundRollResult
+    result : RollResult
     radius : float
         [m], of ten laps or more.
     """
@@ -108,8 +108,8 @@ def wound_so_far(result: WoundRollResult, radius: float) -> Stage:
 
 
 def _laid(
-    result: WoundRollResult, surface: float, cells: int
-) -> tuple[WoundRollProblem, Array, Growth, Solved]:
+    result: RollResult, surface: float, cells: int
+) -> tuple[RollProblem, Array, Growth, Solved]:
     """Return the problem of a stage, its nodes, kappa up to it, and its pressure."""
     problem, core, x = result.problem, result.problem.core.radius, float(np.log(surface))
     growth = result.kappa.until(x)
@@ -130,7 +130,7 @@ def _laid(
     return stage, nodes, growth, solved
 
 
-def _until(problem: WoundRollProblem, surface: float) -> float | Profile | Taper:
+def _until(problem: RollProblem, surface: float) -> float | Profile | Taper:
     """Return the tension's schedule as it is up to a radius: a linear taper falls by its share."""
     schedule, core = problem.wound_on_tension, problem.core.radius
     if not isinstance(schedule, Taper) or schedule.law != "linear":

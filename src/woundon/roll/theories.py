@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
 from ..problems.radial_laws import Constant, Pfeiffer
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from .build_up import nodes_between
 from .certificate import equations_of
 from .lap_by_lap import wind_laps
@@ -33,7 +33,7 @@ class RollStresses(NamedTuple):
     hoop_stress: Array
 
 
-def constant_moduli(problem: WoundRollProblem, radius: ArrayLike) -> RollStresses:
+def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     """Return a roll whose moduli do not depend on pressure, in closed form.
 
     With g^2 = E_t/E_r and F(r) = (r/rc)^(g-1) + A (r/rc)^(-g-1), A by the core's condition::
@@ -45,7 +45,7 @@ def constant_moduli(problem: WoundRollProblem, radius: ArrayLike) -> RollStresse
 
     Parameters
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
         With a number for ``stack.radial``.
     radius : array_like
         [m].
@@ -55,7 +55,7 @@ def constant_moduli(problem: WoundRollProblem, radius: ArrayLike) -> RollStresse
     InvalidProblem
         For a stack that hardens.
     """
-    check_type("problem", problem, WoundRollProblem)
+    check_type("problem", problem, RollProblem)
     stack = problem.stack
     if not isinstance(stack.radial, Constant):
         raise InvalidProblem.at("stack.radial", "hardens; must be a number, the constant modulus")
@@ -87,7 +87,7 @@ def constant_moduli(problem: WoundRollProblem, radius: ArrayLike) -> RollStresse
     return RollStresses(r, P + more[0], curve.at(r) - (F + slope) * whole - more[0] - more[1])
 
 
-def _changed(problem: WoundRollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
+def _changed(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
     """Return what changes of the finished roll add to P, and r times its slope."""
     from .certificate import changes
 
@@ -139,12 +139,12 @@ def plateau_pressure(stack: object, tension: float) -> float:
     return float(brentq(miss, 0.0, 2 * wanted + 4 * np.sqrt(wanted * law.K1) + 1.0, xtol=1e-9))
 
 
-def lap_by_lap(problem: WoundRollProblem, groups: int | None = None) -> RollStresses:
+def lap_by_lap(problem: RollProblem, groups: int | None = None) -> RollStresses:
     """Return the roll by the published scheme, laps one by one (Hakiel 1987), of order one.
 
     Parameters
     ----------
-    problem : WoundRollProblem
+    problem : RollProblem
         Its finished roll's changes take no part.
     groups : int, optional
         How many groups of laps are laid for laps, 10 to 20 000; by default the laps themselves.
@@ -159,7 +159,7 @@ def lap_by_lap(problem: WoundRollProblem, groups: int | None = None) -> RollStre
     InvalidProblem
         For more than 20 000 laps, or groups out of range.
     """
-    check_type("problem", problem, WoundRollProblem)
+    check_type("problem", problem, RollProblem)
     core, R = problem.core.radius, problem.radius
     laps = round((R - core) / problem.web_thickness)
     if groups is None and laps > 20_000:

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from rich.console import Console
 
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from ..quantities import Quantity, find, length, strain, stress
 from ..roll.design import TensionDesign
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, style
 from .parts import Line, Row, Section
 from .terminal import print_columns, print_parts
@@ -25,19 +25,19 @@ SURFACE = stress("dP", "largest miss, in the outer layer")
 
 
 def _tension() -> Quantity:
-    quantity = find(WoundRollProblem, "wound_on_tension")[0].quantity
+    quantity = find(RollProblem, "wound_on_tension")[0].quantity
     assert quantity is not None
     return quantity
 
 
-def missed_inside(found: TensionDesign, wound: WoundRollResult) -> float:
+def missed_inside(found: TensionDesign, wound: RollResult) -> float:
     """Return by how much the wound roll misses what is wanted below the outer layer, relative."""
     inside = found.radius < found.radius[-1] - found.outer_layer
     off = np.abs(wound.at_radius(found.radius)["pressure"] - found.wanted)[inside]
     return float(off.max(initial=0.0) / found.wanted.max())
 
 
-def print_design(found: TensionDesign, wound: WoundRollResult, console: Console) -> None:
+def print_design(found: TensionDesign, wound: RollResult, console: Console) -> None:
     """Print a design: the tension at a few radii, and how near the roll comes."""
     even = np.linspace(found.radius[0], found.radius[-1], ROWS)
     near = np.unique([int(np.argmin(np.abs(found.radius - r))) for r in even])
@@ -68,7 +68,7 @@ def print_design(found: TensionDesign, wound: WoundRollResult, console: Console)
     print_columns([titles, *rows], (8, 2, 8, 3, 8, 3, 8, 3), "><" * 4, console)
 
 
-def plot_design(found: TensionDesign, wound: WoundRollResult, path: str | Path) -> None:
+def plot_design(found: TensionDesign, wound: RollResult, path: str | Path) -> None:
     """Draw the pressure wanted and that of the roll wound forward, and the tension."""
     P, r_of = quantity_of(wound, "pressure"), quantity_of(wound, "radius")
     r = np.linspace(found.radius[0], found.radius[-1], 801)

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .. import kinds
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..winding.margins import Margin, Margins
 from .figures import COLOURS, axis_label, quantity_of
 from .panels import NEUTRAL, Case, Panel, cases_of, drawn
@@ -64,7 +64,7 @@ class Disc:
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
         """Draw the first case."""
         result = cases[0].result
-        roll: WoundRollResult = getattr(result, self.roll) if self.roll else result
+        roll: RollResult = getattr(result, self.roll) if self.roll else result
         quantity = quantity_of(roll, self.name)
         mesh = disc_of(axes, roll, self.name, (0.0, 0.0), levels_of(roll, self.name))
         figure = axes.get_figure()
@@ -79,7 +79,7 @@ class Disc:
         return []
 
 
-def levels_of(roll: WoundRollResult, name: str) -> tuple[float, float, str]:
+def levels_of(roll: RollResult, name: str) -> tuple[float, float, str]:
     """Return the ends of a scale for an output, in its unit for display, and its colours."""
     r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
     values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
@@ -92,7 +92,7 @@ def levels_of(roll: WoundRollResult, name: str) -> tuple[float, float, str]:
 
 
 def disc_of(
-    axes: Axes, roll: WoundRollResult, name: str, centre: tuple[float, float],
+    axes: Axes, roll: RollResult, name: str, centre: tuple[float, float],
     levels: tuple[float, float, str],
 ) -> Any:  # fmt: skip
     """Draw a roll on its side, coloured by an output; return what a scale is made for."""

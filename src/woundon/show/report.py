@@ -80,7 +80,7 @@ def print_report(result: Result, console: Console) -> None:
 
 # told by another name, at the end, where they say something, or not at all
 LEFT_OUT = frozenset({
-    "residual", "half_width", "rig_tension", "tension_before_nip", "drum_wrap_traction",
+    "residual", "half_width", "rig_tension", "inlet_tension", "drum_wrap_traction",
     "creepage", "shift", "tangential_load", "traction_error",
     "iterations", "series_terms", "series_error",
 })  # fmt: skip
@@ -109,7 +109,7 @@ def _is_nan(value: Any) -> bool:
 
 # ---- the nip ------------------------------------------------------------------------------------
 
-NIP = ["nip_width", "peak_pressure", "approach", "offset", "drum_creep", "leading_roll",
+NIP = ["nip_width", "peak_pressure", "approach", "offset", "drum_creepage", "leading_roll",
        "trailing_roll", "dual"]  # fmt: skip
 HELD = "Winding nip, the web held at its trailing edge"
 WRAPPED = "Winding nip, the web wrapped on the roll"
@@ -119,7 +119,7 @@ BRACKETS = (
 )
 # wound-on tension and wraps, of a nip that has some
 OF_WRAPS = frozenset({
-    "wound_on_tension", "tension_before_nip", "roll_wrap_traction", "drum_wrap_traction",
+    "wound_on_tension", "inlet_tension", "roll_wrap_traction", "drum_wrap_traction",
     "slip_angle",
 })  # fmt: skip
 
@@ -155,10 +155,10 @@ def _wraps(problem: NipProblem) -> Iterator[Row]:
 def _tension_rows(result: NipResult) -> tuple[Row, ...]:
     level = _level(result)
     if not result.problem.is_wrapped:
-        names = ["nip_induced_tension", "tension_behind_nip", "wound_on_tension_estimate"]
+        names = ["nip_induced_tension", "outlet_tension", "wound_on_tension_estimate"]
         return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=level)
-    on_drum = ["tension_before_nip", "drum_wrap_traction"] if result.problem.drum_wrap else []
-    names = ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", *on_drum,
+    on_drum = ["inlet_tension", "drum_wrap_traction"] if result.problem.drum_wrap else []
+    names = ["wound_on_tension", "nip_induced_tension", "outlet_tension", *on_drum,
              "roll_wrap_traction", "slip_angle"]  # fmt: skip
     way = f", web {result.slip_zone.word}" if result.slip_zone else ""
     return rows_of(result, names + NIP, approach=level, slip_angle=way)
@@ -214,13 +214,13 @@ def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
         yield Section(title, (), f"Was not solved: {fault}")
         return
     rows = (
-        output_row(nip, "tension_behind_nip", note="  eq. (97)"),
+        output_row(nip, "outlet_tension", note="  eq. (97)"),
         output_row(
             nip, "wound_on_tension_estimate", estimate, note="  eq. (183)",
             meaning="wound-on tension estimated for a web that sticks downstream",
         ),
     )  # fmt: skip
-    low, high = sorted((nip.tension_behind_nip, estimate))
+    low, high = sorted((nip.outlet_tension, estimate))
     if low <= result.wound_on_tension <= high:
         text = f"They bracket the wound-on tension, {result.wound_on_tension:.5g} N/m above."
     else:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..quantities import Quantity
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .figures import COLOURS, axis_label, quantity_of, shown
 from .margin_plots import Disc, disc_of, draw_reserves, levels_of
@@ -127,13 +127,13 @@ class Stages:
         return []
 
 
-def _stages(result: WindingResult) -> list[WoundRollResult]:
+def _stages(result: WindingResult) -> list[RollResult]:
     core, radius = float(result.radius[0]), float(result.radius[-1])
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1].tolist()
     return [*(result.roll.at(s) for s in surfaces), result.roll]
 
 
-def _curve(roll: WoundRollResult, name: str, quantity: Quantity) -> tuple[Any, Any]:
+def _curve(roll: RollResult, name: str, quantity: Quantity) -> tuple[Any, Any]:
     r = np.linspace(roll.radius[0], roll.radius[-1], POINTS)
     return quantity_of(roll, "radius").shown(r), quantity.shown(roll.at_radius(r)[name])
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from ..quantities import find
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from .figures import COLOURS, axis_label, quantity_of, shown
 from .margin_plots import Disc
 from .panels import NEUTRAL, Case, Panel
@@ -24,7 +24,7 @@ POINTS = 801
 ABOVE = 5  # times the depth of the compression
 
 
-def wound_roll_panels(result: WoundRollResult) -> dict[str, Panel]:
+def wound_roll_panels(result: RollResult) -> dict[str, Panel]:
     """Return the panels of a wound roll, over the radius.
 
     - pressure between the laps
@@ -109,7 +109,7 @@ def _draw_along(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
     return handles
 
 
-def _thickness(result: WoundRollResult, name: str) -> float:
+def _thickness(result: RollResult, name: str) -> float:
     return float(result.problem.web_thickness) if name == "residual_tension" else 1.0
 
 
@@ -137,7 +137,7 @@ def _compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
 
 
 def _draw_tension(axes: Axes, cases: Cases) -> Handles:
-    quantity = find(WoundRollProblem, "wound_on_tension")[0].quantity
+    quantity = find(RollProblem, "wound_on_tension")[0].quantity
     assert quantity is not None
     for case in cases:
         problem, r = case.result.problem, case.result.stage_radius

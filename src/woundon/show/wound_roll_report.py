@@ -9,7 +9,7 @@ import numpy as np
 from ..problems.radial_laws import Pfeiffer
 from ..problems.schedules import Profile, Taper
 from ..quantities import find
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
 from .parts import Line, Part, Row, Section, field_row, output_row
 from .report import rows_of
@@ -24,7 +24,7 @@ OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
 CHANGES = ("temperature_change", "core_shrinkage")
 
 
-def wound_roll_report(result: WoundRollResult) -> list[Part]:
+def wound_roll_report(result: RollResult) -> list[Part]:
     """Return the report of a wound roll."""
     problem, r, hoop = result.problem, result.radius, result.hoop_stress
     stages, nodes = result.stage_radius.size - 1, r.size
@@ -53,7 +53,7 @@ def _place(r: np.ndarray, values: np.ndarray, k: int) -> str:
     return f", at r = {1e3 * r[k]:.4g} mm"
 
 
-def _tension(result: WoundRollResult) -> Iterator[Row]:
+def _tension(result: RollResult) -> Iterator[Row]:
     """Yield the wound-on tension: as given, or at core and surface."""
     problem = result.problem
     schedule = problem.wound_on_tension
@@ -68,13 +68,13 @@ def _tension(result: WoundRollResult) -> Iterator[Row]:
                   quantity.shown(value), quantity.display)  # fmt: skip
 
 
-def _compressed(result: WoundRollResult) -> str:
+def _compressed(result: RollResult) -> str:
     """Say where the web is pressed along itself, which makes rolls buckle and star."""
     share = result.compressed_share
     return f"The web is in compression on {100 * share:.3g} % of the build-up." if share else ""
 
 
-def _other_theories(result: WoundRollResult) -> Iterator[Section]:
+def _other_theories(result: RollResult) -> Iterator[Section]:
     problem = result.problem
     tension, law = problem.wound_on_tension, problem.stack.radial
     if not isinstance(tension, float) or not isinstance(law, Pfeiffer):

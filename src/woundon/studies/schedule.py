@@ -160,7 +160,7 @@ def optimise_schedule(
 
     Parameters
     ----------
-    problem : WindingProblem or WoundRollProblem
+    problem : WindingProblem or RollProblem
         Where the search begins; values outside their ranges are brought to the ends.
     over : mapping, optional
         Dotted name of a field -> (low, high), SI or texts with units.  By default

@@ -26,7 +26,7 @@ from ..problems.materials import Material, Orthotropic
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..problems.wound_roll import WoundRoll
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..roll.stages import Stage
 
 __all__ = [
@@ -211,7 +211,7 @@ def _linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
     return Cylinder(radius=radius, core_radius=problem.core.radius, material=material)
 
 
-def hardening_roll(problem: WindingProblem, stage: Stage | WoundRollResult) -> WoundRoll:
+def hardening_roll(problem: WindingProblem, stage: Stage | RollResult) -> WoundRoll:
     """Return the roll of a stage, which hardens under the nip."""
     pressure = Profile(radius=stage.radius, value=np.maximum(stage.pressure, 0.0))
     return WoundRoll(

@@ -28,7 +28,7 @@ from ..problems.air import Air
 from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, line_load, strain, stress
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from .criteria import collapse_pressure, sliding_laps_buckle, torque_carried, torque_share
 
 __all__ = ["Margin", "Margins", "Pull", "WithMargins", "margins"]
@@ -169,7 +169,7 @@ class Pull:
     @classmethod
     def of(cls, result: Any) -> Pull:
         """Return that of a winding; of a roll alone as if the core pulled all its tension."""
-        if not isinstance(result, WoundRollResult):
+        if not isinstance(result, RollResult):
             # the drum takes F of what the web pulls: the roll's moment about its axis
             r, core = result.radius, result.web_tension + result.winding_force
             problem = result.problem
@@ -196,7 +196,7 @@ class _State(NamedTuple):
     hoop: Array
 
 
-def _states(roll: WoundRollResult) -> list[_State]:
+def _states(roll: RollResult) -> list[_State]:
     """Return stages of the build-up, the finished roll last."""
     core, radius = float(roll.radius[0]), float(roll.radius[-1])
     least = core + 2 * TAIL_LAPS * roll.problem.web_thickness  # with laps below the tail's
@@ -205,7 +205,7 @@ def _states(roll: WoundRollResult) -> list[_State]:
     return [_state(stage) for stage in (*stages, roll)]
 
 
-def _state(roll: WoundRollResult) -> _State:
+def _state(roll: RollResult) -> _State:
     r = np.unique([*roll.radius, *np.linspace(roll.radius[0], roll.radius[-1], PLACES)])
     found = roll.at_radius(r)
     return _State(float(roll.radius[-1]), r, found["pressure"], found["hoop_stress"])
@@ -240,7 +240,7 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
 
     Parameters
     ----------
-    result : WindingResult or WoundRollResult
+    result : WindingResult or RollResult
         Of a roll alone neither friction nor torque are known: it is taken as wound by its core, and
         the friction between laps is ``limits.layer_friction``.
     limits : Limits, optional
@@ -256,9 +256,9 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
     InvalidProblem
         For anything else than a roll, or an acceleration of a web without density.
     """
-    roll = result if isinstance(result, WoundRollResult) else getattr(result, "roll", None)
-    if not isinstance(roll, WoundRollResult):
-        names = one_of(("WindingResult", "WoundRollResult"))
+    roll = result if isinstance(result, RollResult) else getattr(result, "roll", None)
+    if not isinstance(roll, RollResult):
+        names = one_of(("WindingResult", "RollResult"))
         raise InvalidProblem.at(
             "result", f"{type(result).__name__} is out of place; must be a {names}"
         )
@@ -315,7 +315,7 @@ def _worst(states: list[_State], values: list[Array]) -> _Found:
     )
 
 
-def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
+def _slip(states: list[_State], roll: RollResult, limits: Limits, pull: Pull) -> Margin:
     friction = limits.layer_friction or pull.friction
     if friction is None:
         nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
@@ -332,7 +332,7 @@ def _slip(states: list[_State], roll: WoundRollResult, limits: Limits, pull: Pul
     return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
 
 
-def _compression(states: list[_State], roll: WoundRollResult, limits: Limits) -> Margin:
+def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Margin:
     found = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
     told = NO_LIMIT * (limits.compression is None)
@@ -340,7 +340,7 @@ def _compression(states: list[_State], roll: WoundRollResult, limits: Limits) ->
     return _margin("compression", found, limits.compression, COMPRESSION, note, scale=wound_on)
 
 
-def _if_laps_slid(final: _State, roll: WoundRollResult) -> str:
+def _if_laps_slid(final: _State, roll: RollResult) -> str:
     """Say at which compression laps without friction would buckle, where any is compressed."""
     pressed, stack = final.hoop < 0, roll.problem.stack
     if pressed.sum() < 2:
@@ -366,19 +366,19 @@ def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
     return _margin("core", found, limit, CORE, why)
 
 
-def _strength(final: _State, roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
+def _strength(final: _State, roll: RollResult, limits: Limits, pull: Pull) -> Margin:
     # the hoop stress at the surface is the wound-on stress, but for the discretisation
     hoop = roll.problem.web_thickness * final.hoop[:-1]
     found = _extreme(np.argmax, *_tensions(roll, pull), (final.r[:-1], hoop))
     return _margin("strength", found, limits.web_strength, STRENGTH)
 
 
-def _slack(roll: WoundRollResult, limits: Limits, pull: Pull) -> Margin:
+def _slack(roll: RollResult, limits: Limits, pull: Pull) -> Margin:
     found = _extreme(np.argmin, *_tensions(roll, pull))
     return _margin("slack", found, limits.slack_tension, SLACK)
 
 
-def _tensions(roll: WoundRollResult, pull: Pull) -> list[tuple[Array, Array]]:
+def _tensions(roll: RollResult, pull: Pull) -> list[tuple[Array, Array]]:
     """Return radii and tensions of the web: wound on, and before the nip where it is known."""
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
     before = [(pull.radius, pull.web_tension)] if pull.web_tension.size else []

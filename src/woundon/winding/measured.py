@@ -23,7 +23,7 @@ import numpy as np
 
 from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from .bodies import SHARE, Felt
 from .curve import MOST_PIECES, TensionCurve, looked_at, sharp_kinks
 from .nips import Nips
@@ -111,7 +111,7 @@ def _slopes(felt: Felt) -> Array:
 
 
 def largest_miss(
-    departure: Departure, nips: Nips, roll: WoundRollResult, told: Callable[[Array], Array]
+    departure: Departure, nips: Nips, roll: RollResult, told: Callable[[Array], Array]
 ) -> float:
     """Return by what of it nips under the measured loads miss the tension told, at the most.
 
@@ -120,7 +120,7 @@ def largest_miss(
     departure : Departure
     nips : Nips
         Of the measured winding.
-    roll : WoundRollResult
+    roll : RollResult
         Wound with the tension told.
     told : callable
         (radii) -> that tension [N/m].

@@ -14,7 +14,7 @@ from ..nip.solve import solve_nip, solve_with_film
 from ..problems.bodies import Body
 from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..roll.stages import wound_so_far
 from .bodies import Felt, foreseen, solved_nip
 
@@ -68,7 +68,7 @@ class Nips:
         """Whether they answer the same on every roll."""
         return self.problem.roll_body == "linear" and self.problem.air is None
 
-    def tension(self, radius: float, roll: WoundRollResult | None) -> float:
+    def tension(self, radius: float, roll: RollResult | None) -> float:
         """Solve the nip at a radius on a roll; return its wound-on tension [N/m].
 
         It takes no roll where nips are ``alone``.
@@ -86,7 +86,7 @@ class Nips:
         self.felt[radius] = felt
         return felt.tension
 
-    def foreseen(self, radius: float, roll: WoundRollResult) -> float:
+    def foreseen(self, radius: float, roll: RollResult) -> float:
         """Return what a nip, not solved again, would answer on another effective roll [N/m]."""
         stage = wound_so_far(roll, radius)
         self.felt[radius] = foreseen(self._on(roll), stage, self.felt[radius])
@@ -108,7 +108,7 @@ class Nips:
         """Return what is to be said of the nips, each sort once, with the radii it holds for."""
         return warnings_of([(felt.radius, felt.result.warnings) for felt in self.told()])
 
-    def _on(self, roll: WoundRollResult | None) -> WindingProblem:
+    def _on(self, roll: RollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, air and all."""
         own = self.problem.stack
         stack = own if roll is None else roll.problem.stack

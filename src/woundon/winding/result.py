@@ -13,7 +13,7 @@ from .. import kinds
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from .bodies import Felt
 from .margins import WithMargins
 
@@ -115,11 +115,11 @@ class WindingResult(WithMargins, Result):
     core_interpolation_error: Annotated[
         float, strain("e_ic", "the same on the core, up to 5 % of its radius")
     ] = 0.0
-    wound: WoundRollResult | None = field(default=None, compare=False, metadata={"saved": False})
+    wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[Felt, ...] = field(default=(), compare=False, metadata={"saved": False})
 
     @property
-    def roll(self) -> WoundRollResult:
+    def roll(self) -> RollResult:
         """The finished roll, and by its ``at`` every stage of its build-up.
 
         A result that was loaded winds it again.

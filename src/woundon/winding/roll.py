@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import NoSteadyState
-from ..problems.roll import WoundRollProblem
+from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..roll.solve import ThinLaps, solve_thin_laps
 from .result import WindingResult
 
@@ -51,7 +51,7 @@ def changed(
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
-def wound_again(result: WindingResult) -> WoundRollResult:
+def wound_again(result: WindingResult) -> RollResult:
     """Return the roll of a result that does not have it, for it comes from a file."""
     thin = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
@@ -61,7 +61,7 @@ def wound_again(result: WindingResult) -> WoundRollResult:
 
 def _roll_problem(
     problem: WindingProblem, r: Array, tension: Array, film: float
-) -> WoundRollProblem:
+) -> RollProblem:
     least = int(np.argmin(tension))
     if not tension[least] > 0:
         raise NoSteadyState.at(

@@ -31,7 +31,7 @@ from ..arguments import check_type, tolerance, whole_number
 from ..errors import NotConverged, unwarned
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
-from ..roll.result import WoundRollResult
+from ..roll.result import RollResult
 from ..roll.solve import ThinLaps
 from ..threads import one_thread
 from .certificate import MOST_AGREED, certificate
@@ -234,11 +234,11 @@ class _Winder:
         tension = self.curve.tension(turn.given, turn.r)
         return replace(turn, roll=wind(self.problem, turn.r, tension, self.rtol, turn.film))
 
-    def _foreseen(self, place: float, roll: WoundRollResult) -> float:
+    def _foreseen(self, place: float, roll: RollResult) -> float:
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.foreseen(radius, roll), radius)
 
-    def _answer(self, place: float, roll: WoundRollResult | None) -> float:
+    def _answer(self, place: float, roll: RollResult | None) -> float:
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.tension(radius, roll), radius)
 

@@ -7,7 +7,7 @@ import { endsOf, fewer, pointsOf } from "./schedules.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
-export const DESIGNED = "wound_roll"; // the kind whose tension can be found
+export const DESIGNED = "roll"; // the kind whose tension can be found
 const TENSION = "wound_on_tension";
 
 /** Points of the pressure that the roll has, to start from; none can be wanted of the surface. */

@@ -69,7 +69,7 @@ async function open(store, file) {
   }
   try {
     const { kind, problem } = await api.readCase(toml);
-    store.set({ tab: kind === "wound_roll" || kind === "winding" ? "winding" : "case" });
+    store.set({ tab: kind === "roll" || kind === "winding" ? "winding" : "case" });
     store.take(kind, problem);
     store.say(T.menu.opened(file.name));
   } catch (fault) {

@@ -14,7 +14,7 @@ import { Winding } from "./winding.js";
 
 const TABS = ["case", "study", "winding", "thesis"];
 const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
-const ROLLS = ["wound_roll", "winding"]; // shown in a tab of their own, the quick one first
+const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 
 function Page({ store }) {
   const state = useStore(store);
@@ -80,7 +80,7 @@ function Tabs({ store }) {
     store.set({ tab: name });
     const roll = ROLLS.includes(kind);
     if (name === "winding" && !roll) store.goTo(ROLLS.find((one) => store.kindOf(one)));
-    if (name === "case" && roll) store.goTo(store.state.nip ?? "wrapped_nip");
+    if (name === "case" && roll) store.goTo(store.state.nip ?? "nip");
   };
   const keys = (event) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];

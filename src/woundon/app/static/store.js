@@ -15,7 +15,7 @@ export class Store {
     this.listeners = new Set();
     this.newest = new api.Newest();
     this.wanted = new Set();
-    const first = catalogue.kinds.find((kind) => kind.name === "wrapped_nip") ?? catalogue.kinds[0];
+    const first = catalogue.kinds.find((kind) => kind.name === "nip") ?? catalogue.kinds[0];
     this.state = {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
       tab: "case", past: [], future: [], faults: NO_FAULTS, misread: NO_FAULTS, problem: "",

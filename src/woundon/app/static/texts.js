@@ -8,7 +8,7 @@ export const T = {
   skip: "Skip to the results",
   and: "and",
   // which results stand first and large, where a kind has them; of other kinds its main ones
-  order: ["wound_on_tension", "nip_induced_tension", "tension_behind_nip", "nip_width", "peak_pressure", "drum_creep",
+  order: ["wound_on_tension", "nip_induced_tension", "outlet_tension", "nip_width", "peak_pressure", "drum_creepage",
     "leading_roll", "trailing_roll", "dual"],
   groups: {
     operation: "Operation", friction: "Friction", wrap: "Wrap", web: "Web", roll: "Wound roll", drum: "Winding drum",
@@ -16,7 +16,7 @@ export const T = {
   },
   bodies: { roll: "wound roll", drum: "winding drum", upper: "upper roller", lower: "lower roller" },
   kinds: {
-    nip: "Nip alone", wrapped_nip: "Nip with wraps", air_nip: "Nip with air", rollers: "Two rollers", wound_roll: "Wound roll", winding: "Winding",
+    nip: "Nip", rollers: "Two rollers", roll: "Wound roll", winding: "Winding",
   },
   members: {
     Rigid: "rigid", HalfPlane: "elastic half-plane", Cylinder: "elastic cylinder on a core", Layered: "layered (cover)",
