@@ -196,7 +196,7 @@ def nip_figure(result: Nip) -> Figure:
 
 def _draw_tractions(axes: Axes, r: Nip) -> None:
     """Draw q+ and q- over the shaded friction bounds, the narrower one on top."""
-    x, p = 1e3 * r.x, 1e-3 * r.pressure
+    x, p = 1e3 * r.x, 1e-3 * r.drum_pressure
     frictions = {"+": r.problem.roll_friction, "-": r.problem.drum_friction}
     for k, (sign, mu) in enumerate(sorted(frictions.items(), key=lambda item: -item[1])):
         label = rf"$\pm\mu^{{{sign}}}p$"
@@ -212,7 +212,7 @@ def draw_slips(axes: Axes, r: Nip) -> None:
     right = axes.twinx()
     axes.plot(1e3 * r.slip_x, 100 * r.roll_slip, color=COLOURS[0], label="$v^{+}$ at roll")
     axes.plot(1e3 * r.slip_x, 100 * r.drum_slip, "--", color=COLOURS[1], label="$v^{-}$ at drum")
-    right.plot(1e3 * r.x, r.web_tension, "-.", color=COLOURS[4], label="$T$ (right axis)")
+    right.plot(1e3 * r.x, r.tension, "-.", color=COLOURS[4], label="$T$ (right axis)")
     axes.set_ylabel("Relative slip speed $v$ [%]")
     right.set_ylabel("Web tension $T$ [N/m]")
     right.grid(visible=False)

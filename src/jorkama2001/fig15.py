@@ -71,7 +71,7 @@ def _parting_stick(r: Nip) -> float:
 
 
 def _tension(r: Nip) -> list[Verdict]:
-    before = (r.web_tension - r.problem.web_tension)[: _dual_from(r) + 1]
+    before = (r.tension - r.problem.web_tension)[: _dual_from(r) + 1]
     gained = gain_in_dual_slip(r)
     share, begins = squeezed(r)
     return [
@@ -101,7 +101,7 @@ def _dual_from(r: Nip) -> int:
 
 def gain_in_dual_slip(r: Nip) -> float:
     """Return what the dual slip zone adds to the web's tension [N/m]."""
-    return float(r.web_tension[-1] - r.web_tension[_dual_from(r)])
+    return float(r.tension[-1] - r.tension[_dual_from(r)])
 
 
 def squeezed(r: Nip) -> tuple[float, float]:
@@ -120,11 +120,11 @@ def squeezed(r: Nip) -> tuple[float, float]:
     begins : float
         Where it does, as a share of the nip's width.
     """
-    low = int(np.argmin(r.web_tension))
+    low = int(np.argmin(r.tension))
     slips = np.flatnonzero(r.drum_zone[:low] != 0)
     first = int(slips[-1]) + 1 if slips.size else 0
     paper, thickness = r.problem.web.material.stiffness, r.problem.web.thickness
-    rise = float(r.pressure[low] - r.pressure[first])
-    fall = float(r.web_tension[first] - r.web_tension[low])
+    rise = float(r.drum_pressure[low] - r.drum_pressure[first])
+    fall = float(r.tension[first] - r.tension[low])
     begins = float(r.x[first] / r.half_width + 1) / 2
     return fall / (thickness * paper.rt / paper.rr * rise), begins

@@ -44,7 +44,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
     own = r.in_nip
-    x, T = r.x[own], r.web_tension[own]
+    x, T = r.x[own], r.tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
     leading = min(roll[0].right, drum[0].right) - x[0]
     stick, end = longest_stick(drum), _end_of_stick(drum)

@@ -96,7 +96,7 @@ def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
 
 
 def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
-    T, steps = r.web_tension, np.abs(np.diff(r.web_tension))
+    T, steps = r.tension, np.abs(np.diff(r.tension))
     both = (r.roll_zone == 0) & (r.drum_zone == 0)
     inside = both[1:] & both[:-1]
     return [
@@ -110,7 +110,7 @@ def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
         ),
         verdict(
             "where it has fallen by almost 150 N/m", -T.min(), 135.0, 150.0, "N/m",
-            f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.web_tension.min():.0f} "
+            f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.tension.min():.0f} "
             "N/m, and the text does not give the load",
         ),
     ]  # fmt: skip

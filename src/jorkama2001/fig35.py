@@ -78,7 +78,7 @@ def _nip(mu: float, solver: str) -> _Nip:
 
 def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:
     """Return the strain of the roll's surface under the tractions of the nip, at any points."""
-    return surface_strain(r.problem.roll, r.x, r.pressure, r.roll_traction, x)
+    return surface_strain(r.problem.roll, r.x, r.drum_pressure, r.roll_traction, x)
 
 
 def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:
@@ -110,12 +110,12 @@ def _tension_to_cross(nip: _Nip) -> float:
     """Return the tension at which the rates cross at the angle claimed [N/m]; T_in is not given."""
     at = int(np.argmin(np.abs(nip.behind["angle"].values - np.radians(CLAIMED))))
     share = nip.behind["roll_rate"][at] / nip.behind["web_rate"][at]
-    return float(share) * float(nip.alone.web_tension[-1])
+    return float(share) * float(nip.alone.tension[-1])
 
 
 def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
     angles = [float(np.degrees(n.wrapped.slip_angle)) for n in nips]
-    errors = [100 * abs(n.alone.web_tension[-1] / n.wrapped.wound_on_tension - 1) for n in nips]
+    errors = [100 * abs(n.alone.tension[-1] / n.wrapped.wound_on_tension - 1) for n in nips]
     which, far = (
         " and ".join(f"{text} for mu+ = {mu:g}" for text, mu in zip(texts, FRICTIONS, strict=True))
         for texts in ([f"{e:.1f} %" for e in errors], [f"{angle:.2f}" for angle in angles])

@@ -71,7 +71,7 @@ class ProcedureResult:
         -delta > 0 and Delta (82) [m].
     x : (M,) array
         Nodes [m].
-    pressure, roll_traction, drum_traction : (M,) arrays
+    drum_pressure, roll_traction, drum_traction : (M,) arrays
         p, q+, q- at the nodes [Pa].
     slip_x : (M,) array
         Middle of the cell before each node, where the slips are taken [m]; the first is repeated.
@@ -79,7 +79,7 @@ class ProcedureResult:
         v+, v- (133); the first is repeated.
     roll_zone, drum_zone : (M,) int arrays
         0 stick, 1 slip with the web faster, -1 slower; the edges have those of their neighbours.
-    web_tension : (M,) array
+    tension : (M,) array
         T(x) [N/m].
     iterations : int
         Linear systems of the tangential problem that were solved.
@@ -92,7 +92,7 @@ class ProcedureResult:
     approach: float
     offset: float
     x: Array
-    pressure: Array
+    drum_pressure: Array
     roll_traction: Array
     drum_traction: Array
     slip_x: Array
@@ -100,7 +100,7 @@ class ProcedureResult:
     drum_slip: Array
     roll_zone: Array
     drum_zone: Array
-    web_tension: Array
+    tension: Array
     iterations: int
 
     def __post_init__(self) -> None:
@@ -132,7 +132,7 @@ class ProcedureResult:
         """Return T_out + 2h/c11 [eps_1(angle) - eps_1(a)] (183) [N/m], angle downstream [rad]."""
         roll, a = self.problem.roll, self.half_width
         points = np.array([angle * roll.radius, a])
-        far, edge = surface_strain(roll, self.x, self.pressure, self.roll_traction, points)
+        far, edge = surface_strain(roll, self.x, self.drum_pressure, self.roll_traction, points)
         D, *_ = _web_constants(self.problem.web)
         return float(self.outlet_tension + (far - edge) / D)
 
@@ -444,7 +444,7 @@ def _result(nip: _Nip, state: _State, systems: int) -> ProcedureResult:
         approach=-state.delta,
         offset=state.shift,
         x=nip.x,
-        pressure=p,
+        drum_pressure=p,
         roll_traction=roll_q,
         drum_traction=drum_q,
         slip_x=np.append(middle[:1], middle),
@@ -452,7 +452,7 @@ def _result(nip: _Nip, state: _State, systems: int) -> ProcedureResult:
         drum_slip=slips[1],
         roll_zone=zones[0],
         drum_zone=zones[1],
-        web_tension=problem.web_tension
+        tension=problem.web_tension
         + np.append(0.0, np.cumsum((total[1:] + total[:-1]) / 2) * nip.dx),
         iterations=systems,
     )

@@ -85,10 +85,10 @@ class Output(NamedTuple):
 
 
 RENAMED = {"edge_to_edge_tension_rise": "nip_induced_tension"}
-OF_THE_FILM = frozenset({
+OF_THE_FILM = {name: f"air.{name}" for name in (
     "film", "film_in_nip", "foil_film", "nip_film", "friction_share", "inlet_length",
     "roll_friction", "wrap_friction",
-})  # fmt: skip
+)} | {"edge": "air.gradient"}  # fmt: skip
 
 
 def outputs(result: Any, names: Any) -> dict[str, Output]:
@@ -100,8 +100,8 @@ def outputs(result: Any, names: Any) -> dict[str, Output]:
         offset = 0.0
         if is_nip and name == "nip_induced_tension":
             own, offset = "wound_on_tension", -problem.web_tension
-        if is_nip and name in OF_THE_FILM:
-            own = f"air.{name}"
+        if is_nip:
+            own = OF_THE_FILM.get(own, own)
         value = float(value_of(result, own)) + offset
         found[name] = Output(value, float(result.errors.get(own, np.nan)))
     return found

@@ -115,7 +115,7 @@ def _panels_in_nip(result: Any) -> list[Panel]:
     slips = [
         _curve(result, "roll_slip", "at the roll", "roll", x=slip_x, own=own),
         _curve(result, "drum_slip", "at the drum", "drum", x=slip_x, own=own, dash="dashed"),
-        _curve(result, "web_tension", "web tension", "web", x=x, own=own, dash="dashdot",
+        _curve(result, "tension", "web tension", "web", x=x, own=own, dash="dashdot",
                side="right"),
     ]  # fmt: skip
     return [
@@ -123,18 +123,18 @@ def _panels_in_nip(result: Any) -> list[Panel]:
                tractions, areas=_bounds(result, own)),
         _zones(result, along(), axis("", "roll_zone")),
         _panel("slips", "nip", along(), axis("Relative slip speed", "roll_slip"), slips,
-               right=axis("Web tension", "web_tension")),
-        _panel("pressure", "nip", along(), axis("Pressure", "pressure", floor=0),
+               right=axis("Web tension", "tension")),
+        _panel("pressure", "nip", along(), axis("Pressure", "drum_pressure", floor=0),
                _pressures(result, x, own)),
     ]  # fmt: skip
 
 
 def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
     if not result.problem.is_wrapped:
-        return [_curve(result, "pressure", "in the nip", "web", x=x, own=own)]
+        return [_curve(result, "drum_pressure", "in the nip", "web", x=x, own=own)]
     return [
         _curve(result, "roll_pressure", "on the roll", "roll", x=x, own=own),
-        _curve(result, "pressure", "on the drum", "drum", x=x, own=own, dash="dashed"),
+        _curve(result, "drum_pressure", "on the drum", "drum", x=x, own=own, dash="dashed"),
     ]
 
 
@@ -168,7 +168,7 @@ def _wrap_panels(result: Any) -> list[Panel]:
     tensions, pressures = [], []
     faces = [("roll", slice(own.stop, None), result.x - a, result.roll_pressure,
               problem.friction_on_wrap),
-             ("drum", slice(0, own.start), -a - result.x, result.pressure,
+             ("drum", slice(0, own.start), -a - result.x, result.drum_pressure,
               problem.drum_friction)]  # fmt: skip
     for face, part, away, pressure, mu in faces:
         if not getattr(problem, f"{face}_wrap"):
@@ -176,9 +176,9 @@ def _wrap_panels(result: Any) -> list[Panel]:
         dash = "dashdot" if face == "roll" else "dotted"
         line = "solid" if face == "roll" else "dashed"
         theta = away[part] / getattr(problem, face).radius
-        name = "roll_pressure" if face == "roll" else "pressure"
+        name = "roll_pressure" if face == "roll" else "drum_pressure"
         needed = np.abs(getattr(result, f"{face}_traction")[part]) / mu
-        tensions.append(_curve(result, "web_tension", f"on the {face}", "web", x=theta, own=part,
+        tensions.append(_curve(result, "tension", f"on the {face}", "web", x=theta, own=part,
                                dash=dash))  # fmt: skip
         pressures += [
             _curve(result, name, f"on the {face}", face, x=theta, y=pressure[part], dash=line),
@@ -186,8 +186,8 @@ def _wrap_panels(result: Any) -> list[Panel]:
                    x=theta, y=needed, dash="dotted"),
         ]  # fmt: skip
     words = "Angle from the edge of the nip"
-    shown = [("wrap_tension", "Web tension", "web_tension", tensions, _wrap_marks(result)),
-             ("wrap_pressure", "Pressure", "pressure", pressures, [])]  # fmt: skip
+    shown = [("wrap_tension", "Web tension", "tension", tensions, _wrap_marks(result)),
+             ("wrap_pressure", "Pressure", "drum_pressure", pressures, [])]  # fmt: skip
     return [
         _panel(name, "wraps", _axis(words, angle, log=True), _axis(label, _quantity(result, of)),
                curves, marks=marks)

@@ -68,7 +68,8 @@ def saved_fields(cls: type[Any]) -> list[Field[Any]]:
 
 def saved_hints(cls: type[Any]) -> dict[str, Any]:
     """Return the types of the saved fields, those of parts by dotted name."""
-    hints, parts = {}, _parts(cls)
+    parts = _parts(cls)
+    hints: dict[str, Any] = {}
     for each in saved_fields(cls):
         if each.name in parts:
             inner = saved_hints(parts[each.name])
@@ -180,7 +181,7 @@ def _restored_values(
     """Yield the values of a dataclass by name, those of parts excepted."""
     hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
     known = {each.name: each for each in saved_fields(cls) if each.name not in parts}
-    may_be_nan = getattr(cls, "MAY_BE_NAN", frozenset())
+    may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())
     strange = [str(name) for name in given if name not in known]
     if strange:
         text = f"not known to this version of woundon, left out: {', '.join(strange)}"

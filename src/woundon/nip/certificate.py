@@ -61,11 +61,11 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     if result.x.size != at.end + 1:
         raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {at.end + 1}")
     u = np.empty(at.size)
-    u[at.drum_p] = result.pressure[at.p_nodes[at.drum_p]]
+    u[at.drum_p] = result.drum_pressure[at.p_nodes[at.drum_p]]
     u[at.wrap_p] = result.roll_pressure[at.p_nodes[at.wrap_p]]
     u[at.shift] = result.offset / problem.contact_radius
     # the creepage of the equations refers to the web's strain at the end
-    u[at.xi] = result.drum_creepage + web.compliance.c11 / web.thickness * result.web_tension[-1]
+    u[at.xi] = result.drum_creepage + web.compliance.c11 / web.thickness * result.tension[-1]
     u[at.ln_a] = np.log(result.half_width)
     u[at.roll_q], u[at.drum_q] = (
         result.roll_traction[at.roll_nodes],
@@ -84,7 +84,7 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         Those of its mesh.
     """
     problem = equations.problem
-    problem.web.refuse(float(result.pressure.max()))
+    problem.web.refuse(float(result.drum_pressure.max()))
     try:
         state = state_of(result, equations)
     except ValueError:
@@ -121,14 +121,14 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         ]) / top,
         "winding_force": abs(float(state.equilibrium[-2])),
         "load": abs(float(state.equilibrium[-1])),
-        "web_tension": difference(result.web_tension, f.tension) / tension_scale,
+        "tension": difference(result.tension, f.tension) / tension_scale,
         "zones": 0.0 if _zones_are_valid(result, implied) else inf,
         "mesh": max(
             difference(result.x, implied["x"]), difference(result.slip_x, implied["slip_x"])
         ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
     }  # fmt: skip
     pressures = {
-        "pressure": f.p_drum, "roll_pressure": f.p_roll, "hoop_pressure": implied["hoop_pressure"],
+        "drum_pressure": f.p_drum, "roll_pressure": f.p_roll, "hoop_pressure": implied["hoop_pressure"],
     }  # fmt: skip
     conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
     if problem.is_wrapped:

@@ -105,7 +105,7 @@ def _compliance(problem: NipProblem, length: float) -> float:
 
 def _body_compliance(body: Body, speed: float | None, length: float) -> float:
     material = body.surface_material
-    if material is None or not material.relaxes:
+    if material is None or not material.relaxes or speed is None:
         return body.compliance
     relaxation = material.relaxation(speed)
     return float(body.compliance / abs(factor(relaxation, np.array(1 / length))))

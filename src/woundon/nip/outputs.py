@@ -101,7 +101,7 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
     return {
         "x": a * mesh.nodes,
         "slip_x": a * slip_x,
-        "pressure": f.p_drum,
+        "drum_pressure": f.p_drum,
         "roll_pressure": f.p_roll,
         "hoop_pressure": (f.p_roll - f.p_drum)[wrapped],
         "curvature": kappa[wrapped],
@@ -111,7 +111,7 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
         "drum_slip": _on_nodes(drum_slip, 0, n),
         "roll_zone": zones[0],
         "drum_zone": zones[1],
-        "web_tension": f.tension,
+        "tension": f.tension,
         "roll_strain": _on_nodes(f.roll.strain[:-2], at.first, n),
     }
 
@@ -130,7 +130,7 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
     x, lengths = arrays["x"][nip], []
     for face, pressure, friction in (
         ("roll", arrays["roll_pressure"], problem.roll_friction),
-        ("drum", arrays["pressure"], problem.drum_friction),
+        ("drum", arrays["drum_pressure"], problem.drum_friction),
     ):
         zone, slip, q = (arrays[f"{face}_{name}"][nip] for name in ("zone", "slip", "traction"))
         lengths.append(slip_lengths(x, zone, slip, friction * pressure[nip] - np.abs(q)))

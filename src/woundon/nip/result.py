@@ -42,6 +42,8 @@ class Dissipation:
         Dissipation of the viscoelastic bodies per length rolled [N/m], a force per metre of width.
     """
 
+    CONTACT_PRESSURE: ClassVar[str] = "pressure"  # name of the array of the contact pressure
+
     rolling_resistance: Annotated[
         float, line_load("F_R", "rolling resistance of the viscoelastic bodies")
     ] = nan
@@ -67,7 +69,7 @@ class Dissipation:
         own: Any = self
         if not own.problem.viscoelastic:
             return nan
-        x, p = own.x[own.in_nip], own.pressure[own.in_nip]
+        x, p = own.x[own.in_nip], getattr(own, own.CONTACT_PRESSURE)[own.in_nip]
         moment = np.diff(x) @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:])) / 6
         return float(moment / np.trapezoid(p, x) - own.offset)
 
@@ -107,7 +109,7 @@ class NipResult(Dissipation, Result):
         Nodes [m].
     slip_x : (M,) array
         Where the slips are evaluated [m]: a point in the cell upstream of each node.
-    pressure, roll_pressure : (M,) arrays
+    drum_pressure, roll_pressure : (M,) arrays
         p- on the drum and p+ on the roll [Pa].
     roll_traction, drum_traction : (M,) arrays
         q+, q- [Pa], traction of the web on the body along +x.
@@ -115,7 +117,7 @@ class NipResult(Dissipation, Result):
         v+, v- relative slip speeds, > 0 where the web is faster (thesis eq. 133).
     roll_zone, drum_zone : (M,) int arrays
         :class:`~woundon.results.Zone` of each node.
-    web_tension : (M,) array
+    tension : (M,) array
         T(x) [N/m].
     roll_strain : (M,) array
         eps_1 of the roll's surface at ``slip_x``.
@@ -135,6 +137,7 @@ class NipResult(Dissipation, Result):
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
+    CONTACT_PRESSURE: ClassVar[str] = "drum_pressure"
     # outputs of ``sensitivity`` where none is named
     DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
         "wound_on_tension", "nip_induced_tension", "outlet_tension", "half_width", "nip_width",
@@ -162,7 +165,7 @@ class NipResult(Dissipation, Result):
     dual: Annotated[float, strain("s_d", "length of slip at both roll and drum / nip width")]
     x: Annotated[Array, length("x", "position along the web; the nip is [-a, a]")]
     slip_x: Annotated[Array, length("x_v", "where slips are evaluated, in the cell upstream")]
-    pressure: Annotated[Array, stress("p-", "pressure of the web on the drum")]
+    drum_pressure: Annotated[Array, stress("p-", "pressure of the web on the drum")]
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
     drum_traction: Annotated[Array, stress("q-", "traction of the web on the drum")]
@@ -174,7 +177,7 @@ class NipResult(Dissipation, Result):
     drum_zone: Annotated[
         Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"), Zone
     ]
-    web_tension: Annotated[Array, line_load("T", "web tension along the nip")]
+    tension: Annotated[Array, line_load("T", "web tension along the nip")]
     roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
     hoop_pressure: Annotated[Array, stress("p_h", "hoop pressure, web tension times curvature")] = (
         field(default_factory=lambda: np.zeros(0))
@@ -196,7 +199,7 @@ class NipResult(Dissipation, Result):
     @property
     def peak_pressure(self) -> Annotated[float, stress("p_max", "largest pressure")]:
         """Largest nodal pressure on the drum [Pa]."""
-        return float(self.pressure.max())
+        return float(self.drum_pressure.max())
 
     @property
     def slip_ratios(self) -> SlipRatios:
@@ -275,7 +278,7 @@ class NipResult(Dissipation, Result):
         self,
     ) -> Annotated[float, line_load("WOT", "wound-on tension, where the web is held to the roll")]:
         """WOT, the tension at the end of the roll wrap, as a load cell reads it [N/m]."""
-        return float(self.web_tension[-1])
+        return float(self.tension[-1])
 
     @property
     def wound_on_tension_error(
@@ -291,14 +294,14 @@ class NipResult(Dissipation, Result):
         self,
     ) -> Annotated[float, line_load("T_n", "web tension at the leading edge of the nip")]:
         """T at x = -a [N/m]."""
-        return float(self.web_tension[self.in_nip.start])
+        return float(self.tension[self.in_nip.start])
 
     @property
     def outlet_tension(
         self,
     ) -> Annotated[float, line_load("T_out", "web tension at the trailing edge of the nip")]:
         """T_out at x = a [N/m]."""
-        return float(self.web_tension[self.in_nip.stop - 1])
+        return float(self.tension[self.in_nip.stop - 1])
 
     @property
     def nip_induced_tension(
@@ -333,7 +336,7 @@ class NipResult(Dissipation, Result):
         self,
     ) -> Annotated[float, line_load("Q_w-", "traction on the drum wrap, integrated")]:
         """Q_w- [N/m]."""
-        return self.inlet_tension - float(self.web_tension[0])
+        return self.inlet_tension - float(self.tension[0])
 
     @property
     def slip_angle(

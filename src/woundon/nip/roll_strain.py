@@ -45,7 +45,7 @@ def roll_strain(result: NipResult, s: Array) -> Array:
     if not hasattr(surface, "strain_outside"):
         text = f"a {type(roll).__name__} has no strain outside of the nip; must be an elastic body"
         raise InvalidProblem.at("roll", text)
-    return np.asarray(surface.strain_outside(result.pressure, result.roll_traction, s))
+    return np.asarray(surface.strain_outside(result.roll_pressure, result.roll_traction, s))
 
 
 def wound_on_tension_estimate(result: NipResult, angle: float) -> float:

@@ -85,7 +85,9 @@ def solve_nip(
     check_options(nodes=nodes, rtol=rtol)
     if start is not None:
         check_type("start", start, NipResult)
-    options = {"nodes": nodes, "rtol": rtol, "start": start, "progress": progress}
+    options: dict[str, Any] = {
+        "nodes": nodes, "rtol": rtol, "start": start, "progress": progress,
+    }  # fmt: skip
     if problem.air is None:
         return _solve(problem, **options).warned()
     return solve_with_film(problem, **options).warned()
@@ -214,12 +216,10 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
     for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
         errors[name] = max(errors[name], cell)
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
+    names = ("half_width", "approach", "offset", "drum_creepage", *SLIP_RATIOS)
+    values: dict[str, Any] = {name: outputs[name] for name in names} | arrays
     result = NipResult(
-        problem=problem, residuals=Residuals(), air=film,
-        **{name: outputs[name] for name in (
-            "half_width", "approach", "offset", "drum_creepage", *SLIP_RATIOS
-        )},
-        **arrays,
+        problem=problem, residuals=Residuals(), air=film, **values,
         iterations=found.iterations,
         series_terms=max((k.terms for k in kernels), default=0),
         series_error=max((k.truncation_error for k in kernels), default=0.0),

@@ -71,11 +71,11 @@ def _web_strain(r: NipResult) -> Array:
     web = r.problem.web
     c = web.compliance
     p = r.roll_pressure
-    return c.c11 / web.thickness * r.web_tension - c.c12 * p
+    return c.c11 / web.thickness * r.tension - c.c12 * p
 
 
 def _web(r: NipResult, strain: Array) -> Iterator[str]:
-    web, peak = r.problem.web, float(r.pressure.max())
+    web, peak = r.problem.web, float(r.drum_pressure.max())
     modulus = web.radial_modulus(peak)
     yield from past(
         "pressure on the web", peak / modulus,
@@ -85,16 +85,16 @@ def _web(r: NipResult, strain: Array) -> Iterator[str]:
     k = int(np.abs(strain).argmax())
     yield from past(
         "web strain", float(strain[k]),
-        "the web's strain is {} at a tension of {0:.4g} N/m", r.web_tension[k],
+        "the web's strain is {} at a tension of {0:.4g} N/m", r.tension[k],
     )  # fmt: skip
     yield from past(
         "web thickness", web.thickness / r.nip_width,
         "the web's thickness {0:.3g} um is {} of the nip width {1:.3g} mm",
         web.thickness * 1e6, r.nip_width * 1e3,
     )  # fmt: skip
-    slackest = float(np.min(r.web_tension))
+    slackest = float(np.min(r.tension))
     if slackest < 0:
-        at = float(r.x[int(np.argmin(r.web_tension))])
+        at = float(r.x[int(np.argmin(r.tension))])
         yield (
             f"the web is slack: its tension falls to {slackest:.4g} N/m at x = {at * 1e3:.3g} mm; "
             f"at least {r.problem.web_tension - slackest:.4g} N/m of web tension are needed"

@@ -20,6 +20,7 @@ from .nip import (
     WRAP_TABLE,
     DrumFriction,
     DrumWrap,
+    NipProblem,
     RollFriction,
     RollWrap,
     Web,

@@ -64,7 +64,7 @@ def draw_tractions(axes: Axes, cases: Cases) -> Handles:
 def _draw_bounds(axes: Axes, result: NipResult) -> Handles:
     """Shade what friction allows, the narrower bound on top."""
     problem, own = result.without_air, result.in_nip
-    x, on_drum = shown(result, "x")[own], shown(result, "pressure")[own]
+    x, on_drum = shown(result, "x")[own], shown(result, "drum_pressure")[own]
     wrapped, on_roll = problem.is_wrapped, shown(result, "roll_pressure")[own]
     bounds = [
         (problem.roll_friction, on_roll, ROLL_BOUND, "+"),
@@ -87,7 +87,7 @@ def draw_slips(axes: Axes, cases: Cases) -> Handles:
         x, slip_x = shown(result, "x")[own], shown(result, "slip_x")[own]
         (roll,) = axes.plot(slip_x, shown(result, "roll_slip")[own], color=case.or_own(ROLL))
         (drum,) = axes.plot(slip_x, shown(result, "drum_slip")[own], "--", color=case.or_own(DRUM))
-        T = shown(result, "web_tension")[own]
+        T = shown(result, "tension")[own]
         (tension,) = tension_axes.plot(x, T, "-.", color=case.or_own(TENSION))
         roll.set_label("$v^{+}$ at roll")
         drum.set_label("$v^{-}$ at drum")
@@ -95,18 +95,18 @@ def draw_slips(axes: Axes, cases: Cases) -> Handles:
         handles = handles or [roll, drum, tension]
     one = cases[0].result
     axes.set_ylabel(axis_label("Relative slip speed $v$", quantity_of(one, "roll_slip")))
-    tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(one, "web_tension")))
+    tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(one, "tension")))
     tension_axes.grid(visible=False)
     _along(axes, cases)
     return handles
 
 
 def _draw_pressure(axes: Axes, cases: Cases) -> Handles:
-    return _draw_one(axes, cases, "pressure", "Pressure $p$", DRUM)
+    return _draw_one(axes, cases, "drum_pressure", "Pressure $p$", DRUM)
 
 
 def _draw_tension(axes: Axes, cases: Cases) -> Handles:
-    return _draw_one(axes, cases, "web_tension", "Web tension $T$", TENSION)
+    return _draw_one(axes, cases, "tension", "Web tension $T$", TENSION)
 
 
 def _draw_one(axes: Axes, cases: Cases, name: str, words: str, colour: str) -> Handles:
@@ -148,14 +148,14 @@ def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
     handles: Handles = []
     for case in cases:
         result = case.result
-        T, curves = shown(result, "web_tension"), []
+        T, curves = shown(result, "tension"), []
         for face, theta, own in _wraps(result):
             line, label = ("-.", "$T$ on roll") if face == "roll" else (":", "$T$ on drum")
             (curve,) = axes.plot(theta, T[own], line, color=case.or_own(TENSION), label=label)
             curves.append(curve)
         marks = _mark_wound_on(axes, result) if case.alone and result.problem.roll_wrap else []
         handles = handles or [*curves, *marks]
-    axes.set_ylabel(axis_label("Web tension $T$", quantity_of(cases[0].result, "web_tension")))
+    axes.set_ylabel(axis_label("Web tension $T$", quantity_of(cases[0].result, "tension")))
     _along_angle(axes, cases)
     return handles
 
@@ -183,7 +183,7 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
             sign, colour, lines = ("+", ROLL, "-:") if roll else ("-", DRUM, ("--", "-."))
             problem = result.without_air
             friction = problem.friction_on_wrap if roll else problem.drum_friction
-            present = shown(result, "roll_pressure" if roll else "pressure")[own]
+            present = shown(result, "roll_pressure" if roll else "drum_pressure")[own]
             needed = np.abs(shown(result, f"{face}_traction")[own]) / friction
             needs = rf"$|q^{{{sign}}}|/\mu^{{{sign}}}$"
             for values, line, label in zip(
@@ -191,7 +191,7 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
             ):
                 curves += axes.plot(theta, values, line, color=case.or_own(colour), label=label)
         handles = handles or curves
-    axes.set_ylabel(axis_label("Pressure $p$", quantity_of(cases[0].result, "pressure")))
+    axes.set_ylabel(axis_label("Pressure $p$", quantity_of(cases[0].result, "drum_pressure")))
     _along_angle(axes, cases)
     return handles
 

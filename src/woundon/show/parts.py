@@ -258,7 +258,7 @@ def friction_bounds(result: Result) -> dict[str, Array]:
     mu[result.in_nip.stop :] = problem.friction_on_wrap
     return {
         "roll_traction": mu * result.roll_pressure,
-        "drum_traction": problem.drum_friction * result.pressure,
+        "drum_traction": problem.drum_friction * result.drum_pressure,
     }
 
 
