@@ -87,7 +87,7 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
                 "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
                 name, depth * 1e3, body.thickness * 1e3,
             )  # fmt: skip
-        yield from _surface(name, body, float(result.pressure.max()), tractions[name])  # type: ignore[attr-defined]
+        yield from _surface(name, body, float(result.peak_pressure), tractions[name])  # type: ignore[attr-defined]
 
 
 def _indentation(result: Any, body: Body, traction: Array) -> float:

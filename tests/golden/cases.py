@@ -84,7 +84,6 @@ class Output(NamedTuple):
     error: float
 
 
-RENAMED = {"edge_to_edge_tension_rise": "nip_induced_tension"}
 OF_THE_FILM = {name: f"air.{name}" for name in (
     "film", "film_in_nip", "foil_film", "nip_film", "friction_share", "inlet_length",
     "roll_friction", "wrap_friction",
@@ -96,10 +95,9 @@ def outputs(result: Any, names: Any) -> dict[str, Output]:
     problem, found = result.problem, {}
     is_nip = hasattr(problem, "nip_load") and not hasattr(problem, "core")
     for name in names:
-        own = RENAMED.get(name, name)
-        offset = 0.0
-        if is_nip and name == "nip_induced_tension":
-            own, offset = "wound_on_tension", -problem.web_tension
+        own, offset = name, 0.0
+        if is_nip and name == "edge_to_edge_tension_rise":
+            own, offset = "outlet_tension", -result.inlet_tension
         if is_nip:
             own = OF_THE_FILM.get(own, own)
         value = float(value_of(result, own)) + offset

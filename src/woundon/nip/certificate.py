@@ -22,7 +22,13 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import body_equilibrium, difference, friction_law, negative_pressure
 from .energy import power_balance, rolling_resistance
 from .entrained_air import air_conditions
-from .outputs import SLIP_RATIOS, approach, slip_ratios, web_arrays
+from .outputs import (
+    SLIP_RATIOS,
+    approach,
+    roll_wound_on_tension,
+    slip_ratios,
+    web_arrays,
+)
 
 if TYPE_CHECKING:
     from .equations import NipEquations, NipState
@@ -230,7 +236,11 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     ratios = slip_ratios(equations.problem, arrays, result.in_nip)
     indented = approach(equations, state)
-    values = {"approach": (indented, 1e-8 * abs(indented))}
+    of_roll = roll_wound_on_tension(equations, state)
+    values = {
+        "approach": (indented, 1e-8 * abs(indented)),
+        "roll_wound_on_tension": (of_roll, 1e-8 * abs(of_roll)),
+    }
     values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
     if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
         lost = rolling_resistance(equations, state)

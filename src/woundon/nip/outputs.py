@@ -1,4 +1,13 @@
-"""Scalar outputs of a state of the nip equations whose discretisation error is estimated."""
+r"""Scalar outputs of a state of the nip equations whose discretisation error is estimated.
+
+The web slips on the roll as far as friction permits and then follows the strain of its surface.
+Between there and the closed layer of a wound roll without nip, its tension changes by
+
+    T_closed - T = (2h/c11) (eps_closed - eps_1),
+
+eps_1 the strain of the roll's surface under nip and wrap and eps_closed that under the pressure
+T/R of a closed layer.  T_closed is the wound-on tension of the roll.
+"""
 
 from __future__ import annotations
 
@@ -13,23 +22,43 @@ from .zones import slip_lengths
 if TYPE_CHECKING:
     from .equations import NipEquations, NipState
 
-__all__ = ["SLIP_RATIOS", "approach", "main_outputs", "nip_outputs", "slip_ratios", "web_arrays"]
+__all__ = [
+    "SLIP_RATIOS", "approach", "main_outputs", "nip_outputs", "roll_wound_on_tension",
+    "slip_ratios", "web_arrays",
+]  # fmt: skip
 
 Array = np.ndarray
+
+# Angle downstream of the nip at which the wound-on tension of the roll is evaluated [rad]: beyond
+# the slip zone and the strains of the nip, and before the end of the wrap, where the hoop pressure
+# ends.
+EVALUATION_ANGLE = 1.5
 
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 
 
 def main_outputs(equations: NipEquations, state: NipState) -> dict[str, float]:
     """Return the tensions that decide where mesh refinement ends [N/m]."""
-    at, f = equations.layout, state.fields
-    a, mesh = f.geometry.a, f.geometry.mesh
-    # an integral of the tractions: the difference of tensions loses digits at high web tension
-    gained = a * mesh.integral_to_nodes[[at.first, at.last]] @ (f.q_roll + f.q_drum)
+    f, mesh = state.fields, state.fields.geometry.mesh
     return {
         "wound_on_tension": float(f.tension[-1]),
-        "nip_induced_tension": float(gained[1] - gained[0]),
+        # an integral of the tractions: the difference of tensions loses digits at high web tension
+        "nip_induced_tension": float(f.geometry.a * mesh.weights @ (f.q_roll + f.q_drum)),
     }
+
+
+def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
+    """Return the wound-on tension reduced to the closed layer of a wound roll [N/m]."""
+    at, f, problem = equations.layout, state.fields, equations.problem
+    mesh, a, R = f.geometry.mesh, f.geometry.a, problem.roll.radius
+    s = EVALUATION_ANGLE * R / a  # in units of the half width
+    if s < mesh.points[-1]:
+        T = float(np.interp(s, mesh.nodes, f.tension))
+        strain = float(np.interp(s, mesh.points[at.first :], f.roll.strain[:-2]))
+    else:  # a shorter wrap: at its end
+        T, strain = float(f.tension[-1]), float(f.roll.strain[-1])
+    closed = problem.roll.uniform_strain(T / R)
+    return T + problem.web.thickness / problem.web.compliance.c11 * (closed - strain)
 
 
 def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict[str, float]:
@@ -38,6 +67,7 @@ def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict
     a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
     out = {
         **main_outputs(equations, state),
+        "roll_wound_on_tension": roll_wound_on_tension(equations, state),
         "inlet_tension": float(T[at.first]),
         "outlet_tension": float(T[at.last]),
         "half_width": a,

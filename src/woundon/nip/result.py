@@ -94,6 +94,9 @@ class NipResult(Dissipation, Result):
     Attributes
     ----------
     problem : NipProblem
+    roll_wound_on_tension : float
+        Wound-on tension reduced to the closed layer of a wound roll without nip [N/m]; windings
+        use it.
     half_width : float
         a [m]; the nip is [-a, a].
     approach : float
@@ -152,6 +155,9 @@ class NipResult(Dissipation, Result):
     ESTIMATES: ClassVar[frozenset[str]] = frozenset({"iterations", "series_error", "series_terms"})
 
     problem: NipProblem
+    roll_wound_on_tension: Annotated[
+        float, line_load("WOT_r", "wound-on tension of the roll, in a closed layer without nip")
+    ]
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
     offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
@@ -306,14 +312,12 @@ class NipResult(Dissipation, Result):
     @property
     def nip_induced_tension(
         self,
-    ) -> Annotated[float, line_load("NIT", "nip-induced tension, of the nip between its edges")]:
-        """NIT = Q+ + Q- of the nip, the integral of the tractions [N/m].
+    ) -> Annotated[float, line_load("NIT", "nip-induced tension, WOT - T_in")]:
+        """NIT = wound_on_tension - web_tension, as the integral of all tractions [N/m].
 
-        A difference of tensions would lose digits at a high web tension.
+        The difference of the tensions would lose digits at a high web tension.
         """
-        nip = self.in_nip
-        q = self.roll_traction[nip] + self.drum_traction[nip]
-        return float(np.trapezoid(q, self.x[nip]))
+        return float(np.trapezoid(self.roll_traction + self.drum_traction, self.x))
 
     @property
     def nip_induced_tension_error(

@@ -216,7 +216,7 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
     for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
         errors[name] = max(errors[name], cell)
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
-    names = ("half_width", "approach", "offset", "drum_creepage", *SLIP_RATIOS)
+    names = ("roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage", *SLIP_RATIOS)
     values: dict[str, Any] = {name: outputs[name] for name in names} | arrays
     result = NipResult(
         problem=problem, residuals=Residuals(), air=film, **values,

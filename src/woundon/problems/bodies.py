@@ -18,6 +18,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..elasticity import cylinder, half_plane, rolling
+from ..elasticity.fourier import uniform_response
 from ..elasticity.influence import InfluenceSurface
 from ..elasticity.kernels import SurfaceKernels
 from ..elasticity.layers import stacked_compliance
@@ -96,6 +97,18 @@ class Body(Family):
             Speed at which the surface rolls along +x [m/s]; elastic bodies do not depend on it.
         """
         raise NotImplementedError(f"{type(self).__name__} has no surface response")
+
+    def uniform_strain(self, pressure: float) -> float:
+        """Return the surface strain under a uniform pressure on the whole circumference.
+
+        It is that of a roll under a closed layer of web; 0 for a body that does not define it.
+
+        Parameters
+        ----------
+        pressure : float
+            [Pa].
+        """
+        return 0.0
 
     @property
     def curvature(self) -> float:
@@ -188,6 +201,13 @@ class KernelBody(Body, abstract=True):
         """Return the response of the surface by its influence functions."""
         kernels = self.kernels(speed) if self.viscoelastic and speed else self.kernels()
         return InfluenceSurface(kernels, self.radius, self.curvature > 0, face, half_width)
+
+    def uniform_strain(self, pressure: float) -> float:
+        """Return the surface strain under a uniform pressure on the whole circumference.
+
+        A viscoelastic body is fully relaxed: in the material the load is constant.
+        """
+        return pressure * uniform_response(self.kernels().strain_p)
 
     @property
     def widest(self) -> float:

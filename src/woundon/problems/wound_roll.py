@@ -11,6 +11,7 @@ from pydantic import model_validator
 
 from ..elasticity import cylinder
 from ..elasticity.half_plane import coefficients
+from ..elasticity.fourier import uniform_response
 from ..elasticity.hardening import HardeningLaw
 from ..elasticity.influence import InfluenceSurface
 from ..errors import InvalidProblem
@@ -97,6 +98,10 @@ class WoundRoll(Body):
     def wound_pressure(self, r: Any) -> Any:
         """Return P0 at radii [Pa]."""
         return at_radius(self.pressure, r)
+
+    def uniform_strain(self, pressure: float) -> float:
+        """Return the surface strain under a uniform pressure, linearised about the wound state."""
+        return pressure * uniform_response(wound_kernels(self).strain_p)
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
         """Return the response of the surface on a face scaled by the half width."""
