@@ -37,7 +37,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     title = "Slips and tension for mu+ below and above mu-"
     below, above = nips.values()
     taut = paper_nip(nip_load=NIP_LOAD)
-    wrapped = [solved(taut.replace(roll_friction=mu).replace(roll_wrap=np.pi)) for mu in FRICTIONS]
+    wrapped = [solved(taut.replace(roll_friction=mu, roll_wrap=np.pi)) for mu in FRICTIONS]
     verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
     return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
 
@@ -91,7 +91,8 @@ def _numbers(below: Nip, above: Nip) -> list[Verdict]:
 
 
 def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
-    a, b = below.nip_induced_tension, above.nip_induced_tension
+    # between the edges of the nip, the quantity that the text gives
+    a, b = (r.outlet_tension - r.inlet_tension for r in (below, above))
     return [
         *_pattern(above, "with the web wrapped on the roll behind the nip, mu+ > mu-"),
         verdict(

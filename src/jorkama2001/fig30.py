@@ -34,7 +34,7 @@ def _problem(cross: float) -> wo.NipProblem:
 
 def _fall(r: Nip) -> float:
     """Return how far the tension falls below that of the incoming web [N/m]."""
-    return float(r.problem.web_tension - r.web_tension.min())
+    return float(r.problem.web_tension - r.tension.min())
 
 
 def _off(r: Nip) -> float:

@@ -30,9 +30,9 @@ def pinning_error(problem: wo.NipProblem) -> dict[str, float]:
     Returns
     -------
     dict
-        ``nip_load``, ``winding_force``; NIT ``alone``; ``nip_induced_tension`` and ``added``, WOT
-        less T_in, wrapped [N/m]; ``slip_angle`` [rad]; the relative ``error`` of the wound-on
-        tension, > 0 where the nip alone gives too much.
+        ``nip_load``, ``winding_force``; NIT ``alone``; with the roll wrap, the increase of tension
+        ``in_nip`` and the one up to the end of the wrap, ``added`` [N/m], and ``slip_angle``
+        [rad]; the relative ``error`` of the wound-on tension, > 0 if the nip alone overestimates.
     """
     alone, wrapped = (solved(one, nodes=NODES) for one in (problem, problem.replace(roll_wrap=pi)))
     T_in, WOT = problem.web_tension, wrapped.wound_on_tension
@@ -40,7 +40,7 @@ def pinning_error(problem: wo.NipProblem) -> dict[str, float]:
         "nip_load": problem.nip_load,
         "winding_force": problem.winding_force,
         "alone": alone.nip_induced_tension,
-        "nip_induced_tension": wrapped.nip_induced_tension,
+        "in_nip": wrapped.outlet_tension - wrapped.inlet_tension,
         "added": WOT - T_in,
         "slip_angle": wrapped.slip_angle,
         "error": (T_in + alone.nip_induced_tension) / WOT - 1,
