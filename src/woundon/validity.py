@@ -87,7 +87,7 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
                 "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
                 name, depth * 1e3, body.thickness * 1e3,
             )  # fmt: skip
-        yield from _surface(name, body, float(result.peak_pressure), tractions[name])  # type: ignore[attr-defined]
+        yield from _surface(name, body, float(result.peak_pressure), tractions[name])
 
 
 def _indentation(result: Any, body: Body, traction: Array) -> float:
@@ -95,7 +95,8 @@ def _indentation(result: Any, body: Body, traction: Array) -> float:
     if not body.linear:
         return float(result.approach)  # all of it at most
     own = result.in_nip
-    p, q, speed = result.pressure[own], traction, result.problem.rolling_speed
+    p, q = getattr(result, result.CONTACT_PRESSURE)[own], traction
+    speed = result.problem.rolling_speed
     mesh = nip_mesh(p.size, Wrap(), Wrap())
     a, face = result.half_width, mesh.roll_face
     surface = body.surface(face, a, speed)

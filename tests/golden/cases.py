@@ -113,11 +113,11 @@ def samples(result: Any, x_over_a: Any) -> dict[str, Any]:
     else:
         own = result.in_nip
         arrays = {
-            "drum_pressure": result.pressure[own],
+            "drum_pressure": result.drum_pressure[own],
             "roll_pressure": result.roll_pressure[own],
             "roll_traction": result.roll_traction[own],
             "drum_traction": result.drum_traction[own],
-            "tension": result.web_tension[own],
+            "tension": result.tension[own],
         }
         x = result.x[own]
     return {

@@ -146,7 +146,7 @@ def plain(value: Any) -> Any:
 def plain_problem(problem: Any) -> dict[str, Any]:
     """Return a problem as JSON data, with one type for all nips."""
     found: dict[str, Any] = plain(problem)
-    if isinstance(problem, wo.NipProblem | wo.NipProblem | wo.NipProblem):
+    if isinstance(problem, wo.NipProblem | wo.WrappedNipProblem | wo.AirNipProblem):
         found["type"] = "nip_problem"
         found.setdefault("roll_wrap", 0.0)
         found.setdefault("drum_wrap", 0.0)
@@ -250,7 +250,7 @@ def sampled(fine: Any, coarse: Any) -> dict[str, Any]:
 
     if isinstance(fine, wo.NipResult):
         return {"samples": pairs(nip_samples, x_over_a=X_OVER_A)}
-    if isinstance(fine, wo.NipResult):
+    if isinstance(fine, wo.WrappedNipResult):
         found = {"samples": pairs(nip_samples, x_over_a=X_OVER_A)}
         if fine.problem.roll_wrap > 0:
             found["wrap_samples"] = pairs(wrap_samples, angle=angles(fine))
@@ -327,13 +327,11 @@ PAPER = wo.material("paper")
 NEWSPRINT = wo.material("newsprint")
 STEEL = wo.material("steel")
 RUBBER = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3), (2e6, 1e-2)])
-TABLE_2 = wo.NipProblem.example().replace(
-    roll_wrap=0.0
-)  # the nip of the README: newsprint on a hard drum
+TABLE_2 = wo.NipProblem.example()  # the nip of the README: newsprint on a hard drum
 TABLE_1 = wo.NipProblem(
     web=wo.Web(thickness=66e-6, material=PAPER),
     roll=wo.Cylinder(radius=0.3, core_radius=0.05, material=PAPER), drum=wo.Rigid(radius=0.5),
-    roll_friction=0.2, drum_friction=0.4, nip_load=1900.0, winding_force=100.0, web_tension=500.0, roll_wrap=0.0,
+    roll_friction=0.2, drum_friction=0.4, nip_load=1900.0, winding_force=100.0, web_tension=500.0,
 )  # fmt: skip
 HALF_PLANE = wo.HalfPlane(radius=0.3, material=PAPER)
 INDEPENDENT = "an independent program: own graded mesh, term-by-term sums of the series"
@@ -427,43 +425,24 @@ def covers() -> Iterator[Case]:
 def wrapped_nips() -> Iterator[Case]:
     """Yield nips with the web wrapped on the roll."""
     paper = TABLE_1.replace(web_tension=300.0)
-    yield Case(
-        "Table 2 (README), half a turn",
-        TABLE_2.replace(roll_wrap=pi),
-        wrapped_published(328.9, 350.0),
-    )
+    yield Case("Table 2 (README), half a turn", TABLE_2.wrapped(), wrapped_published(328.9, 350.0))
     for load in (350.0, 876.0, 1751.0, 5837.0):
-        yield Case(f"Table 2, P {load:g} N/m", TABLE_2.replace(nip_load=load).replace(roll_wrap=pi))
-    yield Case("Table 2, load cell at a quarter turn", TABLE_2.replace(roll_wrap=pi / 2))
-    yield Case("Table 2, short wrap", TABLE_2.replace(roll_wrap=0.1))
-    yield Case(
-        "Table 2, other friction on the wrap", TABLE_2.replace(roll_wrap=pi, wrap_friction=0.4)
-    )
-    yield Case(
-        "Table 2, board of 300 um",
-        TABLE_2.replace(roll_wrap=pi).replace(**{"web.thickness": 300e-6}),
-    )
-    yield Case("Table 1, F 100", paper.replace(roll_wrap=pi), wrapped_published(160.2, 166.4))
-    yield Case("Table 1, F 0", paper.replace(winding_force=0.0).replace(roll_wrap=pi),
+        yield Case(f"Table 2, P {load:g} N/m", TABLE_2.replace(nip_load=load).wrapped())
+    yield Case("Table 2, load cell at a quarter turn", TABLE_2.wrapped(roll_wrap=pi / 2))
+    yield Case("Table 2, short wrap", TABLE_2.wrapped(roll_wrap=0.1))
+    yield Case("Table 2, other friction on the wrap", TABLE_2.wrapped(wrap_friction=0.4))
+    yield Case("Table 2, board of 300 um", TABLE_2.wrapped().replace(**{"web.thickness": 300e-6}))
+    yield Case("Table 1, F 100", paper.wrapped(), wrapped_published(160.2, 166.4))
+    yield Case("Table 1, F 0", paper.replace(winding_force=0.0).wrapped(),
                wrapped_published(139.6, 147.5))  # fmt: skip
     for mu, rise, added in ((0.05, 88.0, 89.7), (1.0, 100.4, 123.5)):
         low = paper.replace(winding_force=0.0, roll_friction=mu)
-        yield Case(
-            f"Table 1, F 0, mu+ {mu:g}", low.replace(roll_wrap=pi), wrapped_published(rise, added)
-        )
+        yield Case(f"Table 1, F 0, mu+ {mu:g}", low.wrapped(), wrapped_published(rise, added))
     heavy = paper.replace(nip_load=10e3, winding_force=-2000.0, web_tension=2500.0)
-    yield Case(
-        "Table 1, heavy, taut and driven",
-        heavy.replace(roll_wrap=pi),
-        wrapped_published(-69.1, -2.7),
-    )
-    yield Case("Table 1, half-plane roll", paper.replace(roll=HALF_PLANE).replace(roll_wrap=pi))
-    yield Case(
-        "Table 1, cover 20 mm", paper.replace(drum=cover(0.02, 10e6, 0.1)).replace(roll_wrap=pi)
-    )
-    yield Case(
-        "Table 1, thin cover", paper.replace(drum=cover(0.002, 50e6, 0.46)).replace(roll_wrap=pi)
-    )
+    yield Case("Table 1, heavy, taut and driven", heavy.wrapped(), wrapped_published(-69.1, -2.7))
+    yield Case("Table 1, half-plane roll", paper.replace(roll=HALF_PLANE).wrapped())
+    yield Case("Table 1, cover 20 mm", paper.replace(drum=cover(0.02, 10e6, 0.1)).wrapped())
+    yield Case("Table 1, thin cover", paper.replace(drum=cover(0.002, 50e6, 0.46)).wrapped())
     yield from drawn(random_nips.random_wrapped_nip, range(0, 14, 2), "random_nips.py",
                      "random nip, roll wrap")  # fmt: skip
 
@@ -472,16 +451,14 @@ def drum_wraps() -> Iterator[Case]:
     """Yield nips with the web wrapped on the drum, with and without a wrap on the roll."""
     for angle in (0.3, pi / 2, pi):
         yield Case(f"Table 2, drum wrap {angle:.3g}, half a turn on the roll",
-                   TABLE_2.replace(roll_wrap=pi, drum_wrap=angle))  # fmt: skip
-    yield Case("Table 2, drum wrap alone", TABLE_2.replace(roll_wrap=0.0, drum_wrap=pi / 2))
-    taut = TABLE_1.replace(web_tension=1000.0).replace(
-        roll_wrap=pi, drum_wrap=pi / 2, winding_force=-900.0
-    )
+                   TABLE_2.wrapped(drum_wrap=angle))  # fmt: skip
+    yield Case("Table 2, drum wrap alone", TABLE_2.wrapped(roll_wrap=0.0, drum_wrap=pi / 2))
+    taut = TABLE_1.replace(web_tension=1000.0).wrapped(drum_wrap=pi / 2, winding_force=-900.0)
     yield Case("Table 1, force beyond the nip's friction", taut)
     soft = TABLE_1.replace(drum=cover(0.02, 10e6, 0.1))
-    yield Case("Table 1, cover 20 mm, both wraps", soft.replace(roll_wrap=pi, drum_wrap=1.0))
+    yield Case("Table 1, cover 20 mm, both wraps", soft.wrapped(drum_wrap=1.0))
     yield Case("Table 1, cover 20 mm, drum wrap alone",
-               soft.replace(roll_wrap=0.0, drum_wrap=1.0))  # fmt: skip
+               soft.wrapped(roll_wrap=0.0, drum_wrap=1.0))  # fmt: skip
     yield from drawn(random_nips.random_wrapped_nip, range(1, 15, 2), "random_nips.py",
                      "random nip, both wraps")  # fmt: skip
 
@@ -494,11 +471,9 @@ def low_friction() -> Iterator[Case]:
     both = TABLE_1.replace(roll_friction=1e-3, drum_friction=1e-4, winding_force=0.1)
     yield Case("Table 1, both faces", both)
     yield Case("Table 1, both faces, cover 20 mm", both.replace(drum=cover(0.02, 10e6, 0.1)))
-    yield Case(
-        "Table 2, mu+ 1e-3, half a turn", TABLE_2.replace(roll_friction=1e-3).replace(roll_wrap=pi)
-    )
+    yield Case("Table 2, mu+ 1e-3, half a turn", TABLE_2.replace(roll_friction=1e-3).wrapped())
     yield Case("Table 2, mu- 1e-4, both wraps",
-               TABLE_2.replace(drum_friction=1e-4).replace(roll_wrap=pi, drum_wrap=1.0))  # fmt: skip
+               TABLE_2.replace(drum_friction=1e-4).wrapped(drum_wrap=1.0))  # fmt: skip
 
 
 def layered_bodies() -> Iterator[Case]:
@@ -509,8 +484,8 @@ def layered_bodies() -> Iterator[Case]:
               for h, m in zip((0.015, 0.005, 0.02), (*materials, STEEL), strict=True)]  # fmt: skip
     three = TABLE_2.replace(drum=wo.Layered(radius=0.24, layers=layers))
     yield Case("Table 2, three-layer drum", three)
-    yield Case("Table 2, three-layer drum, half a turn", three.replace(roll_wrap=pi))
-    yield Case("Table 2, three-layer drum, both wraps", three.replace(roll_wrap=pi, drum_wrap=1.0))
+    yield Case("Table 2, three-layer drum, half a turn", three.wrapped())
+    yield Case("Table 2, three-layer drum, both wraps", three.wrapped(drum_wrap=1.0))
     tube = wo.Layered(radius=0.24, layers=layers, core="free")
     yield Case("Table 2, three-layer tube", TABLE_2.replace(drum=tube))
 
@@ -526,11 +501,11 @@ def viscoelastic_nips() -> Iterator[Case]:
     for V in (0.1, 3.0, 30.0):
         yield Case(f"Table 2, rubber cover, {V:g} m/s", TABLE_2.replace(drum=soft, web_speed=V))
     rolling = TABLE_2.replace(drum=soft, web_speed=3.0)
-    yield Case("Table 2, rubber cover, half a turn", rolling.replace(roll_wrap=pi))
-    yield Case("Table 2, rubber cover, both wraps", rolling.replace(roll_wrap=pi, drum_wrap=1.0))
+    yield Case("Table 2, rubber cover, half a turn", rolling.wrapped())
+    yield Case("Table 2, rubber cover, both wraps", rolling.wrapped(drum_wrap=1.0))
     roll = wo.Cylinder(radius=0.2, core_radius=0.05, material=RUBBER.replace(youngs_modulus=50e6))
     yield Case("Table 2, viscoelastic roll, half a turn",
-               TABLE_2.replace(roll=roll, web_speed=8.0).replace(roll_wrap=pi))  # fmt: skip
+               TABLE_2.replace(roll=roll, web_speed=8.0).wrapped())  # fmt: skip
     seeds = [seed for seed in range(12) if seed % 3 < 2]
     yield from drawn(viscoelastic.random_viscoelastic, seeds, "viscoelastic.py",
                      "random viscoelastic nip")  # fmt: skip
@@ -552,16 +527,16 @@ def hardening_rolls() -> Iterator[Case]:
     soft, firm = stack(10e3, 127.0), stack(100e3, 65.0)
     nip = TABLE_2.replace(roll=roll(soft, 90e3))
     yield Case("Table 2, K1 10 kPa, K2 127, P0 90 kPa", nip)
-    yield Case("the same, half a turn", nip.replace(roll_wrap=pi))
-    yield Case("the same, both wraps", nip.replace(roll_wrap=pi, drum_wrap=1.0))
-    yield Case("the same, light load", nip.replace(nip_load=350.0).replace(roll_wrap=pi))
+    yield Case("the same, half a turn", nip.wrapped())
+    yield Case("the same, both wraps", nip.wrapped(drum_wrap=1.0))
+    yield Case("the same, light load", nip.replace(nip_load=350.0).wrapped())
     yield Case("the same, the web hardens", nip.replace(**{"web.material": soft}))
     yield Case("the same, the web hardens, half a turn",
-               nip.replace(roll_wrap=pi).replace(**{"web.material": soft}))  # fmt: skip
+               nip.wrapped().replace(**{"web.material": soft}))  # fmt: skip
     yield Case("Table 2, linear roll, the web hardens",
-               TABLE_2.replace(roll_wrap=pi).replace(**{"web.material": firm}))  # fmt: skip
+               TABLE_2.wrapped().replace(**{"web.material": firm}))  # fmt: skip
     yield Case("Table 2, K1 100 kPa, K2 65, P0 200 kPa",
-               TABLE_2.replace(roll=roll(firm, 200e3)).replace(roll_wrap=pi))  # fmt: skip
+               TABLE_2.replace(roll=roll(firm, 200e3)).wrapped())  # fmt: skip
     hard = roll(stack(10e3, 127.0, shear_exponent=0.5), 90e3)
     yield Case("Table 2, the shear modulus hardens", TABLE_2.replace(roll=hard))
 
@@ -714,14 +689,14 @@ def bonded_layers() -> Iterator[Case]:
 
 def air_nips() -> Iterator[Case]:
     """Yield nips with entrained air that retain 0.1 to 0.9 of the friction."""
-    film, paper = wo.NipProblem.example(), TABLE_2.replace(roll_wrap=pi)
+    film, paper = wo.AirNipProblem.example(), TABLE_2.wrapped()
     for retained in (0.9, 0.7, 0.5, 0.3, 0.1):
         V = speed_for(film, retained)
         yield Case(
             f"film on a rubber drum, {retained:g} of the friction", film.replace(web_speed=V)
         )
     fields = {name: getattr(paper, name) for name in type(paper).model_fields}
-    newsprint = wo.NipProblem(**fields | {"web_speed": 10.0, "air": wo.Air(roughness=1e-6)})
+    newsprint = wo.AirNipProblem(**fields | {"web_speed": 10.0, "air": wo.Air(roughness=1e-6)})
     for retained in (0.8, 0.4):
         V = speed_for(newsprint, retained)
         yield Case(f"Table 2, {retained:g} of the friction", newsprint.replace(web_speed=V))
@@ -733,7 +708,7 @@ def air_nips() -> Iterator[Case]:
 
 
 @cache
-def speed_for(problem: wo.NipProblem, retained: float) -> float:
+def speed_for(problem: wo.AirNipProblem, retained: float) -> float:
     """Return the web speed, rounded to two digits, at which air leaves a share of the friction."""
     low, high = 1e-2, 100.0
     for _ in range(12):

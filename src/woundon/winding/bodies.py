@@ -36,6 +36,7 @@ __all__ = [
     "foreseen",
     "hardening_roll",
     "solved_nip",
+    "tension_on_roll",
 ]
 
 Array = np.ndarray
@@ -81,7 +82,7 @@ class Felt(NamedTuple):
     @property
     def tension(self) -> float:
         """The wound-on tension, as it would be at the pressure wanted [N/m]."""
-        return self.result.wound_on_tension if isnan(self.wanted) else self.at(self.wanted)[0]
+        return tension_on_roll(self.result) if isnan(self.wanted) else self.at(self.wanted)[0]
 
     def at(self, pressure: float) -> tuple[float, float, float]:
         """Return WOT [N/m], a [m] and p_max [Pa] as they would be at another P_e."""
@@ -158,8 +159,16 @@ def foreseen(problem: WindingProblem, stage: Stage, felt: Felt) -> Felt:
     return felt._replace(wanted=P, steep=steep)
 
 
+def tension_on_roll(result: NipResult) -> float:
+    """Return the tension with which the web is wound into the roll [N/m].
+
+    The roll has closed layers, and its surface is free of the nip when the next layer arrives.
+    """
+    return result.roll_wound_on_tension
+
+
 def _told(result: NipResult) -> tuple[float, float, float]:
-    return result.wound_on_tension, result.half_width, result.peak_pressure
+    return tension_on_roll(result), result.half_width, result.peak_pressure
 
 
 def _powers(felt: Felt, last: Felt) -> tuple[float, float, float]:

@@ -24,7 +24,7 @@ import numpy as np
 from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
-from .bodies import SHARE, Felt
+from .bodies import SHARE, Felt, tension_on_roll
 from .curve import MOST_PIECES, TensionCurve, looked_at, sharp_kinks
 from .nips import Nips
 
@@ -98,7 +98,7 @@ class Departure:
 def _slopes(felt: Felt) -> Array:
     """Return the derivatives of a nip's wound-on tension by its loads, what the roll feels too."""
     result, P_e = felt.result, felt.pressure
-    found = result.sensitivity(*LOADS, outputs=("wound_on_tension", "half_width"))
+    found = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
     tension, width = found.derivatives
     if isnan(P_e):
         return np.asarray(tension)
@@ -106,7 +106,7 @@ def _slopes(felt: Felt) -> Array:
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
     felt_more = ((P_e - pressed) - pressed) * ln_a + pressed * ln_P
-    by_felt = felt.powers[0] * result.wound_on_tension / P_e
+    by_felt = felt.powers[0] * tension_on_roll(result) / P_e
     return np.asarray(tension + by_felt * felt_more / (1 - felt.steep))
 
 

@@ -59,9 +59,7 @@ def wound_again(result: WindingResult) -> RollResult:
     return thin.with_laps()
 
 
-def _roll_problem(
-    problem: WindingProblem, r: Array, tension: Array, film: float
-) -> RollProblem:
+def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float) -> RollProblem:
     least = int(np.argmin(tension))
     if not tension[least] > 0:
         raise NoSteadyState.at(

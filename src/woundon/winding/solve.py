@@ -34,6 +34,7 @@ from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLaps
 from ..threads import one_thread
+from .bodies import tension_on_roll
 from .certificate import MOST_AGREED, certificate
 from .curve import NOMINAL, TensionCurve, looked_at, told_radii
 from .interpolation import Piece
@@ -251,7 +252,7 @@ class _Winder:
         That is the tension of the nip solved, and that on the roll it asks for.
         """
         felt, given = self.nips.felt[self.curve.radius(place)], self._tension(place, share)
-        return max(abs(given / due - 1) for due in (felt.result.wound_on_tension, felt.tension))
+        return max(abs(given / due - 1) for due in (tension_on_roll(felt.result), felt.tension))
 
     def _first(self, place: float) -> float:
         if self.start is None:

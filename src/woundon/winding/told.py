@@ -11,6 +11,7 @@ from ..errors import RESOLUTION
 from ..problems.winding import LOADS, WindingProblem
 from ..results import Residuals
 from ..roll.solve import ThinLaps
+from .bodies import tension_on_roll
 from .nips import Nips
 from .result import WindingResult
 from .roll import changed
@@ -56,7 +57,7 @@ def told(
         nip_induced_tension=tension - loads["web_tension"],
         wound_on_tension=tension,
         nip_radius=np.array([each.radius for each in felt]),
-        nip_wound_on_tension=np.array([nip.wound_on_tension for nip in solved]),
+        nip_wound_on_tension=np.array([tension_on_roll(nip) for nip in solved]),
         nip_departure=np.zeros(len(felt)) if departure is None else departure,
         nip_half_width=np.array([nip.half_width for nip in solved]),
         nip_peak_pressure=np.array([nip.peak_pressure for nip in solved]),
@@ -64,7 +65,7 @@ def told(
         nip_air_film=np.array([nips.films[each.radius] for each in felt]),
         nip_friction=np.array([nip.problem.roll_friction for nip in solved]),
         air_film=film,
-        nip_error=np.array([nip.wound_on_tension_error for nip in solved]),
+        nip_error=np.array([nip.errors.get("roll_wound_on_tension", np.nan) for nip in solved]),
         nip_residual=np.array([nip.residual for nip in solved]),
         interpolation_error=interpolation[0],
         core_interpolation_error=interpolation[1],
