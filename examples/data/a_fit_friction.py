@@ -18,7 +18,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 readings = {
     "nip_load [N/m]": [350, 350, 350, 876, 876, 876],
     "web_tension [N/m]": [175, 263, 350, 175, 263, 350],

@@ -12,6 +12,7 @@ write the result back.
 # %%
 # The spreadsheet, as a text here. ``pd.read_excel("settings.xlsx")`` reads a real one.
 import io
+from math import pi
 
 import matplotlib.pyplot as plt
 import pandas as pd
@@ -35,8 +36,9 @@ over = {
     "web_tension": settings["web tension [N/m]"].to_numpy(),
     "roll.radius": 0.5e-3 * settings["roll diameter [mm]"].to_numpy(),
 }
+problem = wo.NipProblem.example().replace(roll_wrap=pi)
 outputs = ["wound_on_tension", "nip_width", "peak_pressure"]
-solved = wo.sweep(wo.NipProblem.example(), over, outputs, design="table")
+solved = wo.sweep(problem, over, outputs, design="table")
 settings["wound-on tension [N/m]"] = solved.wound_on_tension.values.round(1)
 settings["nip width [mm]"] = (1e3 * solved.nip_width.values).round(2)
 settings["largest pressure [kPa]"] = (1e-3 * solved.peak_pressure.values).round(0)

@@ -3,8 +3,8 @@ Where does the web slip, and how fast?
 ======================================
 
 In the nip the web sticks to the roll and to the drum in places and slips in others. The
-solution tells where, and how fast, as a share of the web speed: the *creep* of the web past the
-drum follows too.
+solution tells where, and how fast, as a share of the web speed. It also gives the *creepage* of web
+and drum.
 
 **Answer:** on the roll the web slips backward over the first eighth of the nip, then sticks,
 then slips forward over more than half of the nip. The speeds are small, 0.2 % of the web speed
@@ -17,23 +17,23 @@ import numpy as np
 
 import woundon as wo
 
-result = wo.solve(wo.NipProblem.example())
+result = wo.solve(wo.NipProblem.example().replace(roll_wrap=np.pi))
 print(
     f"slip on the roll: first {abs(result.leading_roll):.0%} "
     f"and last {result.trailing_roll:.0%} of the nip"
 )
 print(f"both faces slip over the last {result.dual:.0%}")
-print(f"behind the nip the web slips on for {np.degrees(result.slip_angle):.1f} degrees")
+print(f"downstream of the nip the web slips on for {np.degrees(result.slip_angle):.1f} degrees")
 fastest = np.abs(result.roll_slip).max()
 print(
     f"fastest slip on the roll {fastest:.2%} of the web speed, at 20 m/s {2000 * fastest:.1f} cm/s"
 )
-print(f"creep between web and drum {result.drum_creepage:.3%}")
+print(f"creepage of web and drum {result.drum_creepage:.3%}")
 
 # %%
 # Tractions with their friction bounds (where the line meets the edge of the shade, the web
 # slips), slip speeds, tension, and the zones of stick and slip. On the right: the web on the
-# roll behind the nip.
+# roll downstream of the nip.
 result.plot()
 plt.show()
 

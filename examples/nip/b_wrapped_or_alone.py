@@ -2,14 +2,13 @@
 The nip alone, or with the web wrapped on the roll?
 ===================================================
 
-The classical model ends at the trailing edge of the nip and holds the web to the roll there. In
-truth the web slips on behind the nip for a few degrees. ``wo.NipProblem`` is the nip alone,
-``wo.NipProblem`` has the wraps. Which one is right for a wound-on tension, and how far
-are they apart?
+The classical model ends at the trailing edge of the nip and holds the web to the roll there
+(``roll_wrap=0``). In reality the web lies on the roll downstream of the nip, for half a turn by
+default (``roll_wrap=pi``), and slips on for a few degrees. How much do the wound-on tensions differ?
 
-**Answer:** take the wrapped one. The nip alone gives two numbers, a tension at the trailing
-edge, which is too low, and an estimate of the wound-on tension that lets the web stick behind
-the nip, which is too high. The wrapped answer lies between them.
+**Answer:** solve the nip with the roll wrap. Without it there are two numbers: the tension at the
+trailing edge, which is too low, and the estimate of thesis eq. (183), in which the web sticks to the
+roll downstream of the nip, which is too high. The solution with the wrap lies between them.
 """
 
 # %%
@@ -18,8 +17,8 @@ import numpy as np
 
 import woundon as wo
 
-wrapped = wo.NipProblem.example()
-alone = wrapped.confined()  # the same nip as a NipProblem
+wrapped = wo.NipProblem.example().replace(roll_wrap=np.pi)
+alone = wrapped.replace(roll_wrap=0.0)  # the web is held at the trailing edge
 loads = np.geomspace(300, 8000, 9)
 table = []
 for load in loads:

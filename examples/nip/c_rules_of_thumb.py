@@ -17,7 +17,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 loads = np.geomspace(200, 6000, 9)
 rows = []
 for load in loads:
@@ -25,8 +25,8 @@ for load in loads:
     result = wo.solve(case)
     rows.append(
         {
-            "solved: added to the web tension": result.wound_on_tension - case.web_tension,
-            "solved: inside the nip": result.nip_induced_tension,
+            "solved: added to the web tension": result.nip_induced_tension,
+            "solved: inside the nip": result.outlet_tension - result.inlet_tension,
             "µ P": wo.theories.friction_limit(case),
             "Jalkanen": wo.theories.jalkanen(case, result.approach),
             "dual slip": float(wo.theories.dual_slip(case, result.dual)),

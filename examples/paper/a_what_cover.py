@@ -16,7 +16,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 hard = wo.solve(problem)
 moduli = np.geomspace(3e6, 1e9, 8)
 

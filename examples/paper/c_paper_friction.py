@@ -16,7 +16,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 frictions = np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5])
 cases = [problem.replace(roll_friction=mu) for mu in frictions]
 added = np.array([wo.solve(case).wound_on_tension - case.web_tension for case in cases])

@@ -12,11 +12,13 @@ of paper known to ten percent make a wound-on tension that is known to a few per
 """
 
 # %%
+from math import pi
+
 import matplotlib.pyplot as plt
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=pi)
 result = wo.solve(problem)
 print(f"{result.wound_on_tension:.1f} ± {result.wound_on_tension_error:.1f} N/m from the grid")
 print(f"largest violation of any law: {result.residuals.largest:.1e} ({result.residuals.worst})")

@@ -25,7 +25,7 @@ ranges = {
     "roll.material.shear": (8e6, 12e6),
 }
 drawn = wo.sweep(
-    wo.NipProblem.example(),
+    wo.NipProblem.example().replace(roll_wrap=np.pi),
     ranges,
     design="latin-hypercube",
     samples=60,

@@ -10,7 +10,7 @@ answer.
 """
 
 # %%
-# The case in full. All values are in SI units: m, N/m, Pa.
+# The case in full. All values are in SI units: m, N/m, Pa, rad.
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import brentq
@@ -26,6 +26,7 @@ problem = wo.NipProblem(
     drum_friction=0.2,
     nip_load=3502,
     web_tension=350,
+    roll_wrap=np.pi,
 )
 
 # %%

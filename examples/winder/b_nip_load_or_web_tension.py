@@ -17,7 +17,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 wound = wo.solve(problem).wound_on_tension
 for name in ("nip_load", "web_tension"):
     more = problem.replace(**{name: 1.1 * getattr(problem, name)})

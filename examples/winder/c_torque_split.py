@@ -18,7 +18,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 limit = problem.drum_friction * problem.nip_load  # beyond it the web slides on the whole drum
 print(f"friction lets the drum transmit up to {limit:.0f} N/m")
 

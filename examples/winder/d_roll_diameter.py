@@ -15,7 +15,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 radii = np.geomspace(0.06, 0.75, 9)
 results = [wo.solve(problem.replace(**{"roll.radius": radius})) for radius in radii]
 wound = np.array([result.wound_on_tension for result in results])

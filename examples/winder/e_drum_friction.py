@@ -16,7 +16,7 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
 frictions = np.array([0.05, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2, 0.3, 0.4, 0.6])
 results = [wo.solve(problem.replace(drum_friction=mu)) for mu in frictions]
 wound = np.array([result.wound_on_tension for result in results])

@@ -18,7 +18,17 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem(
+    web=wo.Web(thickness=23e-6, material=wo.Isotropic(youngs_modulus=5e9, poissons_ratio=0.3)),
+    roll=wo.HalfPlane(
+        radius=0.2, material=wo.Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)
+    ),
+    drum=wo.HalfPlane(  # a lay-on roll covered with rubber
+        radius=0.1, material=wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48)
+    ),
+    roll_friction=0.25, drum_friction=0.4, nip_load=300.0, web_tension=100.0, roll_wrap=np.pi,
+    web_speed=1.0, air=wo.Air(roughness=0.3e-6),
+)  # fmt: skip
 speeds = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0])
 
 
@@ -34,8 +44,8 @@ cases = {
 }
 for V, result in zip(speeds, cases["300 N/m"], strict=True):
     print(
-        f"{V:4.2f} m/s: film {result.film * 1e6:4.2f} um, friction in the nip "
-        f"{result.roll_friction:.2f}, {result.wound_on_tension - 100:5.2f} N/m added"
+        f"{V:4.2f} m/s: film {result.air.film * 1e6:4.2f} um, friction in the nip "
+        f"{result.air.roll_friction:.2f}, {result.wound_on_tension - 100:5.2f} N/m added"
     )
 
 # %%
@@ -53,7 +63,7 @@ rolls = [wo.solve(result.wound(roll)) for result in cases["300 N/m"][::4]]
 
 figure, panels = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
 for name, results in cases.items():
-    panels[0].plot(speeds, [r.film * 1e6 for r in results], label=name)
+    panels[0].plot(speeds, [r.air.film * 1e6 for r in results], label=name)
     panels[1].plot(speeds, [r.wound_on_tension - 100 for r in results], label=name)
 for V, pressed in zip(speeds[::4], rolls, strict=True):
     panels[2].plot(pressed.radius * 1e3, pressed.pressure / 1e3, label=f"{V:.0f} m/s")
@@ -66,9 +76,9 @@ plt.show()
 
 # sphinx_gallery_start_ignore
 light, heavy, hard = cases.values()
-assert light[0].friction_share == 1
-assert light[-1].friction_share < 0.01
-assert heavy[-1].film < light[-1].film
-assert hard[-1].film < light[-1].film
+assert light[0].air.friction_share == 1
+assert light[-1].air.friction_share < 0.01
+assert heavy[-1].air.film < light[-1].air.film
+assert hard[-1].air.film < light[-1].air.film
 assert rolls[-1].mid_pressure < 0.5 * rolls[0].mid_pressure
 # sphinx_gallery_end_ignore

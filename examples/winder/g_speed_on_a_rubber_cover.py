@@ -24,7 +24,7 @@ rubber = wo.Isotropic(
            (4.71e6, 1e-4), (8.12e6, 1e-5), (15.6e6, 1e-6)],
 )  # fmt: skip
 drum = wo.Cylinder(radius=0.25, core_radius=0.235, material=rubber)
-problem = wo.NipProblem.example().replace(drum=drum, web_speed="100 m/min")
+problem = wo.NipProblem.example().replace(roll_wrap=np.pi, drum=drum, web_speed="100 m/min")
 print(wo.solve(problem))
 
 # %%

@@ -41,6 +41,7 @@ film = wo.WindingProblem(
     drum_friction=0.5,
     web_tension=wo.Taper(start=150.0, taper=0.25),
     nip_load=400.0,
+    roll_wrap=np.pi,
     density=1390.0,
 )
 splits = (0.0, 0.5, 1.0)

@@ -19,7 +19,17 @@ import numpy as np
 
 import woundon as wo
 
-problem = wo.NipProblem.example()
+problem = wo.NipProblem(
+    web=wo.Web(thickness=23e-6, material=wo.Isotropic(youngs_modulus=5e9, poissons_ratio=0.3)),
+    roll=wo.HalfPlane(
+        radius=0.2, material=wo.Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)
+    ),
+    drum=wo.HalfPlane(  # a lay-on roll covered with rubber
+        radius=0.1, material=wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48)
+    ),
+    roll_friction=0.25, drum_friction=0.4, nip_load=300.0, web_tension=100.0, roll_wrap=np.pi,
+    web_speed=1.0, air=wo.Air(roughness=0.3e-6),
+)  # fmt: skip
 stack = wo.Stack(
     radial=wo.Pfeiffer(K1=5e3, K2=100.0), tangential=5e9, poissons_ratio=0.01, shear=10e6
 )
@@ -43,8 +53,8 @@ density = np.array([roll.mass for roll in rolls]) / (np.pi * (0.2**2 - 0.05**2))
 # laps are pressed by little more than their own tension, T/R, and are the first to float.
 winding = wo.WindingProblem(
     web=problem.web, stack=stack, core=core, radius=0.2, drum=problem.drum, roll_friction=0.25,
-    drum_friction=0.4, web_tension=100.0, nip_load=300.0, density=1390.0, air=problem.air,
-    web_speed=2.0,
+    drum_friction=0.4, web_tension=100.0, nip_load=300.0, roll_wrap=np.pi, density=1390.0,
+    air=problem.air, web_speed=2.0,
 )  # fmt: skip
 coarse = {"nodes": 33, "rtol": 0.05, "agreed": 1e-2}
 held, lost = (wo.solve(winding.replace(web_speed=V), **coarse) for V in (2.0, 2.25))
@@ -58,8 +68,8 @@ for run in (held, lost):
 
 # %%
 panels = {
-    "film between the laps [um]": [1e6 * nip.film for nip in nips],
-    "friction": [nip.roll_friction for nip in nips],
+    "film between the laps [um]": [1e6 * nip.air.film for nip in nips],
+    "friction": [nip.air.roll_friction for nip in nips],
     "nip-induced tension [N/m]": [nip.nip_induced_tension for nip in nips],
     "density of the roll [kg/m3]": density,
 }
@@ -81,7 +91,7 @@ assert held.margins["slip"].value < 1 < lost.margins["slip"].value
 assert lost.margins["slip"].radius > 0.19
 assert np.all(np.diff(density) < 0)
 assert 0.03 < 1 - np.interp(2.0, speeds, density) / density[0] < 0.05
-friction = [nip.roll_friction for nip in nips]
+friction = [nip.air.roll_friction for nip in nips]
 assert 0.3 < np.interp(2.0, speeds, friction) / friction[0] < 0.4
 added = [nip.nip_induced_tension for nip in nips]
 assert abs(np.interp(2.0, speeds, added) / added[0] - 1) < 0.1
