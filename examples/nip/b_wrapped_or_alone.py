@@ -4,11 +4,12 @@ The nip alone, or with the web wrapped on the roll?
 
 The classical model ends at the trailing edge of the nip and holds the web to the roll there
 (``roll_wrap=0``). In reality the web lies on the roll downstream of the nip, for half a turn by
-default (``roll_wrap=pi``), and slips on for a few degrees. How much do the wound-on tensions differ?
+default (``roll_wrap=pi``), and slips on for a few degrees. How much do the wound-on tensions
+differ?
 
 **Answer:** solve the nip with the roll wrap. Without it there are two numbers: the tension at the
-trailing edge, which is too low, and the estimate of thesis eq. (183), in which the web sticks to the
-roll downstream of the nip, which is too high. The solution with the wrap lies between them.
+trailing edge, which is too low, and the estimate of thesis eq. (183), in which the web sticks to
+the roll downstream of the nip, which is too high. The solution with the wrap lies between them.
 """
 
 # %%

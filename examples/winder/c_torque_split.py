@@ -30,9 +30,7 @@ for drive, force in (("surface", -problem.web_tension), ("half and half", -175.0
 forces = np.linspace(-0.9, 0.9, 13) * limit
 results = [wo.solve(problem.replace(winding_force=force)) for force in forces]
 plt.plot(forces, [result.wound_on_tension for result in results], label="wound-on tension")
-plt.plot(
-    forces, [result.outlet_tension for result in results], "--", label="at the trailing edge"
-)
+plt.plot(forces, [result.outlet_tension for result in results], "--", label="at the trailing edge")
 for name, force in (("surface\nwinding", -problem.web_tension), ("centre\nwinding", 0.0)):
     plt.axvline(force, color="grey", linestyle=":")
     plt.text(force + 8, 380, name)
