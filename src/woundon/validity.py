@@ -61,7 +61,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.3g}%"
 
 
-def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[str]:
+def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
     """Yield where two bodies pressed together leave the model.
 
     Parameters
@@ -71,7 +71,7 @@ def pair_warnings(result: Result, tractions: Mapping[str, Array]) -> Iterator[st
     tractions : mapping of str to array
         On each body, by its name in the problem [Pa].
     """
-    problem, a, approach = result.problem, result.half_width, result.approach  # type: ignore[attr-defined]
+    problem, a, approach = result.problem, result.half_width, result.approach
     radius = min(body.radius for body in problem.bodies)
     yield from past(
         "half width", a / radius, "the half width {0:.3g} mm is {} of the smaller radius", a * 1e3

@@ -28,9 +28,13 @@ from .air_films import escaped_film, foil_film, friction_share, nip_film
 if TYPE_CHECKING:
     from ..problems.bodies import Body
     from ..problems.nip import NipProblem
+    from .equations import NipEquations, NipState
     from .result import NipResult
 
-__all__ = ["AirFilm", "air_conditions", "air_film", "air_warnings", "films_of", "inlet_gradient"]
+__all__ = [
+    "AirFilm", "air_conditions", "air_film", "air_warnings", "film_of_state", "films_of",
+    "inlet_gradient",
+]  # fmt: skip
 
 Array = np.ndarray
 
@@ -207,6 +211,13 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
     films = films_of(problem, gradient, half_width)
     thickness = _thickness(problem, pressure, half_width, films["film_in_nip"])
     return AirFilm(gradient=gradient, thickness=thickness, **films)
+
+
+def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState) -> AirFilm:
+    """Return the film of a state of the equations of the nip without air."""
+    nip, f = state.fields.geometry.mesh.nip_nodes, state.fields
+    a = f.geometry.a
+    return air_film(problem, a * f.geometry.mesh.nodes[nip], f.p_roll[nip], a)
 
 
 def _thickness(problem: NipProblem, pressure: Array, half_width: float, in_nip: float) -> Array:

@@ -30,10 +30,13 @@ from ..errors import InvalidProblem, did_you_mean
 from ..quantities import walk
 from ..results import ReadOnly
 from ..threads import one_thread
+from .entrained_air import film_of_state
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
+
+    from ..problems.nip import NipProblem
 
 __all__ = ["Sensitivity", "contact_sensitivity", "continuous_fields"]
 
@@ -45,6 +48,9 @@ STEP = 1e-4
 # Newton steps with the Jacobian of the solution: one leaves the error of the Jacobian (tangents of
 # nonlinear bodies and the column by ln a are inexact by up to 1e-2), two leave its square.
 STEPS = 2
+# Iterations of the friction that an air film leaves: the pressure at the inlet, which decides on the
+# film, changes by about 1e-2 of the change of the friction.
+AIR_ITERATIONS = 4
 # Margin of a node's inequality, relative to the largest value, below which its zone may change.
 NEAR_CHANGE = 1e-6
 # Parameters in the one-line representation.
@@ -58,8 +64,8 @@ class Sensitivity(ReadOnly):
     Attributes
     ----------
     outputs : tuple of str
-        Those asked for; else ``nip_induced_tension``, ``outlet_tension``, ``half_width``,
-        ``nip_width``, ``drum_creepage``, and before them ``wound_on_tension`` of a wrapped nip.
+        Those asked for; by default ``wound_on_tension``, ``nip_induced_tension``,
+        ``outlet_tension``, ``half_width``, ``nip_width`` and ``drum_creepage``.
     parameters : tuple of str
         Dotted names of the fields.
     derivatives : (outputs, parameters) array
@@ -267,13 +273,29 @@ class _Perturbed:
 
     def __call__(self, problem: Any) -> Array:
         """Return the outputs of a problem next to the solved one."""
+        if getattr(problem, "air", None) is None:
+            system, u = self._solved(problem, self.mesh.state.u)
+        else:
+            system, u = self._solved_with_air(problem)
+        outputs = system.outputs(system.evaluate(u), self.mesh.active)
+        return np.array([outputs[name] for name in self.outputs])
+
+    def _solved(self, problem: Any, u: Array) -> tuple[Any, Array]:
+        """Return the system of a problem and its solution, from an initial guess."""
         own, system = self.mesh.system, self.mesh.system.for_problem(problem)
-        u = self.mesh.state.u
         for _ in range(STEPS):
             change = self._residual(system.evaluate(u)) - self.residual
             u = u - lu_solve(self.factors, change / self.row_size, check_finite=False) * own.scales
-        outputs = system.outputs(system.evaluate(u), self.mesh.active)
-        return np.array([outputs[name] for name in self.outputs])
+        return system, u
+
+    def _solved_with_air(self, problem: NipProblem) -> tuple[Any, Array]:
+        """Return the same for a problem with air: each iteration updates the friction."""
+        system, u = self.mesh.system, self.mesh.state.u
+        for _ in range(AIR_ITERATIONS):
+            film = film_of_state(problem, system, system.evaluate(u))
+            dry = problem.without_air(film.roll_friction, film.wrap_friction)
+            system, u = self._solved(dry, u)
+        return system, u
 
 
 def _difference(solved: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:
@@ -308,6 +330,8 @@ def _size(problem: Any, name: str, value: float) -> float:
         return float(problem.drum_friction * problem.nip_load)
     if name in ("tangential_load", "load"):
         return float(problem.friction * problem.load)
+    if name == "air.permeance":  # the film that escapes is of the order of the roughness
+        return float(problem.air.roughness * problem.web_speed / max(problem.web_tension, 1.0))
     return 1 / problem.web.compliance.c22 if name.endswith("cross") else 1.0
 
 
