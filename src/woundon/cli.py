@@ -193,7 +193,7 @@ class New(click.Command):
     """Prints a file to start from; every kind of problem has a flag."""
 
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
-        """Return argument and flags: --wrapped-nip, or --wrapped where no other kind begins so."""
+        """Return argument and flags; a kind of two words has a short flag if that is unique."""
         if len(self.params) == 2:
             self.params += [
                 click.Option(_flags(kind.command), is_flag=True, default=False, help=kind.about)
@@ -212,7 +212,7 @@ def _flags(command: str) -> list[str]:
     help="""\
     Print a commented case file to start from: woundon new > case.toml.
 
-    KIND is the kind of problem, named as its command or by a flag; by default wrapped-nip.
+    KIND is the kind of problem, named as its command or by a flag; by default nip.
     """,
     cls=New,
     short_help="Print a commented case or study file to start from.",
@@ -225,7 +225,7 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
     if len(named) > 1:
         raise InvalidProblem.at("kind", f"must be one, got {one_of(named, 'and')}")
     room = "studies.study_texts:study_" if study else "io.case_texts:"
-    text = kinds.fetch(f"woundon.{room}template")(*named or ["wrapped-nip"])
+    text = kinds.fetch(f"woundon.{room}template")(*named or ["nip"])
     click.echo(text, nl=False)
 
 
