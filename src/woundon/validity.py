@@ -16,7 +16,7 @@ import numpy as np
 from .elasticity.mesh import Wrap, nip_mesh
 from .errors import RESOLUTION
 from .problems.bodies import Body, ContactProblem, half_width_guess
-from .results import Result, Zone
+from .results import Zone
 
 __all__ = ["LIMITS", "Limit", "far_outside", "pair_warnings", "past", "zone_warnings"]
 

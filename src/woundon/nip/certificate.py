@@ -134,7 +134,8 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
     }  # fmt: skip
     pressures = {
-        "drum_pressure": f.p_drum, "roll_pressure": f.p_roll, "hoop_pressure": implied["hoop_pressure"],
+        "drum_pressure": f.p_drum, "roll_pressure": f.p_roll,
+        "hoop_pressure": implied["hoop_pressure"],
     }  # fmt: skip
     conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
     if problem.is_wrapped:

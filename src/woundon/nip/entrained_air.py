@@ -126,8 +126,9 @@ def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> fl
     drag = 12 * air.viscosity * V
 
     def defect(ln_length: float) -> float:
-        l = exp(ln_length)
-        return ln_length - 0.4 * log(drag / (_compliance(problem, l) ** 2 * gradient(l) ** 3))
+        length = exp(ln_length)
+        C, K = _compliance(problem, length), gradient(length)
+        return ln_length - 0.4 * log(drag / (C**2 * K**3))
 
     low, high = map(log, LENGTHS)
     return exp(float(brentq(defect, low, high, xtol=1e-14, rtol=1e-14)))

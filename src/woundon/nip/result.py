@@ -28,7 +28,7 @@ __all__ = ["Dissipation", "NipResult", "SlipRatios"]
 
 Array = np.ndarray
 
-# Angle downstream of the nip at which the laboratory winder of the thesis leads the web off the roll.
+# Angle downstream of the nip at which the laboratory winder leads the web off the roll.
 RIG_ANGLE = pi / 2
 
 
@@ -277,7 +277,7 @@ class NipResult(Dissipation, Result):
 
         return recomputed(self)
 
-    # ---- tensions and wraps ------------------------------------------------------------------------
+    # ---- tensions and wraps ----------------------------------------------------------------------
 
     @property
     def wound_on_tension(
@@ -362,7 +362,7 @@ class NipResult(Dissipation, Result):
             return Zone.STICK
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
 
-    # ---- without a roll wrap: thesis eq. (183) ----------------------------------------------------
+    # ---- without a roll wrap: thesis eq. (183) --------------------------------------------------
 
     def wound_on_tension_estimate(
         self, angle: float = pi
@@ -402,7 +402,7 @@ class NipResult(Dissipation, Result):
         """The estimate (183) where the web leaves the roll a quarter turn downstream [N/m]."""
         return self.wound_on_tension_estimate(RIG_ANGLE)
 
-    # ---- entrained air -----------------------------------------------------------------------------
+    # ---- entrained air --------------------------------------------------------------------------
 
     @property
     def without_air(self) -> NipProblem:

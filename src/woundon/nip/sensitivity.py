@@ -48,8 +48,8 @@ STEP = 1e-4
 # Newton steps with the Jacobian of the solution: one leaves the error of the Jacobian (tangents of
 # nonlinear bodies and the column by ln a are inexact by up to 1e-2), two leave its square.
 STEPS = 2
-# Iterations of the friction that an air film leaves: the pressure at the inlet, which decides on the
-# film, changes by about 1e-2 of the change of the friction.
+# Iterations of the friction that an air film leaves: the film depends on the pressure at the inlet,
+# which changes by about 1e-2 of the change of the friction.
 AIR_ITERATIONS = 4
 # Margin of a node's inequality, relative to the largest value, below which its zone may change.
 NEAR_CHANGE = 1e-6

@@ -216,8 +216,8 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
     for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
         errors[name] = max(errors[name], cell)
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
-    names = ("roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage", *SLIP_RATIOS)
-    values: dict[str, Any] = {name: outputs[name] for name in names} | arrays
+    scalars = "roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"
+    values: dict[str, Any] = {name: outputs[name] for name in (*scalars, *SLIP_RATIOS)} | arrays
     result = NipResult(
         problem=problem, residuals=Residuals(), air=film, **values,
         iterations=found.iterations,

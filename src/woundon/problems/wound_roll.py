@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import model_validator
 
 from ..elasticity import cylinder
-from ..elasticity.half_plane import coefficients
 from ..elasticity.fourier import uniform_response
+from ..elasticity.half_plane import coefficients
 from ..elasticity.hardening import HardeningLaw
 from ..elasticity.influence import InfluenceSurface
 from ..errors import InvalidProblem

@@ -209,9 +209,7 @@ def _wound(
     return found, result.replace(steps=equations.steps + result.steps)
 
 
-def finished(
-    problem: RollProblem, x: Array, growth: Growth, solved: Solved
-) -> RollResult:
+def finished(problem: RollProblem, x: Array, growth: Growth, solved: Solved) -> RollResult:
     """Return the result of a roll wound so far, what changes the finished roll put in.
 
     Parameters
