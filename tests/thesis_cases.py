@@ -26,6 +26,20 @@ def newsprint_nip(**changes: Any) -> wo.NipProblem:
     return wo.NipProblem.example().replace(roll_wrap=0.0).replace(**changes)
 
 
+def film_nip(**changes: Any) -> wo.NipProblem:
+    """A polyester film with entrained air under a rubber-covered lay-on roll, not of the thesis."""
+    film = wo.Isotropic(youngs_modulus=5e9, poissons_ratio=0.3)
+    stack = wo.Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)
+    rubber = wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48)
+    return wo.NipProblem(
+        web=wo.Web(thickness=23e-6, material=film),
+        roll=wo.HalfPlane(radius=0.2, material=stack),
+        drum=wo.HalfPlane(radius=0.1, material=rubber),
+        roll_friction=0.25, drum_friction=0.4, nip_load=300.0, web_tension=100.0,
+        web_speed=1.0, air=wo.Air(roughness=0.3e-6),
+    ).replace(**changes)  # fmt: skip
+
+
 def measured_tensions() -> list[dict[str, float]]:
     """Table 3, rows put right: nip_load, web_tension, measured, thesis_theory [N/m]."""
     path = resources.files("woundon") / "data" / "wound_on_tension_newsprint.csv"

@@ -35,9 +35,8 @@ TABLE_2 = wo.NipProblem(
     nip_load=3502.0,
     winding_force=0.0,
     web_tension=350.0,
-    roll_wrap=0.0,
-).replace(roll_wrap=pi)
-PLAIN = TABLE_2.confined()
+)
+PLAIN = TABLE_2.replace(roll_wrap=0.0)
 PAIR = """
 schema = 1
 load = "89 kN/m"
@@ -73,18 +72,21 @@ def pair(tmp_path) -> Path:
 def test_the_kind_is_told_by_the_names(pair):
     assert wo.load_case(pair) == wo.RollerProblem.example()
     assert wo.load_case(pair, ["motion=static"]).motion == "static"
-    assert wo.load_case(EXAMPLE, ["wrap=none"]) == PLAIN
+    assert wo.load_case(EXAMPLE, ["wrap=none"]) == TABLE_2
+    assert wo.load_case(EXAMPLE, ["roll_wrap=0"]) == PLAIN
 
 
 def test_a_table_without_fields_has_the_usual_wraps():
     tables = tomllib.loads(to_toml(PLAIN))
     assert make_problem(tables) == PLAIN
-    assert make_problem({**tables, "wrap": {}}) == TABLE_2
-    assert make_problem(tables, "wrapped_nip") == TABLE_2
+    assert tables.pop("wrap") == {"roll_wrap": "0 deg", "drum_wrap": "0 deg"}
+    assert make_problem(tables) == make_problem({**tables, "wrap": {}}) == TABLE_2
+    assert make_problem(tables, "nip") == TABLE_2
 
 
 def test_grouped_fields_may_stand_bare():
     tables = tomllib.loads(to_toml(PLAIN))
+    del tables["wrap"]
     bare = make_problem({**tables, "roll_wrap": "90 deg", "wrap_friction": "30 %"})
     assert bare == TABLE_2.replace(roll_wrap=pi / 2, wrap_friction=0.3)
 
@@ -124,7 +126,7 @@ def test_settings_leave_the_tables_as_they_were():
     assert case == case_files.read_case(EXAMPLE)
 
 
-def test_a_bare_setting_makes_a_plain_nip_a_wrapped_one(tmp_path):
+def test_a_bare_setting_changes_a_field_of_a_table(tmp_path):
     path = tmp_path / "plain.toml"
     path.write_text(to_toml(PLAIN), encoding="utf-8")
     assert wo.load_case(path, ["roll_wrap=90 deg"]) == TABLE_2.replace(roll_wrap=pi / 2)
@@ -265,7 +267,7 @@ def test_texts_and_numbers_may_hold_many_dots(tmp_path):
     path = tmp_path / "case.toml"
     dots = f"# {'. ' * 50}\n# {'.' * 200}\n# {', '.join(['0.5'] * 100)}\n"
     path.write_text(dots + template("nip"))
-    assert wo.load_case(path) == wo.NipProblem.example().replace(roll_wrap=0.0)
+    assert wo.load_case(path) == wo.NipProblem.example()
 
 
 def test_no_more_is_read_than_a_case_may_have(tmp_path):
@@ -430,17 +432,16 @@ def test_faults_in_lists_have_their_place(ramp, setting, field, said):
 
 # ---- writing ------------------------------------------------------------------------------------
 
-KINDS = ["nip", "wrapped_nip", "rollers"]
+KINDS = ["nip", "rollers"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_template_is_a_case_ready_to_run(kind):
     example = kinds.named(kind).problem.example()
     assert make_problem(tomllib.loads(template(kind))) == example
-    assert template(kind.replace("_", "-")) == template(kind)
 
 
-def test_template_is_the_wrapped_nip_by_default():
+def test_template_is_the_nip_by_default():
     assert make_problem(tomllib.loads(template())) == TABLE_2
 
 
@@ -524,7 +525,7 @@ NIP = st.builds(
 )
 ANGLE = st.one_of(numbers(0, pi), st.sampled_from([0.0, pi, pi / 2, pi / 3, 2 * pi / 3]))
 WRAPPED = st.builds(
-    lambda nip, **wraps: nip.replace(roll_wrap=pi, **wraps),
+    lambda nip, **wraps: nip.replace(**wraps),
     NIP, roll_wrap=ANGLE, drum_wrap=ANGLE,
     wrap_friction=st.one_of(st.none(), numbers(1e-6, 10)),
 )  # fmt: skip

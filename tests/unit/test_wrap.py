@@ -1,7 +1,4 @@
-"""The wrapped nip as its user meets it: refusals, fields of the problem, what its nodes are.
-
-Files, figures, reports and commands of it are tested with those of every kind.
-"""
+"""Nips with wraps: rejected values, fields of the problem, the nodes of the nip."""
 
 from __future__ import annotations
 
@@ -28,38 +25,46 @@ def result() -> wo.NipResult:
         ({"roll_wrap": -0.1}, "roll_wrap: -0.1 is out of range; must be >= 0 and <= 3.14159 [rad]"),
         ({"roll_wrap": 180.0}, "(plain numbers are SI: 180 deg is 3.14159)"),
         ({"roll_wrap": 3.2}, "must be >= 0 and <= 3.14159 [rad]"),
-        ({"roll_wrap": "pi"}, "roll_wrap: 'pi' is not a number; must be >= 0 and <= 3.14159"),
+        ({"roll_wrap": "pi"}, "roll_wrap: 'pi' is not a number with a unit; expected a value in rad"),
         ({"roll_wrap": float("nan")}, "roll_wrap: nan is not a finite number; must be >= 0"),
         ({"drum_wrap": 3.5}, "drum_wrap: 3.5 is out of range"),
         ({"drum_wrap": True}, "drum_wrap: True is not a number; must be >= 0"),
         ({"wrap_friction": 0.0}, "wrap_friction: 0 is out of range"),
-        ({"winding_force": "all"}, "winding_force: 'all' is not a number; must be >= -1e+07"),
+        ({"winding_force": "all"}, "winding_force: 'all' is not a number with a unit; expected a value in N/m"),
     ],
 )
 def test_bad_wraps_are_named(options, said):
     with pytest.raises(wo.InvalidProblem) as fault:
-        PAPER.replace(roll_wrap=pi, **options)
+        PAPER.replace(**{"roll_wrap": pi} | options)
     assert said in str(fault.value)
 
 
 def test_wraps_are_fields_of_the_problem():
     options = {"roll_wrap": 2.0, "drum_wrap": 0.5, "wrap_friction": 0.3, "winding_force": 50.0}
-    wrapped = PAPER.replace(roll_wrap=pi, **options)
+    wrapped = PAPER.replace(**options)
     assert {name: getattr(wrapped, name) for name in options} == options
-    assert wrapped.confined() == PAPER.replace(winding_force=50.0)
-    # a force that the nip alone cannot carry is the wrap's, and cannot be confined
+    without = {"roll_wrap": 0.0, "drum_wrap": 0.0, "wrap_friction": None}
+    assert wrapped.replace(**without) == PAPER.replace(winding_force=50.0)
+    # the drum wrap carries a force that the nip alone cannot carry
     carried = wrapped.replace(winding_force=790.0)
     with pytest.raises(wo.NoSteadyState, match="winding_force: 790 is out of range"):
-        carried.confined()
+        carried.replace(**without)
+
+
+def test_the_usual_nip_is_wrapped_half_a_turn_on_the_roll():
+    fields = {name: getattr(PAPER, name) for name in ("web", "roll", "drum", "roll_friction",
+              "drum_friction", "nip_load", "winding_force", "web_tension")}  # fmt: skip
+    usual = wo.NipProblem(**fields)
+    assert (usual.roll_wrap, usual.drum_wrap, usual.wrap_friction) == (pi, 0.0, None)
+    assert usual.friction_on_wrap == usual.roll_friction
 
 
 def test_a_slack_web_is_refused():
     slack = PAPER.replace(web_tension=0.0)
     with pytest.raises(wo.InvalidProblem, match=r"web_tension: 0 is .*must be taut"):
         wo.solve(slack.replace(roll_wrap=pi, drum_wrap=1.0))
-    pulled = PAPER.replace(winding_force=-700.0).replace(
-        roll_wrap=pi
-    )  # NIT is about -320 N/m there
+    # NIT is about -320 N/m there
+    pulled = PAPER.replace(winding_force=-700.0, roll_wrap=pi)
     with pytest.raises(wo.NoSteadyState, match="slack downstream of the nip") as fault:
         wo.solve(pulled)
     needed = float(str(fault.value).split("; about ")[1].split()[0])
@@ -76,9 +81,9 @@ def test_the_nip_of_a_wrapped_result_is_its_nodes_in_nip(result):
     nip, x = result.in_nip, result.x
     assert (x[nip][0], x[nip][-1]) == (-result.half_width, result.half_width)
     assert result.nodes == x[nip].size == 25
-    T, T_in = result.web_tension[nip], result.problem.web_tension
+    T, T_in = result.tension[nip], result.problem.web_tension
     assert result.outlet_tension == T[-1]
-    assert result.nip_induced_tension == result.outlet_tension - result.inlet_tension
+    assert result.nip_induced_tension == pytest.approx(result.wound_on_tension - T_in, rel=1e-10)
     # on the drum's arc the web has gained the drum's traction there, F less the nip's part
     force = np.trapezoid(result.drum_traction[nip], x[nip])
     assert force == pytest.approx(100 - (T[0] - T_in), rel=1e-9)
@@ -92,21 +97,19 @@ def test_the_nip_of_a_wrapped_result_is_its_nodes_in_nip(result):
     assert np.isfinite(result.roll_strain[nip.start :]).all()
 
 
-def test_the_confined_nip_is_the_plain_problem(result):
-    nip = result.confined(nodes=25)
-    assert type(nip) is wo.NipResult
-    assert nip == wo.solve(PAPER, nodes=25)
-    # plain answer and estimate bracket the wrapped one (theory page: wrap)
-    unwrapped = wo.solve(PAPER.replace(roll_wrap=pi), **QUICK)
-    ends = sorted([nip.outlet_tension, nip.wound_on_tension_estimate()])
-    assert ends[0] < unwrapped.wound_on_tension < ends[1]
+def test_tension_and_estimate_without_wrap_bracket_the_wound_on_tension():
+    """Eqs (97) and (183) (theory page: wrap)."""
+    held = wo.solve(PAPER, **QUICK)
+    wrapped = wo.solve(PAPER.replace(roll_wrap=pi), **QUICK)
+    low, high = sorted([held.outlet_tension, held.wound_on_tension_estimate()])
+    assert low < wrapped.wound_on_tension < high
+    assert np.isnan(wrapped.wound_on_tension_estimate())
+    assert np.isnan(wrapped.rig_tension)
 
 
-@pytest.mark.parametrize(
-    ("name", "instead"),
-    [("nip", "in_nip"), ("rig_tension", "wound_on_tension"),
-     ("wound_on_tension_estimate", "solved, not estimated")],
-)  # fmt: skip
-def test_names_looked_for_in_vain_are_told(result, name, instead):
-    assert not hasattr(result, name)
-    assert instead in result.REPLACED[name]
+def test_without_wraps_the_outputs_of_wraps_are_zero_or_empty():
+    held = wo.solve(PAPER, **QUICK)
+    assert held.wound_on_tension == held.outlet_tension
+    assert held.slip_angle == held.roll_wrap_traction == held.drum_wrap_traction == 0
+    assert held.curvature.size == held.hoop_pressure.size == 0
+    assert held.in_nip == slice(0, held.x.size)
