@@ -7,8 +7,8 @@ ways, and is a tension less T_in [N/m]:
 
     confined   T_out of the nip alone, the web held to the roll at the trailing edge (thesis eq. 97)
     (183)      what that nip asks for half a turn on if the web stuck to the roll from there
-    NIT        T_out of the wrapped nip, the web free to slip on behind the trailing edge (96)
-    far        its wound-on tension WOT, half a turn on: what the roll keeps
+    in nip     T_out - T_n between the edges of the nip with the web wrapped on the roll (96)
+    NIT        its nip-induced tension, WOT - T_in, up to the end of the wrap
 """
 
 from __future__ import annotations
@@ -74,10 +74,10 @@ class Compared:
     ----------
     web_tension : float
         T_in.
-    confined, estimate, nip_induced, far : float
+    confined, estimate, in_nip, nip_induced : float
         As above.
     error : float
-        Discretisation errors of ``confined`` and ``far`` as estimated, together.
+        Discretisation errors of ``confined`` and ``nip_induced`` as estimated, together.
     slip_angle : float
         How far the web slips behind the wrapped nip [rad].
     """
@@ -85,25 +85,25 @@ class Compared:
     web_tension: float
     confined: float
     estimate: float
+    in_nip: float
     nip_induced: float
-    far: float
     error: float
     slip_angle: float
 
     @property
     def tensions(self) -> tuple[float, float, float, float]:
-        """Confined, (183), NIT, far."""
-        return self.confined, self.estimate, self.nip_induced, self.far
+        """Confined, (183), in the nip, NIT."""
+        return self.confined, self.estimate, self.in_nip, self.nip_induced
 
     @property
     def outside(self) -> float:
         """How far the wound-on tension lies outside confined and (183), < 0 between them."""
         low, high = sorted((self.confined, self.estimate))
-        return max(low - self.far, self.far - high)
+        return max(low - self.nip_induced, self.nip_induced - high)
 
     def share(self, tension: float) -> float:
         """Return a difference to the wound-on tension as a share of it."""
-        return (tension - self.far) / (self.web_tension + self.far)
+        return (tension - self.nip_induced) / (self.web_tension + self.nip_induced)
 
 
 @cache
@@ -121,8 +121,8 @@ def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
         web_tension=T_in,
         confined=alone.outlet_tension - T_in,
         estimate=alone.wound_on_tension_estimate() - T_in,
+        in_nip=wrapped.outlet_tension - wrapped.inlet_tension,
         nip_induced=wrapped.nip_induced_tension,
-        far=wrapped.wound_on_tension - T_in,
         error=alone.nip_induced_tension_error + wrapped.wound_on_tension_error,
         slip_angle=wrapped.slip_angle,
     )
@@ -149,7 +149,7 @@ def case_table() -> str:
         "Table 2, P 3502, F 0, T_in 350": newsprint(),
     }
     rows = ([name, *(f"{T:.1f}" for T in compared(p).tensions)] for name, p in cases.items())
-    return lined_up(("N/m", "confined", "(183)", "NIT", "far"), rows)
+    return lined_up(("N/m", "confined", "(183)", "in nip", "NIT"), rows)
 
 
 def friction_table(problem: wo.NipProblem, frictions: Iterable[float] = FRICTIONS) -> str:
@@ -160,7 +160,7 @@ def friction_table(problem: wo.NipProblem, frictions: Iterable[float] = FRICTION
         bound = mu * problem.nip_load + problem.winding_force
         tensions = (f"{T:.0f}" for T in (bound, *c.tensions))
         rows.append((f"{mu:4.2f}", *tensions, f"{100 * c.share(c.confined):+.0f} %"))
-    return lined_up(("mu+", "mu+ P + F", "confined", "(183)", "NIT", "far", "of WOT"), rows)
+    return lined_up(("mu+", "mu+ P + F", "confined", "(183)", "in nip", "NIT", "of WOT"), rows)
 
 
 def error_table(loads: Iterable[float] = LOADS) -> str:
@@ -169,7 +169,9 @@ def error_table(loads: Iterable[float] = LOADS) -> str:
     for name, base in PAPERS.items():
         for P in loads:
             c = compared(base(nip_load=P))
-            shares = [((T - c.far) / c.far, c.share(T)) for T in (c.confined, c.estimate)]
+            shares = [
+                ((T - c.nip_induced) / c.nip_induced, c.share(T)) for T in (c.confined, c.estimate)
+            ]
             texts = (f"{100 * share:+.0f} %" for pair in shares for share in pair)
             rows.append((f"{name}, P {P:6.0f}", *texts))
     header = ("error", "confined: of added", "of WOT", "(183): of added", "of WOT")
@@ -185,7 +187,7 @@ def light_load_table(loads: Iterable[float] = LIGHT_LOADS) -> str:
             bound = problem.roll_friction * P
             shares = (f"{T / bound:.3f}" for T in compared(problem).tensions)
             rows.append((f"{name}, P {P:5g}", *shares))
-    return lined_up(("over mu+ P", "confined", "(183)", "NIT", "far"), rows)
+    return lined_up(("over mu+ P", "confined", "(183)", "in nip", "NIT"), rows)
 
 
 def exponent_table(loads: Iterable[float] = LOADS) -> str:
@@ -196,7 +198,7 @@ def exponent_table(loads: Iterable[float] = LOADS) -> str:
         radii = (problem.roll.radius, problem.roll.core_radius, problem.drum.radius)
         changes = {name: factor * R for name, R in zip(names, radii, strict=True)}
         c = compared(problem.replace(**changes))
-        return np.log([c.confined, c.estimate, c.far])
+        return np.log([c.confined, c.estimate, c.nip_induced])
 
     rows = []
     for P in loads:
@@ -206,7 +208,7 @@ def exponent_table(loads: Iterable[float] = LOADS) -> str:
             powers = (tensions(problem, exp(STEP)) - tensions(problem, exp(-STEP))) / (2 * STEP)
             row += [f"{power:.2f}" for power in powers]
         rows.append(row)
-    of_each = ("confined", "(183)", "far")
+    of_each = ("confined", "(183)", "NIT")
     return lined_up(("P [N/m]", *(f"{name[-1]}: {T}" for name in PAPERS for T in of_each)), rows)
 
 
@@ -224,7 +226,11 @@ def error_map(base: wo.NipProblem, loads: Sequence[float], shares: Sequence[floa
                 c = compared(base.replace(nip_load=P, winding_force=F), nodes=65)
             except wo.NoSteadyState:
                 continue
-            values = c.share(c.confined), c.share(c.estimate), c.outside / (c.web_tension + c.far)
+            values = (
+                c.share(c.confined),
+                c.share(c.estimate),
+                c.outside / (c.web_tension + c.nip_induced),
+            )
             errors[i, j] = (*values, degrees(c.slip_angle))
     return errors
 
@@ -240,7 +246,7 @@ def bracket_table(count: int = 300) -> str:
             slack += 1
             continue
         share = problem.winding_force / (problem.drum_friction * problem.nip_load)
-        found.append((share, c.outside > c.error, c.outside / (c.web_tension + c.far)))
+        found.append((share, c.outside > c.error, c.outside / (c.web_tension + c.nip_induced)))
     share, beyond, relative = np.array(found).T
     rows = []
     ranges = {"F < 0": (-inf, 0.0), "F up to 0.4 mu- P": (0.0, 0.4), "F above": (0.4, inf)}

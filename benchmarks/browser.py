@@ -32,7 +32,7 @@ from browsing import browsing
 from page_server import serving
 from playwright.sync_api import Browser, Page
 
-ASKED = {"nip": (60, 120), "wrapped_nip": (150, 300)}  # [ms] in the median, at 95 %
+ASKED = {"nip": (150, 300)}  # [ms] in the median, at 95 %
 WEIGHT, FIRST = 300_000, 1.0  # bytes, seconds
 USERS = 4
 AT_MOST = 2.0  # times what is asked of one user; beside a study, what one alone waits

@@ -275,6 +275,7 @@ drum_friction = 0.3
 nip_load = 2000
 winding_force = 0
 web_tension = 200
+roll_wrap = 0
 [case.web]
 thickness = "66 um"
 material = "newsprint"

@@ -57,7 +57,7 @@ def latency(server: Server, moves: int) -> bool:
     kinds = httpx.get(f"{server.address}/api/catalogue").json()["kinds"]
     cases = {kind["name"]: kind["example"] for kind in kinds}
     good = True
-    for name in ("nip", "wrapped_nip"):
+    for name in ("nip",):
         alone = _shares(slider(server.address, cases[name], moves, "latency-0"))
         _print(f"{name}, one user", alone, alone)
         with ThreadPoolExecutor(4) as pool:
@@ -80,7 +80,7 @@ def _print(what: str, told: tuple[float, ...], alone: tuple[float, ...]) -> None
 def _beside_a_study(server: Server, cases: Any, name: str, moves: int) -> list[tuple[float, ...]]:
     """Return the slider's times while all workers of studies are busy with another's study."""
     study = {
-        "case": cases["wrapped_nip"],
+        "case": cases["nip"],
         "over": {"nip_load": {"from": 2000, "to": 4000, "count": 2500}},
     }
     session, stop = {"X-Session": "long-study"}, threading.Event()
@@ -133,7 +133,7 @@ def soak(server: Server, minutes: float, rate: float) -> bool:
 
 def _one(client: httpx.Client, cases: Any, number: int, statuses: Counter[str]) -> None:
     """Send one of a user's requests."""
-    kind = ("nip", "wrapped_nip", "rollers", "nip")[number % 4]
+    kind = "rollers" if number % 4 == 2 else "nip"
     field = "load" if kind == "rollers" else "nip_load"
     case = cases[kind] | {field: cases[kind][field] * (0.8 + 0.4 * (number % 97) / 97)}
     session = {"X-Session": f"soak-user-{number % 8}"}

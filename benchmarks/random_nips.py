@@ -224,11 +224,9 @@ def random_viscoelastic(seed: int) -> Any:
             tangential_load=pull if friction else None,
         )  # fmt: skip
     nip = plain.replace(roll=roll, drum=drum, web_speed=speed)
-    return (
-        nip
-        if seed % 3 == 0
-        else nip.replace(roll_wrap=pi, drum_wrap=draw.even(0.0, 2.0) * (seed % 2))
-    )
+    if seed % 3 == 0:
+        return nip
+    return nip.replace(roll_wrap=pi, drum_wrap=draw.even(0.0, 2.0) * (seed % 2))
 
 
 def _rubber(draw: _Draw, low: float, high: float) -> wo.Material:
@@ -274,7 +272,9 @@ def random_air(seed: int) -> wo.NipProblem:
     fields = {name: getattr(plain, name) for name in wo.NipProblem.model_fields}
     wrap = draw.even(0.0, 2.0) * (seed % 2)
     speed = draw.log(1e-2, 100.0)
-    fields |= {"drum": drum, "drum_wrap": wrap, "web_speed": speed, "air": air}
+    fields |= {
+        "drum": drum, "roll_wrap": pi, "drum_wrap": wrap, "web_speed": speed, "air": air
+    }  # fmt: skip
     return wo.NipProblem(**fields)
 
 

@@ -7,8 +7,8 @@ the roll light and soft, until at some speed they cannot carry the roll's own to
 slip margin is lost, and the roll telescopes.
 
 **Answer:** 23 um polyester under a lay-on roll with 300 N/m loses it a little above 2 m/s. Up to
-there the friction in the nip falls to a third and the roll gets 4 % lighter; the tension that the
-nip adds hardly changes, as a softer roll yields more, and falls then to nothing at 3 m/s.
+there the friction in the nip falls to a third and the roll gets 4 % lighter, but the nip-induced
+tension falls by a tenth only. At 3 m/s it is zero.
 Roughness, cover and stack constants are illustrative; the shear modulus of a film stack is rarely
 known.
 """
@@ -94,6 +94,6 @@ assert 0.03 < 1 - np.interp(2.0, speeds, density) / density[0] < 0.05
 friction = [nip.air.roll_friction for nip in nips]
 assert 0.3 < np.interp(2.0, speeds, friction) / friction[0] < 0.4
 added = [nip.nip_induced_tension for nip in nips]
-assert abs(np.interp(2.0, speeds, added) / added[0] - 1) < 0.1
+assert 0.85 < np.interp(2.0, speeds, added) / added[0] < 0.95
 assert np.interp(3.0, speeds, added) < 0.01 * added[0]
 # sphinx_gallery_end_ignore
