@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from coarse import coarse
 from rich.console import Console
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
@@ -22,7 +23,6 @@ from woundon.show.report import (
     print_sensitivity,
     report_parts,
     report_text,
-    wrapped_report,
 )
 from woundon.show.terminal import print_parts
 
@@ -47,16 +47,12 @@ def sections(parts: list[Any]) -> dict[str, list[str]]:
 
 @pytest.fixture(scope="module")
 def nip() -> wo.NipResult:
-    return wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0), nodes=NODES)
+    return wo.solve(newsprint_nip(), nodes=NODES)
 
 
 @pytest.fixture(scope="module")
 def wrapped() -> wo.NipResult:
-    problem = (
-        wo.NipProblem.example()
-        .replace(roll_wrap=0.0)
-        .replace(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
-    )
+    problem = newsprint_nip(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
     return wo.solve(problem, nodes=NODES)
 
 
@@ -108,7 +104,7 @@ def test_every_told_error_stands_beside_its_output(examples):
             if name == "inlet_tension" and not result.problem.drum_wrap:
                 continue  # it is the given web tension
             quantity = quantities.output(result, name).quantity
-            # of a wrapped nip the first; that of the confined one comes below
+            # the first one: those of the same nip without wraps come below
             line = next(x for x in said if x.startswith(f"{quantity.meaning} {quantity.symbol} "))
             value, unit, error_text = _parsed(line, quantity)
             size = quantity.shown(getattr(result, name))
@@ -160,15 +156,15 @@ def test_a_nip_says_where_its_web_is_held(nip):
     said = parts["Winding nip, the web held at its trailing edge"]
     NIT, T_out = nip.nip_induced_tension, nip.outlet_tension
     error = f"{nip.nip_induced_tension_error:.2g}"
-    assert said[0] == f"nip-induced tension NIT {NIT:.5g} N/m ± {error}"
+    assert said[0] == f"nip-induced tension, WOT - T_in NIT {NIT:.5g} N/m ± {error}"
     error = f"{nip.errors['outlet_tension']:.2g}"
     assert said[1].endswith(f"edge of the nip T_out {T_out:.5g} N/m ± {error}")
     estimate = nip.wound_on_tension_estimate(pi)
-    assert said[2].endswith(f"half a turn behind WOT est. {estimate:.5g} N/m")
+    assert said[2].endswith(f"without roll wrap WOT est. {estimate:.5g} N/m")
     told = " ".join(said)
     assert "(web held at the trailing edge, eq. 97)" in told
     assert "bracket the wound-on tension" in told
-    assert "problem.wrapped()" in told
+    assert "set roll_wrap to compute it" in told
     assert f"nip load P {nip.problem.nip_load:.5g} N/m" in parts["Loads"]
 
 
@@ -197,11 +193,7 @@ def test_theories_are_left_out_where_they_do_not_apply():
             return None
 
     paper = wo.material("paper")
-    problem = (
-        wo.NipProblem.example()
-        .replace(roll_wrap=0.0)
-        .replace(drum=Unnamed(radius=0.1, material=paper), winding_force=-300.0)
-    )
+    problem = newsprint_nip(drum=Unnamed(radius=0.1, material=paper), winding_force=-300.0)
     result = wo.solve(problem, nodes=NODES)
     assert result.dual == 0
     limit = wo.theories.friction_limit(problem)
@@ -216,13 +208,13 @@ def test_theories_are_left_out_where_they_do_not_apply():
 
 
 def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
-    parts = sections(wrapped_report(wrapped))
+    parts = sections(nip_report(wrapped))
     said = parts["Winding nip, the web wrapped on the roll"]
     assert not any("extrapolates" in str(row) for row in said)
     WOT, error = wrapped.wound_on_tension, wrapped.wound_on_tension_error
-    assert said[0] == f"wound-on tension, far behind the nip WOT {WOT:.5g} N/m ± {error:.2g}"
+    assert said[0] == f"wound-on tension, where the web is held to the roll WOT {WOT:.5g} N/m ± {error:.2g}"
     angle = np.degrees(wrapped.slip_angle)
-    assert f"roll behind the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
+    assert f"roll downstream of the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
     before = wrapped.inlet_tension
     assert f"web tension at the leading edge of the nip T_n {before:.5g} N/m" in " ".join(said)
     loads = parts["Loads and wraps"]
@@ -231,31 +223,30 @@ def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
     assert loads[-1].endswith("mu_w+ 0.3")
 
 
-def test_the_same_nip_confined_stands_beside_it(wrapped):
+def test_the_same_nip_without_wraps_is_in_the_report(wrapped):
     """Solved on as many nodes; estimated to where the web is held; both bracket the wrapped one."""
-    said = sections(wrapped_report(wrapped))["The same nip, its web held at the trailing edge"]
-    alone = wo.solve(wrapped.problem.confined(), nodes=NODES)
+    said = sections(nip_report(wrapped))["The same nip, its web held at the trailing edge"]
+    alone = wo.solve(wrapped.problem.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=NODES)
     low, high = alone.outlet_tension, alone.wound_on_tension_estimate(1.0)
     assert low < wrapped.wound_on_tension < high
     error = f"{alone.errors['outlet_tension']:.2g}"
-    assert said[0].endswith(f"T_out {low:.5g} N/m ± {error} eq. (97)")
-    assert said[1].endswith(f"WOT est. {high:.5g} N/m eq. (183)")
+    assert said[0].endswith(f"nip, eq. (97) T_out {low:.5g} N/m ± {error}")
+    assert said[1].endswith(f"downstream, eq. (183) WOT est. {high:.5g} N/m")
     WOT = f"{wrapped.wound_on_tension:.5g}"
     assert said[2] == f"They bracket the wound-on tension, {WOT} N/m above."
 
 
 def test_an_answer_outside_the_two_is_not_said_to_be_bracketed(wrapped):
-    tension = wrapped.web_tension.copy()
+    tension = wrapped.tension.copy()
     tension[-1] = 2000.0
-    false = wrapped.replace(web_tension=tension)
-    said = sections(wrapped_report(false))["The same nip, its web held at the trailing edge"]
+    false = wrapped.replace(tension=tension)
+    said = sections(nip_report(false))["The same nip, its web held at the trailing edge"]
     assert said[2] == "Here the wound-on tension does not lie between the two."
 
 
 def test_a_nip_that_is_none_without_its_wraps_says_why():
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0).replace(nip_load=1000.0)
-    wrapped = problem.replace(roll_wrap=pi, winding_force=400.0, drum_wrap=2.5)
-    said = sections(wrapped_report(wo.solve(wrapped, nodes=NODES)))
+    wrapped = newsprint_nip(nip_load=1000.0, roll_wrap=pi, winding_force=400.0, drum_wrap=2.5)
+    said = sections(nip_report(wo.solve(wrapped, nodes=NODES)))
     told = " ".join(said["The same nip, its web held at the trailing edge"])
     assert told.startswith("Has no steady state: winding_force: 400 is out of range")
     # the closed forms of the tension know no drum wrap
@@ -263,10 +254,8 @@ def test_a_nip_that_is_none_without_its_wraps_says_why():
 
 
 def test_without_a_wrap_on_the_roll_nothing_is_compared():
-    result = wo.solve(
-        wo.NipProblem.example().replace(roll_wrap=0.0).replace(roll_wrap=0.0), nodes=NODES
-    )
-    assert list(sections(wrapped_report(result))) == [
+    result = wo.solve(newsprint_nip(drum_wrap=0.5), nodes=NODES)
+    assert list(sections(nip_report(result))) == [
         "Loads and wraps", "Winding nip, the web held at its trailing edge", "Other theories",
     ]  # fmt: skip
 
@@ -419,17 +408,17 @@ def test_sensitivities_are_told_by_elasticity(nip):
     paper = StringIO()
     print_sensitivity(found, Console(file=paper, width=100))
     said = lines(paper.getvalue())
-    assert said[2] == "value [SI] NIT T_out 2a xi-"
+    assert said[2] == "value [SI] WOT NIT T_out 2a xi-"
     rows = {line.split()[0]: line.split()[1:] for line in said[3:-1]}
     assert set(rows) == set(found.parameters) - {"winding_force"}
     shown = [k for k, name in enumerate(found.outputs) if name != "half_width"]
     for name, numbers in rows.items():
         exact = found.elasticities[shown, found.parameters.index(name)]
         np.testing.assert_allclose([float(x) for x in numbers[1:]], exact, atol=0.5001e-4)
-    of_nit = [abs(float(row[1])) for row in rows.values()]
-    assert of_nit == sorted(of_nit, reverse=True)
-    slope = found.derivative("nip_induced_tension", "winding_force")
-    assert said[-1] == f"winding_force is 0: NIT changes by {slope:+.4g} N/m per N/m of it"
+    of_first = [abs(float(row[1])) for row in rows.values()]
+    assert of_first == sorted(of_first, reverse=True)
+    slope = found.derivative("wound_on_tension", "winding_force")
+    assert said[-1] == f"winding_force is 0: WOT changes by {slope:+.4g} N/m per N/m of it"
 
 
 def test_text_is_returned_in_a_notebook_too(nip, monkeypatch):

@@ -28,7 +28,7 @@ __all__ = [
 ]  # fmt: skip
 
 FORMAT = "woundon-result"
-SCHEMA = 3  # 2: as 3, without a seal
+SCHEMA = 4
 
 Array = np.ndarray
 Record = dict[str, Any]
@@ -150,6 +150,7 @@ def from_record(record: Record) -> Result:
         result = kind.result(
             problem=problem, residuals=Residuals(**told), errors=errors, warnings=notes, **values
         )
+        _check_nodes(result)
         with np.errstate(all="ignore"):
             for name in scalar_outputs(result):
                 value_of(result, name)
@@ -261,11 +262,14 @@ def _told(residuals: Mapping[str, Any]) -> dict[str, float]:
     return {str(law): number(value, f"residuals.{law}", False) for law, value in residuals.items()}
 
 
-def _accepted(result: Result) -> Result:
-    """Return a result whose laws hold, by its own certificate."""
+def _check_nodes(result: Result) -> None:
     x = getattr(result, "x", None)
     if isinstance(x, np.ndarray) and not (x.size > 2 and np.all(np.diff(x) > 0)):
         raise InvalidProblem.at("x", "must be increasing, of three values or more")
+
+
+def _accepted(result: Result) -> Result:
+    """Return a result whose laws hold, by its own certificate."""
     try:
         return result.checked()
     except NotConverged as fault:

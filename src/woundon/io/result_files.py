@@ -61,10 +61,9 @@ def save_result(result: Result, path: str | Path) -> None:
 
 
 def load_result(path: str | Path, verify: bool = False) -> Any:
-    """Return the result saved in a netCDF or JSON file, of this version or of an earlier one.
+    """Return the result saved in a netCDF or JSON file.
 
-    A file tells by its ``sha256`` whether it is as it was saved.  One of an earlier version, which
-    has none, is always verified.
+    The ``sha256`` of the file shows any change since it was saved.
 
     Parameters
     ----------
@@ -84,10 +83,10 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
         text = "is a table for spreadsheets; load the .nc or .json file of the result"
         raise InvalidProblem.at(str(path), text)
     try:
-        record, sealed = _read(content)
+        record = _read(content)
         result = from_record(record)
         _check_units(record, result)
-        if verify or not sealed:
+        if verify:
             _verify(record, result)
     except InvalidProblem as fault:
         raise InvalidProblem.at(str(path), str(fault).replace("\n", "; ")) from None
@@ -112,8 +111,8 @@ def writer_for(path: str | Path) -> Callable[[Result], bytes]:
 # ---- reading ------------------------------------------------------------------------------------
 
 
-def _read(content: bytes) -> tuple[Record, bool]:
-    """Return the record in a file's content, as this version has it, and whether it is sealed."""
+def _read(content: bytes) -> Record:
+    """Return the record in the content of a file, its seal checked."""
     try:
         if content[:3] == b"CDF":
             sealed = seals.check_bytes(content)
@@ -128,13 +127,13 @@ def _read(content: bytes) -> tuple[Record, bool]:
         raise
     except Exception:  # whatever damage makes the readers of JSON and netCDF raise
         raise InvalidProblem("is not a result saved by woundon, or is damaged") from None
-    if schema not in (1, 2, SCHEMA):
-        text = f"{schema!r} is unknown; this version of woundon reads 1 to {SCHEMA}"
+    if schema != SCHEMA:
+        text = f"{schema!r} is unknown; this version of woundon reads {SCHEMA}"
         raise InvalidProblem.at("schema", text)
-    if schema == SCHEMA and not sealed:
+    if not sealed:
         text = "missing; the file was not written by result.save, or has changed since"
         raise InvalidProblem.at(seals.NAME, text)
-    return record, sealed
+    return record
 
 
 def _record_of_json(content: bytes) -> Record:
@@ -342,8 +341,6 @@ def _record_of_netcdf(content: bytes) -> Record:
     record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
     record["residuals"] = dict(zip(values.pop("law"), values.pop("residual"), strict=True))
     record["units"] = units
-    if record["schema"] == 1:
-        return record | values | attributes
     cls = kinds.named(str(record["kind"])).result
     hints = saved_hints(cls)
     known = {place.path for place in outputs(cls)}

@@ -214,10 +214,12 @@ def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
         yield Section(title, (), f"Was not solved: {fault}")
         return
     rows = (
-        output_row(nip, "outlet_tension", note="  eq. (97)"),
         output_row(
-            nip, "wound_on_tension_estimate", estimate, note="  eq. (183)",
-            meaning="wound-on tension estimated for a web that sticks downstream",
+            nip, "outlet_tension", meaning="web tension at the trailing edge of the nip, eq. (97)"
+        ),
+        output_row(
+            nip, "wound_on_tension_estimate", estimate,
+            meaning="wound-on tension if the web sticks downstream, eq. (183)",
         ),
     )  # fmt: skip
     low, high = sorted((nip.outlet_tension, estimate))
