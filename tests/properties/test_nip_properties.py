@@ -85,10 +85,10 @@ def admissible_nips(draw: Any) -> wo.NipProblem:
 
 def curves(result: wo.NipResult) -> dict[str, np.ndarray]:
     """The state over x/a, tractions by the largest pressure, slips by the largest slip."""
-    top = np.max(result.pressure)
+    top = np.max(result.drum_pressure)
     slip = np.max(np.abs([result.roll_slip, result.drum_slip]))
     return {
-        "pressure": result.pressure / top,
+        "pressure": result.drum_pressure / top,
         "roll_traction": result.roll_traction / top,
         "drum_traction": result.drum_traction / top,
         "roll_slip": result.roll_slip / slip,
@@ -117,7 +117,7 @@ def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
     """Checked on the returned curves, beside the certificate."""
     result = wo.solve(problem)
     assert result.residuals.largest <= 1e-8
-    p, top = result.pressure, np.max(result.pressure)
+    p, top = result.drum_pressure, np.max(result.drum_pressure)
     assert np.all(p[1:-1] > 0)
     for q, slip, zone, mu in (
         (result.roll_traction, result.roll_slip, result.roll_zone, problem.roll_friction),
@@ -139,13 +139,13 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
     result = wo.solve(problem)
     P, F, T_in = problem.nip_load, problem.winding_force, problem.web_tension
     x, NIT = result.x, result.nip_induced_tension
-    assert np.trapezoid(result.pressure, x) == pytest.approx(P, rel=1e-8)
+    assert np.trapezoid(result.drum_pressure, x) == pytest.approx(P, rel=1e-8)
     assert np.trapezoid(result.drum_traction, x) == pytest.approx(F, abs=1e-8 * P)
     total = np.trapezoid(result.roll_traction, x) + F
     assert pytest.approx(total, abs=1e-8 * P) == NIT
     assert abs(NIT - F) <= problem.roll_friction * P * (1 + 1e-8)
-    assert result.web_tension[0] == T_in
-    assert result.web_tension[-1] == pytest.approx(T_in + total, abs=1e-8 * P)
+    assert result.tension[0] == T_in
+    assert result.tension[-1] == pytest.approx(T_in + total, abs=1e-8 * P)
     assert result.outlet_tension == pytest.approx(T_in + NIT, abs=1e-10 * P)
 
 

@@ -46,7 +46,7 @@ def assert_same(one: wo.NipResult, other: wo.NipResult) -> None:
     """Assert that two results are equal to the tolerance of the solver."""
     top = float(np.max(one.pressure))
     size = one.problem.web_tension + one.problem.roll_friction * one.problem.nip_load
-    assert other.web_tension[-1] == pytest.approx(one.web_tension[-1], abs=3e-8 * size)
+    assert other.tension[-1] == pytest.approx(one.tension[-1], abs=3e-8 * size)
     assert other.half_width == pytest.approx(one.half_width, rel=1e-8)
     np.testing.assert_array_equal(one.roll_zone, other.roll_zone)
     np.testing.assert_array_equal(one.drum_zone, other.drum_zone)

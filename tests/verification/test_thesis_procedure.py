@@ -120,7 +120,7 @@ def test_both_solvers_have_one_limit(name: str) -> None:
     assert limit == pytest.approx(accurate.nip_induced_tension, rel=4e-3)
     finest = found[-1]
     assert finest.half_width == pytest.approx(accurate.half_width, rel=2e-4)
-    largest = accurate.pressure.max()
+    largest = accurate.drum_pressure.max()
     for name in ("pressure", "roll_traction"):
         ours = np.interp(finest.x[::8], accurate.x, getattr(accurate, name))
         np.testing.assert_allclose(getattr(finest, name)[::8], ours, atol=0.01 * largest)
@@ -144,7 +144,7 @@ def test_hertz_without_friction_to_speak_of() -> None:
     a = 2 * np.sqrt(problem.nip_load / (1 / 0.3 + 1 / 0.5) * C / np.pi)
     assert result.half_width == pytest.approx(a, rel=2e-3)
     hertz = 2 * problem.nip_load / (np.pi * a) * np.sqrt(np.clip(1 - (result.x / a) ** 2, 0, None))
-    np.testing.assert_allclose(result.pressure, hertz, atol=0.015 * hertz.max())
+    np.testing.assert_allclose(result.drum_pressure, hertz, atol=0.015 * hertz.max())
 
 
 def test_roll_that_slips_all_over() -> None:
@@ -171,16 +171,16 @@ def test_contact_conditions() -> None:
     result = procedure.solve(paper_nip(nip_load=11000.0), 200)
     problem, inside = result.problem, slice(1, -1)
     dx = result.x[1] - result.x[0]
-    assert dx * result.pressure.sum() == pytest.approx(problem.nip_load, rel=1e-8)
+    assert dx * result.drum_pressure.sum() == pytest.approx(problem.nip_load, rel=1e-8)
     assert dx * result.drum_traction.sum() == pytest.approx(problem.winding_force, rel=1e-8)
     gain = dx * (result.roll_traction + result.drum_traction).sum()
     assert gain == pytest.approx(result.nip_induced_tension, rel=1e-8)
-    assert result.web_tension[-1] == pytest.approx(result.outlet_tension, rel=1e-12)
+    assert result.tension[-1] == pytest.approx(result.outlet_tension, rel=1e-12)
     for face, friction in (("roll", problem.roll_friction), ("drum", problem.drum_friction)):
         q, v, zone = (
             getattr(result, f"{face}_{name}")[inside] for name in ("traction", "slip", "zone")
         )
-        bound = friction * result.pressure[inside]
+        bound = friction * result.drum_pressure[inside]
         assert np.all(np.abs(q) <= bound * (1 + 1e-6) + 1e-6)
         np.testing.assert_allclose(q[zone != 0], (zone * bound)[zone != 0], rtol=1e-9)
         assert np.all(v[zone == 0] == 0)
@@ -251,7 +251,7 @@ def test_mean_pressure_on_a_whole_cylinder() -> None:
 def test_tension_far_downstream(problem: wo.NipProblem) -> None:
     """(183) from the tractions of either solver: the strains of both are those of one roll."""
     accurate = wo.solve(problem, nodes=129)
-    x, p, q = accurate.x, accurate.pressure, accurate.roll_traction
+    x, p, q = accurate.x, accurate.drum_pressure, accurate.roll_traction
     points = np.array([np.pi * problem.roll.radius / 2, accurate.half_width])
     far, edge = surface_strain(problem.roll, x, p, q, points)
     A_rr, A_tt, A_rt, *_ = problem.web.material.stiffness
@@ -298,4 +298,4 @@ def test_result_is_immutable() -> None:
     with pytest.raises(AttributeError):
         result.half_width = 1.0
     with pytest.raises(ValueError, match="read-only"):
-        result.pressure[0] = 1.0
+        result.drum_pressure[0] = 1.0

@@ -241,7 +241,7 @@ def test_dissipation_by_the_surface_and_by_harmonics() -> None:
     for nodes in (33, 129):
         result = wo.solve(problem, nodes=nodes)
         found = lost_by_harmonics(
-            result.x, result.pressure, result.drum_traction, problem.drum, 3.0
+            result.x, result.drum_pressure, result.drum_traction, problem.drum, 3.0
         )
         misses.append(abs(found - result.rolling_resistance))
         # harmonics are cut at waves of 80 um, a part in 1000
@@ -272,7 +272,7 @@ def test_work_of_shafts_and_tensions_is_dissipated(force: float) -> None:
         q1, q2 = r.roll_traction, r.drum_traction
         friction = over(q1 * r.roll_slip + q2 * r.drum_slip)
         moment = -r.pressure_shift * problem.nip_load / problem.contact_radius
-        T_in, T_out = r.web_tension[[0, -1]]
+        T_in, T_out = r.tension[[0, -1]]
         tension = c11 / (2 * h) * (T_out**2 - T_in**2)
         # creep of roll and drum: the web against either, unstrained
         roll_strain = _edge_strain(r)
@@ -309,7 +309,7 @@ def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
     result = wo.solve(problem, nodes=33)
     assert result.pressure_shift < 0 < result.rolling_resistance
     assert result.dissipated_power == pytest.approx(3.0 * result.rolling_resistance, rel=1e-14)
-    assert np.max(np.abs(result.pressure[::-1] - result.pressure)) > 0.02 * result.peak_pressure
+    assert np.max(np.abs(result.drum_pressure[::-1] - result.drum_pressure)) > 0.02 * result.peak_pressure
 
 
 def test_a_viscoelastic_roll_behind_the_nip() -> None:

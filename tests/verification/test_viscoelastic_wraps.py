@@ -56,7 +56,7 @@ def put_in(r: wo.NipResult) -> float:
     fields = r.refinement.last.state.fields
     roll = surface_of(fields.geometry.roll, fields.roll, r.roll_pressure[r.in_nip.start :],
                       r.roll_traction[r.in_nip.start :], a)  # fmt: skip
-    drum = surface_of(fields.geometry.drum, fields.drum, r.pressure[: r.in_nip.stop],
+    drum = surface_of(fields.geometry.drum, fields.drum, r.drum_pressure[: r.in_nip.stop],
                       r.drum_traction[: r.in_nip.stop], a)  # fmt: skip
     first, last = r.in_nip.start, r.in_nip.stop - 1
     R1, R2 = problem.roll.radius, problem.drum.radius
@@ -92,7 +92,7 @@ def put_in(r: wo.NipResult) -> float:
 def test_dissipation_by_the_surface_and_by_harmonics(solved: list[wo.NipResult]) -> None:
     misses = []
     for r in solved:
-        found = lost_by_harmonics(r.x, r.pressure, r.drum_traction, r.problem.drum, SPEED)
+        found = lost_by_harmonics(r.x, r.drum_pressure, r.drum_traction, r.problem.drum, SPEED)
         misses.append(abs(found - r.rolling_resistance))
     for miss, r in zip(misses, solved, strict=True):
         assert miss <= 1.5 * r.errors["rolling_resistance"]

@@ -102,7 +102,7 @@ def test_the_roll_outside_a_nip_alone_is_its_fourier_series(problem: wo.NipProbl
     """What the load cell's tension (183) and the reports of a plain nip stand on."""
     result = wo.solve(problem, nodes=129)
     R, a = problem.roll.radius, result.half_width
-    series = _Fourier(problem.roll, result.x, result.pressure, result.roll_traction)
+    series = _Fourier(problem.roll, result.x, result.drum_pressure, result.roll_traction)
     s = np.array([-pi * R, -0.4 * R, -1.5 * a, 1.3 * a, 2 * a, 0.1 * R, pi / 2 * R, pi * R])
     expected = [series.strain(at) for at in s]
     strain = roll_strain(result, s)
@@ -115,9 +115,9 @@ def test_the_web_is_in_balance_everywhere() -> None:
     result = solve_wrapped(paper_nip(web_tension=300.0), drum_wrap=1.0, nodes=65)
     inside = slice(1, -1)
     np.testing.assert_allclose(
-        (result.roll_pressure - result.pressure)[inside],
+        (result.roll_pressure - result.drum_pressure)[inside],
         (result.web_tension * result.curvature)[inside],
-        atol=1e-9 * result.pressure.max(),
+        atol=1e-9 * result.drum_pressure.max(),
     )
     total = result.roll_traction + result.drum_traction
     grown = np.append(0.0, np.cumsum(np.diff(result.x) * (total[1:] + total[:-1]) / 2))
@@ -126,8 +126,8 @@ def test_the_web_is_in_balance_everywhere() -> None:
     force = np.trapezoid(result.drum_traction, result.x)
     assert result.wound_on_tension - moment == pytest.approx(300.0 + force, rel=1e-12)
     assert force == pytest.approx(100.0, rel=1e-9)
-    assert (result.pressure >= 0).all()
-    assert (result.roll_pressure >= -1e-12 * result.pressure.max()).all()
+    assert (result.drum_pressure >= 0).all()
+    assert (result.roll_pressure >= -1e-12 * result.drum_pressure.max()).all()
 
 
 @pytest.mark.parametrize(
