@@ -159,9 +159,9 @@ from woundon.io.case_files import make_problem
 import tomllib, math, warnings
 warnings.simplefilter("ignore")
 problem = make_problem(tomllib.loads(open('case.toml').read()))
-plain, wrapped = wo.solve(problem), wo.solve(problem.wrapped(drum_wrap=math.pi / 2))
+plain, wrapped = wo.solve(problem), wo.solve(problem.replace(roll_wrap=math.pi, drum_wrap=math.pi / 2))
 print(type(problem.drum).__name__, plain.residual, wrapped.residual)
-print(plain.outlet_tension, wo.solve(problem.wrapped(roll_wrap=0.0)).wound_on_tension)
+print(plain.outlet_tension, wo.solve(problem.replace(drum_wrap=0.0)).wound_on_tension)
 print(problem.replace(**{"drum.layers.1.thickness": 0.005}).drum.layers[1].thickness)
 print(plain.consistency.power_balance)
 """.replace("open('case.toml').read()", repr(CASE))

@@ -164,7 +164,7 @@ def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     assert two.nip_induced_tension == pytest.approx(one.nip_induced_tension, abs=1e-8 * P)
     assert two.half_width == pytest.approx(one.half_width, rel=1e-8)
     assert two.offset == pytest.approx(one.offset, abs=1e-8 * one.half_width)
-    np.testing.assert_allclose(two.web_tension - one.web_tension, more, rtol=0, atol=1e-8 * P)
+    np.testing.assert_allclose(two.tension - one.tension, more, rtol=0, atol=1e-8 * P)
     c = strip.compliance(*problem.web.material.stiffness[:3])
     creep = -c.c11 / problem.web.thickness * more
     assert two.drum_creepage - one.drum_creepage == pytest.approx(creep, rel=1e-8, abs=1e-12)

@@ -50,7 +50,7 @@ def surface_of(side: Any, deformation: Any, p: Array, q: Array, a: float) -> Sim
 
 def put_in(r: wo.NipResult) -> float:
     """Work of torques and web tension less that of friction, tension by its lever arms [N/m]."""
-    problem, x, T, a = r.problem, r.x, r.web_tension, r.half_width
+    problem, x, T, a = r.problem, r.x, r.tension, r.half_width
     c11 = problem.web.compliance.c11 / problem.web.thickness
     c12 = problem.web.compliance.c12
     fields = r.refinement.last.state.fields

@@ -41,7 +41,7 @@ def test_in_the_nip_without_friction_the_web_runs_ahead_where_it_is_pressed() ->
     # node k's slip is that of the collocation point before it, in the middle of its theta cell
     k = np.arange(1, M - 1)
     points = -a * np.cos(np.pi * (k - 0.5) / (M - 1))
-    slip, pressure = result.drum_slip[1:-1], np.interp(points, result.x, result.pressure)
+    slip, pressure = result.drum_slip[1:-1], np.interp(points, result.x, result.drum_pressure)
     strain = nu * (1 + nu) / E * pressure
     difference = (slip - slip[0]) - (strain - strain[0])
     # friction bends the strain by about 1e-8 P/(2h E) = 2e-10
