@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from seldom import seldom
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import cli, kinds
@@ -20,7 +21,7 @@ from woundon.problems.materials import MATERIALS
 from woundon.studies.studyfile import load_study
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
-ALONE = ["--set", "wrap=none"]
+ALONE = ["--set", "roll_wrap=0"]
 QUICK = ["nip", EXAMPLE, *ALONE, "--nodes", "33"]
 WRAPPED = ["solve", EXAMPLE, "--nodes", "33"]
 
@@ -37,7 +38,7 @@ def pair(tmp_path) -> str:
 @pytest.fixture
 def plain(tmp_path) -> str:
     path = tmp_path / "plain.toml"
-    path.write_text(template("nip"), encoding="utf-8")
+    path.write_text(to_toml(newsprint_nip()), encoding="utf-8")
     return str(path)
 
 
@@ -45,8 +46,8 @@ def test_report_is_that_of_the_result(capsys: Capture, pair):
     for args in (QUICK, WRAPPED, ["rollers", pair, "--nodes", "33"]):
         assert cli.main(args) == 0
         said = capsys.readouterr()
-        settings = ALONE if args is QUICK else []
-        result = wo.solve(wo.load_case(args[1], settings[1:]), nodes=33)
+        settings = ALONE[1:] if args is QUICK else []
+        result = wo.solve(wo.load_case(args[1], settings), nodes=33)
         assert said.out.strip() == str(result).strip()
         assert said.err == ""
 
@@ -73,17 +74,17 @@ def test_sensitivity_lists_what_matters_first(capsys: Capture):
     said = capsys.readouterr().out
     table = said[said.index("Elasticities: percent of output per percent of field") :]
     rows = [line.split() for line in table.splitlines()[2:-1]]
-    assert rows[0][:2] == ["nip_load", "3502"]
-    of_nit = [abs(float(row[2])) for row in rows]
-    assert of_nit == sorted(of_nit, reverse=True)
-    assert table.splitlines()[-1].startswith("winding_force is 0: NIT changes by +0.3")
+    assert rows[0][:2] == ["web_tension", "350"]
+    of_first = [abs(float(row[2])) for row in rows]
+    assert of_first == sorted(of_first, reverse=True)
+    assert table.splitlines()[-1].startswith("winding_force is 0: WOT changes by +0.3")
 
 
 def test_rolls_have_no_sensitivity(tmp_path, capsys: Capture):
     case = tmp_path / "roll.toml"
     case.write_text(to_toml(wo.RollProblem.example()), encoding="utf-8")
     assert cli.main(["solve", str(case), "--sensitivity"]) == 2
-    said = "error: --sensitivity: not available for the kind 'wound-roll', but for "
+    said = "error: --sensitivity: not available for the kind 'roll', but for "
     assert said in capsys.readouterr().err
 
 
@@ -96,18 +97,18 @@ def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
     assert cli.main([*QUICK, "--sensitivity", "--json"]) == 0
     text = capsys.readouterr().out
     record = json.loads(text)["sensitivity"]
-    exact = wo.solve(wo.load_case(EXAMPLE, ["wrap=none"]), nodes=33).sensitivity()
+    exact = wo.solve(wo.load_case(EXAMPLE, ALONE[1:]), nodes=33).sensitivity()
     for output in exact.outputs:
         for name in exact.parameters:
             assert record["derivatives"][output][name] == exact.derivative(output, name)
-    assert next(iter(record["elasticities"]["half_width"])) == "nip_load"
+    assert next(iter(record["elasticities"]["half_width"])) == "web_tension"
     assert record["zone_change"] == ""
     saved = tmp_path / "nip.json"
     saved.write_text(text, encoding="utf-8")
-    assert wo.load_result(saved).problem == wo.load_case(EXAMPLE, ["wrap=none"])
+    assert wo.load_result(saved).problem == wo.load_case(EXAMPLE, ALONE[1:])
 
 
-@pytest.mark.parametrize("kind", ["nip", seldom("wrapped-nip"), seldom("rollers")])
+@pytest.mark.parametrize("kind", ["nip", seldom("rollers")])
 def test_every_kind_is_made_solved_saved_and_drawn(kind, tmp_path, capsys: Capture):
     assert cli.main(["new", kind]) == 0
     case, saved, drawn = (tmp_path / name for name in ("case.toml", "case.nc", "case.png"))
@@ -123,16 +124,15 @@ def test_every_kind_is_made_solved_saved_and_drawn(kind, tmp_path, capsys: Captu
     assert drawn.read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_new_case_is_a_wrapped_nip(capsys: Capture):
+def test_a_new_case_is_a_nip(capsys: Capture):
     assert cli.main(["new"]) == 0
-    assert capsys.readouterr().out == template("wrapped_nip")
+    assert capsys.readouterr().out == template("nip")
 
 
 @pytest.mark.parametrize(
     "kind",
     [  # whose sweeps take long
-        seldom(kind) if kind.name in ("wrapped_nip", "wound_roll", "air_nip") else kind
-        for kind in kinds.every()
+        seldom(kind) if kind.name == "roll" else kind for kind in kinds.every()
     ],
     ids=lambda kind: kind.name,
 )
@@ -149,18 +149,19 @@ def test_every_kind_has_a_flag_and_a_study_that_runs_as_it_is(kind, tmp_path, ca
     if kind.name == "winding":
         return  # ten of them take a minute; tests/unit/test_winding.py sweeps one
     out = tmp_path / "results"
-    if kind.name == "air_nip":  # a film is found by some ten nips
-        coarse = study.read_text("utf-8").replace("[solver]", "[solver]\nnodes = 17")
-        study.write_text(coarse, encoding="utf-8")
     assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
     assert "10 cases" in (said := capsys.readouterr().out)
     assert " 0 failed" in said
     assert all((out / f"{output}.png").exists() for output in told.outputs)
 
 
-def test_a_flag_may_be_short_where_one_kind_alone_begins_so(capsys: Capture):
-    assert cli.main(["new", "--wrapped"]) == 0
-    assert capsys.readouterr().out == template("wrapped_nip")
+def test_a_flag_may_be_short_where_one_kind_alone_begins_so(capsys: Capture, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(kinds, "_KINDS", dict(kinds._KINDS))
+        patched.setattr(cli.new, "params", cli.new.params[:2])
+        kinds.register(wo.NipProblem, wo.solve, wo.NipResult, name="lay_on")
+        assert cli.main(["new", "--lay"]) == 0
+    assert capsys.readouterr().out == template("nip")
     assert cli.main(["new", "--study", "rollers"]) == 0
     assert "[case.upper]" in capsys.readouterr().out
     assert cli.main(["new", "--rollers", "--nip"]) == 2
@@ -192,12 +193,7 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
         ([*QUICK, "--set", "winding_force=-800 N/m"], 2, ["error: winding_force: -800"]),
         (["solve", EXAMPLE, "--roll-wrap", "200 deg"], 2, ["error: roll_wrap: 3.49"]),
         (["solve", EXAMPLE, "--roll-wrap", "2 m"], 2, ["error: roll_wrap: '2 m' has the wrong"]),
-        (
-            ["nip", EXAMPLE],
-            2,
-            [f"error: {EXAMPLE}: is a case of the kind 'wrapped-nip'; use 'woun"],
-        ),
-        (["rollers", EXAMPLE], 2, [f"error: {EXAMPLE}: is a case of the kind 'wrapped-nip'; use"]),
+        (["rollers", EXAMPLE], 2, [f"error: {EXAMPLE}: is a case of the kind 'nip'; use 'woun"]),
         (
             ["solve", EXAMPLE, *ALONE, "--agreed", "1e-3"],
             2,
@@ -290,7 +286,7 @@ def test_the_commands_are_listed_whole(capsys: Capture):
     said = capsys.readouterr().out
     commands = said.partition("Commands:")[2]
     assert "..." not in commands
-    for name in ("solve", "nip", "wrapped-nip", "rollers", "new", "materials", "sweep", "fit"):
+    for name in ("solve", "nip", "rollers", "roll", "winding", "new", "materials", "sweep", "fit"):
         assert f"\n  {name} " in commands
 
 
@@ -302,30 +298,23 @@ def solved_by(capsys: Capture, *args: str) -> dict[str, object]:
     return dict(json.loads(capsys.readouterr().out))
 
 
-def test_a_wrap_makes_a_nip_a_wrapped_one(capsys: Capture, plain):
+def test_wraps_are_set_by_options_and_settings(capsys: Capture, plain):
     for args in (
-        ["nip", plain, "--drum-wrap", "90 deg"],
-        ["nip", plain, "--set", "drum_wrap=90 deg"],
-        ["solve", plain, "--drum-wrap", "90 deg"],
-        ["wrapped-nip", plain, "--drum-wrap", "90 deg"],
-        ["nip", EXAMPLE, "--drum-wrap", "90 deg"],
+        ["nip", plain, "--roll-wrap", "1", "--drum-wrap", "90 deg"],
+        ["nip", plain, "--set", "roll_wrap=1", "--set", "drum_wrap=90 deg"],
+        ["solve", plain, "--set", "wrap.roll_wrap=1", "--drum-wrap", "90 deg"],
+        ["nip", EXAMPLE, "--roll-wrap", "1", "--drum-wrap", "90 deg"],
     ):
         record = solved_by(capsys, *args)
-        assert record["kind"] == "wrapped_nip"
+        assert record["kind"] == "nip"
         wraps = record["problem"]["roll_wrap"], record["problem"]["drum_wrap"]  # type: ignore[index]
-        assert wraps == (3.141592653589793, 1.5707963267948966), "one not asked for is the usual"
+        assert wraps == (1.0, 1.5707963267948966)
 
 
-def test_a_plain_nip_has_the_usual_wraps_where_it_is_solved_wrapped(capsys: Capture, plain):
-    record = solved_by(capsys, "wrapped-nip", plain)
+def test_without_its_table_a_nip_has_the_usual_wraps(capsys: Capture, plain):
+    assert solved_by(capsys, "nip", plain)["problem"] == newsprint_nip().model_dump(mode="json")
+    record = solved_by(capsys, "nip", plain, "--set", "wrap=none")
     assert record["problem"] == wo.NipProblem.example().model_dump(mode="json")
-    assert solved_by(capsys, "nip", plain)["kind"] == "nip"
-
-
-def test_what_makes_a_nip_another_kind_is_told(capsys: Capture):
-    assert cli.main(["nip", EXAMPLE]) == 2
-    assert "or leave out what makes it one: --set wrap=none" in capsys.readouterr().err
-    assert solved_by(capsys, "nip", EXAMPLE, "--set", "wrap=none")["kind"] == "nip"
 
 
 @pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)
@@ -339,14 +328,14 @@ def test_help_lists_fields_outputs_and_options(kind, capsys: Capture):
     for place in wo.quantities.outputs(kind.result):
         assert f" {place.path} {place.quantity.symbol}: " in said
     assert "--rtol FLOAT" in said
-    assert ("--sensitivity" in said) == (kind.name in ("nip", "wrapped_nip", "rollers"))
+    assert ("--sensitivity" in said) == (kind.name in ("nip", "rollers"))
     # the friction's range: rollers may have none; of a roll that of its temperature change
-    ranges = {"rollers": "(0 to 10)", "wound_roll": "(-1000 to 1000)"}
+    ranges = {"rollers": "(0 to 10)", "roll": "(-1000 to 1000)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in said
 
 
 def test_options_are_those_of_the_solver_with_its_words(capsys: Capture):
-    assert cli.main(["wrapped-nip", "--help"]) == 0
+    assert cli.main(["nip", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "--nodes INTEGER Nodes of the nip on the last mesh, 13 to 1025" in said
     assert cli.main(["solve", "--help"]) == 0

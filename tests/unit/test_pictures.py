@@ -15,6 +15,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.io.case_files import template
@@ -53,8 +54,7 @@ def _closed():
 
 @pytest.fixture(scope="module")
 def nips() -> list[wo.NipResult]:
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0)
-    return [wo.solve(problem.replace(nip_load=P), nodes=NODES) for P in (2000.0, 4000.0)]
+    return [wo.solve(newsprint_nip(nip_load=P), nodes=NODES) for P in (2000.0, 4000.0)]
 
 
 # ---- notebooks
@@ -151,7 +151,7 @@ def test_one_panel_goes_into_the_users_axes(nips) -> None:
     assert plt.get_fignums() == [figure.number]
     again = plt.figure().add_subplot()
     nips[0].plot(ax=again, panels="pressure")
-    np.testing.assert_allclose(again.get_lines()[0].get_ydata(), 1e-3 * nips[0].pressure)
+    np.testing.assert_allclose(again.get_lines()[0].get_ydata(), 1e-3 * nips[0].drum_pressure)
 
 
 def test_a_legend_within_axes_is_covered_by_no_curve(nips) -> None:
@@ -186,7 +186,7 @@ def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
     [
         ({"panels": "tractons"}, "panels: 'tractons' is unknown; must be tractions, slips, "),
         ({"panels": ["zones", "slip"]}, "roll_slip, drum_slip, roll_zone, drum_zone or "
-                                        "web_tension; did you mean 'slips'?"),
+                                        "roll_strain; did you mean 'slips'?"),
         ({"panels": []}, "panels: none is chosen; must be tractions, "),
         ({"ax": 3}, "ax: 3 is out of place; must be matplotlib's Axes"),
         ({"path": "figure.gif"}, "figure.gif: the ending '.gif' is not a known format"),
@@ -244,11 +244,11 @@ def test_results_that_differ_in_much_are_numbered(nips) -> None:
     assert names(figure.legends[0]) == ["nip 1", "nip 2", "nip 3"]
 
 
-def test_kinds_share_the_panels_they_have_in_common(nips) -> None:
+def test_results_share_the_panels_they_have_in_common(nips) -> None:
     wrapped = wo.solve(nips[0].problem.replace(roll_wrap=np.pi), nodes=NODES)
     figure = wo.plot([nips[0], wrapped])
     assert len(figure.axes) == 4  # the nip's three, and the tension on the right
-    assert names(figure.legends[0]) == ["nip", "wrapped nip"]
+    assert names(figure.legends[0]) == ["roll wrap = 0 deg", "roll wrap = 180 deg"]
     rollers = wo.solve(wo.RollerProblem.example(), nodes=NODES)
     with pytest.raises(wo.InvalidProblem, match="results of nip and rollers have no panel in comm"):
         wo.plot([nips[0], rollers])

@@ -12,6 +12,7 @@ from coarse import coarse, coarse_anew
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from seldom import seldom
+from thesis_cases import film_nip, newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
@@ -39,16 +40,12 @@ def plot_outputs(result: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def nip() -> wo.NipResult:
-    return wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0), nodes=NODES)
+    return wo.solve(newsprint_nip(), nodes=NODES)
 
 
 @pytest.fixture(scope="module")
 def wrapped() -> wo.NipResult:
-    problem = (
-        wo.NipProblem.example()
-        .replace(roll_wrap=0.0)
-        .replace(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
-    )
+    problem = newsprint_nip(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3)
     return wo.solve(problem, nodes=NODES)
 
 
@@ -59,19 +56,18 @@ def results(nip, wrapped) -> dict[str, Any]:
     pair = wo.RollerProblem.example()
     rubber = pair.replace(lower=wo.HalfPlane(radius=0.2, material=SOFT), tangential_load=None)
     more = {
-        "soft cover": nip.problem.replace(drum=cover, winding_force=-200.0).replace(
-            roll_wrap=np.pi
+        "soft cover": nip.problem.replace(drum=cover, winding_force=-200.0, roll_wrap=np.pi),
+        "drum wrap alone": nip.problem.replace(drum_wrap=1.0),
+        "drum slides": nip.problem.replace(
+            nip_load=1e3, roll_wrap=np.pi, winding_force=400, drum_wrap=2.5
         ),
-        "drum wrap alone": nip.problem.replace(roll_wrap=0.0, drum_wrap=1.0),
-        "drum slides": nip.problem.replace(nip_load=1e3).replace(
-            roll_wrap=np.pi, winding_force=400, drum_wrap=2.5
-        ),
+        "air": film_nip(),
         "static": pair.replace(motion="static"),
         "free rolling": rubber,
     }
     solved = {name: wo.solve(problem, nodes=NODES) for name, problem in more.items()}
     examples = {k.name: coarse(k.problem.example(), NODES) for k in kinds.every()}
-    return {**examples, **solved, "nip": nip, "wrapped on both": wrapped}
+    return {**examples, **solved, "without wraps": nip, "wrapped on both": wrapped}
 
 
 def curves(axes: Any) -> dict[str, np.ndarray]:
@@ -96,7 +92,7 @@ def test_panels_show_the_results_in_the_units_of_their_labels(nip):
     for data, slip in zip(drawn, (nip.roll_slip, nip.drum_slip), strict=True):
         np.testing.assert_allclose(data[:, 1], 100 * slip)
     (line,) = tension.get_lines()
-    np.testing.assert_allclose(line.get_ydata(), nip.web_tension)
+    np.testing.assert_allclose(line.get_ydata(), nip.tension)
 
 
 def highest(axes: Any) -> dict[str, float]:
@@ -111,7 +107,7 @@ def test_bounds_are_those_of_the_pressure_on_the_face(nip, wrapped):
     bounds = highest(nip.plot().axes[0])
     assert bounds == pytest.approx({r"$\pm\mu^{+}p$": 0.19 * p, r"$\pm\mu^{-}p$": 0.2 * p})
     own = wrapped.in_nip
-    on_roll, on_drum = wrapped.roll_pressure[own].max(), wrapped.pressure[own].max()
+    on_roll, on_drum = wrapped.roll_pressure[own].max(), wrapped.drum_pressure[own].max()
     bounds = highest(wrapped.plot().axes[0])
     assert bounds == pytest.approx(
         {r"$\pm\mu^{+}p^{+}$": 0.19e-3 * on_roll, r"$\pm\mu^{-}p^{-}$": 0.2e-3 * on_drum}
@@ -141,17 +137,17 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
     on_roll = curves(tension)["$T$ on roll"]
     behind = (wrapped.x[own.stop :] - a) / 0.1
     np.testing.assert_allclose(on_roll[:, 0], np.degrees(behind))
-    np.testing.assert_allclose(on_roll[:, 1], wrapped.web_tension[own.stop :])
+    np.testing.assert_allclose(on_roll[:, 1], wrapped.tension[own.stop :])
     assert on_roll[-1, 1] == pytest.approx(wrapped.wound_on_tension)
     assert f"WOT {wrapped.wound_on_tension:.5g} N/m" in curves(tension)
     assert curves(tension)["end of slip"][0][0] == pytest.approx(np.degrees(wrapped.slip_angle))
     on_drum = curves(tension)["$T$ on drum"]
     before = (-a - wrapped.x[: own.start]) / 0.0762
     np.testing.assert_allclose(on_drum[:, 0], np.degrees(before))
-    np.testing.assert_allclose(on_drum[:, 1], wrapped.web_tension[: own.start])
+    np.testing.assert_allclose(on_drum[:, 1], wrapped.tension[: own.start])
     drawn = curves(pressure)
     np.testing.assert_allclose(drawn["$p^{+}$"][:, 1], 1e-3 * wrapped.roll_pressure[own.stop :])
-    np.testing.assert_allclose(drawn["$p^{-}$"][:, 1], 1e-3 * wrapped.pressure[: own.start])
+    np.testing.assert_allclose(drawn["$p^{-}$"][:, 1], 1e-3 * wrapped.drum_pressure[: own.start])
     # friction behind the nip is the wrap's own: where the web slips, all of it is needed
     needed = drawn[r"$|q^{+}|/\mu^{+}$"][:, 1]
     np.testing.assert_allclose(needed, 1e-3 * np.abs(wrapped.roll_traction[own.stop :]) / 0.3)
@@ -159,10 +155,8 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
 
 
 def test_without_any_wrap_the_nip_alone_is_drawn():
-    result = wo.solve(
-        wo.NipProblem.example().replace(roll_wrap=0.0).replace(roll_wrap=0.0), nodes=NODES
-    )
-    assert len(result.plot().axes) == len(wo.solve(result.problem.confined()).plot().axes)
+    result = wo.solve(newsprint_nip(), nodes=NODES)
+    assert len(result.plot().axes) == 4  # three panels, one of them with two axes
 
 
 # ---- two rollers
@@ -270,21 +264,28 @@ SLOW = pytest.mark.slow
 # one of every layout; the others differ from them in what is drawn
 FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     **{kind.name: lambda r, kind=kind.name: r[kind].plot() for kind in kinds.every()},
-    "wrapped_nip": lambda r: r["wrapped on both"].plot(),
-    "by default": lambda r: plot_outputs(r["nip"]),
-    "two": lambda r: wo.plot([r["nip"], r["wrapped_nip"]]),
+    "wrapped on both": lambda r: r["wrapped on both"].plot(),
+    "without wraps": lambda r: r["without wraps"].plot(),
+    "by default": lambda r: plot_outputs(r["without wraps"]),
+    "two": lambda r: wo.plot([r["without wraps"], r["nip"]]),
 }
-LIKE_OTHERS = ("nip", "winding")  # panels of wrapped nips, and of rolls
+LIKE_OTHERS = ("nip", "without wraps", "winding")  # panels of wrapped nips, and of rolls
 MORE_FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     **{
         name: lambda r, name=name: r[name].plot()
-        for name in ("soft cover", "drum wrap alone", "drum slides", "static", "free rolling")
+        for name in (
+            "soft cover",
+            "air",
+            "drum wrap alone",
+            "drum slides",
+            "static",
+            "free rolling",
+        )
     },
-    "roll alone": lambda r: r["wrapped_nip"].plot(),
     "rollers by default": lambda r: plot_outputs(r["rollers"]),
-    "two wrapped": lambda r: wo.plot([r["wrapped_nip"], r["soft cover"]]),
+    "two wrapped": lambda r: wo.plot([r["nip"], r["soft cover"]]),
     "two rollers": lambda r: wo.plot([r["rollers"], r["free rolling"]]),
-    "chosen": lambda r: r["wrapped_nip"].plot(panels=["wrap_tension", "curvature", "pressure"]),
+    "chosen": lambda r: r["nip"].plot(panels=["wrap_tension", "curvature", "pressure"]),
     "one": lambda r: r["nip"].plot(panels="zones"),
 }
 
@@ -333,9 +334,7 @@ def _shrunk(axes: Any) -> Any:
     ("kind", "ending", "panels"),
     [  # formats differ in what they write beside the picture, which is the same for all kinds
         ("nip", "svg", ["tractions", "zones"]), ("rollers", "png", ["tractions"]),
-        ("wound_roll", "pdf", ["pressure"]),
-        *(pytest.param(kind, "svg", None, marks=SLOW)
-          for kind in ("wrapped_nip", "winding", "air_nip")),
+        ("roll", "pdf", ["pressure"]), pytest.param("winding", "svg", None, marks=SLOW),
     ],
 )  # fmt: skip
 def test_the_same_result_gives_the_same_bytes(results, tmp_path, kind, ending, panels):

@@ -212,7 +212,10 @@ def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
     said = parts["Winding nip, the web wrapped on the roll"]
     assert not any("extrapolates" in str(row) for row in said)
     WOT, error = wrapped.wound_on_tension, wrapped.wound_on_tension_error
-    assert said[0] == f"wound-on tension, where the web is held to the roll WOT {WOT:.5g} N/m ± {error:.2g}"
+    assert (
+        said[0]
+        == f"wound-on tension, where the web is held to the roll WOT {WOT:.5g} N/m ± {error:.2g}"
+    )
     angle = np.degrees(wrapped.slip_angle)
     assert f"roll downstream of the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
     before = wrapped.inlet_tension

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 import xarray
 from coarse import coarse, coarse_options
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import cli, kinds, quantities
@@ -35,11 +36,11 @@ def told() -> dict[str, Any]:
     made: dict[str, Any] = {
         kind.name: coarse(kind.problem.example(), NODES) for kind in kinds.every()
     }
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0)
+    problem = newsprint_nip()
     loads = (1000.0, 2000.0, 3500.0, 5000.0)
-    rig = [wo.solve(problem.replace(nip_load=P), nodes=NODES).rig_tension for P in loads]
-    measured = np.add(rig, [0.3, -0.4, 0.2, -0.1])
-    data = {"nip_load [N/m]": loads, "rig_tension [N/m]": measured}
+    exact = [wo.solve(problem.replace(nip_load=P), nodes=NODES).wound_on_tension for P in loads]
+    measured = np.add(exact, [0.3, -0.4, 0.2, -0.1])
+    data = {"nip_load [N/m]": loads, "wound_on_tension [N/m]": measured}
     ranges = {"nip_load": (2e3, 3e3), "roll_friction": (0.15, 0.3)}
     made["fit"] = wo.fit(problem, data, BOUNDS, nodes=NODES, starts=1)
     made["sobol"] = wo.global_sensitivity(problem, ranges, samples=8, nodes=NODES, workers=1)
@@ -104,7 +105,7 @@ def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:
 def test_a_printed_fit_is_the_commands(tmp_path, capsys) -> None:
     case, data = tmp_path / "case.toml", tmp_path / "data.csv"
     case.write_text(template("nip"), encoding="utf-8")
-    data.write_text("nip_load [N/m],rig_tension [N/m]\n1000,530\n3000,690\n", encoding="utf-8")
+    data.write_text("nip_load [N/m],wound_on_tension [N/m]\n1000,530\n3000,690\n", encoding="utf-8")
     fitted = {"roll_friction": (0.1, 0.4)}
     vary = ["--vary", "roll_friction=0.1:0.4", "--starts", "1", "--no-profiles"]
     assert cli.main(["fit", str(case), str(data), *vary, "--nodes", str(NODES)]) == 0
@@ -131,7 +132,7 @@ def test_one_line_has_the_main_numbers(told) -> None:
     first = slopes.sorted()
     assert f"{first.parameters[0]} {first.elasticities[0, 0]:+.2f}, " in repr(slopes)
     cases = "32 cases of nip_load, roll_friction"
-    assert repr(sobol.table) == f"Table({cases}; nip_induced_tension; 0 failed)"
+    assert repr(sobol.table) == f"Table({cases}; wound_on_tension; 0 failed)"
 
 
 def test_one_line_of_a_fit_of_many(told) -> None:
@@ -176,7 +177,7 @@ def test_a_notebook_gets_studies_as_tables(told, name: str) -> None:
 
 
 def test_problems_and_their_parts_are_tables_too() -> None:
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0)
+    problem = newsprint_nip()
     page = Page(problem._repr_html_())
     at = page.cells.index("nip load")
     assert page.cells[at : at + 4] == ["nip load", "P", "3502", "N/m"]
@@ -199,9 +200,7 @@ def test_it_takes_the_colours_of_the_page(told, name: str) -> None:
     coloured = [style for style in page.styles if "color" in style or "background" in style]
     # the zones' bars alone, that hold no letters
     assert all(style.startswith("display:inline-block") for style in coloured)
-    assert (len(coloured) > 0) == (
-        name in KINDS and name not in ("wound_roll", "air_nip", "winding")
-    )
+    assert (len(coloured) > 0) == (name in KINDS and name not in ("roll", "winding"))
 
 
 # ---- as tables
@@ -254,7 +253,7 @@ def test_tables_of_studies_have_their_numbers(told) -> None:
     np.testing.assert_array_equal(data.measured, fit.measured)
     assert list(data.output_unit.values) == ["N/m"] * 4
     frame = sobol.to_dataframe()
-    at = ("nip_induced_tension", "roll_friction")
+    at = ("wound_on_tension", "roll_friction")
     assert frame.loc[at, "total_order"] == sobol.total_order[0, 1]
     assert frame.loc[at, "total_high"] == sobol.total_interval[1, 0, 1]
     frame = slopes.to_dataframe()
