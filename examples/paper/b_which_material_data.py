@@ -5,9 +5,9 @@ Which material data must I measure?
 A winding calculation asks for four moduli of the paper, two friction coefficients and the web's
 thickness. Which of them deserve a careful measurement?
 
-The result of a nip alone knows its exact derivatives with respect to every field, at the price
-of one more solution. An *elasticity* of 0.5 means: one percent more of the input changes the
-answer by half a percent.
+``result.sensitivity()`` returns the derivatives of the outputs of a nip with respect to every field.
+An *elasticity* of 0.5 means: one percent more of the input changes the output by half a percent.
+Here the nip has no wraps (``roll_wrap=0``).
 
 **Answer:** the web's thickness and its modulus along the web, the shear modulus and the radial
 modulus of the roll. Poisson's coupling (``cross``), the friction of the drum and the core
@@ -21,9 +21,8 @@ import numpy as np
 import woundon as wo
 
 result = wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0))
-sensitivity = result.sensitivity().sorted()
-row = sensitivity.outputs.index("nip_induced_tension")
-elasticities = dict(zip(sensitivity.parameters, sensitivity.elasticities[row], strict=True))
+sensitivity = result.sensitivity(outputs=["nip_induced_tension"]).sorted()
+elasticities = dict(zip(sensitivity.parameters, sensitivity.elasticities[0], strict=True))
 for name, value in elasticities.items():
     print(f"{name:25} {value:+.3f}")
 
