@@ -5,9 +5,9 @@ Which material data must I measure?
 A winding calculation asks for four moduli of the paper, two friction coefficients and the web's
 thickness. Which of them deserve a careful measurement?
 
-``result.sensitivity()`` returns the derivatives of the outputs of a nip with respect to every field.
-An *elasticity* of 0.5 means: one percent more of the input changes the output by half a percent.
-Here the nip has no wraps (``roll_wrap=0``).
+``result.sensitivity()`` returns the derivatives of the outputs of a nip with respect to every
+field. An *elasticity* of 0.5 means: one percent more of the input changes the output by half a
+percent. Here the nip has no wraps (``roll_wrap=0``).
 
 **Answer:** the web's thickness and its modulus along the web, the shear modulus and the radial
 modulus of the roll. Poisson's coupling (``cross``), the friction of the drum and the core
