@@ -1,4 +1,4 @@
-"""Solve the wrapped form of a nip."""
+"""Solve a nip with wraps."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ __all__ = ["solve_wrapped"]
 
 
 def solve_wrapped(problem: Any, nodes: int | None = None, **wraps: Any) -> wo.NipResult:
-    """Return the result of a nip with wraps; a plain nip gets half a turn on the roll."""
-    if wraps or isinstance(problem, wo.NipProblem):
-        problem = problem.replace(roll_wrap=pi, **wraps)
-    result: wo.NipResult = wo.solve(problem, nodes=nodes)
+    """Return the result of a nip with these wraps, by default half a turn on the roll."""
+    result: wo.NipResult = wo.solve(problem.replace(**{"roll_wrap": pi} | wraps), nodes=nodes)
     return result

@@ -255,7 +255,7 @@ def test_the_equilibrium_inside_a_nonlinear_body_is_a_condition(
 ) -> None:
     soft = hardening_roll(K2=40.0, P0=200e3)
     cases = {
-        "nip": newsprint_nip(roll=soft), "wrapped": newsprint_nip(roll=soft).replace(roll_wrap=np.pi),
+        "nip": newsprint_nip(roll=soft), "wrapped": newsprint_nip(roll=soft, roll_wrap=np.pi),
         "rollers": wo.RollerProblem(
             upper=wo.Rigid(radius=0.2), lower=soft, load=2e3, friction=0.3, tangential_load=100.0
         ),

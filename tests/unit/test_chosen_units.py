@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas
 import pytest
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import cli
@@ -17,7 +18,7 @@ EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 
 @pytest.fixture(scope="module")
 def nip():
-    return wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0), nodes=33)
+    return wo.solve(newsprint_nip(), nodes=33)
 
 
 def line(text: str, meaning: str) -> str:
@@ -36,7 +37,7 @@ def test_reports_show_fields_and_outputs_with_their_errors(nip):
 
 
 def test_figures_follow(nip):
-    with wo.units(x="um", web_tension="pli"):
+    with wo.units(x="um", tension="pli"):
         axes = nip.plot().axes
     texts = [a.get_xlabel() + a.get_ylabel() for a in axes]
     assert any("[µm]" in text for text in texts)
@@ -83,7 +84,7 @@ def test_csv_holds_single_numbers_and_arrays(nip, tmp_path: Path):
         nip.save(path)
     frame = pandas.read_csv(path, comment="#")
     assert frame["x [um]"].tolist() == pytest.approx(1e6 * nip.x, rel=1e-15)
-    assert frame["pressure [Pa]"].tolist() == nip.pressure.tolist()
+    assert frame["drum_pressure [Pa]"].tolist() == nip.drum_pressure.tolist()
     lines = [row[2:] for row in path.read_text("utf-8").splitlines() if row.startswith("# ")]
     told = dict(csv.reader(lines))
     assert float(told["nip_load [kN/m]"]) == 3.502
@@ -100,7 +101,7 @@ def test_the_command_line_chooses_units(tmp_path: Path, capsys: pytest.CaptureFi
     assert cli.main([*args, "--unit", "nip_load=kN/m", "--unit", "wound_on_tension = pli"]) == 0
     said = capsys.readouterr().out
     assert line(said, "nip load") == "nip load P 3.502 kN/m"
-    assert " pli ± " in line(said, "wound-on tension, far behind the nip")
+    assert " pli ± " in line(said, "wound-on tension, where the web is held")
     assert "# nip_load [kN/m],3.502\n" in (tmp_path / "a.csv").read_text("utf-8")
     assert cli.main([*args, "--unit", "nip_load"]) == 2
     assert "nip_load: must be written NAME=UNIT" in capsys.readouterr().err

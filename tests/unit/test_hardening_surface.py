@@ -76,7 +76,7 @@ def test_the_jacobian_is_the_derivative(
     monkeypatch.setattr(ring_equilibrium, "NEAR", 0.0)
     problem: Any = nip(roll())
     problem = problem.replace(**{"web.material": roll().stack})
-    problem = problem.replace(roll_wrap=pi, **wraps) if wraps else problem
+    problem = problem.replace(**wraps)
     system: Any = NipEquations(problem, 13)
     u, active = system.initial_guess()
     solution, _ = SemismoothNewton(system).solve(system.evaluate(u), active, 1e-6)
@@ -245,7 +245,7 @@ def solve(problem: Any, nodes: int) -> Refinement:
 def test_few_iterations_and_factorisations(wraps: Any) -> None:
     """A wrong column of the Jacobian leaves the result correct and costs iterations."""
     problem: Any = nip(roll())
-    problem = problem if wraps is None else problem.replace(roll_wrap=pi, **wraps)
+    problem = problem if wraps is None else problem.replace(**wraps)
     ring_of.cache_clear()
     found = solve(problem, 33)
     counts = [mesh.solver.counts for mesh in found.meshes]
@@ -288,7 +288,7 @@ def test_a_constant_law_of_the_web_is_the_orthotropic_web() -> None:
 def test_a_web_that_hardens_lengthens_the_nip(wraps: Any) -> None:
     """It is soft at the contact edges; the solver needs no more iterations."""
     problem: Any = nip(roll())
-    problem = problem if wraps is None else problem.replace(roll_wrap=pi, **wraps)
+    problem = problem if wraps is None else problem.replace(**wraps)
     hardening = solve(problem.replace(**{"web.material": roll().stack}), 23)
     wanted = solve(problem, 23).last.outputs
     assert 1.01 < hardening.last.outputs["half_width"] / wanted["half_width"] < 1.2

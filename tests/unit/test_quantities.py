@@ -95,11 +95,12 @@ def test_the_walk_over_a_problem_has_every_leaf_once_with_its_value() -> None:
         "drum.radius": 0.0762,
         "roll_friction": 0.19, "drum_friction": 0.2,
         "nip_load": 3502.0, "winding_force": 0.0, "web_tension": 350.0,
-        "web_speed": None,
+        "roll_wrap": 0.0, "drum_wrap": 0.0, "wrap_friction": None,
+        "web_speed": None, "air": None,
     }  # fmt: skip
     # in the order of definition, as template and report show them
     assert list(values)[:2] == ["web.thickness", "web.material.radial"]
-    assert list(values)[-3:] == ["winding_force", "web_tension", "web_speed"]
+    assert list(values)[-3:] == ["wrap_friction", "web_speed", "air"]
 
 
 @each_kind

@@ -62,7 +62,7 @@ def test_every_solver_asks_for_it():
     import woundon as wo
     from woundon.nip.sensitivity import contact_sensitivity
 
-    solvers = [wo.kinds.named(name).solver for name in ("nip", "wrapped_nip", "rollers")]
+    solvers = [wo.kinds.named(name).solver for name in ("nip", "rollers")]
     for solve in (*solvers, contact_sensitivity):
         assert solve.__code__.co_name == "limited", solve.__name__
 

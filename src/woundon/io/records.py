@@ -82,7 +82,7 @@ def saved_hints(cls: type[Any]) -> dict[str, Any]:
 def saved_values(result: Result) -> dict[str, Any]:
     """Return the values of the saved fields; those of a part, as an air film, by dotted name.
 
-    Empty arrays and missing parts are the defaults of their fields.
+    Missing parts are left out, and empty arrays of fields that have a default.
     """
     values: dict[str, Any] = {}
     parts = _parts(type(result))
@@ -92,10 +92,15 @@ def saved_values(result: Result) -> dict[str, Any]:
             values[each.name] = value
         elif value is not None:
             values |= {f"{each.name}.{f.name}": getattr(value, f.name) for f in fields(value)}
+    required = {each.name for each in saved_fields(type(result)) if _is_required(each)}
     return {
         name: value for name, value in values.items()
-        if not (isinstance(value, np.ndarray) and value.size == 0)
+        if name in required or not (isinstance(value, np.ndarray) and value.size == 0)
     }  # fmt: skip
+
+
+def _is_required(part: Field[Any]) -> bool:
+    return part.default is MISSING and part.default_factory is MISSING
 
 
 def _parts(cls: type[Any]) -> dict[str, type[Any]]:
@@ -194,7 +199,7 @@ def _restored_values(
             if isinstance(value, np.ndarray):
                 _check_shape(value, dimensions[name], sizes, name)
             yield name, value
-        elif part.default is MISSING and part.default_factory is MISSING:
+        elif _is_required(part):
             raise InvalidProblem.at(name, "missing")
 
 
