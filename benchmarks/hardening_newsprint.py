@@ -283,7 +283,7 @@ def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     asked.add_argument("what", choices=("points", "fits", "tables"))
     asked.add_argument("names", nargs="*", help="of settings or fits; all without")
-    asked.add_argument("--nodes", type=int, help="33 of points (0.1 % of WOT), 17 of fits")
+    asked.add_argument("--nodes", type=int, help="33 of points (0.1 %% of WOT), 17 of fits")
     asked.add_argument("--folder", type=Path, default=Path("out/newsprint"), help="of the results")
     given = asked.parse_args()
     if given.what == "points":

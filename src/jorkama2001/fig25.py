@@ -49,7 +49,7 @@ def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
         verdict(
             "and at the drum", smaller("drum_traction"), 50.0, unit="%",
             note=f"of the largest.  It is bound to mu- p, and the wider nip's largest pressure is "
-            f"{smaller('pressure'):.0f} % smaller only",
+            f"{smaller('drum_pressure'):.0f} % smaller only",
         ),
     ]  # fmt: skip
 

@@ -66,7 +66,7 @@ class ProcedureResult:
     nip_induced_tension : float
         NIT = Q+ + Q- = T_out - T_in [N/m].
     drum_creepage : float
-        xi-, creep ratio of web and drum (92).
+        xi-, creepage of web and drum (92).
     approach, offset : float
         -delta > 0 and Delta (82) [m].
     x : (M,) array
