@@ -51,9 +51,6 @@ Array = np.ndarray
 # Step of ln a for the difference quotient (error 1e-5 by its size, 1e-10 by rounding), and the
 # distance of half widths between which the surfaces of a neighbouring half width serve again.
 DIFFERENCE, NEAREST, FARTHEST = 1e-5, 1e-7, 1e-2
-# Friction coefficient of the slip scale: with less friction slip is still of the order of the gap's
-# slope, and with more it is not larger.
-LARGEST_SLIP = 1.0
 
 
 class Side(NamedTuple):
@@ -255,13 +252,8 @@ class NipEquations:
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
         traction = u[at.q] / self.scales[at.q]
         return NipState(
-            u, f, np.concatenate(rows), slip / self.slip_scales, traction, p / self.pressure_scale
+            u, f, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale
         )
-
-    @cached_property
-    def slip_scales(self) -> Array:
-        """Slip varies as the friction where there is little of it."""
-        return self.slope_scale * np.minimum(self.friction, LARGEST_SLIP)
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
         at, a, mesh = self.layout, g.a, g.mesh
@@ -414,7 +406,7 @@ class _Assembly:
         at, equations = self.at, self.equations
         gap = self._gap_slope() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wraps()]
-        slip = self._slip() / equations.slip_scales[:, None]
+        slip = self._slip() / equations.slope_scale
         bound = np.zeros((at.q.stop - at.q.start, at.size))
         k = at.roll_nodes.size
         bound[:k] = self._roll_pressure(np.eye(at.end + 1 - at.first)[1 : k + 1])

@@ -53,7 +53,7 @@ from ..elasticity.mesh import Face, Wrap, nip_mesh
 from ..elasticity.surface import Deformation, SurfaceResponse
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
-from .equations import DIFFERENCE, FARTHEST, LARGEST_SLIP, NEAREST, nearest
+from .equations import DIFFERENCE, FARTHEST, NEAREST, nearest
 from .roller_energy import dissipation, surface_work
 
 __all__ = ["RollerEquations", "RollerState", "pressure_median"]
@@ -115,10 +115,7 @@ class RollerEquations:
         # units: Hertz's largest pressure, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
         self.static = problem.motion == "static"
-        # the slip varies as the friction where there is little of it
-        mu = min(problem.friction, LARGEST_SLIP) if problem.friction else 1.0
-        self.slip_unit = self.slope_scale * (a if self.static else 1.0)
-        self.slip_scale = self.slip_unit * mu
+        self.slip_scale = self.slope_scale * (a if self.static else 1.0)
         self._neighbour: Surfaces | None = None
 
     # ---- what Newton's method needs ------------------------------------------------------------
@@ -127,7 +124,7 @@ class RollerEquations:
     def scales(self) -> Array:
         """Units of the unknowns."""
         out = np.full(self.q.stop, self.pressure_scale)
-        out[self.shift], out[self.xi], out[self.ln_a] = self.slope_scale, self.slip_unit, 1.0
+        out[self.shift], out[self.xi], out[self.ln_a] = self.slope_scale, self.slip_scale, 1.0
         out[self.q] *= self.problem.friction
         return out
 
@@ -199,7 +196,7 @@ class RollerEquations:
             force = a * float(self.mesh.weights @ q) - self._force_by_load * load
             drive = force / (problem.friction * problem.load)
         else:
-            drive = float(u[self.xi] - (problem.creepage or 0.0)) / self.slip_unit
+            drive = float(u[self.xi] - (problem.creepage or 0.0)) / self.slip_scale
         return drive, load / problem.load - 1
 
     @property
@@ -280,7 +277,7 @@ class RollerEquations:
             rows[0, self.q] = weights
             rows[0] /= problem.friction * problem.load
         else:
-            rows[0, self.xi] = 1 / self.slip_unit
+            rows[0, self.xi] = 1 / self.slip_scale
         rows[1, self.p] = weights / problem.load
         if k:
             slip[:, self.xi] = 1.0
