@@ -5,8 +5,12 @@ A contact of the half width a without friction satisfies
     v1' + v2' + (thickness change of the web)' + Delta/R* = x/R*,
 
 a linear system for p and Delta, whose load int p dx is that of the half width.  The load grows with
-the half width, up to the widest one for which the model of the bodies holds.  An open tube bends:
-beyond a certain load the surfaces separate in the middle, and no single contact carries the load.
+the half width, up to the widest one for which the model of the bodies holds.
+
+An open tube bends, and the pressure in the middle of the contact decreases.  At the half width
+where it vanishes the surfaces separate, and no single contact carries a larger load.  The linear
+system has solutions with positive pressures again at half widths of the order of the radius, but no
+increasing load leads to them, and the gap of such a contact is not x^2/2R*.
 """
 
 from __future__ import annotations
@@ -22,7 +26,8 @@ __all__ = ["check_load", "frictionless_pressure", "largest_load"]
 Array = np.ndarray
 # Nodes of the mesh for the load limit: loads are accurate to 1 %.
 NODES = 17
-# Half widths of an open tube that are examined.  Its load is not a monotonic function of them.
+# Number of half widths of an open tube that are examined, in geometric progression, and the smallest
+# one relative to the largest.
 WIDTHS, NARROWEST = 60, 1e-3
 # Share of its bending load up to which an open tube carries the load like a solid body.
 BENDING_SHARE = 0.5
@@ -85,8 +90,8 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
     ----------
     problem : ContactProblem
     sufficient : float, optional
-        Examine half widths from the smallest on, and return the first load above this one; without
-        it only the largest half width is examined.
+        Examine half widths from the smallest one until the surfaces separate in the middle, or the
+        load exceeds this one; without it only the largest half width is examined.
     """
     widest = largest_half_width(problem)
     if sufficient is None:
@@ -95,8 +100,9 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
     middle = np.abs(face.nodes) < 0.5
     for a in np.geomspace(NARROWEST, 1.0, WIDTHS) * widest:
         p = frictionless_pressure(problem, face, a)
-        if p[middle].min() > LEAST_MIDDLE * p.max():
-            largest = max(largest, float(a * face.weights @ p))
+        if p[middle].min() <= LEAST_MIDDLE * p.max():
+            break
+        largest = max(largest, float(a * face.weights @ p))
         if largest >= sufficient:
             break
     return largest
