@@ -42,6 +42,7 @@ from ..elasticity.mesh import Face, Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation, SurfaceResponse, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from .layout import Layout
+from .load_limit import frictionless_half_width
 from .outputs import main_outputs, nip_outputs
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
@@ -210,12 +211,15 @@ class NipEquations:
         ]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields at Hertz's half width, and full stick.
+        """Return zero fields at the half width without friction, and full stick.
 
         For linear bodies the first step finds all fields of that half width.
         """
-        u = np.zeros(self.layout.size)
-        u[self.ln_a] = log(self.start)
+        u, a = np.zeros(self.layout.size), self.start
+        if self.problem.linear:
+            largest = exp(self.largest_ln_a)
+            a = frictionless_half_width(self.problem, self.problem.nip_load, a, largest)
+        u[self.ln_a] = log(a)
         return u, np.zeros(self.friction.size, dtype=np.int8)
 
     # ---- geometry ------------------------------------------------------------------------------

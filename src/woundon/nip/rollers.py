@@ -54,6 +54,7 @@ from ..elasticity.surface import Deformation, SurfaceResponse
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
 from .equations import DIFFERENCE, FARTHEST, NEAREST, nearest
+from .load_limit import frictionless_half_width
 from .roller_energy import dissipation, surface_work
 
 __all__ = ["RollerEquations", "RollerState", "pressure_median"]
@@ -153,9 +154,12 @@ class RollerEquations:
         return [f"node {i + 1}" for i in tractions.tolist()]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields at Hertz's half width, and full stick."""
-        u = np.zeros(self.q.stop)
-        u[self.ln_a] = log(self.start)
+        """Return zero fields at the half width without friction, and full stick."""
+        u, a = np.zeros(self.q.stop), self.start
+        if self.problem.linear:
+            largest = exp(self.largest_ln_a)
+            a = frictionless_half_width(self.problem, self.problem.load, a, largest)
+        u[self.ln_a] = log(a)
         return u, np.zeros(self.q.stop - self.q.start, dtype=np.int8)
 
     # ---- residual ------------------------------------------------------------------------------
@@ -374,13 +378,14 @@ class RollerEquations:
         self, state: RollerState, active: Array, coarse: RollerEquations
     ) -> tuple[Array, Array]:
         """Interpolate the unknowns of another mesh; nodes take the zone of the nearest node."""
-        u, zones = self.initial_guess()
+        u = np.zeros(self.q.stop)
         old, new = coarse.mesh.nodes, self.mesh.nodes[1:-1]
         u[self.p] = np.interp(new, old, np.pad(state.u[coarse.p], 1))
         u[[self.shift, self.ln_a]] = state.u[[coarse.shift, coarse.ln_a]]
         u[self.ln_a] = min(u[self.ln_a], self.largest_ln_a)
         if self.static == coarse.static:
             u[self.xi] = state.u[coarse.xi]
+        zones = np.zeros(self.q.stop - self.q.start, dtype=np.int8)
         if zones.size and active.size:
             u[self.q] = np.interp(new, old, np.pad(state.u[coarse.q], 1))
             zones = nearest(old[1:-1], active, new)
