@@ -332,9 +332,9 @@ def _cut(Y: Array, tail: Array, decay: float) -> Spectrum:
     end[1] = N * Y[..., -1]
     error = np.abs(end[1] - tail[1]).max() / max(np.abs(end[1]).max(), np.abs(tail[1]).max())
     # A wave of N periods around the circumference takes polynomials of a degree above N a/R on
-    # [-a, a].  With kappa = 8/N their degree, 10 a/(kappa R), is 1.25 N a/R; with less the
-    # response jumps with the half width.
-    return Spectrum(Y, end, 1, max(8 / N, decay), float(error) / N)
+    # [-a, a].  With kappa = 6/N, as in _spectrum, their degree is 10 a/(kappa R) = 1.7 N a/R; with
+    # a lower degree the response would jump with the half width.
+    return Spectrum(Y, end, 1, max(6 / N, decay), float(error) / N)
 
 
 def _powers(a: Array, terms: int) -> Array:

@@ -1,4 +1,4 @@
-r"""Contact without friction: the largest load that one contact carries, and the half width of a load.
+r"""Contact without friction: the largest load of one contact, and the half width of a load.
 
 A contact of the half width a without friction satisfies
 
@@ -28,9 +28,11 @@ __all__ = ["check_load", "frictionless_half_width", "frictionless_pressure", "la
 Array = np.ndarray
 # Nodes of the mesh for the load limit: loads are accurate to 1 %.
 NODES = 17
-# Number of half widths of an open tube that are examined, in geometric progression, and the smallest
-# one relative to the largest.
+# Half widths of an open tube that are examined, in geometric progression: their number, and the
+# smallest one relative to the largest.
 WIDTHS, NARROWEST = 60, 1e-3
+# Half widths without friction lie within a factor of a million of Hertz's.
+DOUBLINGS = 20
 # Share of its bending load up to which an open tube carries the load like a solid body.
 BENDING_SHARE = 0.5
 # Smallest pressure in the middle half of a contact in one piece, relative to the largest: friction
@@ -133,16 +135,14 @@ def frictionless_half_width(
         Largest half width that is permitted [m].
     """
     a, P = guess, frictionless_load(problem, guess)
-    wider = P < load
-    while True:
-        b = min(2 * a, largest) if wider else a / 2
-        Q = frictionless_load(problem, b)
-        if b == largest or (Q < load) != wider:
+    is_wider = load > P
+    for _ in range(DOUBLINGS):
+        b, Q = a, P
+        a = min(2 * b, largest) if is_wider else b / 2
+        P = frictionless_load(problem, a)
+        if a == largest or (load > P) != is_wider:
             break
-        a, P = b, Q
-    if wider:
-        a, P, b, Q = b, Q, a, P
-    if not 0 < Q < P:  # the load does not increase with the half width
+    if not 0 < min(P, Q) < max(P, Q):  # the load does not increase with the half width
         return guess
     share = log(load / Q) / log(P / Q)
     return b * (a / b) ** min(max(share, 0.0), 1.0)
