@@ -1,24 +1,26 @@
-"""Random problems of one kind: how each ends, its residual, and the true errors of its outputs.
+"""Random problems: how each ends, its residual, and the true errors of its outputs.
 
-    python benchmarks/campaign.py --of wrapped --cases 1000 --workers 2
+    python benchmarks/campaign.py --of all --cases 1000 --workers 2
     python benchmarks/campaign.py --of plain --cases 300 --errors
+    python benchmarks/campaign.py --of plain wrapped --cases 300 --rtol 1e-4
 
 Kinds (random_nips.py): plain, wrapped, covers, rollers, layered, viscoelastic, air, low_friction,
-hardening.  A case ends in one of five ways:
+hardening.  A case ends in one of six ways:
 
 solved          the result satisfies all contact conditions
 inadmissible    the problem is rejected by its own validation, without any mesh
 rejected        InvalidProblem or NoSteadyState by the solver; ``confirmed`` says whether another
                 mesh, also for the load limit, leads to the same exception for the same field
-not converged   NotConverged
+not reached     the tolerance of ``--rtol`` is not reached with 1025 nodes
+not converged   NotConverged for any other reason
 error           any other exception
 
 With ``--errors`` each solved case is solved again with 513 nodes (129 with hardening rolls), and
 every output that has an error estimate is compared with that solution.
 
-The table (out/campaign_KIND.csv) has a row a case and is written part by part: a run that is
-interrupted continues.  The seed determines the case.  Times are processor times in units of one
-dense solve of 398 x 398 in the same process.
+The table (out/campaign_KIND.csv, errors_KIND.csv or rtol_KIND.csv) has a row a case and is written
+part by part: a run that is interrupted continues.  The seed determines the case.  Times are
+processor times in units of one dense solve of 398 x 398 in the same process.
 """
 
 from __future__ import annotations
@@ -53,7 +55,7 @@ __all__ = ["ENDINGS", "compared", "solved"]
 warnings.simplefilter("ignore", wo.ValidityWarning)
 warnings.simplefilter("ignore", wo.ResolutionWarning)
 
-ENDINGS = ("solved", "inadmissible", "rejected", "not converged", "error")
+ENDINGS = ("solved", "inadmissible", "rejected", "not reached", "not converged", "error")
 COLUMNS = (
     "ending", "text", "confirmed", "residual", "condition", "consistency", "nodes", "iterations",
     "milliseconds", "dense", "warnings",
@@ -68,7 +70,7 @@ WITHIN, SHARE, LARGEST = 1.5, 0.97, 4.0
 ROUNDING = 1e-9
 
 
-def solved(seed: int, of: str = "plain", errors: bool = False) -> Row:
+def solved(seed: int, of: str = "plain", errors: bool = False, rtol: float | None = None) -> Row:
     """Return the row of a case."""
     try:
         problem = FAMILIES[of](seed)
@@ -77,12 +79,13 @@ def solved(seed: int, of: str = "plain", errors: bool = False) -> Row:
     row: Row = dict(flat_fields(problem.model_dump()))
     start = time.process_time()
     try:
-        result = wo.solve(problem)
+        result = wo.solve(problem, rtol=rtol) if rtol else wo.solve(problem)
     except (wo.InvalidProblem, NoSteadyState) as fault:
         confirmed = _confirmed(problem, fault)
         return row | {"ending": "rejected", "text": _line(fault), "confirmed": confirmed}
     except wo.NotConverged as fault:
-        return row | {"ending": "not converged", "text": _line(fault)}
+        ending = "not reached" if rtol and "is not reached" in str(fault) else "not converged"
+        return row | {"ending": ending, "text": _line(fault)}
     except Exception as fault:  # every other exception is a fault of the program
         return row | {"ending": "error", "text": _line(fault)}
     seconds = time.process_time() - start
@@ -185,6 +188,9 @@ def report(rows: list[dict[str, str]]) -> str:
     by = {ending: [row for row in rows if row["ending"] == ending] for ending in ENDINGS}
     good = by["solved"]
     lines = [("cases", f"{len(rows)}"), *((ending, f"{len(by[ending])}") for ending in ENDINGS)]
+    if by["not reached"]:
+        share = len(good) / (len(good) + len(by["not reached"]))
+        lines.append(("tolerance reached", f"{100 * share:.1f} %"))
     confirmed = sum(row["confirmed"] == "yes" for row in by["rejected"])
     lines.append(("rejected, confirmed on another mesh", f"{confirmed} of {len(by['rejected'])}"))
     if good:
@@ -267,19 +273,28 @@ def _table(lines: list[tuple[str, str]]) -> str:
 def main() -> int:
     """Run; return 1 if a case ends in NotConverged, an error or an unconfirmed rejection."""
     options = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    options.add_argument("--of", choices=FAMILIES, default="plain", metavar="KIND")
-    options.add_argument("--cases", type=int, default=100, help="random cases, seeds from --first")
+    options.add_argument(
+        "--of", nargs="+", choices=[*FAMILIES, "all"], default=["plain"], metavar="KIND"
+    )
+    options.add_argument("--cases", type=int, default=100, help="of each kind")
     options.add_argument("--first", type=int, default=0, help="first seed")
-    options.add_argument("--errors", action="store_true", help="compare with a fine mesh")
+    what = options.add_mutually_exclusive_group()
+    what.add_argument("--errors", action="store_true", help="compare with a fine mesh")
+    what.add_argument("--rtol", type=float, help="tolerance in place of the default")
     options.add_argument("--workers", type=int, default=1, help="processes")
     options.add_argument("--folder", type=Path, default=Path("out"), help="folder of the tables")
     given = options.parse_args()
-    name = f"{'errors' if given.errors else 'campaign'}_{given.of}"
-    path = given.folder / f"{name}.csv"
-    work = partial(solved, of=given.of, errors=given.errors)
+    kinds = list(FAMILIES) if "all" in given.of else given.of
+    return max([_run(of, given) for of in kinds])
+
+
+def _run(of: str, given: argparse.Namespace) -> int:
+    name = "errors" if given.errors else "rtol" if given.rtol else "campaign"
+    path = given.folder / f"{name}_{of}.csv"
+    work = partial(solved, of=of, errors=given.errors, rtol=given.rtol)
     seeds = range(given.first, given.first + given.cases)
-    rows = run_table(path, columns(given.of, given.errors), seeds, work, given.workers)
-    text = f"{given.of}\n\n{report(rows)}"
+    rows = run_table(path, columns(of, given.errors), seeds, work, given.workers)
+    text = f"{of}\n\n{report(rows)}"
     if given.errors:
         text += f"\n{report_errors(rows)}"
     path.with_suffix(".md").write_text(text, encoding="utf-8")

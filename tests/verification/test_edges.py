@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from random_nips import random_low_friction
 from seldom import seldom
 from thesis_cases import paper_nip
 
@@ -142,3 +143,9 @@ def test_hardly_any_friction_leaves_slip_everywhere(drum: wo.Rigid, friction: fl
                              winding_force=0.0))  # fmt: skip
     assert share(low) == pytest.approx(share(lower), abs=0.02)
     assert abs(share(low)) <= 1.0 + 1e-12
+
+
+@pytest.mark.parametrize("seed", [70, 30012])
+def test_little_friction_on_one_face_hides_no_violation_on_the_other(seed: int) -> None:
+    """The slips of a face without friction are 1e6 times those at the zone boundaries."""
+    assert wo.solve(random_low_friction(seed)).residuals.slip_direction <= 1e-10

@@ -78,7 +78,7 @@ def _held_far_away(problem: wo.NipProblem) -> float:
                 moved[column] += scale
                 # linear in pressures and tractions
                 change = self._far(self._fields(moved, state.fields.geometry)) - base
-                made.slip[:k, column] += change / scale / self.slip_scales[:k]
+                made.slip[:k, column] += change / scale / self.slope_scale
             return made
 
     meshes = refine(lambda size: HeldFarAway(problem, size), nodes=65)

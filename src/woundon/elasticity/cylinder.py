@@ -264,7 +264,7 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
         Y = _interpolated(N, layers, free, factors)
     if len(layers) > 1:
         if 20 / decay > N and _left(Y, tail, J)[-1] > CUT:
-            return _cut(Y, tail, depth)
+            return _cut(Y, tail, decay)
         left = _left(Y, tail, J)
         # what is below is felt as far as it differs: kappa by where a hundred thousandth is left
         decay = max(decay, 6.0 / (1 + np.max(np.nonzero(left > 1e-5)[0], initial=0)))
@@ -322,7 +322,7 @@ def _left(Y: Array, tail: Array, J: int) -> Array:
     return np.array(rest.max(axis=(0, 1)) / np.abs(tail[1]).max())
 
 
-def _cut(Y: Array, tail: Array, depth: float) -> Spectrum:
+def _cut(Y: Array, tail: Array, decay: float) -> Spectrum:
     """Return a spectrum that ends before the outermost layer alone is felt.
 
     Waves shorter than the last are given its n Y_n: they are much shorter than any contact.
@@ -331,7 +331,10 @@ def _cut(Y: Array, tail: Array, depth: float) -> Spectrum:
     end = np.zeros((3, 2, 2), dtype=Y.dtype)
     end[1] = N * Y[..., -1]
     error = np.abs(end[1] - tail[1]).max() / max(np.abs(end[1]).max(), np.abs(tail[1]).max())
-    return Spectrum(Y, end, 1, max(20 / N, depth), float(error) / N)
+    # A wave of N periods around the circumference takes polynomials of a degree above N a/R on
+    # [-a, a].  With kappa = 6/N, as in _spectrum, their degree is 10 a/(kappa R) = 1.7 N a/R; with
+    # a lower degree the response would jump with the half width.
+    return Spectrum(Y, end, 1, max(6 / N, decay), float(error) / N)
 
 
 def _powers(a: Array, terms: int) -> Array:

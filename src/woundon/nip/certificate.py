@@ -118,7 +118,7 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         "gap_slope": largest(np.abs(gap) * cells / cells.max()) * equations.slope_scale / top,
         "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
         **friction_law(
-            zones, state.traction, beyond(state.slip * equations.slip_scales), state.bound,
+            zones, state.traction, beyond(state.slip * top), state.bound,
             unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=top,
         ),
         "slip_velocity": largest([

@@ -42,6 +42,7 @@ from ..elasticity.mesh import Face, Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation, SurfaceResponse, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from .layout import Layout
+from .load_limit import frictionless_half_width
 from .outputs import main_outputs, nip_outputs
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
@@ -51,9 +52,6 @@ Array = np.ndarray
 # Step of ln a for the difference quotient (error 1e-5 by its size, 1e-10 by rounding), and the
 # distance of half widths between which the surfaces of a neighbouring half width serve again.
 DIFFERENCE, NEAREST, FARTHEST = 1e-5, 1e-7, 1e-2
-# Friction coefficient of the slip scale: with less friction slip is still of the order of the gap's
-# slope, and with more it is not larger.
-LARGEST_SLIP = 1.0
 
 
 class Side(NamedTuple):
@@ -212,12 +210,15 @@ class NipEquations:
         ]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields at Hertz's half width, and full stick.
+        """Return zero fields at the half width without friction, and full stick.
 
         For linear bodies the first step finds all fields of that half width.
         """
-        u = np.zeros(self.layout.size)
-        u[self.ln_a] = log(self.start)
+        u, a = np.zeros(self.layout.size), self.start
+        if self.problem.linear:
+            largest = exp(self.largest_ln_a)
+            a = frictionless_half_width(self.problem, self.problem.nip_load, a, largest)
+        u[self.ln_a] = log(a)
         return u, np.zeros(self.friction.size, dtype=np.int8)
 
     # ---- geometry ------------------------------------------------------------------------------
@@ -254,13 +255,8 @@ class NipEquations:
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
         traction = u[at.q] / self.scales[at.q]
         return NipState(
-            u, f, np.concatenate(rows), slip / self.slip_scales, traction, p / self.pressure_scale
+            u, f, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale
         )
-
-    @cached_property
-    def slip_scales(self) -> Array:
-        """Slip varies as the friction where there is little of it."""
-        return self.slope_scale * np.minimum(self.friction, LARGEST_SLIP)
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
         at, a, mesh = self.layout, g.a, g.mesh
@@ -413,7 +409,7 @@ class _Assembly:
         at, equations = self.at, self.equations
         gap = self._gap_slope() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wraps()]
-        slip = self._slip() / equations.slip_scales[:, None]
+        slip = self._slip() / equations.slope_scale
         bound = np.zeros((at.q.stop - at.q.start, at.size))
         k = at.roll_nodes.size
         bound[:k] = self._roll_pressure(np.eye(at.end + 1 - at.first)[1 : k + 1])

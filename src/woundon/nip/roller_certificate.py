@@ -36,7 +36,7 @@ def state_of(result: RollerResult) -> tuple[RollerEquations, RollerState] | None
     equations = RollerEquations(result.problem, size)
     if not a > 0 or log(a) > equations.largest_ln_a + 1e-9:
         return None
-    u, _ = equations.initial_guess()
+    u = np.zeros(equations.q.stop)
     u[equations.p] = result.pressure[1:-1]
     if result.problem.friction:
         u[equations.q] = result.traction[1:-1]

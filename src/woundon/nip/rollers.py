@@ -53,7 +53,8 @@ from ..elasticity.mesh import Face, Wrap, nip_mesh
 from ..elasticity.surface import Deformation, SurfaceResponse
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
-from .equations import DIFFERENCE, FARTHEST, LARGEST_SLIP, NEAREST, nearest
+from .equations import DIFFERENCE, FARTHEST, NEAREST, nearest
+from .load_limit import frictionless_half_width
 from .roller_energy import dissipation, surface_work
 
 __all__ = ["RollerEquations", "RollerState", "pressure_median"]
@@ -115,10 +116,7 @@ class RollerEquations:
         # units: Hertz's largest pressure, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
         self.static = problem.motion == "static"
-        # the slip varies as the friction where there is little of it
-        mu = min(problem.friction, LARGEST_SLIP) if problem.friction else 1.0
-        self.slip_unit = self.slope_scale * (a if self.static else 1.0)
-        self.slip_scale = self.slip_unit * mu
+        self.slip_scale = self.slope_scale * (a if self.static else 1.0)
         self._neighbour: Surfaces | None = None
 
     # ---- what Newton's method needs ------------------------------------------------------------
@@ -127,7 +125,7 @@ class RollerEquations:
     def scales(self) -> Array:
         """Units of the unknowns."""
         out = np.full(self.q.stop, self.pressure_scale)
-        out[self.shift], out[self.xi], out[self.ln_a] = self.slope_scale, self.slip_unit, 1.0
+        out[self.shift], out[self.xi], out[self.ln_a] = self.slope_scale, self.slip_scale, 1.0
         out[self.q] *= self.problem.friction
         return out
 
@@ -156,9 +154,12 @@ class RollerEquations:
         return [f"node {i + 1}" for i in tractions.tolist()]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields at Hertz's half width, and full stick."""
-        u = np.zeros(self.q.stop)
-        u[self.ln_a] = log(self.start)
+        """Return zero fields at the half width without friction, and full stick."""
+        u, a = np.zeros(self.q.stop), self.start
+        if self.problem.linear:
+            largest = exp(self.largest_ln_a)
+            a = frictionless_half_width(self.problem, self.problem.load, a, largest)
+        u[self.ln_a] = log(a)
         return u, np.zeros(self.q.stop - self.q.start, dtype=np.int8)
 
     # ---- residual ------------------------------------------------------------------------------
@@ -199,7 +200,7 @@ class RollerEquations:
             force = a * float(self.mesh.weights @ q) - self._force_by_load * load
             drive = force / (problem.friction * problem.load)
         else:
-            drive = float(u[self.xi] - (problem.creepage or 0.0)) / self.slip_unit
+            drive = float(u[self.xi] - (problem.creepage or 0.0)) / self.slip_scale
         return drive, load / problem.load - 1
 
     @property
@@ -280,7 +281,7 @@ class RollerEquations:
             rows[0, self.q] = weights
             rows[0] /= problem.friction * problem.load
         else:
-            rows[0, self.xi] = 1 / self.slip_unit
+            rows[0, self.xi] = 1 / self.slip_scale
         rows[1, self.p] = weights / problem.load
         if k:
             slip[:, self.xi] = 1.0
@@ -377,13 +378,14 @@ class RollerEquations:
         self, state: RollerState, active: Array, coarse: RollerEquations
     ) -> tuple[Array, Array]:
         """Interpolate the unknowns of another mesh; nodes take the zone of the nearest node."""
-        u, zones = self.initial_guess()
+        u = np.zeros(self.q.stop)
         old, new = coarse.mesh.nodes, self.mesh.nodes[1:-1]
         u[self.p] = np.interp(new, old, np.pad(state.u[coarse.p], 1))
         u[[self.shift, self.ln_a]] = state.u[[coarse.shift, coarse.ln_a]]
         u[self.ln_a] = min(u[self.ln_a], self.largest_ln_a)
         if self.static == coarse.static:
             u[self.xi] = state.u[coarse.xi]
+        zones = np.zeros(self.q.stop - self.q.start, dtype=np.int8)
         if zones.size and active.size:
             u[self.q] = np.interp(new, old, np.pad(state.u[coarse.q], 1))
             zones = nearest(old[1:-1], active, new)
