@@ -18,9 +18,9 @@ from ..arguments import check_type
 from ..errors import NotConverged, unwarned
 from ..nip.result import WrappedNipResult
 from ..nip.solve import check_options, solve_nip
+from ..parallel import one_thread
 from ..problems.air import AirNipProblem
 from ..results import Residuals
-from ..threads import one_thread
 from .certificate import OF_THE_NIP, certificate, edge_of, films_of
 from .result import AirNipResult
 

@@ -22,7 +22,7 @@ from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 
 from .. import __version__
-from ..studies.runners import usable_cores
+from ..parallel import usable_cores
 from . import answers, papers, sweeps
 from .catalogue import LIMITS, catalogue
 from .guard import Guard, json_of, whole_body

@@ -18,9 +18,9 @@ import numpy as np
 
 from ..arguments import check_type, tolerance
 from ..errors import NotConverged
+from ..parallel import one_thread
 from ..problems.roll import WoundRollProblem
 from ..results import Residuals
-from ..threads import one_thread
 from .build_up import (
     BuildUp,
     NotWoundError,

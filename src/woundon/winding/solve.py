@@ -29,11 +29,11 @@ import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
 from ..errors import NotConverged, unwarned
+from ..parallel import one_thread
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import WoundRollResult
 from ..roll.solve import ThinLaps
-from ..threads import one_thread
 from .certificate import MOST_AGREED, certificate
 from .curve import NOMINAL, TensionCurve, looked_at, told_radii
 from .interpolation import Piece
@@ -46,7 +46,7 @@ from .told import told
 __all__ = ["check_options", "solve_winding"]
 
 Array = np.ndarray
-Progress = Callable[[int, int], None]
+Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
@@ -91,7 +91,7 @@ def solve_winding(
     start : WindingResult, optional
         A neighbouring case, to start from its tension and nips.  The answer does not depend on it.
     progress : callable, optional
-        Is called with how many nips are solved, and how many are expected in all.
+        Is called with the estimated fraction of the work that is done.
 
     Returns
     -------
@@ -291,7 +291,7 @@ class _Winder:
 
     def _tell(self, solved: int) -> None:
         if self.progress is not None:
-            self.progress(solved, max(EXPECTED_TURNS * len(self.curve.places), solved))
+            self.progress(min(solved / (EXPECTED_TURNS * len(self.curve.places)), 1.0))
 
     def _told(self, turn: _Turn) -> WindingResult:
         curve, r = self.curve, turn.r
