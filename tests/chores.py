@@ -7,7 +7,7 @@ import signal
 import time
 from pathlib import Path
 
-from woundon.studies.processes import in_processes
+from woundon.parallel import in_processes, progress
 
 
 def square(x: int) -> int:
@@ -46,15 +46,17 @@ def nothing() -> None:
     """What a worker gets ready."""
 
 
-def turns_every_fault_into_its_own() -> None:
-    """As serialisers do that call back."""
-    try:
-        time.sleep(30)
-    except BaseException as fault:
-        raise ValueError("in a callback") from fault
+def waits(seconds: float) -> float:
+    """Wait, and report progress while doing so."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        progress(1 - (end - time.monotonic()) / seconds)
+        time.sleep(0.01)
+    return seconds
 
 
-def is_deaf() -> None:
-    """As what runs in C, but without work."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])
-    time.sleep(30)
+def limits() -> tuple[int, int]:
+    """Return the limit of the address space, and the priority, of this process."""
+    import resource
+
+    return resource.getrlimit(resource.RLIMIT_AS)[0], os.nice(0)

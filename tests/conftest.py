@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
-from woundon.threads import environment
+from woundon.parallel import environment
 
 # as ./run test has it, before NumPy loads: by two threads sums may end in another digit
 for _name, _one in environment().items():

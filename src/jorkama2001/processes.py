@@ -1,5 +1,5 @@
 """The pool of processes of woundon, the one name that the reproduction takes from within."""
 
-from woundon.studies.processes import in_processes
+from woundon.parallel import in_processes
 
 __all__ = ["in_processes"]

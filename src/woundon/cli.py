@@ -20,8 +20,8 @@ import click
 from . import __version__, kinds
 from .errors import InvalidProblem, NotConverged, one_of, printable_line
 from .kinds import entry_points
+from .parallel import environment
 from .solve_command import SolveCommand
-from .threads import environment
 
 __all__ = ["main"]
 

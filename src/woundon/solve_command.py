@@ -263,10 +263,10 @@ def _check_outputs(save: Path | None, plot: Path | None) -> None:
 
 
 def _solved(problem: Any, options: Mapping[str, Any]) -> Any:
-    """Solve; a solver that tells its progress shows it as a bar, where somebody watches."""
+    """Solve, with a bar in a terminal if the solver reports its progress."""
     tells = "progress" in inspect.signature(kinds.of(problem).solver).parameters
     watched = tells and sys.stderr.isatty()
-    shows = kinds.fetch("woundon.studies.progress:growing_bar")() if watched else nullcontext()
+    shows = kinds.fetch("woundon.studies.progress:fraction_bar")() if watched else nullcontext()
     with shows as progress, unwarned():  # the report shows the warnings
         return kinds.solve(problem, **options, **({"progress": progress} if watched else {}))
 

@@ -2,7 +2,10 @@
 
 import json
 import math
+import time
+from concurrent.futures import ThreadPoolExecutor
 
+import httpx
 import numpy as np
 import pytest
 
@@ -268,3 +271,29 @@ def test_differences_agree_with_the_exact_sensitivities():
     for name, share in zip(told["parameters"], told["elasticities"][row], strict=True):
         at = exact.outputs.index("nip_induced_tension"), exact.parameters.index(name)
         assert share == pytest.approx(exact.elasticities[at], abs=2e-3), name
+
+
+def test_abandoned_windings_do_not_block_the_next_nip(client, cases):
+    """Each would take seconds, and more of them wait than there are workers."""
+    case = {**cases["winding"], "radius": 0.5}
+    headers = {"X-Session": "", "Content-Type": "application/json"}
+    for _ in range(6):
+        with (
+            httpx.Client(base_url=client.base_url, timeout=0.5) as impatient,
+            pytest.raises(httpx.ReadTimeout),
+        ):
+            impatient.post("/api/solve?nodes=129", json=case, headers=headers)
+    began = time.monotonic()
+    assert client.post("/api/solve", json=cases["nip"]).status_code == 200
+    assert time.monotonic() - began < 8  # of which at most 3 until a worker is killed
+
+
+def test_a_newer_request_of_the_session_cancels_the_older_one(client, cases):
+    case = {**cases["winding"], "radius": 0.5}
+    with ThreadPoolExecutor(1) as other:
+        older = other.submit(client.post, "/api/solve?nodes=129", json=case)
+        time.sleep(0.5)
+        began = time.monotonic()
+        assert client.post("/api/solve", json=cases["nip"]).status_code == 200
+        assert time.monotonic() - began < 8
+        assert older.result().status_code == 409

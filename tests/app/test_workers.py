@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import sys
 import threading
 import time
 from contextlib import asynccontextmanager
@@ -83,33 +84,17 @@ def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error(with_pool):
     with_pool(test)
 
 
-def test_an_interrupt_that_a_library_made_a_fault_of_is_no_fault(capfd):
-    async def test():
-        async with pool() as own:
-            older = asyncio.create_task(
-                own.run(chores.turns_every_fault_into_its_own, key="slider")
-            )
-            await asyncio.sleep(0.2)
-            assert await own.run(pow, 2, 10, key="slider") == 1024
-            with pytest.raises(Refusal) as raised:
-                await older
-            assert raised.value.status == 409
-
-    run(test())
-    assert "Traceback" not in capfd.readouterr().err
-
-
 def test_of_one_key_the_newest_request_wins(with_pool):
     async def test(own):
         pid = await own.run(os.getpid)
-        under_way = asyncio.create_task(own.run(time.sleep, 30, key="slider"))
-        waiting = asyncio.create_task(own.run(time.sleep, 30, key="other"))
+        under_way = asyncio.create_task(own.run(chores.waits, 30, key="slider"))
+        waiting = asyncio.create_task(own.run(chores.waits, 30, key="other"))
         await asyncio.sleep(0.2)
         began = time.monotonic()
         newest = await asyncio.gather(
             own.run(pow, 1, 1, key="other"), own.run(os.getpid, key="slider")
         )
-        # interrupted after its grace, not waited for, and by the same process
+        # cancelled after its grace, not waited for, and by the same process
         assert time.monotonic() - began < 25
         assert newest == [1, pid]
         for old in (under_way, waiting):
@@ -148,17 +133,42 @@ def test_what_takes_too_long_is_ended():
     run(test())
 
 
-@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
-def test_a_worker_deaf_to_interruption_is_replaced(monkeypatch, with_pool):
-    monkeypatch.setattr(workers, "HEED", 1.0)
+def test_a_worker_that_does_not_end_its_cancelled_work_is_replaced(monkeypatch, with_pool):
+    """A solve that reports no progress, or is in C code."""
+    monkeypatch.setattr(workers, "PATIENCE", 0.5)
 
     async def test(own):
         pid = await own.run(os.getpid)
-        with pytest.raises(Refusal):
-            await own.run(chores.is_deaf, seconds=0.5)
+        with pytest.raises(Refusal) as raised:
+            await own.run(time.sleep, 30, seconds=0.5)
+        assert raised.value.status == 504
         assert await own.run(os.getpid) != pid
 
     with_pool(test)
+
+
+def test_a_worker_is_bounded_and_stands_back(tmp_path):
+    if sys.platform != "linux":
+        pytest.skip("limits of Linux")
+
+    async def test():
+        async with pool(nice=3) as own:
+            first = await own.run(chores.limits)
+            with pytest.raises(Refusal):
+                await own.run(os._exit, 1)
+            # a process that replaces another too
+            return first, await own.run(chores.limits)
+
+    assert run(test()) == ((workers.MEMORY, os.nice(0) + 3),) * 2
+
+
+def test_a_worker_starts_where_there_are_neither_limits_nor_priorities(monkeypatch):
+    """As on Windows."""
+    monkeypatch.delattr(os, "nice", raising=False)
+    monkeypatch.setitem(sys.modules, "resource", None)
+    begun = []
+    workers._prepare(5, lambda: begun.append(True))
+    assert begun == [True]
 
 
 def test_more_requests_than_may_wait_are_refused():
@@ -176,7 +186,7 @@ def test_more_requests_than_may_wait_are_refused():
 
 def test_who_is_gone_is_not_worked_for(with_pool):
     async def test(own):
-        task = asyncio.create_task(own.run(time.sleep, 30))
+        task = asyncio.create_task(own.run(chores.waits, 30))
         await asyncio.sleep(0.2)
         task.cancel()
         began = time.monotonic()
@@ -192,7 +202,7 @@ def test_who_is_gone_before_the_work_begins_is_not_worked_for(with_pool):
     async def test(own):
         pid = await own.run(os.getpid)
         for _ in range(5):
-            task = asyncio.create_task(own.run(time.sleep, 30))
+            task = asyncio.create_task(own.run(chores.waits, 30))
             await asyncio.sleep(0)  # it is handed out, and the worker has not heard of it
             task.cancel()
             assert await own.run(os.getpid) == pid

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import sqlite3
+from contextlib import closing
 from importlib import resources
 from pathlib import Path
 
@@ -52,7 +54,7 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
     assert "6/6" in said.err
     assert "cases/s" in said.err
     assert {p.name for p in out.iterdir()} == {
-        ".lock", "manifest.json", "parts", "study.nc", "study.csv", "nip_induced_tension.png",
+        "study.sqlite", "study.nc", "study.csv", "nip_induced_tension.png",
     }  # fmt: skip
     assert (out / "nip_induced_tension.png").stat().st_size > 10_000
     with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
@@ -78,16 +80,15 @@ def test_what_is_found_in_a_folder_is_told_in_a_line(
     command = ["sweep", str(study), "--out", str(out), "--workers", "1"]
     assert cli.main(command) == 0
     first = (out / "study.csv").read_bytes()
-    (part,) = (out / "parts").iterdir()
-    part.write_bytes(b"")
-    (out / ".owner.json").write_bytes(b"{}")
+    with closing(sqlite3.connect(out / "study.sqlite")) as connection, connection:
+        connection.execute("UPDATE chunk SET outputs = zeroblob(48)")
     capsys.readouterr()
     assert cli.main([*command, "--resume"]) == 0
     told = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
+    (aside,) = out.glob("damaged-*")
     assert told == [
-        f"warning: {out}: another process died at work in it; its lock is taken over",
-        f"warning: {out}: 1 damaged or of another study, moved to set_aside and made again: "
-        f"{part.name}",
+        f"warning: {out / 'study.sqlite'}: damaged, a copy is in {aside.name}; "
+        "0 of its chunks are intact, the other 1 are solved again",
     ]
     assert (out / "study.csv").read_bytes() == first
 

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from woundon.studies.progress import _Rate, bar
+import woundon as wo
+from woundon.studies.progress import _Rate, bar, fraction_bar
 
 
 @pytest.mark.parametrize(
@@ -33,3 +34,10 @@ def test_a_bar_says_what_is_done(capsys: pytest.CaptureFixture[str]):
     with bar(0, 2) as tell:
         tell(2)
     assert re.search(r"solving .*2/2 \S+ cases/s", capsys.readouterr().err)
+
+
+def test_a_bar_of_a_solve_shows_the_fraction(monkeypatch: pytest.MonkeyPatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with fraction_bar() as progress:
+        wo.solve(wo.NipProblem.example(), nodes=33, progress=progress)
+    assert "100%" in capsys.readouterr().err

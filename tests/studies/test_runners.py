@@ -138,7 +138,7 @@ def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys
     finally:
         signal.signal(signal.SIGINT, before)
     assert capsys.readouterr().err.count("press Ctrl-C again to stop at once") == 1
-    assert 4 <= _parts(tmp_path) <= 10
+    assert 4 <= len(toys.stored(tmp_path)) <= 10
     resumed = run_study(toys.Slow(seconds=0.0), design, Here(), chunk=2, out=tmp_path, resume=True)
     assert np.array_equal(resumed.outputs["y"], 2.0 * np.arange(60))
 
@@ -168,23 +168,19 @@ def _command(study: Path, out: Path, *more: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _parts(out: Path) -> int:
-    return len(list((out / "parts").glob("[0-9]*.parquet")))
-
-
 def _hear_ctrl_c() -> None:
     """Undo what a shell does to jobs in its background: there Ctrl-C is ignored, and inherited."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _stopped_in_the_middle(study: Path, out: Path, with_signal: int, *more: str) -> tuple[int, str]:
-    """Start the study, send the signal after the first parts; return exit code and what it said."""
+    """Start the study, send the signal after the first chunks; return exit code and output."""
     process = subprocess.Popen(
         _command(study, out, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
         start_new_session=True, preexec_fn=_hear_ctrl_c,
     )  # fmt: skip
     limit = time.monotonic() + 60
-    while _parts(out) < 3 and process.poll() is None and time.monotonic() < limit:
+    while len(toys.stored(out)) < 3 and process.poll() is None and time.monotonic() < limit:
         time.sleep(0.005)
     # as a terminal's Ctrl-C does: to the whole group; a kill -9 hits the parent alone
     if with_signal == signal.SIGINT:
@@ -213,21 +209,19 @@ def whole(study: Path) -> bytes:
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-def test_kill_9_loses_no_finished_part_and_changes_no_number(
+def test_kill_9_loses_no_finished_chunk_and_changes_no_number(
     study: Path, whole: bytes, tmp_path: Path
 ):
     code, _ = _stopped_in_the_middle(study, tmp_path / "out", signal.SIGKILL, "--workers", "2")
     assert code == -signal.SIGKILL
-    kept = {p.name: p.stat().st_mtime_ns for p in (tmp_path / "out" / "parts").glob("[0-9]*")}
+    kept = toys.stored(tmp_path / "out")
     assert 3 <= len(kept) < 48
     resumed = subprocess.run(
         _command(study, tmp_path / "out", "--resume"), check=True, capture_output=True, text=True
     )
     assert resumed.stdout.startswith("240 cases in ")
     assert (tmp_path / "out" / "study.csv").read_bytes() == whole
-    # what was finished was not solved again
-    for name, when in kept.items():
-        assert (tmp_path / "out" / "parts" / name).stat().st_mtime_ns == when
+    assert kept.items() <= toys.stored(tmp_path / "out").items()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
@@ -239,5 +233,5 @@ def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     assert "finishing the chunks under way; press Ctrl-C again to stop at once" in said
     assert f"stopped; what was solved is in {out}, --resume goes on from there" in said
     assert "Traceback" not in said
-    assert not list((out / "parts").glob(".*.part"))
-    assert 3 <= _parts(out) < 48
+    assert [path.name for path in out.iterdir()] == ["study.sqlite"]
+    assert 3 <= len(toys.stored(out)) < 48

@@ -1,16 +1,18 @@
-"""A study on disk: parts, manifest, queries, exports."""
+"""A study on disk: bit-exact numbers, damage, read-only media, two processes, exports."""
 
 from __future__ import annotations
 
 import csv
 import json
 import os
-import signal
-import threading
-import time
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
-import duckdb
 import numpy as np
 import pytest
 import toys
@@ -18,186 +20,297 @@ import xarray
 from thesis_cases import paper_nip
 
 import woundon as wo
+import woundon.studies.export
+from woundon.studies import store
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
-from woundon.studies.export import export
+from woundon.studies.export import check_export, export
 from woundon.studies.runners import Here
-from woundon.studies.store import write_parquet
-from woundon.studies.table import failures
+from woundon.studies.table import Table, failures
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
 
 
 class Other(toys.Toy):
-    """Has the record of a Toy, and answers otherwise."""
+    """Has the record of a Toy and other values: a case that is solved again shows."""
 
-    def value(self, inputs):
+    def value(self, inputs: Mapping[str, Any]) -> float:
         return -1.0
 
-    def record(self):
+    def record(self) -> dict[str, Any]:
         return toys.Toy().record()
 
 
-def _part(out: Path, number: int) -> Path:
-    (path,) = (out / "parts").glob(f"{number:06d}-*.parquet")
-    return path
+class Bits(toys.Toy):
+    """Returns given bits as a float64, and fails at a = 6."""
+
+    BITS = (
+        0x7FF8000000000000, 0xFFF8000000000001, 0x8000000000000000, 0x7FF0000000000000,
+        0x0000000000000001, 0x3FF0000000000001, 0, 0xFFEFFFFFFFFFFFFF,
+    )  # fmt: skip
+
+    def value(self, inputs: Mapping[str, Any]) -> float:
+        if inputs["a"] == 6:
+            raise ValueError("no µ \ud800 at six,\nin two lines")
+        return float(np.uint64(self.BITS[int(inputs["a"])]).view(np.float64))
+
+
+def run(out: Path, model: toys.Toy | None = None, **how: Any) -> Table:
+    """Run the eight cases of DESIGN in three chunks."""
+    return run_study(model or toys.Toy(), DESIGN, Here(), out=out, chunk=3, **how)
+
+
+def change(out: Path, *statements: str) -> None:
+    """Change the store by another program."""
+    with closing(sqlite3.connect(out / "study.sqlite")) as connection, connection:
+        for statement in statements:
+            connection.execute(statement)
+
+
+def chunks(out: Path) -> list[tuple[Any, ...]]:
+    with closing(sqlite3.connect(out / "study.sqlite")) as connection:
+        return connection.execute("SELECT * FROM chunk ORDER BY number").fetchall()
 
 
 @pytest.fixture(scope="module")
-def table():
+def table() -> Table:
     """Six cases, three of which have no steady state: |F| >= 0.4 P."""
     over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
     outputs = ("nip_induced_tension", "half_width")
     return toys.table_of(paper_nip(), over, outputs, options={"nodes": 17})
 
 
+def test_numbers_and_texts_come_back_to_the_last_bit(tmp_path: Path):
+    design = make_design({"a": range(8)})
+    first = run_study(Bits(), design, Here(), out=tmp_path, chunk=3)
+    again = run_study(Bits(), design, Here(), out=tmp_path, chunk=3, resume=True)
+    bits = first.outputs["y"].view(np.uint64).tolist()
+    assert [*bits[:6], bits[7]] == [*Bits.BITS[:6], Bits.BITS[7]]
+    assert first.outputs["y"].tobytes() == again.outputs["y"].tobytes()
+    assert first.failure.tolist() == again.failure.tolist()
+    assert again.failure[6] == "ValueError: no µ \ud800 at six,; in two lines"
+
+
 def test_resume_solves_only_what_is_missing(tmp_path: Path):
-    out, solved = tmp_path / "out", []
-    first = run_study(toys.Toy(), DESIGN, Here(), out=out, chunk=3)
-    _part(out, 1).unlink()
-    again = run_study(
-        toys.Toy(), DESIGN, Here(), out=out, chunk=3, resume=True,
-        progress=lambda done, size: solved.append((done, size)),
-    )  # fmt: skip
+    solved = []
+    first = run(tmp_path)
+    change(tmp_path, "DELETE FROM chunk WHERE number = 1")
+    again = run(tmp_path, resume=True, progress=lambda done, size: solved.append((done, size)))
     assert solved == [(8, 8)]  # 5 of 8 cases were there
     assert np.array_equal(first.outputs["y"], again.outputs["y"])
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names that Windows does not admit")
-@pytest.mark.parametrize("name", ["x[1]", "*", "?1", "[!a]1", "x{1,2}", "it's", 'a "b"', "a\\b"])
-def test_a_folder_s_name_is_no_pattern(tmp_path: Path, name: str):
-    """Beside it lie folders that it would match, with another study of the same cases."""
-    for other in ("x1", "x2"):
-        run_study(Other(), DESIGN, Here(), out=tmp_path / other)
-    first = run_study(toys.Toy(), DESIGN, Here(), out=tmp_path / name)
-    # solves nothing: what it answers would be seen
-    again = run_study(Other(), DESIGN, Here(), out=tmp_path / name, resume=True)
+@pytest.mark.parametrize("name", ["x[1]", "*", "?mode=memory", "a#b", "it's", 'a "b"', r"a%20\b"])
+def test_a_folder_may_have_any_name(tmp_path: Path, name: str):
+    first = run(tmp_path / name)
+    assert [path.name for path in (tmp_path / name).iterdir()] == ["study.sqlite"]
+    again = run(tmp_path / name, Other(), resume=True)
     assert np.array_equal(first.outputs["y"], again.outputs["y"])
 
 
-def _damaged(out: Path, damage: str) -> None:
-    first, second = _part(out, 0), _part(out, 1)
-    content = first.read_bytes()
-    if damage == "empty":
-        first.write_bytes(b"")
-    elif damage == "cut":
-        first.write_bytes(content[:-20])
-    elif damage == "a bit":
-        first.write_bytes(bytes([content[0] ^ 1]) + content[1:])
-    elif damage == "exchanged":
-        first.write_bytes(second.read_bytes())
-        second.write_bytes(content)
-    elif damage == "renumbered":
-        first.rename(first.with_name(first.name.replace("000000", "000001")))
-    elif damage == "foreign":
-        run_study(Other(), DESIGN, Here(), out=out.with_name("other"), chunk=3)
-        first.write_bytes(_part(out.with_name("other"), 0).read_bytes())
-    elif damage == "no file":
-        first.unlink()
-        first.mkdir()
+def test_a_store_has_a_rollback_journal_and_a_transaction_a_chunk(tmp_path: Path):
+    """A second connection sees every chunk as soon as it is reported; WAL files never exist."""
+    seen = []
+
+    def look(done: int, size: int) -> None:
+        seen.append((done, len(chunks(tmp_path)), [path.name for path in tmp_path.iterdir()]))
+
+    run(tmp_path, progress=look)
+    assert seen == [(3, 1, ["study.sqlite"]), (6, 2, ["study.sqlite"]), (8, 3, ["study.sqlite"])]
+    with closing(sqlite3.connect(tmp_path / "study.sqlite")) as connection:
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("delete",)
+
+
+# ---- damage -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "damage", ["empty", "cut", "a bit", "exchanged", "renumbered", "foreign", "no file"]
+    "damage",
+    [
+        "UPDATE chunk SET outputs = zeroblob(24) WHERE number = 0",
+        "UPDATE chunk SET outputs = NULL WHERE number = 0",
+        "UPDATE chunk SET outputs = 3 WHERE number = 0",
+        """UPDATE chunk SET failure = '["", "x", ""]' WHERE number = 0""",
+        "UPDATE chunk SET failure = x'ff' WHERE number = 0",
+        "UPDATE chunk SET warnings = NULL WHERE number = 0",
+        "UPDATE chunk SET sha256 = 'x' WHERE number = 0",
+        "UPDATE chunk SET number = (number + 1) % 3 + 3 * (number < 3)",
+        "UPDATE study SET record = replace(record, 'Toy', 'Tot')",
+        "UPDATE study SET record = x'5b'",
+        "UPDATE study SET sha256 = NULL",
+        "DELETE FROM study",
+        "DROP TABLE study",
+    ],
 )
-def test_damaged_parts_are_set_aside_told_and_solved_again(tmp_path: Path, damage: str):
-    out = tmp_path / "out"
-    first = run_study(toys.Toy(), DESIGN, Here(), out=out, chunk=3)
-    name = _part(out, 0).name
-    _damaged(out, damage)
-    with pytest.warns(UserWarning, match="damaged or of another study, moved to set_aside") as told:
-        again = run_study(toys.Toy(), DESIGN, Here(), out=out, chunk=3, resume=True)
+def test_damaged_rows_are_reported_and_solved_again(tmp_path: Path, damage: str):
+    first = run(tmp_path)
+    change(tmp_path, damage, "UPDATE chunk SET number = number - 3 WHERE number >= 3")
+    with pytest.warns(UserWarning, match=r"study\.sqlite: damaged, a copy is in damaged-\d+"):
+        again = run(tmp_path, resume=True)
     assert again.failed.size == 0
     assert np.array_equal(first.outputs["y"], again.outputs["y"])
-    assert _part(out, 0).name == name
-    aside = sorted(path.name.partition("-")[2] for path in (out / "set_aside").iterdir())
-    assert all(part in str(told[0].message) for part in aside)
-    run_study(Other(), DESIGN, Here(), out=out, chunk=3, resume=True)  # repaired: nothing is told
+    assert len(list(tmp_path.glob("damaged-*.sqlite"))) == 1
+    run(tmp_path, Other(), resume=True)  # repaired: nothing is solved, nothing is reported
 
 
-@pytest.mark.parametrize("content", [None, b"", b"{}", b"[" * 100_000, b"\xff", b"9" * 5000])
-def test_a_damaged_manifest_is_made_again_where_parts_are_of_this_study(tmp_path: Path, content):
-    out = tmp_path / "out"
-    run_study(toys.Toy(), DESIGN, Here(), out=out)
-    manifest = out / "manifest.json"
-    whole = manifest.read_bytes()
-    manifest.unlink()
-    if content is None:
-        run_study(Other(), DESIGN, Here(), out=out, resume=True)
+def test_a_chunk_of_another_study_of_the_same_cases_is_damage(tmp_path: Path):
+    first = run(tmp_path / "one")
+    run_study(toys.Faulty(), DESIGN, Here(), out=tmp_path / "two", chunk=3)
+    other = str(tmp_path / "two" / "study.sqlite").replace("'", "''")
+    with closing(sqlite3.connect(tmp_path / "one" / "study.sqlite")) as connection:
+        connection.execute(f"ATTACH '{other}' AS other")
+        with connection:
+            connection.execute("INSERT OR REPLACE INTO chunk SELECT * FROM other.chunk")
+            connection.execute("DELETE FROM chunk WHERE number = 2")
+    with pytest.raises(wo.InvalidProblem, match="holds another study than this: toy differs"):
+        run_study(toys.Faulty(), DESIGN, Here(), out=tmp_path / "one", chunk=3, resume=True)
+    with pytest.warns(UserWarning, match="0 of its chunks are intact, the other 3 are solved"):
+        again = run(tmp_path / "one", resume=True)
+    assert np.array_equal(first.outputs["y"], again.outputs["y"])
+
+
+@pytest.mark.parametrize("page", range(1, 10))
+def test_of_damaged_pages_the_others_are_kept(tmp_path: Path, page: int):
+    """The first page holds the names of the tables, the third leads to all chunks."""
+    design, path = make_design({"a": range(2000)}), tmp_path / "study.sqlite"
+    first = run_study(toys.Toy(), design, Here(), out=tmp_path, chunk=50)
+    content = bytearray(path.read_bytes())
+    content[page * 4096 - 4096 : page * 4096] = bytes(4096)
+    assert len(content) > 10 * 4096
+    path.write_bytes(content)
+    if page == 1:
+        with pytest.raises(wo.InvalidProblem, match="damaged, and none of its chunks is of this"):
+            run_study(toys.Toy(), design, Here(), out=tmp_path, chunk=50, resume=True)
+        assert path.read_bytes() == content
     else:
-        manifest.write_bytes(content)
-        with pytest.warns(UserWarning, match=r"moved to set_aside and made again: manifest\.json"):
-            run_study(Other(), DESIGN, Here(), out=out, resume=True)
-    assert manifest.read_bytes() == whole
+        with pytest.warns(UserWarning, match="0 of its" if page == 3 else r"(3\d|40) of its"):
+            again = run_study(toys.Toy(), design, Here(), out=tmp_path, chunk=50, resume=True)
+        assert np.array_equal(first.outputs["y"], again.outputs["y"])
 
 
-def test_an_edited_manifest_does_not_open_a_study_to_another_one(tmp_path: Path):
-    """Its hash kept, its design that of the study that is resumed: the parts are of the old one."""
-    out, design = tmp_path / "out", make_design({"a": range(4), "b": [0.5, 2.5]})
-    run_study(toys.Toy(), DESIGN, Here(), out=out)
-    manifest = out / "manifest.json"
-    told = json.loads(manifest.read_text("utf-8"))
-    manifest.write_text(json.dumps(told | {"design": design.record()}), encoding="utf-8")
-    with pytest.raises(wo.InvalidProblem, match="damaged, and none of its parts is of this study"):
-        run_study(toys.Toy(), design, Here(), out=out, resume=True)
+@pytest.mark.parametrize("content", [b"text", b"SQLite format 3\0", b"[" * 100_000, bytes(8192)])
+def test_a_file_that_is_no_database_is_left_alone(tmp_path: Path, content: bytes):
+    path = tmp_path / "study.sqlite"
+    path.write_bytes(content)
+    for resume in (False, True):
+        with pytest.raises(wo.InvalidProblem, match=r"its study\.sqlite is damaged"):
+            run(tmp_path, resume=resume)
+    assert path.read_bytes() == content
 
 
-def test_a_part_is_on_disk_before_it_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    happened = []
-    fsync, replace = os.fsync, os.replace
-
-    def synced(descriptor: int) -> None:
-        happened.append(("on disk", os.fstat(descriptor).st_ino))
-        fsync(descriptor)
-
-    def moved(one: Path, other: Path) -> None:
-        happened.append((Path(other).name, os.stat(one).st_ino))
-        replace(one, other)
-
-    monkeypatch.setattr(os, "fsync", synced)
-    monkeypatch.setattr(os, "replace", moved)
-    run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, chunk=3)
-    for number in range(3):
-        part = _part(tmp_path, number)
-        place = happened.index((part.name, part.stat().st_ino))
-        assert happened[place - 1] == ("on disk", part.stat().st_ino)
-        if os.name == "posix":
-            assert happened[place + 1] == ("on disk", part.parent.stat().st_ino)
+def test_a_database_of_another_program_is_left_alone(tmp_path: Path):
+    change(tmp_path, "CREATE TABLE mine (x)", "INSERT INTO mine VALUES (1)")
+    before = (tmp_path / "study.sqlite").read_bytes()
+    for resume in (False, True):
+        with pytest.raises(wo.InvalidProblem, match=r"its study\.sqlite is damaged"):
+            run(tmp_path, resume=resume)
+    assert (tmp_path / "study.sqlite").read_bytes() == before
 
 
-@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-def test_ctrl_c_while_a_part_is_written(tmp_path: Path):
-    """DuckDB answers it by an error of its own."""
-    rows = {name: np.random.default_rng(1).random(3_000_000) for name in "ab"}
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    press = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+@pytest.mark.parametrize("resume", [False, True])
+def test_an_empty_file_is_a_study_that_was_killed_at_once(tmp_path: Path, resume: bool):
+    (tmp_path / "study.sqlite").touch()
+    assert run(tmp_path, resume=resume).failed.size == 0
+    assert len(chunks(tmp_path)) == 3
 
-    def write(connection: duckdb.DuckDBPyConnection) -> None:
-        limit = time.monotonic() + 60
-        press.start()
-        while time.monotonic() < limit:
-            write_parquet(connection, rows, tmp_path / "part")
 
-    try:
-        with duckdb.connect() as connection, pytest.raises(KeyboardInterrupt):
-            write(connection)
-    finally:
-        press.join()
-        signal.signal(signal.SIGINT, before)
+@pytest.mark.skipif(os.name == "nt", reason="pipes and links of POSIX")
+@pytest.mark.parametrize("kind", ["folder", "pipe", "/dev/zero", "nowhere/at/all", "study.sqlite"])
+def test_what_is_no_file_is_rejected(tmp_path: Path, kind: str):
+    path = tmp_path / "study.sqlite"
+    if kind == "folder":
+        path.mkdir()
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(kind)
+    with pytest.raises(wo.InvalidProblem, match="is not a regular file"):
+        run(tmp_path, resume=True)
+
+
+# ---- two processes ------------------------------------------------------------------------------
+
+
+def test_two_at_work_in_one_folder_write_the_same(tmp_path: Path):
+    """The second begins, and ends, while the first is in the middle of its work."""
+    tables = []
+
+    def again(done: int, size: int) -> None:
+        if not tables:
+            tables.append(run(tmp_path, resume=True))
+
+    first = run(tmp_path, progress=again)
+    assert tables[0].outputs["y"].tolist() == first.outputs["y"].tolist()
+    assert len(chunks(tmp_path)) == 3
+    run(tmp_path, Other(), resume=True)
+
+
+def test_a_write_waits_for_the_transaction_of_another_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Which lasts 0.5 s here, less than the limit; a longer one ends the study in one line."""
+    holder = (
+        "import sqlite3, sys, time\n"
+        "connection = sqlite3.connect(sys.argv[1], isolation_level=None)\n"
+        "connection.execute('BEGIN EXCLUSIVE')\n"
+        "print('locked', flush=True)\n"
+        "time.sleep(0.5)\n"
+        "connection.execute('COMMIT')\n"
+    )
+    run(tmp_path)
+    command = [sys.executable, "-c", holder, str(tmp_path / "study.sqlite")]
+    for patience in (60.0, 0.0):
+        monkeypatch.setattr(store, "PATIENCE", patience)
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "locked\n"
+            if patience:
+                assert run(tmp_path, resume=True).failed.size == 0
+            else:
+                with pytest.raises(OSError, match="database is locked; what is written stays"):
+                    run(tmp_path, resume=True)
+
+
+# ---- read-only media ----------------------------------------------------------------------------
+
+
+def make_read_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every path report that it cannot be written, as on a read-only medium."""
+    access = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK and access(path, mode))
+
+
+def test_a_journal_next_to_a_read_only_store_is_rejected(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The file may hold half a transaction, which only the journal can undo."""
+    first = run(tmp_path)
+    make_read_only(monkeypatch)
+    assert np.array_equal(run(tmp_path, resume=True).outputs["y"], first.outputs["y"])
+    for name in ("study.sqlite-journal", "study.sqlite-wal"):
+        (tmp_path / name).write_bytes(b"")
+        with pytest.raises(OSError, match="a write to it was interrupted; copy the folder"):
+            run(tmp_path, resume=True)
+        (tmp_path / name).unlink()
+
+
+def test_an_incomplete_read_only_study_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    run(tmp_path)
+    change(tmp_path, "UPDATE chunk SET outputs = zeroblob(24) WHERE number = 1")
+    before = (tmp_path / "study.sqlite").read_bytes()
+    make_read_only(monkeypatch)
+    with pytest.raises(OSError, match="cannot be written, and 1 of 3 chunks are not in it"):
+        run(tmp_path, resume=True)
+    assert (tmp_path / "study.sqlite").read_bytes() == before
+
+
+# ---- whose study it is --------------------------------------------------------------------------
 
 
 def test_resume_without_a_folder_is_refused():
     with pytest.raises(wo.InvalidProblem, match="resume: needs out, the folder of the study"):
         run_study(toys.Toy(), DESIGN, Here(), resume=True)
-
-
-def test_parts_left_half_written_are_cleared_away(tmp_path: Path):
-    out = tmp_path / "out"
-    run_study(toys.Toy(), DESIGN, Here(), out=out)
-    leftover = out / "parts" / ".000000.parquet.99.part"
-    leftover.write_bytes(b"half")
-    run_study(toys.Toy(), DESIGN, Here(), out=out, resume=True)
-    assert not leftover.exists()
 
 
 def test_failures_are_kept_over_a_resume(tmp_path: Path):
@@ -218,7 +331,7 @@ def test_failures_are_kept_over_a_resume(tmp_path: Path):
         ({"nip_load": [1e3]}, {}, {"nodes": 17, "outputs": ("half_width",)}, "outputs differs"),
     ],
 )
-def test_the_manifest_guards_the_study(tmp_path: Path, over, changes, options, differs):
+def test_another_study_is_not_mixed_in(tmp_path: Path, over, changes, options, differs):
     wo.sweep(paper_nip(), {"nip_load": [1e3]}, nodes=17, workers=1, out=tmp_path)
     with pytest.raises(wo.InvalidProblem, match=f"holds another study than this: {differs}"):
         wo.sweep(paper_nip(**changes), over, workers=1, out=tmp_path, resume=True, **options)
@@ -228,9 +341,7 @@ def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
     (tmp_path / "thesis.txt").write_text("mine", encoding="utf-8")
     with pytest.raises(wo.InvalidProblem, match="is not empty and holds no study"):
         run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
-    (tmp_path / "manifest.json").write_text("{}", encoding="utf-8")
-    with pytest.raises(wo.InvalidProblem, match=r"its manifest\.json is damaged, and none of its"):
-        run_study(toys.Toy(), DESIGN, Here(), out=tmp_path, resume=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
 def test_a_study_is_not_overwritten(tmp_path: Path):
@@ -239,23 +350,7 @@ def test_a_study_is_not_overwritten(tmp_path: Path):
         run_study(toys.Toy(), DESIGN, Here(), out=tmp_path)
 
 
-def test_parts_can_be_queried(tmp_path: Path, table):
-    over = {"nip_load": [1000.0, 2000.0], "winding_force": [0.0, 450.0, 900.0]}
-    outputs = ("nip_induced_tension",)
-    wo.sweep(paper_nip(), over, outputs, nodes=17, workers=1, out=tmp_path, chunk=2)
-    with duckdb.connect() as connection:
-        found = connection.execute(
-            f"SELECT max(nip_induced_tension) FROM '{tmp_path}/parts/*.parquet' "
-            "WHERE failure = '' AND nip_load = 2000"
-        ).fetchone()
-        failed = connection.execute(
-            f"SELECT count(*) FROM '{tmp_path}/parts/*.parquet' WHERE failure LIKE 'NoSteady%'"
-        ).fetchone()
-    own = toys.table_of(paper_nip(), over, outputs, options={"nodes": 17}).outputs
-    expected = np.nanmax(own["nip_induced_tension"][3:])
-    # the chunks differ, so that other neighbours are the starts
-    assert found[0] == pytest.approx(expected, rel=1e-8)
-    assert failed[0] == table.failed.size == 3
+# ---- exports ------------------------------------------------------------------------------------
 
 
 def test_netcdf_comes_back_as_it_was(tmp_path: Path, table):
@@ -297,13 +392,20 @@ def test_excel_has_the_rows_and_says_what_they_hang_on(tmp_path: Path, table):
     assert json.loads(about["options"]) == {"nodes": 17}
 
 
-def test_parquet_holds_the_same(tmp_path: Path, table):
+def test_parquet_holds_the_same_bits(tmp_path: Path, table):
+    parquet = pytest.importorskip("pyarrow.parquet")
     export(table, tmp_path / "study.parquet")
-    with duckdb.connect() as connection:
-        found = connection.execute(
-            f"SELECT half_width FROM '{tmp_path}/study.parquet' ORDER BY \"case\""
-        ).fetchnumpy()["half_width"]
-    assert np.array_equal(np.ma.filled(found, np.nan), table.outputs["half_width"], equal_nan=True)
+    found = parquet.read_table(tmp_path / "study.parquet")
+    assert found.column_names == list(table.columns())
+    half_width = found["half_width"].to_numpy()
+    assert half_width.tobytes() == table.outputs["half_width"].tobytes()
+    assert found["failure"].to_pylist() == table.failure.tolist()
+
+
+def test_parquet_names_its_package_where_it_is_missing(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(woundon.studies.export, "find_spec", lambda name: None)
+    with pytest.raises(wo.InvalidProblem, match=r"needs pyarrow: pip install 'woundon\[parquet\]'"):
+        check_export("study.parquet")
 
 
 def test_other_endings_are_refused(tmp_path: Path, table):

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import shutil
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +48,12 @@ def sweep(study: Path, out: Path, *more: str) -> int:
     return cli.main(["sweep", str(study), "--out", str(out), "--workers", "1", *more])
 
 
+def lose(out: Path, number: int) -> None:
+    """Delete a chunk."""
+    with closing(sqlite3.connect(out / "study.sqlite")) as connection, connection:
+        assert connection.execute("DELETE FROM chunk WHERE number = ?", (number,)).rowcount == 1
+
+
 # ---- another program ----------------------------------------------------------------------------
 
 
@@ -74,7 +82,7 @@ def test_another_program_does_not_resume_a_study(
     done = by(copied, study, out, "--chunk", "1")
     assert done.returncode == 0, done.stderr
     if not complete:
-        next((out / "parts").iterdir()).unlink()
+        lose(out, 0)
     assert by(copied, study, out, "--chunk", "1", "--resume").returncode == 0
     changed = copied / "woundon" / "elasticity" / "half_plane.py"
     before = changed.read_bytes()
@@ -149,11 +157,11 @@ def test_a_complete_study_is_exported_to_another_folder(
     out, exported = tmp_path / "out", tmp_path / "exported" / "here"
     assert sweep(study, out) == 0
     before = state(out)
-    formats = [part for ending in ("nc", "csv", "parquet") for part in ("--export", ending)]
+    formats = [part for ending in ("nc", "csv", "xlsx") for part in ("--export", ending)]
     assert sweep(study, out, "--resume", "--export-to", str(exported), *formats) == 0
     assert state(out) == before
     assert {path.name for path in exported.iterdir()} == {
-        "study.nc", "study.csv", "study.parquet", "half_width.png",
+        "study.nc", "study.csv", "study.xlsx", "half_width.png",
     }  # fmt: skip
     with (
         xarray.open_dataset(exported / "study.nc", engine="scipy") as one,
@@ -183,12 +191,8 @@ def test_indices_of_a_complete_study_are_exported_to_another_folder(study: Path,
 def test_a_read_only_folder(study: Path, tmp_path: Path, capsys: Capture):
     out = tmp_path / "out"
     assert sweep(study, out, "--chunk", "1") == 0
-    (out / ".owner.json").write_text("{}", encoding="utf-8")  # of a process that was killed
-    (out / "parts" / ".rows.1.part").write_bytes(b"half")
-    folders = [out, out / "parts"]
     try:
-        for folder in folders:
-            folder.chmod(0o555)
+        out.chmod(0o555)
         capsys.readouterr()
         assert sweep(study, out, "--chunk", "1", "--resume") == 2
         assert "--export-to" in capsys.readouterr().err
@@ -196,16 +200,39 @@ def test_a_read_only_folder(study: Path, tmp_path: Path, capsys: Capture):
         assert sweep(study, out, "--chunk", "1", "--resume", "--export-to", str(exported)) == 0
         assert (exported / "study.csv").exists()
     finally:
-        for folder in folders:
-            folder.chmod(0o755)
+        out.chmod(0o755)
 
 
-def test_a_part_that_is_missing_or_damaged_is_solved_again(study: Path, tmp_path: Path):
+@pytest.mark.skipif(sys.platform != "linux", reason="mounts a file system")
+def test_a_read_only_medium(study: Path, tmp_path: Path, capsys: Capture):
+    """A file system that is mounted read-only, with a complete study and with one that is not."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "tmpfs", str(disk)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("file systems may not be mounted here")
+    try:
+        complete, cut = disk / "complete", disk / "cut"
+        for out in (complete, cut):
+            assert sweep(study, out, "--chunk", "1") == 0
+        lose(cut, 1)
+        subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+        exported = ("--chunk", "1", "--resume", "--export-to", str(tmp_path / "exported"))
+        assert sweep(study, complete, *exported) == 0
+        assert (tmp_path / "exported" / "study.csv").read_bytes() == (
+            (complete / "study.csv").read_bytes()
+        )
+        capsys.readouterr()
+        assert sweep(study, cut, *exported) == 2
+        assert "1 of 3 chunks are not in it" in capsys.readouterr().err
+    finally:
+        subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def test_a_lost_chunk_is_solved_again(study: Path, tmp_path: Path):
     out = tmp_path / "out"
     assert sweep(study, out, "--chunk", "1") == 0
-    first, second, _ = sorted((out / "parts").iterdir())
-    whole = first.read_bytes()
-    first.unlink()
-    second.write_bytes(b"damaged")
+    whole = (out / "study.csv").read_bytes()
+    lose(out, 1)
     assert sweep(study, out, "--chunk", "1", "--resume") == 0
-    assert first.read_bytes() == whole
+    assert (out / "study.csv").read_bytes() == whole

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import toys
 from refusals import refused_in_one_line
 
 import woundon as wo
@@ -49,7 +50,7 @@ def test_a_sweep_killed_and_resumed_gives_bit_for_bit_the_same(tmp_path: Path):
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     assert swept(whole, resume=False).wait() == 0
     worker = swept(cut, resume=False)
-    while worker.poll() is None and not list(cut.glob("parts/*.parquet")):
+    while worker.poll() is None and not toys.stored(cut):
         time.sleep(0.05)
     os.kill(worker.pid, signal.SIGKILL)
     assert worker.wait() == -signal.SIGKILL

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sqlite3
 import time
 from collections.abc import Mapping
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from math import exp, pi, sin
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -148,6 +151,18 @@ class Waves(Toy):
 
     def value(self, inputs: Mapping[str, Any]) -> float:
         return inputs["x"] + sin(3 * inputs["a"]) + inputs["a"] / 4
+
+
+def stored(out: Path) -> dict[int, bytes]:
+    """Return the outputs of the chunks that a study has written so far."""
+    if not (out / "study.sqlite").exists():
+        return {}
+    with (
+        suppress(sqlite3.OperationalError),  # no tables yet
+        closing(sqlite3.connect(out / "study.sqlite")) as connection,
+    ):
+        return dict(connection.execute("SELECT number, outputs FROM chunk"))
+    return {}
 
 
 def table_of(problem: Any, over: Any, outputs: Any = None, **how: Any) -> Any:

@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-import woundon.threads
-from woundon.threads import VARIABLES, environment, one_thread
+import woundon.parallel
+from woundon.parallel import VARIABLES, environment, one_thread
 
 
 def _blas_threads() -> set[int]:
@@ -22,7 +22,7 @@ def three(monkeypatch: pytest.MonkeyPatch):
 
     for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(woundon.threads, "_LIMIT", woundon.threads._Limit())
+    monkeypatch.setattr(woundon.parallel, "_LIMIT", woundon.parallel._Limit())
     with threadpool_limits(limits=3, user_api="blas"):
         yield
 
@@ -70,5 +70,5 @@ def test_every_solver_asks_for_it():
 def test_processes_with_one_thread_need_no_limit(monkeypatch: pytest.MonkeyPatch):
     for name, value in environment().items():
         monkeypatch.setenv(name, value)
-    monkeypatch.setattr(woundon.threads, "_LIMIT", None)
+    monkeypatch.setattr(woundon.parallel, "_LIMIT", None)
     assert one_thread(_blas_threads)()

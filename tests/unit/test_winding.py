@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.parallel import Cancelled
 from woundon.results import ACCEPTED_RESIDUAL
 from woundon.roll.stages import wound_so_far
 from woundon.winding.bodies import effective_cylinder, felt_pressure
@@ -287,16 +288,24 @@ def test_nips_whose_tension_jumps_do_not_converge(monkeypatch: pytest.MonkeyPatc
     assert stop.value.best is not None
 
 
-def test_progress_is_told():
-    seen: list[tuple[int, int]] = []
+def test_progress_is_a_fraction_after_every_nip():
+    seen: list[float] = []
     rough = {**COARSE, "nodes": 25, "rtol": 0.05}
     run = wo.solve(
         CASE.replace(roll_body="linear", radius=0.06),
         **rough,
-        progress=lambda *told: seen.append(told),
+        progress=seen.append,
     )
-    assert [done for done, _ in seen] == list(range(1, run.nips_solved + 1))
-    assert all(done <= expected for done, expected in seen)
+    assert len(seen) == run.nips_solved
+    assert 0 < seen[0] < seen[-1] <= 1
+
+
+def test_a_winding_stops_where_its_progress_raises():
+    def cancel(fraction: float) -> None:
+        raise Cancelled
+
+    with pytest.raises(Cancelled):
+        wo.solve(CASE, **COARSE, progress=cancel)
 
 
 @pytest.mark.parametrize(

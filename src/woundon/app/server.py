@@ -22,7 +22,7 @@ from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 
 from .. import __version__
-from ..studies.runners import usable_cores
+from ..parallel import usable_cores
 from . import answers, papers, sweeps
 from .catalogue import LIMITS, catalogue
 from .guard import Guard, json_of, whole_body
@@ -34,6 +34,7 @@ __all__ = ["application"]
 
 STATIC = Path(__file__).parent / "static"
 MOST_SOLVERS = 4
+LISTENING = 0.2  # seconds between two looks whether the client is still there
 _SESSION = re.compile(r"[A-Za-z0-9_-]{8,64}")
 _TYPES = {
     "csv": "text/csv", "json": "application/json", "nc": "application/x-netcdf",
@@ -124,10 +125,20 @@ def _options(request: Request, *known: str) -> dict[str, Any]:
 async def _asked(
     pool: Pool, request: Request, what: str, call: Callable[..., Any], *given: Any, rank: int = 0
 ) -> Any:
-    """Return a worker's answer; of one session and route the newest request wins."""
+    """Return a worker's answer; of one session and route the newest request wins.
+
+    The work is cancelled when the client disconnects.
+    """
     session = _session_of(request)
     key = (session, what) if session else None
-    return await pool.run(call, *given, key=key, session=session, rank=rank)
+    answer = asyncio.create_task(pool.run(call, *given, key=key, session=session, rank=rank))
+    try:
+        while not (await asyncio.wait({answer}, timeout=LISTENING))[0]:
+            if await request.is_disconnected():
+                raise Refusal(408, "disconnected", "the client has disconnected")
+        return answer.result()
+    finally:
+        answer.cancel()
 
 
 # ---- routes -----------------------------------------------------------------------------------

@@ -2,89 +2,64 @@
 
     pool.run(call, *given, key=(session, what))     the answer, in the order of rank and arrival
 
-Of one key the newest request wins: an older one that waits is dropped, one under way has a moment
-to come to its end, for else a busy machine would never end any, and is then interrupted.  A worker
-that does not heed that, or dies, is replaced.
+Of requests with one key the newest wins: an older one that waits is dropped, one in progress has a
+moment to finish, for else a busy machine would never finish any, and is then cancelled
+(:func:`woundon.parallel.progress`).  A worker that does not end then, or dies, is replaced.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
-import signal
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Hashable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from heapq import heapify, heappop, heappush
 from itertools import count
 from typing import Any
 
-from ..studies.processes import started
+from ..parallel import Cancelled, Worker
 from .refusals import Refusal, refusal_of
 
 __all__ = ["Pool"]
 
 MEMORY = 4 * 2**30  # of a worker's address space [bytes]
-GRACE = 1.0  # seconds that work under way may go on when a newer request has come
-HEED = 5.0  # seconds until a worker that is interrupted must have heeded
-URGE = 0.1  # seconds from one signal to the next: one before the work has begun is not heard
+GRACE = 1.0  # seconds that work in progress may go on when a newer request has come
+PATIENCE = 3.0  # seconds until cancelled work must have ended; then its process is killed
 DIED = "the process that worked at this died; it has been replaced, send the request again"
-_STARTING = threading.Lock()
-_ON_SIGNAL = hasattr(signal, "SIGUSR1")
 
 
 # ---- in the worker ----------------------------------------------------------------------------
 
 
-class _Interrupted(BaseException):
-    """The parent wants no answer any more."""
-
-
-_working = False
-_stopped = False  # libraries make faults of their own of what interrupts their callbacks
-
-
-def _interrupt(number: int, frame: Any) -> None:
-    global _stopped
-    if _working:
-        _stopped = True
-        raise _Interrupted
-
-
 def _prepare(nice: int, warm_up: Callable[[], Any]) -> None:
-    """Get a new worker ready: polite, bounded, with everything imported."""
-    if _ON_SIGNAL:
-        signal.signal(signal.SIGUSR1, _interrupt)
+    """Prepare a new worker: low priority, bounded memory, everything imported.
+
+    Windows has neither priorities of this kind nor a limit of the address space.
+    """
     if hasattr(os, "nice"):
         os.nice(nice)
-    with suppress(ImportError, ValueError, OSError):  # not on every system
+    with suppress(ImportError, ValueError, OSError):
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     warm_up()
 
 
-def _work(item: tuple[Callable[..., Any], tuple[Any, ...]]) -> tuple[str, Any]:
-    """Return what became of a request: ("done", answer), ("refused", why), ..."""
-    global _stopped, _working
-    call, given = item
-    _stopped = False
+def _ready() -> None:
+    """Return when the worker is prepared."""
+
+
+def _work(call: Callable[..., Any], given: tuple[Any, ...]) -> tuple[str, Any]:
+    """Return the outcome of a request: ("done", answer), ("refused", why), ..."""
     try:
-        try:
-            _working = True
-            return "done", call(*given)
-        finally:
-            _working = False
-    except _Interrupted:
-        _working = False  # it may have come before this was said
-        return "interrupted", None
+        return "done", call(*given)
+    except Cancelled:
+        return "cancelled", None
     except Exception as fault:
-        if _stopped:
-            return "interrupted", None
         refusal = refusal_of(fault)
         if refusal is None:
             traceback.print_exc(file=sys.stderr)
@@ -96,20 +71,23 @@ def _work(item: tuple[Callable[..., Any], tuple[Any, ...]]) -> tuple[str, Any]:
 
 
 @dataclass(eq=False)
-class _Worker:
-    process: Any
-    pipe: Any
+class _Seat:
+    """A worker, and the session that it last worked for."""
+
+    worker: Worker
     session: Hashable = None
     stopping: bool = False
 
-    def exchange(self, item: Any) -> tuple[str, Any]:
-        """Send a request and wait for its answer; in a thread."""
+    async def exchange(self, call: Callable[..., Any], *given: Any) -> tuple[str, Any]:
+        """Send work and wait for its outcome; a process that died is replaced."""
         try:
-            self.pipe.send(item)
-            _, answer = self.pipe.recv()
-        except (EOFError, OSError):
+            # a new process takes some 0.1 s to start
+            future = await asyncio.to_thread(self.worker.submit, _work, call, given)
+            if self.stopping:  # it was cancelled before the process had it
+                self.worker.cancel()
+            return await asyncio.wrap_future(future)
+        except Exception:  # all exceptions of the work itself are outcomes
             return "died", None
-        return answer
 
 
 @dataclass(eq=False)
@@ -119,7 +97,7 @@ class _Request:
     key: Hashable
     session: Hashable
     answer: asyncio.Future[Any]
-    worker: _Worker | None = None
+    seat: _Seat | None = None
 
 
 class Pool:
@@ -143,33 +121,25 @@ class Pool:
         self, size: int, warm_up: Callable[[], Any], *, waiting: int = 64, seconds: float = 60.0,
         nice: int = 0,
     ) -> None:  # fmt: skip
-        self.size, self.warm_up, self.most, self.seconds, self.nice = (
-            size, warm_up, waiting, seconds, nice,
-        )  # fmt: skip
-        self._processes: list[Any] = []
-        self._idle: list[_Worker] = []
+        self.size, self.most, self.seconds = size, waiting, seconds
+        self._seats = [_Seat(Worker(partial(_prepare, nice, warm_up))) for _ in range(size)]
+        self._idle: list[_Seat] = []
         self._waiting: list[tuple[int, int, _Request]] = []
         self._newest: dict[Hashable, _Request] = {}
         self._under_way = set[Hashable]()
         self._number = count()
         self._tasks: set[asyncio.Task[Any]] = set()
-        self._closing = False
-        # a thread for each pipe, and those in which processes are started
-        self._threads = ThreadPoolExecutor(2 * size, "woundon-pipe")
 
     async def open(self) -> None:
         """Start the processes."""
-        await self._hire(self.size)
+        await asyncio.gather(*map(self._welcome, self._seats))
 
     def close(self) -> None:
         """End the processes, whatever they do."""
-        self._closing = True
-        for process in self._processes:
-            if process.pid is not None:
-                process.kill()
         for task in self._tasks:
             task.cancel()
-        self._threads.shutdown(wait=False)
+        for seat in self._seats:
+            seat.worker.kill()
 
     async def run(
         self, call: Callable[..., Any], *given: Any, key: Hashable = None, session: Hashable = None,
@@ -215,10 +185,10 @@ class Pool:
             if self._newest.get(key) is request:
                 del self._newest[key]
             if not request.answer.done() or request.answer.cancelled():
-                self._interrupt(request)  # who asked is gone
+                self._cancel(request)  # the client has disconnected
 
     def _overtake(self, request: _Request) -> None:
-        if request.worker is not None:
+        if request.seat is not None:
             asyncio.get_running_loop().call_later(GRACE, self._drop, request)
             return
         self._drop(request)
@@ -229,32 +199,22 @@ class Pool:
         if not request.answer.done():
             text = "a newer request of the same session took its place"
             request.answer.set_exception(Refusal(409, "superseded", text))
-        self._interrupt(request)
+        self._cancel(request)
 
-    def _interrupt(self, request: _Request) -> None:
-        """Take a worker off a request, kindly at first."""
-        worker = request.worker
-        if worker is None or worker.stopping:
+    def _cancel(self, request: _Request) -> None:
+        """Cancel the work at a request; kill its process if it does not end."""
+        seat = request.seat
+        if seat is None or seat.stopping:
             return
-        worker.stopping = True
-        patience = HEED if _ON_SIGNAL else 0.0
-        self._urge(worker, request, asyncio.get_running_loop().time() + patience)
+        seat.stopping = True
+        seat.worker.cancel()
+        asyncio.get_running_loop().call_later(PATIENCE, self._kill, request, seat)
 
-    def _urge(self, worker: _Worker, request: _Request, until: float) -> None:
-        if request.worker is not worker:
-            return
-        loop = asyncio.get_running_loop()
-        if loop.time() >= until:
-            worker.process.kill()
-            return
-        with suppress(ProcessLookupError, OSError):
-            os.kill(worker.process.pid, signal.SIGUSR1)
-        loop.call_later(URGE, self._urge, worker, request, until)
+    def _kill(self, request: _Request, seat: _Seat) -> None:
+        if request.seat is seat:
+            self._start(asyncio.to_thread(seat.worker.kill))
 
     def _hand_out(self) -> None:
-        for dead in [w for w in self._idle if not w.process.is_alive()]:
-            self._idle.remove(dead)
-            self._start(self._replace(dead))
         held = list[tuple[int, int, _Request]]()
         while self._idle and self._waiting:
             rank, number, request = heappop(self._waiting)
@@ -263,12 +223,12 @@ class Pool:
             if request.key in self._under_way:  # nobody has two workers
                 held.append((rank, number, request))
                 continue
-            own = (w for w in self._idle if request.session and w.session == request.session)
-            worker = next(own, self._idle[0])
-            self._idle.remove(worker)
-            worker.session, request.worker = request.session, worker
+            own = (s for s in self._idle if request.session and s.session == request.session)
+            seat = next(own, self._idle[0])
+            self._idle.remove(seat)
+            seat.session, request.seat = request.session, seat
             self._under_way |= {request.key} - {None}
-            self._start(self._worked(worker, request))
+            self._start(self._worked(seat, request))
         for one in held:
             heappush(self._waiting, one)
 
@@ -277,49 +237,29 @@ class Pool:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _worked(self, worker: _Worker, request: _Request) -> None:
-        outcome, answer = await self._in_thread(worker.exchange, (request.call, request.given))
-        request.worker, worker.stopping = None, False
+    async def _worked(self, seat: _Seat, request: _Request) -> None:
+        outcome, answer = await seat.exchange(request.call, *request.given)
+        request.seat, seat.stopping = None, False
         self._under_way.discard(request.key)
-        if outcome == "died":
-            self._start(self._replace(worker))
-        else:
-            self._idle.append(worker)
         if not request.answer.done():
             _settle(request.answer, outcome, answer)
-        self._hand_out()
+        if outcome == "died":
+            await self._welcome(seat)
+        else:
+            self._idle.append(seat)
+            self._hand_out()
 
     def _too_slow(self, request: _Request, seconds: float) -> None:
         if not request.answer.done():
             text = f"it took longer than {seconds:g} s, which a request may take"
             request.answer.set_exception(Refusal(504, "too-slow", text))
-        self._interrupt(request)
+        self._cancel(request)
 
-    async def _replace(self, dead: _Worker) -> None:
-        self._processes.remove(dead.process)
-        dead.pipe.close()
-        dead.process.join(1)
-        await self._hire(1)
-
-    async def _hire(self, number: int) -> None:
-        """Start processes; each joins those that are idle when it is ready."""
-        if self._closing:
-            return
-        made = await self._in_thread(_started, number, self._processes)
-        await asyncio.gather(*(self._welcome(_Worker(*parts)) for parts in made))
-
-    async def _welcome(self, worker: _Worker) -> None:
-        await self._in_thread(worker.exchange, (_prepare, (self.nice, self.warm_up)))
-        self._idle.append(worker)
+    async def _welcome(self, seat: _Seat) -> None:
+        """Prepare a new process; it joins those that are idle when it is ready."""
+        await seat.exchange(_ready)
+        self._idle.append(seat)
         self._hand_out()
-
-    async def _in_thread(self, call: Callable[..., Any], *given: Any) -> Any:
-        return await asyncio.get_running_loop().run_in_executor(self._threads, call, *given)
-
-
-def _started(number: int, known: list[Any]) -> list[tuple[Any, Any]]:
-    with _STARTING:  # what is changed while they start is the whole process's
-        return started(_work, number, known)
 
 
 def _settle(future: asyncio.Future[Any], outcome: str, answer: Any) -> None:
@@ -331,4 +271,4 @@ def _settle(future: asyncio.Future[Any], outcome: str, answer: Any) -> None:
     elif outcome == "died":
         future.set_exception(Refusal(503, "worker-died", DIED))
     else:
-        future.set_exception(Refusal(500, "failed", answer or "interrupted"))
+        future.set_exception(Refusal(500, "failed", answer or "cancelled"))

@@ -27,9 +27,9 @@ from .. import kinds
 from ..contact.newton import friction_residual, system_matrix
 from ..contact.refinement import CHANGES, MeshSolution, error_estimate
 from ..errors import InvalidProblem, did_you_mean
+from ..parallel import one_thread
 from ..quantities import walk
 from ..results import ReadOnly
-from ..threads import one_thread
 from .entrained_air import film_of_state
 
 if TYPE_CHECKING:

@@ -12,10 +12,10 @@ from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import REPORTED, MeshSolution, Refinement, refine
 from ..errors import RESOLUTION, NoSteadyState, NotConverged
+from ..parallel import one_thread
 from ..problems.bodies import half_width_guess
 from ..problems.nip import NipProblem
 from ..results import Residuals, measured
-from ..threads import one_thread
 from ..validity import far_outside
 from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_warnings

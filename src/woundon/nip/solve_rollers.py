@@ -13,10 +13,10 @@ from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import CHANGES, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
+from ..parallel import one_thread
 from ..problems.fields import shown
 from ..problems.rollers import RollerProblem
 from ..results import Residuals, measured
-from ..threads import one_thread
 from ..validity import far_outside
 from .load_limit import check_load
 from .roller_certificate import certificate, consistency

@@ -19,10 +19,10 @@ import numpy as np
 
 from ..arguments import check_type, tolerance
 from ..errors import InvalidProblem, NotConverged
+from ..parallel import one_thread
 from ..problems.fields import shown
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
-from ..threads import one_thread
 from .build_up import in_cells, nodes_between
 from .certificate import equations_of
 from .equations import Solved, pressure_between

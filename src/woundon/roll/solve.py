@@ -19,8 +19,8 @@ import numpy as np
 from ..arguments import check_type, tolerance
 from ..errors import NotConverged
 from ..problems.roll import RollProblem
+from ..parallel import one_thread
 from ..results import Residuals
-from ..threads import one_thread
 from .build_up import (
     BuildUp,
     NotWoundError,

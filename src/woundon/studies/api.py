@@ -88,7 +88,7 @@ def sweep(
     scheduler : str
         Address of a Dask scheduler, "tcp://..."; its workers solve.
     out : path
-        Folder that keeps results as they come; ``resume=True`` goes on with what it holds.
+        Folder of the file to which results are added as they come; ``resume=True`` continues it.
     chunk : int
         Cases that are solved in a row, each from the state of the one before.
     progress : bool or callable
@@ -107,8 +107,8 @@ def sweep(
     Raises
     ------
     InvalidProblem
-        For a name that does not exist, a folder that holds another study or in which another
-        process is at work, or values of which none is admissible.
+        For a name that does not exist, a folder that holds another study, or values of which none
+        is admissible.
     NotConverged
         If no case at all was solved, with the reasons; carries the dataset.
     OSError
@@ -117,7 +117,7 @@ def sweep(
     Warns
     -----
     UserWarning
-        If parts in ``out`` were damaged and are solved again, or a process died at work in it.
+        If the file in ``out`` is damaged; the damaged chunks are solved again.
     """
     model, cases = study_of(
         problem, over, outputs, columns=columns, design=design, samples=samples, seed=seed, tie=tie,

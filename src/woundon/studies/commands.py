@@ -45,8 +45,9 @@ def _running(command: Any) -> Any:
     help="""\
     Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
-    DIR keeps every chunk of cases as it finishes: a study that was stopped, by whatever means, goes
-    on with --resume. A complete study on a read-only medium is exported by --export-to.
+    Every chunk of cases is added to DIR/study.sqlite when it is solved: --resume continues a study
+    that was stopped, by whatever means, and exports a complete one, from a read-only medium too
+    with --export-to.
     """,
     short_help="Solve all cases of a study file.",
 )

@@ -38,9 +38,9 @@ def run_study(
     design : Design
     runner : Runner
     out : path, optional
-        Folder that keeps the chunks as they finish.
+        Folder of the file to which chunks are added as they are solved.
     resume : bool
-        Go on with the study in ``out``; what it holds is not solved again.
+        Continue the study in ``out``; the cases that it holds are not solved again.
     chunk : int, optional
         Cases in a chunk.
     progress : bool or callable
@@ -49,8 +49,7 @@ def run_study(
     Raises
     ------
     InvalidProblem
-        For a name the model does not know, or a folder that holds another study or in which another
-        process is at work.
+        For a name the model does not know, or a folder that holds another study.
     OSError
         If ``out`` cannot be written; what was written stays valid.
     KeyboardInterrupt
@@ -59,7 +58,7 @@ def run_study(
     Warns
     -----
     UserWarning
-        If parts in ``out`` were damaged, or a process died at work in it.
+        If the file in ``out`` is damaged; the damaged chunks are solved again.
     """
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the study to go on with")
@@ -75,9 +74,9 @@ def run_study(
         storing = opened(out, design, cases, model.outputs, about, resume=resume)
     with storing as store:
         if store is not None:
-            for text in store.told:
+            for text in store.messages:
                 warnings.warn(text, UserWarning, stacklevel=3)
-            for block in store.blocks():
+            for block in store.kept.values():
                 table.put(block)
         chunks = [
             Chunk(number, rows, design.inputs(rows))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
+from ..parallel import progress
 from .model import Model
 
 __all__ = ["Block", "Chunk", "solve_chunk"]
@@ -84,6 +85,7 @@ def solve_chunk(model: Model, chunk: Chunk) -> Block:
     block = Block.failed(chunk, len(model.outputs), "")
     state, began = None, time.perf_counter()
     for row, inputs in enumerate(chunk.rows()):
+        progress(row / len(chunk.cases))
         try:
             answer = model.run(inputs, state)
         except Exception as fault:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,6 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..io.sheets import need_openpyxl, write_workbook
-from .store import write_parquet
 from .table import Table
 
 __all__ = ["check_export", "export"]
@@ -26,7 +26,7 @@ def export(table: Table, path: str | Path) -> None:
     Raises
     ------
     InvalidProblem
-        For another ending, or more rows than an Excel sheet has.
+        For another ending, more rows than an Excel sheet has, or a package that is not installed.
     OSError
         If the file cannot be written.
     """
@@ -54,6 +54,8 @@ def check_export(path: str | Path) -> Callable[[Table, Path], None]:
         )
     if ending == ".xlsx":
         need_openpyxl()
+    if ending == ".parquet" and find_spec("pyarrow") is None:
+        raise InvalidProblem.at(str(path), "needs pyarrow: pip install 'woundon[parquet]'")
     return _WRITERS[ending]
 
 
@@ -107,10 +109,11 @@ def _excel(table: Table, path: Path) -> None:
 
 
 def _parquet(table: Table, path: Path) -> None:
-    import duckdb
+    import pyarrow
+    from pyarrow import parquet
 
-    with duckdb.connect() as connection:
-        write_parquet(connection, table.columns(), path)
+    # without pandas, which would write nan as null
+    parquet.write_table(pyarrow.table(table.columns()), path)
 
 
 _WRITERS: dict[str, Callable[[Table, Path], None]] = {

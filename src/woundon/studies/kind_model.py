@@ -19,6 +19,7 @@ import numpy as np
 from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
+from ..parallel import progress
 from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
 from ..quantities import Quantity, find, is_item, members_of, scalar_outputs, value_of, walk
 from .model import Answer
@@ -125,12 +126,18 @@ class KindModel:
         return problem.replace(**{path: get_field(problem, to) for path, to in self.tie.items()})
 
     def solve(self, problem: Any, start: Any | None) -> Any:
-        """Solve; a start that leads nowhere is put aside."""
-        kind = self.kind
-        if isinstance(start, kind.result) and "start" in _keywords(kind.solver):
+        """Solve; if a start does not converge, without it.
+
+        In a worker the work can be cancelled wherever the solver reports its progress.
+        """
+        kind, options = self.kind, dict(self.options)
+        known = _keywords(kind.solver)
+        if "progress" in known:
+            options["progress"] = progress
+        if isinstance(start, kind.result) and "start" in known:
             with suppress(NotConverged):
-                return kind.solver(problem, start=start, **self.options)
-        return kind.solver(problem, **self.options)
+                return kind.solver(problem, start=start, **options)
+        return kind.solver(problem, **options)
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
         """Solve one case."""

@@ -12,13 +12,14 @@ from rich.progress import (
     Progress,
     ProgressColumn,
     Task,
+    TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
 from rich.text import Text
 
-__all__ = ["bar", "growing_bar"]
+__all__ = ["bar", "fraction_bar"]
 
 
 class _Rate(ProgressColumn):
@@ -61,13 +62,13 @@ def bar(
 
 
 @contextmanager
-def growing_bar(
-    label: str = "solving", unit: str = "nips/s"
-) -> Iterator[Callable[[int, int], None]]:
-    """Provide a function to tell how many are done, and how many are expected by now."""
-    with _progress() as progress:
-        task = progress.add_task(label, total=None, begun_with=0, unit=unit)
-        yield lambda done, size: progress.update(task, completed=done, total=size)
+def fraction_bar(label: str = "solving") -> Iterator[Callable[[float], None]]:
+    """Provide a function to report the fraction of the work that is done."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
+               TimeElapsedColumn())  # fmt: skip
+    with Progress(*columns, console=_Channel(stderr=True), transient=True) as progress:
+        task = progress.add_task(label, total=1.0)
+        yield lambda fraction: progress.update(task, completed=fraction)
 
 
 def _progress() -> Progress:

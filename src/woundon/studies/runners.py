@@ -6,7 +6,6 @@ A worker that dies takes nothing with it: its chunks are solved by another.
 
 from __future__ import annotations
 
-import os
 import time
 from collections import deque
 from collections.abc import Generator, Sequence
@@ -16,11 +15,11 @@ from functools import partial
 from typing import Protocol
 
 from ..errors import InvalidProblem
+from ..parallel import in_processes, stoppable, usable_cores
 from .evaluate import Block, Chunk, solve_chunk
 from .model import Model
-from .processes import in_processes, stoppable
 
-__all__ = ["DaskRunner", "Here", "Pool", "Runner", "runner_for", "usable_cores"]
+__all__ = ["DaskRunner", "Here", "Pool", "Runner", "runner_for"]
 
 WORTH_A_POOL = 3.0  # seconds of work ahead; starting the workers costs about one
 FINISHING = "finishing the chunks under way; press Ctrl-C again to stop at once"
@@ -33,13 +32,6 @@ class Runner(Protocol):
     def solved(self, model: Model, chunks: Sequence[Chunk]) -> Generator[Block, None, None]:
         """Yield every chunk's block as soon as it is done."""
         ...
-
-
-def usable_cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def runner_for(workers: int | None, scheduler: str | None) -> Runner:

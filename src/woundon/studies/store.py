@@ -1,14 +1,16 @@
-"""A study on disk: Parquet parts written as they finish, and a manifest that guards the design.
+"""A study on disk: one SQLite file, to which every chunk is added when it is solved.
 
-    DIR/manifest.json                            what is studied; its hash
-    DIR/parts/000042-0123456789abcdef.parquet    the rows of chunk 42; its seal
-    DIR/set_aside/                               what was damaged, or of another study
+    DIR/study.sqlite
+        study(record, sha256)                               what is studied, as JSON
+        chunk(number, outputs, failure, warnings, sha256)   the rows of a chunk
 
-A part takes its name when its content is on disk: whatever stops the program, even kill -9 or a
-loss of power, only the chunks being solved are lost.  The seal is a hash of the study, of the
-chunk's number, cases and inputs, and of the part's bytes.  A part that is cut, edited, exchanged
-with another or comes from another study does not meet it; it is set aside, and its chunk is
-solved again.
+``outputs`` holds little-endian float64, case by case: as numbers SQLite would store nan as NULL and
+-0.0 as 0.0.  ``failure`` and ``warnings`` are JSON lists of texts.  The SHA-256 of a chunk covers
+its number, its content, its cases and the study, so that it verifies in its own place only.
+
+Every chunk is one transaction with a rollback journal: after a kill -9 or a loss of power the file
+holds the chunks that were solved.  Processes at work in the same folder write the same chunks;
+SQLite keeps their transactions apart.
 """
 
 from __future__ import annotations
@@ -17,29 +19,43 @@ import errno
 import hashlib
 import json
 import os
+import shutil
+import sqlite3
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from functools import cached_property
-from glob import escape
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..io.files import read_whole, write_whole
 from .design import Design
 from .evaluate import Block
-from .lock import HIDDEN, locked
 
-__all__ = ["Store", "opened", "write_parquet"]
+__all__ = ["FILE", "Store", "opened"]
 
+FILE = "study.sqlite"
 FORMAT = "woundon-study"
-SCHEMA = 2
-LARGEST = 1_000_000_000  # bytes of a manifest or part; usually some thousands
+SCHEMA = 3
 PROGRAM = {"version", "sources"}  # what a study records of the program that solves it
-GOES_ON = "what is written stays valid, resume goes on from there"
+RESUMABLE = "what is written stays valid, resume continues from there"
+PATIENCE = 60.0  # seconds to wait for another process's transaction, which takes milliseconds
+# NORMAL waits for the disk three times a chunk, FULL four times.  On old file systems a loss of
+# power at the wrong moment may then damage the file, which the hashes detect.
+PRAGMAS = "PRAGMA journal_mode=DELETE; PRAGMA synchronous=NORMAL"
+STUDY = "CREATE TABLE study (record TEXT, sha256 TEXT)"
+CHUNK = (
+    "CREATE TABLE chunk (number INTEGER PRIMARY KEY, outputs BLOB, failure TEXT, warnings TEXT, "
+    "sha256 TEXT)"
+)
+# errors of the system; SQLite's other errors mean that the file is damaged
+SYSTEM = {
+    sqlite3.SQLITE_FULL: errno.ENOSPC, sqlite3.SQLITE_IOERR: errno.EIO,
+    sqlite3.SQLITE_READONLY: errno.EROFS, sqlite3.SQLITE_CANTOPEN: errno.EACCES,
+    sqlite3.SQLITE_PERM: errno.EACCES, sqlite3.SQLITE_BUSY: errno.EBUSY,
+    sqlite3.SQLITE_NOMEM: errno.ENOMEM,
+}  # fmt: skip
 
 
 @contextmanager
@@ -47,7 +63,7 @@ def opened(
     folder: str | Path, design: Design, chunks: Sequence[np.ndarray], outputs: tuple[str, ...],
     record: Mapping[str, Any], *, resume: bool,
 ) -> Iterator[Store]:  # fmt: skip
-    """Provide the folder of a study, which no other process may work in meanwhile.
+    """Open the store of a study, or create it.
 
     Parameters
     ----------
@@ -59,267 +75,273 @@ def opened(
     record : mapping
         What else the numbers depend on.
     resume : bool
-        Go on with what the folder holds; without it, it must hold no study.
+        Continue the study in the folder; without it, the folder must not hold a study.
 
     Raises
     ------
     InvalidProblem
-        If the folder holds a study and ``resume`` is not asked for, or another study than this, or
-        another process is at work in it.
+        If the folder holds a study and ``resume`` is not set, or another study, or other files, or
+        a store of which nothing can be read.
     OSError
-        If it cannot be written.
+        If it cannot be read, or cannot be written and the study is not complete.
     """
     store = Store(Path(folder), design, chunks, outputs, record)
-    store.check(resume)  # before anything is written to it
-    if resume and store.is_complete():
-        yield store  # nothing is written, since the folder may be on a read-only medium
-        return
-    store.folder.mkdir(parents=True, exist_ok=True)
-    with locked(store.folder) as died:
-        store.check(resume)  # another process may have been faster
-        if died:
-            store.told.append(f"{folder}: {died}")
-        store.prepare()
+    try:
+        with store.translated_errors():
+            store.open(resume)
         yield store
+    finally:
+        store.close()
 
 
 class Store:
-    """The folder of a study; see :func:`opened`.
+    """The store of a study; see :func:`opened`.
 
     Attributes
     ----------
-    kept : dict of int to Path
-        The parts that this study has written, by chunk.
-    told : list of str
-        What the user should know of the folder.
+    kept : dict of int to Block
+        The chunks in the file that were verified, by number.
+    messages : list of str
+        What the user should know of the file.
     """
 
     def __init__(
         self, folder: Path, design: Design, chunks: Sequence[np.ndarray], outputs: tuple[str, ...],
         record: Mapping[str, Any],
     ) -> None:  # fmt: skip
-        self.folder, self.parts, self.manifest = folder, folder / "parts", folder / "manifest.json"
-        self.design, self.chunks, self.outputs = design, chunks, outputs
-        self.study = {"design": design.record(), "outputs": list(outputs), **record}
-        self.digest = _digest(self.study)
-        self.kept, self.told = dict[int, Path](), list[str]()
+        self.folder, self.path = folder, folder / FILE
+        self.chunks, self.outputs = chunks, outputs
+        self.study = {"format": FORMAT, "schema": SCHEMA, "design": design.record(),
+                      "outputs": list(outputs), **record}  # fmt: skip
+        self.text = json.dumps(self.study, sort_keys=True)
+        self.sha256 = hashlib.sha256(self.text.encode()).hexdigest()
+        self.kept, self.messages = dict[int, Block](), list[str]()
+        self._connection: sqlite3.Connection | None = None
 
-    # ---- whose folder it is ---------------------------------------------------------------------
-
-    def check(self, resume: bool) -> None:
-        """Refuse the folder unless it is new, or holds this study and that is to go on."""
-        where = str(self.folder)
-        if not self.folder.is_dir() or not self._used():
+    def open(self, resume: bool) -> None:
+        """Read the file or create it; if it is damaged, keep what can be verified."""
+        if not os.path.lexists(self.path):
+            if self.folder.is_dir() and any(self.folder.iterdir()):
+                raise self._invalid("is not empty and holds no study")
+            self.folder.mkdir(parents=True, exist_ok=True)
+        elif not self.path.is_file():
+            raise self._invalid(f"its {FILE} is not a regular file")
+        writable = all(os.access(p, os.W_OK) for p in (self.folder, self.path) if p.exists())
+        self._connect(writable)
+        record = self._read_record()
+        if record == {}:
+            self._create(resume)
             return
-        if self.manifest.exists() and not resume:
-            text = "holds a study already; resume it, or take another folder"
-            raise InvalidProblem.at(where, text)
-        there = _read_manifest(self.manifest)
-        if there is None:
-            # what is known of the study is in the seals too
-            if resume and any(self._is_own(path) for path in self._found()):
-                return
-            text = "is not empty and holds no study"
-            if self.manifest.exists():
-                text = "its manifest.json is damaged, and none of its parts is of this study"
-            raise InvalidProblem.at(where, text)
-        if (there.pop("format"), there.pop("schema")) != (FORMAT, SCHEMA):
-            text = "its manifest.json is not that of a study of this version"
-            raise InvalidProblem.at(where, text)
-        if _digest(there) != self.digest:
-            here = json.loads(json.dumps(self.study))
-            differs = [name for name in here if there.get(name) != here[name]]
-            text = f"holds another study than this: {', '.join(differs)} differs"
-            if set(differs) <= PROGRAM:
-                text = (
-                    f"was solved by another program: {_program(there)}, this is "
-                    f"{_program(here)}; the numbers of two programs are not mixed: solve the "
-                    "study in another folder, or resume it by the program that began it"
-                )
-            raise InvalidProblem.at(where, text)
+        if record is not None:
+            self._check(record, resume)
+        elif not resume:
+            raise self._invalid(f"its {FILE} is damaged; resume the study to repair it")
+        damaged = self._read_chunks()
+        if record is None and not self.kept:
+            raise self._invalid(f"its {FILE} is damaged, and none of its chunks is of this study")
+        missing = len(self.chunks) - len(self.kept)
+        if missing and not writable:
+            text = f"cannot be written, and {missing} of {len(self.chunks)} chunks are not in it"
+            raise OSError(errno.EROFS, text, str(self.folder))
+        if writable and (record is None or damaged or (missing and not self._is_sound())):
+            self._replace()
 
-    def _used(self) -> bool:
-        """Tell whether there is more than a process leaves that was killed at its first steps."""
-        own = {*HIDDEN, "parts"}
-        return any(self._found()) or any(
-            path.name not in own and not path.name.startswith((".manifest.json.", ".owner.json."))
-            for path in self.folder.iterdir()
-        )
-
-    def is_complete(self) -> bool:
-        """Find the parts; return whether all are intact and nothing needs to be written.
-
-        What an interrupted process left behind needs to be cleared away if the folder is writable.
-        """
-        found = {self._number(path): path for path in self._found() if self._is_own(path)}
-        if len(found) < len(self.chunks):
-            return False
-        folders = (self.folder, self.parts)
-        left = [path for folder in folders for path in folder.glob(".*") if path.name != HIDDEN[0]]
-        tidy = not left and len(self._found()) == len(found) and _read_manifest(self.manifest)
-        if not tidy and all(os.access(folder, os.W_OK) for folder in folders):
-            return False
-        self.kept = found
-        return True
-
-    def prepare(self) -> None:
-        """Write the manifest, find the parts that count, and set the others aside."""
-        self.parts.mkdir(exist_ok=True)
-        for leftover in self.parts.glob(".*.part"):
-            leftover.unlink()
-        bad = []
-        if _read_manifest(self.manifest) is None:
-            bad = [self.manifest] if self.manifest.exists() else []
-        for path in self._found():
-            if self._is_own(path) and self._number(path) not in self.kept:
-                self.kept[self._number(path)] = path
-            else:
-                bad.append(path)
-        self._set_aside(bad)
-        if not self.manifest.exists():
-            head = {"format": FORMAT, "schema": SCHEMA, "sha256": self.digest}
-            text = json.dumps(head | self.study, indent=1) + "\n"
-            write_whole(self.manifest, text.encode("utf-8"))
-
-    def _set_aside(self, paths: Sequence[Path]) -> None:
-        if not paths:
-            return
-        aside = self.folder / "set_aside"
-        aside.mkdir(exist_ok=True)
-        for path in paths:
-            os.replace(path, aside / f"{time.time_ns()}-{path.name}")
-        names = ", ".join(path.name for path in paths[:3]) + ", ..." * (len(paths) > 3)
-        self.told.append(
-            f"{self.folder}: {len(paths)} damaged or of another study, moved to {aside.name} and "
-            f"made again: {names}"
-        )
-
-    # ---- parts ----------------------------------------------------------------------------------
-
-    def _found(self) -> list[Path]:
-        return sorted(self.parts.glob("*.parquet"))
-
-    def _number(self, path: Path) -> int:
-        """Return the chunk that a part is named for, -1 if it is named otherwise."""
-        digits = path.name.partition("-")[0]
-        return int(digits) if digits.isascii() and digits.isdecimal() and len(digits) < 10 else -1
-
-    def _is_own(self, path: Path) -> bool:
-        """Tell whether a part is what this study wrote of its chunk."""
-        number = self._number(path)
-        if not 0 <= number < len(self.chunks):
-            return False
-        try:
-            return path.name == self._name(number, read_whole(path, LARGEST))
-        except InvalidProblem:  # no file, or one that cannot be read
-            return False
-
-    def _name(self, number: int, content: bytes) -> str:
-        cases = self.chunks[number]
-        seal = hashlib.sha256(f"{self.digest} {number} ".encode())
-        seal.update(cases.astype("<i8").tobytes())
-        for name, labels in self.design.labels(cases).items():
-            numeric = labels.dtype.kind == "f"
-            text = labels.astype("<f8").tobytes() if numeric else repr(labels.tolist()).encode()
-            seal.update(name.encode() + b"\0" + text)
-        seal.update(content)
-        return f"{number:06d}-{seal.hexdigest()[:16]}.parquet"
-
-    @cached_property
-    def _connection(self) -> Any:
-        import duckdb
-
-        connection = duckdb.connect()
-        # one thread: the others are busy solving
-        connection.execute("SET threads = 1")
-        return connection
+    def close(self) -> None:
+        """Close the file."""
+        if self._connection is not None:
+            self._connection.close()
 
     def write(self, block: Block) -> None:
-        """Write a chunk's rows.
+        """Add a solved chunk.
 
         Raises
         ------
         OSError
-            If they cannot be written, e.g. on a full disk; what was written before stays valid.
+            If it cannot be written, e.g. on a full disk; what was written before stays valid.
         """
-        rows = {"case": block.cases, **self.design.labels(block.cases)}
-        rows |= dict(zip(self.outputs, block.values.T.copy(), strict=True))
-        rows |= {"failure": block.failure, "warnings": block.warnings}
-        aside = self.parts / f".rows.{os.getpid()}.part"
+        with self.translated_errors():
+            self._insert(self.connection, block)
+
+    # ---- the study ------------------------------------------------------------------------------
+
+    def _read_record(self) -> dict[str, Any] | None:
+        """Return what the file says of its study: {} if it is empty, None if it is damaged."""
         try:
-            write_parquet(self._connection, rows, aside)
-            content = aside.read_bytes()
-            write_whole(self.parts / self._name(block.number, content), content)
-        except OSError as fault:
-            raise OSError(
-                fault.errno, f"{fault.strerror or fault}; {GOES_ON}", str(self.folder)
-            ) from None
-        finally:
-            aside.unlink(missing_ok=True)
+            if not self.connection.in_transaction:
+                self.connection.executescript(PRAGMAS)
+            if self.connection.execute("SELECT 1 FROM sqlite_master").fetchone() is None:
+                return {}
+            text, sha256 = self.connection.execute("SELECT record, sha256 FROM study").fetchone()
+            if hashlib.sha256(text).hexdigest().encode() == sha256:
+                return dict(json.loads(text))
+        except sqlite3.DatabaseError as fault:
+            _raise_if_of_the_system(fault)
+        except (TypeError, ValueError, RecursionError):  # no row, or other values than texts
+            pass
+        return None
 
-    def blocks(self) -> Iterator[Block]:
-        """Yield the chunks on disk in one go."""
-        # DuckDB takes every name of a file for a pattern
-        files = [escape(str(path)) for path in self.kept.values()]
-        if not files:
-            return
-        names = [*self.outputs, "case", "failure", "warnings"]
-        chosen = ", ".join('"' + name.replace('"', '""') + '"' for name in names)
-        with _faults_of(self.parts):
-            found = self._connection.execute(
-                f"SELECT {chosen} FROM read_parquet(?)", [files]
-            ).fetchnumpy()  # fmt: skip
-        values = np.column_stack([np.ma.filled(found[name], np.nan) for name in self.outputs])
-        failure, warnings = (np.asarray(found[n], dtype=object) for n in ("failure", "warnings"))
-        yield Block(0, np.asarray(found["case"], dtype=np.intp), values, failure, warnings)
+    def _check(self, found: Mapping[str, Any], resume: bool) -> None:
+        """Reject a study that is not to be resumed, or another one."""
+        if not resume:
+            raise self._invalid("holds a study already; resume it, or take another folder")
+        if (found.get("format"), found.get("schema")) != (FORMAT, SCHEMA):
+            raise self._invalid(f"its {FILE} is not that of a study of this version")
+        own = json.loads(self.text)
+        differs = [name for name in own if found.get(name) != own[name]]
+        if differs and set(differs) <= PROGRAM:
+            raise self._invalid(
+                f"was solved by another program: {_program(found)}, this is {_program(own)}; the "
+                "numbers of two programs are not mixed: solve the study in another folder, or "
+                "resume it by the program that began it"
+            )
+        if differs:
+            raise self._invalid(f"holds another study than this: {', '.join(differs)} differs")
+
+    def _invalid(self, text: str) -> InvalidProblem:
+        return InvalidProblem.at(str(self.folder), text)
+
+    # ---- chunks ---------------------------------------------------------------------------------
+
+    def _read_chunks(self) -> bool:
+        """Read the chunks that verify; return whether there are others."""
+        damaged = False
+        for number in range(len(self.chunks)):
+            try:
+                row = self.connection.execute(
+                    "SELECT outputs, failure, warnings, sha256 FROM chunk WHERE number = ?",
+                    (number,),
+                ).fetchone()
+            except sqlite3.DatabaseError as fault:
+                _raise_if_of_the_system(fault)
+                damaged = True
+                continue
+            if row is not None:
+                block = self._verified(number, *row)
+                damaged |= block is None
+                self.kept |= {} if block is None else {number: block}
+        return damaged
+
+    def _verified(
+        self, number: int, outputs: Any, failure: Any, warnings: Any, sha256: Any
+    ) -> Block | None:
+        """Return a chunk, None if it is not what this study wrote."""
+        cases = self.chunks[number]
+        try:
+            if self._hash(number, outputs, failure, warnings).encode() != sha256:
+                return None
+        except TypeError:  # neither texts nor bytes
+            return None
+        values = np.frombuffer(outputs, "<f8").reshape(len(cases), len(self.outputs))
+        reasons, told = (np.array(json.loads(t), dtype=object) for t in (failure, warnings))
+        return Block(number, cases, values, reasons, told)
+
+    def _insert(self, connection: sqlite3.Connection, block: Block) -> None:
+        """Write a chunk, as one transaction."""
+        values = block.values.astype("<f8").tobytes()
+        texts = [json.dumps(list(part)) for part in (block.failure, block.warnings)]
+        sha256 = self._hash(block.number, values, *(text.encode() for text in texts))
+        connection.execute(
+            "INSERT OR REPLACE INTO chunk VALUES (?, ?, ?, ?, ?)",
+            (block.number, values, *texts, sha256),
+        )
+
+    def _hash(self, number: int, *content: bytes) -> str:
+        digest = hashlib.sha256(f"{self.sha256} {number} ".encode())
+        for part in (self.chunks[number].astype("<i8").tobytes(), *content):
+            digest.update(f"{len(part)} ".encode() + part)
+        return digest.hexdigest()
+
+    # ---- the file -------------------------------------------------------------------------------
+
+    @property
+    def connection(self) -> sqlite3.Connection:
+        """The open file."""
+        assert self._connection is not None
+        return self._connection
+
+    def _connect(self, writable: bool) -> None:
+        """Open the file; on read-only media without locks, which these may not have."""
+        journals = [self.path.with_name(f"{FILE}-{end}") for end in ("journal", "wal")]
+        if not writable and any(os.path.lexists(journal) for journal in journals):
+            text = "cannot be written, and a write to it was interrupted; copy the folder to resume"
+            raise OSError(errno.EROFS, text, str(self.folder))
+        mode = "mode=rwc" if writable else "mode=ro&immutable=1"
+        self._connection = _connected(self.path, mode)
+
+    def _create(self, resume: bool) -> None:
+        """Create the tables, unless another process was faster."""
+        self.connection.execute("BEGIN IMMEDIATE")
+        with self.connection:  # ends the transaction
+            record = self._read_record()
+            if record == {}:
+                self._insert_study(self.connection)
+            else:
+                self._check(record or {}, resume)
+
+    def _insert_study(self, connection: sqlite3.Connection) -> None:
+        for table in (STUDY, CHUNK):
+            connection.execute(table)
+        connection.execute("INSERT INTO study VALUES (?, ?)", (self.text, self.sha256))
+
+    def _is_sound(self) -> bool:
+        """Return whether the file can be written to: some damage does not show on reading."""
+        try:
+            return bool(self.connection.execute("PRAGMA quick_check(1)").fetchone() == (b"ok",))
+        except sqlite3.DatabaseError as fault:
+            _raise_if_of_the_system(fault)
+            return False
+
+    def _replace(self) -> None:
+        """Set a copy of the damaged file aside, and write the verified chunks to a new one."""
+        self.close()
+        aside = self.path.with_name(f"damaged-{time.time_ns()}.sqlite")
+        fresh = self.path.with_name(f"fresh-{os.getpid()}.sqlite")
+        shutil.copyfile(self.path, aside)
+        fresh.unlink(missing_ok=True)
+        with closing(_connected(fresh, "mode=rwc")) as connection:
+            connection.execute("BEGIN")
+            with connection:
+                self._insert_study(connection)
+                for block in self.kept.values():
+                    self._insert(connection, block)
+        os.replace(fresh, self.path)
+        self._connect(writable=True)
+        missing = len(self.chunks) - len(self.kept)
+        self.messages.append(
+            f"{self.path}: damaged, a copy is in {aside.name}; {len(self.kept)} of its chunks are "
+            f"intact, the other {missing} are solved again"
+        )
+
+    @contextmanager
+    def translated_errors(self) -> Iterator[None]:
+        """Raise what Python would in place of SQLite's errors."""
+        try:
+            yield
+        except sqlite3.Error as fault:
+            number = SYSTEM.get(_code(fault))
+            if number is None:
+                text = f"its {FILE} is damaged ({fault}); resume the study to repair it"
+                raise self._invalid(text) from None
+            raise OSError(number, f"{fault}; {RESUMABLE}", str(self.folder)) from None
 
 
-def write_parquet(connection: Any, rows: Mapping[str, np.ndarray], path: Path) -> None:
-    """Write columns to a Parquet file; DuckDB finds ``rows`` by its name.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    KeyboardInterrupt
-        After Ctrl-C.
-    """
-    target = str(path).replace("'", "''")
-    with _faults_of(path):
-        connection.execute(f"COPY (SELECT * FROM rows) TO '{target}' (FORMAT parquet)")
+def _connected(path: Path, mode: str) -> sqlite3.Connection:
+    """Open a file; its statements are transactions of their own, its texts come as bytes."""
+    address = f"{path.absolute().as_uri()}?{mode}"
+    connection = sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
+    connection.text_factory = bytes
+    return connection
 
 
-@contextmanager
-def _faults_of(path: Path) -> Iterator[None]:
-    """Raise what Python would in place of DuckDB's errors of its own."""
-    import duckdb
+def _code(fault: sqlite3.Error) -> int:
+    """Return SQLite's primary error code."""
+    return getattr(fault, "sqlite_errorcode", 0) & 0xFF
 
-    try:
-        yield
-    except duckdb.IOException as fault:
-        number = errno.ENOSPC if os.strerror(errno.ENOSPC) in str(fault) else errno.EIO
-        raise OSError(number, str(fault).splitlines()[0], str(path)) from None
-    except RuntimeError as fault:
-        if "interrupted" in str(fault):  # it answers Ctrl-C by this
-            raise KeyboardInterrupt from None
-        raise
+
+def _raise_if_of_the_system(fault: sqlite3.Error) -> None:
+    if _code(fault) in SYSTEM:
+        raise fault
 
 
 def _program(study: Mapping[str, Any]) -> str:
     return f"woundon {study.get('version')} with sources {study.get('sources', 'not recorded')}"
-
-
-def _digest(study: Mapping[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(study, sort_keys=True).encode("utf-8")).hexdigest()
-
-
-def _read_manifest(path: Path) -> dict[str, Any] | None:
-    """Return what an intact manifest says, without its hash; None if it is damaged or missing."""
-    try:
-        there = json.loads(read_whole(path, LARGEST))
-        said = there.pop("sha256")
-        study = {name: value for name, value in there.items() if name not in ("format", "schema")}
-        intact = {"format", "schema"} <= there.keys() and said == _digest(study)
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
-        return None
-    return there if intact else None

@@ -29,11 +29,11 @@ import numpy as np
 
 from ..arguments import check_type, tolerance, whole_number
 from ..errors import NotConverged, unwarned
+from ..parallel import one_thread
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLaps
-from ..threads import one_thread
 from .bodies import tension_on_roll
 from .certificate import MOST_AGREED, certificate
 from .curve import NOMINAL, TensionCurve, looked_at, told_radii
@@ -47,7 +47,7 @@ from .told import told
 __all__ = ["check_options", "solve_winding"]
 
 Array = np.ndarray
-Progress = Callable[[int, int], None]
+Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
@@ -92,7 +92,7 @@ def solve_winding(
     start : WindingResult, optional
         A neighbouring case, to start from its tension and nips.  The answer does not depend on it.
     progress : callable, optional
-        Is called with how many nips are solved, and how many are expected in all.
+        Is called with the estimated fraction of the work that is done.
 
     Returns
     -------
@@ -292,7 +292,7 @@ class _Winder:
 
     def _tell(self, solved: int) -> None:
         if self.progress is not None:
-            self.progress(solved, max(EXPECTED_TURNS * len(self.curve.places), solved))
+            self.progress(min(solved / (EXPECTED_TURNS * len(self.curve.places)), 1.0))
 
     def _told(self, turn: _Turn) -> WindingResult:
         curve, r = self.curve, turn.r

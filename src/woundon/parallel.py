@@ -1,0 +1,341 @@
+"""BLAS threads, processes of this machine, progress and cancellation.
+
+    one_thread(solve)                       a solver with one BLAS thread
+    in_processes(work, items, workers)      yields (item, work(item)) as they are done
+    Worker().submit(work, item)             a process that works at one item at a time
+    progress(fraction)                      called by long work; raises Cancelled when that is asked
+
+A worker is a loky executor of joblib with a single process: it is known which item a process died
+over, and one that is stopped does not affect the others.  Work that is defined in a script is
+pickled by value; the script itself is not imported, so that it needs no main guard.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+import types
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import cache, wraps
+from typing import TYPE_CHECKING, Any, TypeVar
+
+# the command line imports this module before anything else: what takes time is imported where used
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+__all__ = [
+    "Cancelled", "Worker", "WorkerDied", "environment", "in_processes", "one_thread", "progress",
+    "stoppable", "usable_cores",
+]  # fmt: skip
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+
+# ---- BLAS threads -------------------------------------------------------------------------------
+
+VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def environment() -> dict[str, str]:
+    """Return the environment variables of a process that is to have one BLAS thread."""
+    return dict.fromkeys(VARIABLES, "1")
+
+
+def one_thread(solve: Function) -> Function:
+    """Let a function have one BLAS thread while it runs; costs 10 us.
+
+    The matrices are so small that a second thread slows them: by a factor of 2 on an idle machine,
+    of 5 to 20 on a busy one.  The command line and the workers set this by :func:`environment`
+    before NumPy loads; OpenBLAS obeys a limit in the main thread only.
+    """
+
+    @wraps(solve)
+    def limited(*args: Any, **options: Any) -> Any:
+        if all(os.environ.get(name) == "1" for name in VARIABLES):
+            return solve(*args, **options)
+        with _LIMIT:
+            return solve(*args, **options)
+
+    return limited  # type: ignore[return-value]
+
+
+class _Limit:
+    """The limit of this process: the first to enter sets it, the last to leave removes it."""
+
+    def __init__(self) -> None:
+        self._lock, self._inside = threading.Lock(), 0
+        self._controller: Any = None
+        self._limiter: Any = None
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if self._controller is None:  # searches the loaded libraries, once
+                from threadpoolctl import ThreadpoolController
+
+                self._controller = ThreadpoolController()
+            if self._inside == 0:
+                # setting a limit that is already set would cost a small solve 5 % of its time
+                many = any(part.num_threads > 1 for part in self._controller.lib_controllers)
+                self._limiter = self._controller.limit(limits=1, user_api="blas") if many else None
+            self._inside += 1
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._inside -= 1
+            if self._inside == 0 and self._limiter is not None:
+                self._limiter.restore_original_limits()
+
+
+_LIMIT = _Limit()
+
+# ---- in a worker --------------------------------------------------------------------------------
+
+_flag = ""  # the file whose existence cancels the work of this process; "" outside of workers
+
+
+class Cancelled(BaseException):
+    """The result of this work is not needed any more.
+
+    Not an ``Exception``, so that no handler of a solver's errors catches it.
+    """
+
+
+def progress(fraction: float) -> None:
+    """Report that a fraction of the work is done.
+
+    Raises
+    ------
+    Cancelled
+        If this process is a worker whose work was cancelled.
+    """
+    if _flag and os.path.exists(_flag):
+        raise Cancelled
+
+
+def _prepare(flag: str, parent: Any, prepare: Callable[[], Any] | None) -> None:
+    """Prepare a worker: ignore Ctrl-C, which its parent handles, and end with the parent."""
+    global _flag
+    _flag = flag
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    if prepare is not None:
+        prepare()
+
+
+def _end_with(parent: Any) -> None:
+    """End this process when its parent has ended, even by kill -9, which closes the pipe."""
+    with suppress(EOFError, OSError):
+        parent.recv()
+    os._exit(1)
+
+
+# ---- workers ------------------------------------------------------------------------------------
+
+WORKER_SETTINGS = {
+    **environment(),
+    # glibc returns freed memory to the system: mapping each matrix of 129 nodes is 10 % of a solve
+    "MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "268435456",
+    "MALLOC_TOP_PAD_": "67108864",
+}  # fmt: skip
+
+
+class WorkerDied(RuntimeError):
+    """Two processes died over an item."""
+
+
+def usable_cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class Worker:
+    """A process that works at one item at a time.
+
+    It starts with its first item; if it has died or was killed, the next item starts another.
+
+    Parameters
+    ----------
+    prepare : callable, optional
+        Is called in the process before its first item.
+    """
+
+    def __init__(self, prepare: Callable[[], Any] | None = None) -> None:
+        from pathlib import Path
+        from tempfile import gettempdir
+
+        self.prepare = prepare
+        self._flag = Path(gettempdir()) / f"woundon-{os.urandom(16).hex()}"
+        self._executor: Any = None
+        self._last: Future[Any] | None = None
+
+    def submit(self, work: Callable[..., Answer], *args: Any) -> Future[Answer]:
+        """Start ``work(*args)`` in the process, which must be idle.
+
+        The future raises ``BrokenExecutor`` if the process dies, another ``RuntimeError`` if it is
+        killed.
+        """
+        self._flag.unlink(missing_ok=True)
+        future = self._last = self._submit(work, *args)
+        return future
+
+    def _submit(self, work: Callable[..., Answer], *args: Any) -> Future[Answer]:
+        from concurrent.futures import BrokenExecutor
+
+        if self._executor is not None:
+            with suppress(BrokenExecutor):  # it died while it was idle
+                return self._executor.submit(work, *args)
+        from joblib.externals.loky import ProcessPoolExecutor
+
+        with _interrupts_masked():
+            self._executor = ProcessPoolExecutor(
+                1, env=WORKER_SETTINGS, initializer=_prepare,
+                initargs=(str(self._flag), _parent_pipe()[0], self.prepare),
+            )  # fmt: skip
+            return self._executor.submit(work, *args)
+
+    def cancel(self) -> None:
+        """Let the next call of :func:`progress` in the process raise ``Cancelled``."""
+        self._flag.touch()
+
+    def kill(self) -> None:
+        """End the process, whatever it does, and wait for its end."""
+        executor, self._executor = self._executor, None
+        if executor is not None:
+            # loky's thread fails on an item that it has not taken from its queue yet
+            while self._last is not None and not (self._last.running() or self._last.done()):
+                time.sleep(0.001)
+            executor.shutdown(kill_workers=True)
+        self._flag.unlink(missing_ok=True)
+
+
+@cache
+def _parent_pipe() -> tuple[Any, Any]:
+    """Return a pipe whose second end is open in this process only, as long as it lives."""
+    from multiprocessing import Pipe
+
+    return Pipe(duplex=False)
+
+
+@contextmanager
+def _interrupts_masked() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach before they ignore it.
+
+    Windows has no signal masks: there Ctrl-C during the start ends a worker, as it ends the parent.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from joblib.externals.loky.backend import resource_tracker
+
+    resource_tracker.ensure_running()  # which would lift the mask
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def in_processes(
+    work: Callable[[Item], Answer], items: Sequence[Item], workers: int, *, finishing: str = "",
+    died: Callable[[Item], Answer] | None = None,
+) -> Generator[tuple[Item, Answer], None, None]:  # fmt: skip
+    """Yield every item with ``work(item)`` as soon as it is done.
+
+    However it ends, no worker is left.  Within a worker everything is done by that worker.
+
+    Parameters
+    ----------
+    work : callable
+        Pickled, as items and answers are.
+    items : sequence
+    workers : int
+        Number of processes.
+    finishing : str, optional
+        Message at the first Ctrl-C, after which the work in progress is finished and yielded; the
+        second one stops at once, as the first does without this.
+    died : callable, optional
+        Item -> answer if two processes died over it.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After Ctrl-C.
+    WorkerDied
+        If two processes died over an item and there is no ``died``.
+    Exception
+        What ``work`` raises, caused by the worker's traceback.
+    """
+    from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, wait
+
+    if _flag:
+        yield from ((item, work(item)) for item in items)
+        return
+    todo, suspects = deque(range(len(items))), set[int]()
+    crew = [Worker() for _ in range(min(workers, len(items)))]
+    idle = list(crew)
+    busy: dict[Future[Answer], tuple[int, Worker]] = {}
+    with stoppable(finishing) as stopped:
+
+        def hand_out() -> None:
+            while todo and idle and not stopped():
+                number, worker = todo.popleft(), idle.pop()
+                busy[worker.submit(work, items[number])] = number, worker
+
+        try:
+            hand_out()
+            while busy:
+                future = wait(busy, return_when=FIRST_COMPLETED).done.pop()
+                number, worker = busy.pop(future)
+                idle.append(worker)
+                dead = isinstance(future.exception(), BrokenExecutor)
+                if retry := dead and number not in suspects:
+                    suspects.add(number)
+                    todo.appendleft(number)
+                hand_out()  # before the answer is used: no worker waits for that
+                if retry:
+                    continue
+                if not dead:
+                    yield items[number], future.result()
+                elif died is not None:
+                    yield items[number], died(items[number])
+                else:
+                    raise WorkerDied("two worker processes died over this item")
+        finally:
+            for worker in crew:
+                worker.kill()
+
+
+@contextmanager
+def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
+    """Provide whether Ctrl-C was pressed, which prints ``finishing``; the second one interrupts.
+
+    On leaving, KeyboardInterrupt is raised.  Without ``finishing``, outside the main thread, or
+    where another handler listens to Ctrl-C, nothing is changed.
+    """
+    pressed: list[int] = []
+
+    def note(number: int, frame: types.FrameType | None) -> None:
+        pressed.append(number)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        with suppress(RuntimeError):  # pressed while this stream was being written to
+            print(finishing, file=sys.stderr, flush=True)
+
+    here = threading.current_thread() is threading.main_thread()
+    if not (finishing and here and signal.getsignal(signal.SIGINT) is signal.default_int_handler):
+        yield lambda: False
+        return
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: bool(pressed)
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if pressed:
+        raise KeyboardInterrupt
