@@ -16,6 +16,7 @@ _HOME = {
     "Core": "problems.roll",
     "Cylinder": "problems.bodies",
     "DynamicTest": "problems.viscoelastic",
+    "FindResult": "studies.find",
     "FitResult": "studies.fit",
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
@@ -29,6 +30,7 @@ _HOME = {
     "Material": "problems.materials",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
+    "NoSolution": "errors",
     "NoSteadyState": "errors",
     "NotConverged": "errors",
     "OptimisedSchedule": "studies.schedule",
@@ -64,6 +66,7 @@ _HOME = {
     "Zone": "results",
     "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
+    "find": "studies.find",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
     "kinds": "",
@@ -89,6 +92,7 @@ __all__ = [
     "Core",
     "Cylinder",
     "DynamicTest",
+    "FindResult",
     "FitResult",
     "HalfPlane",
     "InvalidProblem",
@@ -102,6 +106,7 @@ __all__ = [
     "Material",
     "NipProblem",
     "NipResult",
+    "NoSolution",
     "NoSteadyState",
     "NotConverged",
     "OptimisedSchedule",
@@ -138,6 +143,7 @@ __all__ = [
     "__version__",
     "derivatives",
     "design_tension",
+    "find",
     "fit",
     "global_sensitivity",
     "kinds",
@@ -158,6 +164,7 @@ if TYPE_CHECKING:
     from . import theories as theories
     from .air.result import AirNipResult as AirNipResult
     from .errors import InvalidProblem as InvalidProblem
+    from .errors import NoSolution as NoSolution
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
     from .errors import ResolutionWarning as ResolutionWarning
@@ -215,6 +222,8 @@ if TYPE_CHECKING:
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
     from .studies.derivatives import derivatives as derivatives
+    from .studies.find import FindResult as FindResult
+    from .studies.find import find as find
     from .studies.fit import FitResult as FitResult
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule
