@@ -77,6 +77,7 @@ _HOME = {
     "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
     "solve": "kinds",
+    "solve_table": "studies.case_table",
     "sweep": "studies.api",
     "theories": "",
     "units": "io.chosen_units",
@@ -154,6 +155,7 @@ __all__ = [
     "optimise_schedule",
     "plot",
     "solve",
+    "solve_table",
     "sweep",
     "theories",
     "units",
@@ -221,6 +223,7 @@ if TYPE_CHECKING:
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
+    from .studies.case_table import solve_table as solve_table
     from .studies.derivatives import derivatives as derivatives
     from .studies.find import FindResult as FindResult
     from .studies.find import find as find

@@ -47,6 +47,10 @@ _LATE = {
         "woundon.studies.find_command:find",
         "Find the value of a field for which an output reaches a target.",
     ),
+    "table": (
+        "woundon.studies.table_command:table",
+        "Solve the cases of a spreadsheet, one in each row.",
+    ),
     "sensitivity": (
         "woundon.studies.commands:sensitivity",
         "Tell which inputs of a study file matter (Sobol indices).",
