@@ -13,6 +13,7 @@ _HOME = {
     "AirNipProblem": "problems.air",
     "AirNipResult": "air.result",
     "Body": "problems.bodies",
+    "Comparison": "studies.compare",
     "Core": "problems.roll",
     "Cylinder": "problems.bodies",
     "DynamicTest": "problems.viscoelastic",
@@ -41,6 +42,7 @@ _HOME = {
     "Problem": "problems.fields",
     "Profile": "problems.schedules",
     "PronyTerm": "problems.materials",
+    "PullTab": "studies.pull_tab",
     "Quantity": "quantities",
     "Residuals": "results",
     "ResolutionWarning": "errors",
@@ -64,6 +66,7 @@ _HOME = {
     "WrappedNipProblem": "problems.nip",
     "WrappedNipResult": "nip.result",
     "Zone": "results",
+    "compare": "studies.compare",
     "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
     "find": "studies.find",
@@ -90,6 +93,7 @@ __all__ = [
     "AirNipProblem",
     "AirNipResult",
     "Body",
+    "Comparison",
     "Core",
     "Cylinder",
     "DynamicTest",
@@ -118,6 +122,7 @@ __all__ = [
     "Problem",
     "Profile",
     "PronyTerm",
+    "PullTab",
     "Quantity",
     "Residuals",
     "ResolutionWarning",
@@ -142,6 +147,7 @@ __all__ = [
     "WrappedNipResult",
     "Zone",
     "__version__",
+    "compare",
     "derivatives",
     "design_tension",
     "find",
@@ -224,10 +230,13 @@ if TYPE_CHECKING:
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
     from .studies.case_table import solve_table as solve_table
+    from .studies.compare import Comparison as Comparison
+    from .studies.compare import compare as compare
     from .studies.derivatives import derivatives as derivatives
     from .studies.find import FindResult as FindResult
     from .studies.find import find as find
     from .studies.fit import FitResult as FitResult
+    from .studies.pull_tab import PullTab as PullTab
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule
     from .studies.sobol import SobolIndices as SobolIndices

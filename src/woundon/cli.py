@@ -51,6 +51,10 @@ _LATE = {
         "woundon.studies.table_command:table",
         "Solve the cases of a spreadsheet, one in each row.",
     ),
+    "compare": (
+        "woundon.studies.compare_command:compare",
+        "Compare measured values with the predictions for a case.",
+    ),
     "sensitivity": (
         "woundon.studies.commands:sensitivity",
         "Tell which inputs of a study file matter (Sobol indices).",
