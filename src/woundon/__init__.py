@@ -12,9 +12,11 @@ _HOME = {
     "AirBetween": "problems.air_law",
     "AirFilm": "nip.entrained_air",
     "Body": "problems.bodies",
+    "Comparison": "studies.compare",
     "Core": "problems.roll",
     "Cylinder": "problems.bodies",
     "DynamicTest": "problems.viscoelastic",
+    "FindResult": "studies.find",
     "FitResult": "studies.fit",
     "HalfPlane": "problems.bodies",
     "InvalidProblem": "errors",
@@ -28,6 +30,7 @@ _HOME = {
     "Material": "problems.materials",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
+    "NoSolution": "errors",
     "NoSteadyState": "errors",
     "NotConverged": "errors",
     "OptimisedSchedule": "studies.schedule",
@@ -38,6 +41,7 @@ _HOME = {
     "Problem": "problems.fields",
     "Profile": "problems.schedules",
     "PronyTerm": "problems.materials",
+    "PullTab": "studies.pull_tab",
     "Quantity": "quantities",
     "Residuals": "results",
     "ResolutionWarning": "errors",
@@ -59,8 +63,10 @@ _HOME = {
     "RollProblem": "problems.roll",
     "RollResult": "roll.result",
     "Zone": "results",
+    "compare": "studies.compare",
     "derivatives": "studies.derivatives",
     "design_tension": "roll.design",
+    "find": "studies.find",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
     "kinds": "",
@@ -71,6 +77,7 @@ _HOME = {
     "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
     "solve": "kinds",
+    "solve_table": "studies.case_table",
     "sweep": "studies.api",
     "theories": "",
     "units": "io.chosen_units",
@@ -82,9 +89,11 @@ __all__ = [
     "AirBetween",
     "AirFilm",
     "Body",
+    "Comparison",
     "Core",
     "Cylinder",
     "DynamicTest",
+    "FindResult",
     "FitResult",
     "HalfPlane",
     "InvalidProblem",
@@ -98,6 +107,7 @@ __all__ = [
     "Material",
     "NipProblem",
     "NipResult",
+    "NoSolution",
     "NoSteadyState",
     "NotConverged",
     "OptimisedSchedule",
@@ -108,6 +118,7 @@ __all__ = [
     "Problem",
     "Profile",
     "PronyTerm",
+    "PullTab",
     "Quantity",
     "Residuals",
     "ResolutionWarning",
@@ -130,8 +141,10 @@ __all__ = [
     "WoundRoll",
     "Zone",
     "__version__",
+    "compare",
     "derivatives",
     "design_tension",
+    "find",
     "fit",
     "global_sensitivity",
     "kinds",
@@ -142,6 +155,7 @@ __all__ = [
     "optimise_schedule",
     "plot",
     "solve",
+    "solve_table",
     "sweep",
     "theories",
     "units",
@@ -151,6 +165,7 @@ if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
     from .errors import InvalidProblem as InvalidProblem
+    from .errors import NoSolution as NoSolution
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged
     from .errors import ResolutionWarning as ResolutionWarning
@@ -205,8 +220,14 @@ if TYPE_CHECKING:
     from .studies.api import fit as fit
     from .studies.api import global_sensitivity as global_sensitivity
     from .studies.api import sweep as sweep
+    from .studies.case_table import solve_table as solve_table
+    from .studies.compare import Comparison as Comparison
+    from .studies.compare import compare as compare
     from .studies.derivatives import derivatives as derivatives
+    from .studies.find import FindResult as FindResult
+    from .studies.find import find as find
     from .studies.fit import FitResult as FitResult
+    from .studies.pull_tab import PullTab as PullTab
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule
     from .studies.sobol import SobolIndices as SobolIndices

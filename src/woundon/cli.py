@@ -3,8 +3,8 @@
 Each kind of problem has a command of its own name (:mod:`.solve_command`), and any package may add
 commands by the entry-point group ``woundon.commands``.
 
-Exit codes: 0 done, 2 bad input (one line a fault), 3 not solved to tolerance, 130 stopped by
-Ctrl-C.
+Exit codes: 0 done, 2 bad input (one line a fault), 3 not solved to tolerance or (``find``) no
+solution in the range, 130 stopped by Ctrl-C.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 import click
 
 from . import __version__, kinds
-from .errors import InvalidProblem, NotConverged, one_of, printable_line
+from .errors import InvalidProblem, NoSolution, NotConverged, one_of, printable_line
 from .kinds import entry_points
 from .parallel import environment
 from .solve_command import SolveCommand
@@ -43,6 +43,18 @@ _LATE = {
     ),
     "sweep": ("woundon.studies.commands:sweep", "Solve all cases of a study file."),
     "fit": ("woundon.studies.commands:fit", "Fit fields of a case to measured data."),
+    "find": (
+        "woundon.studies.find_command:find",
+        "Find the value of a field for which an output reaches a target.",
+    ),
+    "table": (
+        "woundon.studies.table_command:table",
+        "Solve the cases of a spreadsheet, one in each row.",
+    ),
+    "compare": (
+        "woundon.studies.compare_command:compare",
+        "Compare measured values with the predictions for a case.",
+    ),
     "sensitivity": (
         "woundon.studies.commands:sensitivity",
         "Tell which inputs of a study file matter (Sobol indices).",
@@ -77,6 +89,8 @@ def _run(args: Sequence[str] | None) -> int:
         if sys.stdout:
             sys.stdout.flush()
         return code
+    except NoSolution as fault:
+        return _refuse([f"no solution: {fault}"], NOT_CONVERGED)
     except InvalidProblem as fault:
         return _refuse(str(fault).splitlines(), BAD_INPUT)
     except NotConverged as fault:

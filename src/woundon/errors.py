@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from typing import Any, Self
 
 __all__ = [
-    "InvalidProblem", "NoSteadyState", "NotConverged", "ResolutionWarning", "ValidityWarning",
-    "unwarned", "warn",
+    "InvalidProblem", "NoSolution", "NoSteadyState", "NotConverged", "ResolutionWarning",
+    "ValidityWarning", "unwarned", "warn",
 ]  # fmt: skip
 
 RESOLUTION = "resolution: "  # how a warning on the grid begins
@@ -80,6 +80,37 @@ def _shortened(text: str, longest: int) -> str:
 
 class NoSteadyState(InvalidProblem):
     """The loads are admissible one by one, but no steady rolling carries them (the drum slides)."""
+
+
+class NoSolution(InvalidProblem):
+    """No value of a field gives the target: it lies outside the range that the output reaches.
+
+    Attributes
+    ----------
+    reachable : (low, high) or None
+        Smallest and largest output on the scan, SI units; None if no point was solved.
+    values, outputs : tuple of float
+        The points of the scan: values of the field, and outputs; nan where no solution exists.
+    failures : tuple of (value, reason)
+        The points that were not solved.
+    """
+
+    def __init__(
+        self,
+        faults: str | Iterable[tuple[str, str]],
+        reachable: tuple[float, float] | None = None,
+        values: Iterable[float] = (),
+        outputs: Iterable[float] = (),
+        failures: Iterable[tuple[float, str]] = (),
+    ) -> None:
+        super().__init__(faults)
+        self.reachable = reachable
+        self.values, self.outputs = tuple(values), tuple(outputs)
+        self.failures = tuple(failures)
+
+    def __reduce__(self) -> Any:
+        scan = (self.reachable, self.values, self.outputs, self.failures)
+        return type(self), (self.faults, *scan)
 
 
 class NotConverged(RuntimeError):

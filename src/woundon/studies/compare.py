@@ -1,0 +1,477 @@
+"""Measured tables against predictions: residuals with their error budget.
+
+    residual = measured - predicted
+    total^2 = deviation^2 + error^2 + spread^2
+
+deviation: standard deviation of the measurement; error: estimated discretisation error; spread:
+standard deviation of the prediction from those of uncertain inputs, (Q(x + s) - Q(x - s))/2 for
+each input x with the standard deviation s, or s dQ/dx where the result has exact derivatives.
+Deviations are independent; errors and spreads are common to all rows, and do not average out.
+
+Reference: Evaluation of measurement data - Guide to the expression of uncertainty in measurement,
+JCGM 100:2008, sec. 5.1.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import nan, sqrt
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from .. import kinds
+from ..errors import InvalidProblem, NotConverged, unwarned
+from ..io.units import parse
+from ..problems.fields import Problem, shown
+from ..quantities import Quantity
+from ..results import ReadOnly
+from .explanations import Explanation, explain
+from .kind_model import KindModel, field_quantity, get_field, model_of
+from .measurements import Observations, error_at, predict, read_observations
+from .pull_tab import PullTab
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Agreement", "Comparison", "compare"]
+
+Array = np.ndarray
+TAB = "pull tab"  # name of the uncertainty of its calibration
+
+
+class Agreement(NamedTuple):
+    """How one measured output agrees with its predictions, SI units.
+
+    Attributes
+    ----------
+    size : int
+        Values that could be compared.
+    bias, bias_uncertainty : float
+        Mean residual and its standard uncertainty.
+    relative_bias : float
+        Mean residual over the mean of the predictions.
+    rms, expected_rms : float
+        Root mean square of the residuals, and of their total standard uncertainties.
+    within : float
+        Share of the residuals within two standard uncertainties, 0.95 is expected; nan without the
+        standard deviations of the measurement.
+    """
+
+    size: int
+    bias: float
+    bias_uncertainty: float
+    relative_bias: float
+    rms: float
+    expected_rms: float
+    within: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(ReadOnly):
+    """Measured values, predictions and the error budget; m values, SI units.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The output of each value.
+    numbers : tuple of int
+        Row of each value, as a spreadsheet shows it.
+    position : (m,) array
+        Radius [m]; nan of a value that belongs to no radius.
+    measured, predicted : (m,) arrays
+        The latter nan where the case has no solution.
+    deviation, error : (m,) arrays
+        Standard deviation of the measurement and estimated discretisation error; nan if not known.
+    sources : tuple of str
+        The uncertain inputs.
+    effects : (m, sources) array
+        What one standard deviation of each changes in the predictions.
+    inputs : mapping of str to (m,) array
+        The varied inputs of each value.
+    covariates : tuple of str
+        Those of them that the problem does not contain, such as the web speed of a nip without air:
+        they are used for trends only.
+    failures : tuple of str
+        Why a value has no prediction, '' if it has one.
+    quantities : mapping of str to Quantity
+    explanations : tuple of Explanation
+        Possible causes of systematic differences, by rules; none is proved by them.
+    problem : Problem
+    """
+
+    names: tuple[str, ...]
+    numbers: tuple[int, ...]
+    position: Array
+    measured: Array
+    predicted: Array
+    deviation: Array
+    error: Array
+    sources: tuple[str, ...]
+    effects: Array
+    inputs: Mapping[str, Array]
+    failures: tuple[str, ...]
+    quantities: Mapping[str, Quantity]
+    problem: Any
+    covariates: tuple[str, ...] = ()
+    explanations: tuple[Explanation, ...] = field(default=())
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The measured outputs."""
+        return tuple(dict.fromkeys(self.names))
+
+    @property
+    def residual(self) -> Array:
+        """Measured minus predicted, (m,)."""
+        return self.measured - self.predicted
+
+    @property
+    def spread(self) -> Array:
+        """Standard deviation of the predictions from that of the inputs, (m,)."""
+        return np.asarray(np.sqrt(np.sum(self.effects**2, axis=1)))
+
+    @property
+    def total(self) -> Array:
+        """Standard uncertainty of the residuals, (m,); what is not known counts as zero."""
+        known = [np.nan_to_num(self.deviation), np.nan_to_num(self.error), self.spread]
+        return np.asarray(np.sqrt(np.sum(np.square(known), axis=0)))
+
+    @property
+    def ratio(self) -> Array:
+        """Residual over its standard uncertainty, (m,); nan without that of the measurement."""
+        return np.asarray(self.residual / np.where(np.isnan(self.deviation), nan, self.total))
+
+    def of(self, output: str) -> Array:
+        """Return which values are of an output and have a prediction, (m,) of bool.
+
+        Raises
+        ------
+        InvalidProblem
+            If it is none of the measured outputs.
+        """
+        if output not in self.names:
+            known = ", ".join(self.outputs)
+            raise InvalidProblem.at(output, f"not a measured output; known: {known}")
+        return np.array([name == output for name in self.names]) & np.isfinite(self.predicted)
+
+    def agreement(self, output: str) -> Agreement:
+        """Return how an output agrees with its predictions."""
+        rows = self.of(output)
+        n = int(rows.sum())
+        if n == 0:
+            return Agreement(0, *[nan] * 6)
+        residual, total = self.residual[rows], self.total[rows]
+        bias = float(residual.mean())
+        deviation = self.deviation[rows]
+        scatter = float(residual.std(ddof=1)) if n > 1 else nan
+        # the scatter of the rows stands in for deviations that are not known
+        random = np.where(np.isnan(deviation), np.nan_to_num(scatter), deviation)
+        common = self.effects[rows].mean(axis=0)
+        error = float(np.nan_to_num(self.error[rows]).mean())
+        uncertainty = sqrt(float(np.sum(random**2)) / n**2 + float(np.sum(common**2)) + error**2)
+        mean = float(np.mean(self.predicted[rows]))
+        within = nan if np.isnan(deviation).any() else np.mean(np.abs(residual) <= 2 * total)
+        return Agreement(
+            n, bias, uncertainty, bias / mean if mean else nan, _rms(residual), _rms(total),
+            float(within),
+        )  # fmt: skip
+
+    def lines(self) -> list[str]:
+        """Return the agreement of every output and the possible explanations as lines of text."""
+        told = [_agreement_text(self, output) for output in self.outputs]
+        failed = [(n, why) for n, why in zip(self.numbers, self.failures, strict=True) if why]
+        if failed:
+            number, reason = failed[0]
+            told.append(f"{len(failed)} values without a prediction, e.g. row {number}: {reason}")
+        for name in self.covariates:
+            told.append(f"{name} is not part of this problem: it is used for trends only")
+        for explanation in self.explanations:
+            told += explanation.lines()
+        return told
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        told = []
+        for output in self.outputs:
+            of = self.agreement(output)
+            told.append(f"{output}: {of.size} values, {100 * of.relative_bias:+.2g} %")
+        return f"Comparison({'; '.join(told)})"
+
+    def _repr_html_(self) -> str:
+        head, *others = self.lines()
+        html: str = kinds.fetch("woundon.show.html:table_html")(head, self.to_dataframe(), others)
+        return html
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each measured value: prediction, residual and its budget, SI units."""
+        import pandas as pd
+
+        columns: dict[str, Any] = {"row": self.numbers, "output": self.names}
+        if np.isfinite(self.position).any():
+            columns["measured_radius"] = self.position
+        columns |= dict(self.inputs)
+        columns |= {
+            "measured": self.measured, "predicted": self.predicted, "residual": self.residual,
+            "deviation": self.deviation, "error": self.error, "spread": self.spread,
+            "total": self.total, "ratio": self.ratio, "failure": self.failures,
+        }  # fmt: skip
+        frame = pd.DataFrame(columns)
+        frame.insert(2, "unit", [self.quantities[name].unit for name in self.names])
+        return frame
+
+    def table(self) -> list[str]:
+        """Return all values as lines of text, in units for display."""
+        head = f"{'row':>5}  {'output':20} {'measured':>11} {'predicted':>11} {'residual':>11}"
+        told = [f"{head} {'uncertainty':>11}  unit"]
+        columns = (self.measured, self.predicted, self.residual, self.total)
+        for k, (number, name) in enumerate(zip(self.numbers, self.names, strict=True)):
+            quantity = self.quantities[name]
+            cells = " ".join(f"{quantity.shown(column[k]):11.5g}" for column in columns)
+            note = f"  {self.failures[k]}" if self.failures[k] else ""
+            told.append(f"{number:5}  {name:20} {cells}  {quantity.display}{note}")
+        return told
+
+    def to_json(self) -> str:
+        """Return the comparison as JSON, SI units."""
+        rows = self.to_dataframe().to_dict(orient="records")
+        table = {
+            "values": [{k: None if v != v else v for k, v in row.items()} for row in rows],
+            "agreement": {name: _finite(self.agreement(name)._asdict()) for name in self.outputs},
+            "sources": list(self.sources),
+            "explanations": [entry._asdict() for entry in self.explanations],
+        }
+        return json.dumps(table, indent=1, default=float)
+
+    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
+        """Draw measured against predicted values, and the residuals with their uncertainties.
+
+        Parameters
+        ----------
+        path, ax
+            As of :func:`woundon.plot`.
+        panels : str or sequence of str, optional
+            Which to draw: an output's name, or the name with "_residuals" behind it.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return kinds.fetch("woundon.show.compare_plots:plot_comparison")(self, path, ax, panels)
+
+
+def compare(
+    problem: Problem,
+    measured: Any,
+    *,
+    tab: PullTab | None = None,
+    spread: Mapping[str, float | str] | None = None,
+    columns: Mapping[str, str | None] | None = None,
+    tie: Mapping[str, str] | None = None,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> Comparison:
+    """Compare measured values with the predictions for a problem of any kind.
+
+    Parameters
+    ----------
+    problem : Problem
+        Everything that the table does not vary.
+    measured : path, mapping or pandas.DataFrame
+        CSV or Excel file with units in its header, or columns by name, SI where they name no unit:
+        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]", "nip_width [mm]") and their
+        standard deviations ("nip_width +- [mm]").  Of a roll or a winding also arrays over the
+        radius ("pressure [kPa]", "wound_on_tension [N/m]"), "pull_tab_force [N]" and "length [m]",
+        with a column "measured_radius [mm]", "measured_diameter [mm]" or "diameter [mm]".
+    tab : PullTab, optional
+        Calibration of the pull tab.
+    spread : mapping of str to float or str, optional
+        Dotted name of a field -> its standard deviation, SI or a text: "1 MPa", or "10 %" of the
+        value.
+    columns, tie, nodes, rtol, options
+        As of :func:`woundon.fit` and :func:`woundon.sweep`.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InvalidProblem
+        For names, units or values at fault, or if no row has a steady state.
+    NotConverged
+        If no row was solved, and the solver did not converge at one of them.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rows = {"load [kN/m]": [50.0, 89.0], "nip_width [mm]": [0.54, 0.72]}
+    >>> check = wo.compare(wo.RollerProblem.example(), rows, spread={"upper.radius": "1 %"})
+    >>> [round(float(value) * 1e3, 2) for value in check.predicted]  # mm
+    [0.53, 0.71]
+    """
+    data = read_observations(problem, measured, tab, columns)
+    given = {"nodes": nodes, "rtol": rtol, **(options or {})}
+    scalars = tuple(dict.fromkeys(
+        name for name, place in zip(data.names, data.position, strict=True) if place != place
+    ))  # fmt: skip
+    model = model_of(problem, scalars or ("residual",), tie, given)
+    deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
+    model.check_varied([*data.inputs, *deviations])
+    twice = sorted(set(data.inputs) & set(deviations))
+    if twice:
+        raise InvalidProblem.at(f"spread: {twice[0]}", "is measured in a column of the table")
+    m = len(data.names)
+    predicted, error, effects = np.full(m, nan), np.full(m, nan), np.zeros((m, len(deviations)))
+    failures, converged, start = [""] * m, "", None
+    covariates = _covariates(problem, data)
+    for rows, inputs in _groups(data, covariates):
+        try:
+            with unwarned():
+                start = result = model.solve(model.variant(inputs), start)
+        except (InvalidProblem, NotConverged) as fault:
+            converged = converged or (str(fault) if isinstance(fault, NotConverged) else "")
+            for k in rows:
+                failures[k] = str(fault).replace("\n", "; ")
+            continue
+        places = [(data.names[k], float(data.position[k])) for k in rows]
+        for k, (name, place) in zip(rows, places, strict=True):
+            try:
+                predicted[k] = predict(result, name, place)
+            except InvalidProblem as fault:
+                failures[k] = str(fault)
+                continue
+            error[k] = error_at(result, name, place)
+        effects[rows] = _effects(model, result, inputs, places, deviations)
+    if np.isnan(predicted).all():
+        reason = next((why for why in failures if why), "the predictions are nan")
+        text = f"no row of the table has a prediction; the first reason: {reason}"
+        raise NotConverged(text) if converged else InvalidProblem.at(data.where, text)
+    effects[np.isnan(predicted)] = 0.0
+    sources = (*deviations, *([TAB] if data.common.any() else []))
+    if data.common.any():
+        effects = np.column_stack([effects, data.common])
+    found = Comparison(
+        names=data.names, numbers=data.numbers, position=data.position, measured=data.measured,
+        predicted=predicted, deviation=data.deviation, error=error, sources=sources,
+        effects=effects, failures=tuple(failures), quantities=data.quantities, problem=problem,
+        inputs={name: values[data.rows] for name, values in data.inputs.items()},
+        covariates=covariates,
+    )  # fmt: skip
+    return replace(found, explanations=explain(found))
+
+
+def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
+    """Return the columns of optional fields that this problem does not admit."""
+    found = []
+    for name, values in data.inputs.items():
+        if get_field(problem, name) is not None:
+            continue
+        try:
+            problem.replace(**{name: float(values[0])})
+        except InvalidProblem as fault:
+            if any(path == name for path, _ in fault.faults):
+                found.append(name)
+    return tuple(found)
+
+
+def _groups(
+    data: Observations, covariates: Sequence[str]
+) -> list[tuple[list[int], dict[str, float]]]:
+    """Return the values that one solution predicts, with its inputs."""
+    varied = {name: values for name, values in data.inputs.items() if name not in covariates}
+    found: dict[tuple[float, ...], list[int]] = {}
+    for k, row in enumerate(data.rows):
+        key = tuple(float(values[row]) for values in varied.values())
+        found.setdefault(key, []).append(k)
+    return [(rows, dict(zip(varied, key, strict=True))) for key, rows in found.items()]
+
+
+def _deviation(problem: Problem, name: str, value: float | str) -> float:
+    """Return the standard deviation of a field in SI."""
+    base = get_field(problem, name)
+    quantity = field_quantity(problem, name)
+    if quantity is None or not isinstance(base, float):
+        raise InvalidProblem.at(f"spread: {name}", f"{shown(base)} is not a number")
+    if isinstance(value, str) and value.strip().endswith("%"):
+        deviation = parse(value, "1", f"spread: {name}") * abs(base)
+    else:
+        deviation = parse(value, quantity.unit, f"spread: {name}")
+    if not 0 < deviation < np.inf:
+        text = f"{shown(value)} is out of range; must be a standard deviation > 0"
+        raise InvalidProblem.at(f"spread: {name}", text)
+    return deviation
+
+
+def _effects(
+    model: KindModel, result: Any, inputs: Mapping[str, float],
+    places: Sequence[tuple[str, float]], deviations: Mapping[str, float],
+) -> Array:  # fmt: skip
+    """Return what one standard deviation of each uncertain input changes, (places, inputs)."""
+    names, found = tuple(deviations), np.zeros((len(places), len(deviations)))
+    if not names:
+        return found
+    if all(place != place for _, place in places):
+        gradient = model.gradient(result, names)
+        if gradient is not None:
+            rows = [model.outputs.index(name) for name, _ in places]
+            return np.asarray(gradient[rows] * np.array(list(deviations.values())))
+    fixed = model
+    if isinstance(nodes := getattr(result, "nodes", None), int) and not model.options:
+        fixed = replace(model, options={"nodes": nodes})  # errors of one mesh cancel
+    base = np.array([_or_nan(result, *place) for place in places])
+    for j, (name, deviation) in enumerate(deviations.items()):
+        value = get_field(model.variant(inputs), name)
+        sides = []
+        for sign in (1, -1):
+            try:
+                with unwarned():
+                    side = fixed.solve(
+                        fixed.variant({**inputs, name: value + sign * deviation}), result
+                    )
+            except (InvalidProblem, NotConverged):  # one-sided, if this side has no solution
+                continue
+            sides.append(sign * (np.array([_or_nan(side, *place) for place in places]) - base))
+        found[:, j] = np.mean(sides, axis=0) if sides else nan
+    return found
+
+
+def _or_nan(result: Any, name: str, place: float) -> float:
+    try:
+        return predict(result, name, place)
+    except InvalidProblem:
+        return nan
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _finite(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: None if value != value else value for name, value in table.items()}
+
+
+def _agreement_text(found: Comparison, output: str) -> str:
+    """Return the agreement of an output as a line."""
+    of, quantity = found.agreement(output), found.quantities[output]
+    if of.size == 0:
+        return f"{output}: no value with a prediction"
+
+    def text(value: float, sign: str = "") -> str:
+        return f"{quantity.shown(value):{sign}.3g} {quantity.display}".rstrip()
+
+    parts = [
+        f"{output}: {of.size} {'value' if of.size == 1 else 'values'}",
+        f"measured - predicted {text(of.bias, '+')} +- {text(of.bias_uncertainty)}"
+        f" ({100 * of.relative_bias:+.2g} %)",
+        f"RMS {text(of.rms)}",
+    ]
+    if of.within == of.within:
+        parts.append(f"expected {text(of.expected_rms)}")
+        parts.append(f"{100 * of.within:.0f} % within two standard uncertainties")
+    return ", ".join(parts)

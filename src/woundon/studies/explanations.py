@@ -1,0 +1,270 @@
+"""Rules that name possible causes of systematic differences between measurement and prediction.
+
+A rule applies if a pattern is significant: a mean difference (more than two standard uncertainties)
+or a trend of the differences with a varied input (p < 0.01 of the regression line, larger than the
+error budget, and neither an offset nor a factor).  A rule names causes that are known to produce
+the pattern; the data alone do not decide between them, and the cause may be another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import sqrt
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..quantities import Quantity
+
+if TYPE_CHECKING:
+    from .compare import Comparison
+
+__all__ = ["Explanation", "explain"]
+
+Array = np.ndarray
+
+SIGNIFICANT = 2.0  # standard uncertainties of a mean difference
+P_VALUE = 0.01  # of a trend
+FEWEST = 5  # values of a trend
+LEAST_TREND = 0.01  # of the mean prediction, without standard deviations
+OUTLYING = 4.0  # standard uncertainties of a single value
+CONSTANT = 0.1  # relative scatter of a constant ratio
+
+WIDTH, TENSION, PRESSURE, LENGTH = "width", "tension", "pressure", "length"
+_CLASSES = {
+    "half_width": WIDTH,
+    "nip_width": WIDTH,
+    "pressure": PRESSURE,
+    "core_pressure": PRESSURE,
+    "mid_pressure": PRESSURE,
+    "length": LENGTH,
+}
+
+# class of the output, sign of measured - predicted -> possible causes
+_BIAS: dict[tuple[str, int], tuple[str, ...]] = {
+    (WIDTH, 1): (
+        "the roll is softer than assumed: a smaller radial modulus, or less pressure in the roll",
+        "the layers of the roll slip on each other, which the model of the roll does not contain",
+        "the cover of the drum is softer than assumed",
+        "a film or paper that records the width widens the print by its own thickness",
+    ),
+    (WIDTH, -1): (
+        "the roll or the cover of the drum is stiffer than assumed",
+        "a pressure-sensitive film does not show the low pressure at the edges of the nip",
+    ),
+    (TENSION, 1): (
+        "the friction between web and roll, or between the layers, is larger than assumed",
+        "the shear modulus of the roll differs from the assumed one",
+        "the load cell has an offset: check its zero",
+    ),
+    (TENSION, -1): (
+        "the friction between web and roll, or between the layers, is smaller than assumed",
+        "entrained air reduces the friction in the nip",
+        "bearings or idler rollers take tension between nip and load cell",
+        "the load cell has an offset: check its zero",
+    ),
+    (PRESSURE, 1): (
+        "the wound-on tension is larger than assumed",
+        "the stack is stiffer in the radial direction than assumed",
+        "the tab disturbs the layers: extrapolate to a thinner tab, or calibrate it in a stack",
+    ),
+    (PRESSURE, -1): (
+        "the wound-on tension is smaller than assumed",
+        "entrained air between the layers, or a stack that is softer than assumed",
+        "the web or the stack relaxed between winding and measurement",
+    ),
+    (LENGTH, 1): (
+        "the web is thinner than assumed, or its layers are more compressed",
+        "the diameter was read at a low place of an uneven roll",
+    ),
+    (LENGTH, -1): (
+        "entrained air between the layers, or a web that is thicker than assumed",
+        "the length counter slips, or counts at a lower tension",
+    ),
+}
+
+# class, end of the input's name, sign of the trend -> possible causes
+_TRENDS: dict[tuple[str, str, int], tuple[str, ...]] = {
+    (TENSION, "web_speed", -1): (
+        "entrained air reduces the friction in the nip at high speed",
+        "friction falls with the sliding speed",
+    ),
+    (TENSION, "web_speed", 1): (
+        "the model contains more entrained air than there is: check the roughness of the web",
+        "tension of centrifugal force (mass per area times speed squared) is in the reading",
+    ),
+    (TENSION, "nip_load", -1): (
+        "the friction is smaller than assumed: the nip-induced tension saturates earlier",
+        "the roll becomes stiffer under load than in the model",
+    ),
+    (TENSION, "nip_load", 1): (
+        "the friction between web and roll is larger than assumed",
+        "the shear modulus of the roll differs from the assumed one",
+    ),
+    (TENSION, "web_tension", -1): (
+        "tension is lost between its measurement and the nip: bearings, wraps, idler rollers",
+        "the gain of a load cell is wrong",
+    ),
+    (TENSION, "web_tension", 1): ("the gain of a load cell is wrong",),
+    (WIDTH, "nip_load", 1): (
+        "the layers of the roll begin to slip on each other under load",
+        "the assumed stiffness of roll or cover is too large at high load",
+    ),
+    (WIDTH, "nip_load", -1): (
+        "roll or cover harden under load, which a linear body does not describe",
+    ),
+    (PRESSURE, "radius", 1): (
+        "the core is softer than assumed, so that the pressure near it is lower",
+        "the taper of the wound-on tension is smaller than assumed",
+    ),
+    (PRESSURE, "radius", -1): (
+        "the core is stiffer than assumed, so that the pressure near it is higher",
+        "the taper of the wound-on tension is larger than assumed, or air enters as the roll grows",
+    ),
+    (LENGTH, "radius", 1): ("the web becomes thinner, or the layers more compressed, outwards",),
+    (LENGTH, "radius", -1): ("more air is entrained as the roll grows",),
+}
+
+
+class Explanation(NamedTuple):
+    """A systematic difference and its possible causes.
+
+    Attributes
+    ----------
+    output : str
+    finding : str
+        What the data show, with numbers.
+    causes : tuple of str
+        Possible causes, in no order; empty if the finding needs none.
+    """
+
+    output: str
+    finding: str
+    causes: tuple[str, ...] = ()
+
+    def lines(self) -> list[str]:
+        """Return finding and causes as lines of text."""
+        head = f"{self.output}: {self.finding}"
+        if not self.causes:
+            return [head]
+        return [f"{head}. Possible causes:", *(f"  - {cause}" for cause in self.causes)]
+
+
+def explain(found: Comparison) -> tuple[Explanation, ...]:
+    """Return the findings of all outputs with the causes that rules name for them."""
+    return tuple(entry for output in found.outputs for entry in _of_output(found, output))
+
+
+def _of_output(found: Comparison, output: str) -> Iterator[Explanation]:
+    of = found.agreement(output)
+    if of.size < 2:
+        return
+    rows = found.of(output)
+    causes = list(_trends(found, output, rows))
+    yield from causes
+    significant = abs(of.bias) > SIGNIFICANT * of.bias_uncertainty
+    if significant:
+        yield _bias(found, output, rows)
+    yield from _budget(found, output, rows, significant)
+    yield from _outliers(found, output, rows)
+    if not significant and not causes and of.bias_uncertainty == of.bias_uncertainty:
+        yield Explanation(output, "no systematic difference beyond the error budget")
+
+
+def _class_of(output: str) -> str:
+    return (
+        TENSION if output.endswith("tension") or "tension_" in output else _CLASSES.get(output, "")
+    )
+
+
+def _bias(found: Comparison, output: str, rows: Array) -> Explanation:
+    """Return the explanation of a mean difference."""
+    of, residual = found.agreement(output), found.residual[rows]
+    sign = 1 if of.bias > 0 else -1
+    same = int(np.sum(np.sign(residual) == sign))
+    word = "larger" if sign > 0 else "smaller"
+    share = f"by {100 * abs(of.relative_bias):.2g} % of the mean, in {same} of {of.size} values"
+    causes = list(_BIAS.get((_class_of(output), sign), ()))
+    if getattr(found.problem, "air", None) is not None:
+        causes = [c.replace("entrained air", "more entrained air than assumed") for c in causes]
+    ratio = found.measured[rows] / found.predicted[rows]
+    constant = np.std(ratio) < CONSTANT * abs(np.mean(ratio))
+    if _class_of(output) == PRESSURE and constant and of.size >= FEWEST:
+        text = f"the ratio is nearly constant ({np.mean(ratio):.2g}): the calibration of the tab"
+        causes.insert(0, f"{text}, its coefficient of friction or area")
+    return Explanation(output, f"measured {word} than predicted {share}", tuple(causes))
+
+
+def _trends(found: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+    """Yield the explanations of trends with the varied inputs, and with the radius."""
+    from scipy.stats import linregress
+
+    places = {name: values[rows] for name, values in found.inputs.items()}
+    if np.isfinite(found.position[rows]).all():
+        places["radius"] = found.position[rows]
+    y, predicted = found.residual[rows], found.predicted[rows]
+    mean = float(np.mean(predicted))
+    budget = sqrt(float(np.mean(found.total[rows] ** 2)))
+    least = budget if budget > 0 else LEAST_TREND * abs(mean)
+    # neither an offset nor a wrong factor is a trend: it must show in y and in y/predicted
+    measures = [y, y * mean / predicted] if np.all(predicted * mean > 0) else [y]
+    for name, x in places.items():
+        if x.size < FEWEST or np.unique(x).size < 3:
+            continue
+        lines = [linregress(x, values) for values in measures]
+        changes = [float(line.slope) * float(np.ptp(x)) for line in lines]
+        sign = 1 if changes[0] > 0 else -1
+        if not all(line.pvalue < P_VALUE and sign * change > least
+                   for line, change in zip(lines, changes, strict=True)):  # fmt: skip
+            continue
+        word = "rises" if sign > 0 else "falls"
+        ends = " to ".join(_shown(found.quantities.get(name), v) for v in (x.min(), x.max()))
+        text = _shown(found.quantities[output], abs(changes[0]))
+        finding = f"measured - predicted {word} by {text} with {name} from {ends}"
+        causes = _TRENDS.get((_class_of(output), name.rpartition(".")[2], sign), ())
+        yield Explanation(output, finding, causes)
+
+
+def _budget(
+    found: Comparison, output: str, rows: Array, significant: bool
+) -> Iterator[Explanation]:
+    """Yield what the parts of the error budget say."""
+    of = found.agreement(output)
+    if np.isnan(found.deviation[rows]).any():
+        text = (
+            "no standard deviations of the measurement: the scatter of the rows stands in for them"
+        )
+        yield Explanation(output, text)
+    total2, error = float(np.sum(found.total[rows] ** 2)), np.nan_to_num(found.error[rows])
+    if float(np.sum(error**2)) > 0.5 * total2 > 0 and not np.isnan(found.deviation[rows]).any():
+        text = (
+            "the discretisation error is the largest part of the error budget: use a smaller rtol"
+        )
+        yield Explanation(output, text)
+    common = found.effects[rows].mean(axis=0) if found.sources else np.zeros(0)
+    if common.size and not significant:
+        rest2 = max(of.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
+        if abs(of.bias) > SIGNIFICANT * sqrt(rest2):
+            largest = found.sources[int(np.argmax(np.abs(common)))]
+            text = ("the mean difference lies within the spread of the inputs; the largest "
+                    f"contribution is that of {largest}")  # fmt: skip
+            yield Explanation(output, text)
+
+
+def _outliers(found: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+    """Yield single values far outside the error budget while the others are inside."""
+    ratio = np.abs(found.ratio[rows])
+    far = ratio > OUTLYING
+    if ratio.size < FEWEST or not far.any() or far.sum() > 0.2 * ratio.size:
+        return
+    if np.mean(ratio[~far] <= SIGNIFICANT) < 0.8:
+        return
+    numbers = np.array(found.numbers)[rows][far]
+    text = f"row {', '.join(map(str, numbers))}: more than {OUTLYING:g} standard uncertainties off"
+    yield Explanation(output, text, ("the reading or the setting of this row is wrong",))
+
+
+def _shown(quantity: Any, value: float) -> str:
+    if not isinstance(quantity, Quantity):  # of the radius
+        return f"{1e3 * value:.4g} mm"
+    return f"{quantity.shown(value):.4g} {quantity.display}".rstrip()

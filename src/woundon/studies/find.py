@@ -1,0 +1,459 @@
+"""Inverse problems: the value of a field for which an output reaches a target.
+
+    output(problem with field = x) = target
+
+:mod:`.root_search` finds all solutions on a scan of the range.  With the estimated discretisation
+error e of the output, a value is uncertain by e / |d output / dx|.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from .. import kinds
+from ..arguments import whole_number
+from ..errors import InvalidProblem, NoSolution, NotConverged, warn
+from ..io.units import parse
+from ..problems.fields import Problem, admissible, bounds, shown
+from ..quantities import Quantity
+from ..quantities import find as find_places
+from ..results import ReadOnly
+from .kind_model import get_field, model_of
+from .model import quantities_of
+from .root_search import DECADE, Interval, RootSearch, Sample, error_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["FindResult", "Solution", "find", "remarks"]
+
+Array = np.ndarray
+Progress = Callable[[int, int], None]
+
+POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
+# of the value, for a difference; its error is the square of the step, and that of the solver, 1e-8,
+# over the step
+STEP = 1e-3
+
+
+class Solution(NamedTuple):
+    """A value of the field and the result for it."""
+
+    value: float
+    result: Any
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FindResult(ReadOnly):
+    """The values of a field for which an output has the target value.
+
+    Attributes
+    ----------
+    name, output : str
+        The field and the output.
+    target : float
+        SI units.
+    solutions : tuple of (value, result)
+        In ascending order of the value, SI units.
+    uncertainties : (k,) array
+        The estimated discretisation error of the output over the magnitude of the slope, in units
+        of the field; nan where the error is not known.
+    slopes : (k,) array
+        d output / d field at the solutions.
+    values, outputs : (n,) arrays
+        All points that were evaluated, in ascending order; nan where no solution exists.
+    failures : tuple of (value, reason)
+        The points that were not solved, e.g. because no steady state exists.
+    jumps : tuple of (low, high)
+        Intervals in which the output jumps across the target without taking its value.
+    quantities : mapping of str to Quantity
+        Of the field and the output.
+    """
+
+    name: str
+    output: str
+    target: float
+    solutions: tuple[Solution, ...]
+    uncertainties: Array
+    slopes: Array
+    values: Array
+    outputs: Array
+    failures: tuple[tuple[float, str], ...] = ()
+    jumps: tuple[tuple[float, float], ...] = ()
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
+
+    @property
+    def value(self) -> float:
+        """The first, smallest value."""
+        return self.solutions[0].value
+
+    @property
+    def result(self) -> Any:
+        """The result for the first value."""
+        return self.solutions[0].result
+
+    @property
+    def problem(self) -> Any:
+        """The problem with the first value."""
+        return self.result.problem
+
+    @property
+    def uncertainty(self) -> float:
+        """The uncertainty of the first value from the discretisation error."""
+        return float(self.uncertainties[0])
+
+    @property
+    def reachable(self) -> tuple[float, float]:
+        """Smallest and largest output of the points evaluated."""
+        return float(np.nanmin(self.outputs)), float(np.nanmax(self.outputs))
+
+    def lines(self) -> list[str]:
+        """Return the solutions as lines of text, the first one first."""
+        return [_answer(self, k) for k in range(len(self.solutions))] + remarks(self)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        found = ", ".join(_text(self, self.name, value) for value, _ in self.solutions)
+        return f"FindResult({self.name} = {found} for {_target_text(self)})"
+
+    def _repr_html_(self) -> str:
+        html: str = kinds.fetch("woundon.show.html:table_html")(
+            _answer(self, 0), self.to_dataframe(), remarks(self)
+        )
+        return html
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each solution: value, uncertainty, output, its error, slope [SI]."""
+        import pandas as pd
+
+        outputs = [_output_of(result, self.output) for _, result in self.solutions]
+        errors = [error_of(result, self.output) for _, result in self.solutions]
+        columns = {
+            self.name: [value for value, _ in self.solutions],
+            "uncertainty": self.uncertainties,
+            self.output: outputs,
+            f"errors.{self.output}": errors,
+            "slope": self.slopes,
+        }
+        return pd.DataFrame(columns)
+
+    def to_json(self) -> str:
+        """Return solutions, scan and failures as JSON, SI units."""
+        table = {
+            "field": self.name,
+            "output": self.output,
+            "target": self.target,
+            "units": {name: quantity.unit for name, quantity in self.quantities.items()},
+            "solutions": [
+                {name: number if isfinite(number) else None for name, number in row.items()}
+                for row in self.to_dataframe().to_dict(orient="records")
+            ],
+            "scan": [[x, y if isfinite(y) else None]
+                     for x, y in zip(self.values.tolist(), self.outputs.tolist(), strict=True)],
+            "failures": [list(pair) for pair in self.failures],
+            "jumps": [list(pair) for pair in self.jumps],
+        }  # fmt: skip
+        return json.dumps(table, indent=1)
+
+    def plot(self, path: Any = None, ax: Any = None) -> Any:
+        """Draw the output over the field with the target and the solutions.
+
+        Parameters
+        ----------
+        path, ax
+            As of :func:`woundon.plot`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return kinds.fetch("woundon.show.find_plots:plot_find")(self, path, ax)
+
+
+def find(
+    problem: Problem,
+    name: str,
+    /,
+    *,
+    between: Sequence[float | str] | None = None,
+    points: int = POINTS,
+    tie: Mapping[str, str] | None = None,
+    progress: bool | Progress = False,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    options: Mapping[str, Any] | None = None,
+    **target: float | str,
+) -> FindResult:
+    """Find the value of a field for which an output reaches a target.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of any kind.
+    name : str
+        Dotted name of the field: ``"nip_load"``, ``"roll.material.shear"``.
+    between : (low, high), optional
+        The range in which solutions are searched; SI or texts with units.  By default a decade on
+        both sides of the present value, together with the range that is usual in practice; if it
+        contains no solution, it is extended as far as the field permits while the output
+        approaches the target.
+    points : int
+        Points of the scan, 3 to 1000.  Two solutions between neighbouring points are found only
+        if the output shows a minimum or a maximum there.
+    tie : mapping of str to str
+        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
+    progress : bool or callable
+        Show the number of solves, or call with (done, expected).
+    nodes, rtol, options
+        Of the kind's solver, as of :func:`woundon.sweep`.
+    **target : float or str
+        The output and its target: ``wound_on_tension=300.0`` or ``wound_on_tension="300 N/m"``.
+
+    Returns
+    -------
+    FindResult
+        All solutions in ascending order; ``value``, ``problem`` and ``result`` are those of the
+        first one.
+
+    Raises
+    ------
+    NoSolution
+        If no value in the range gives the target; carries the reachable range of the output.
+    InvalidProblem
+        For a name or a range that is not admissible.
+    NotConverged
+        If no point of the scan was solved, and the solver did not converge at one of them.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> pair = wo.RollerProblem.example()
+    >>> found = wo.find(pair, "load", nip_width="4 mm")
+    >>> round(found.result.nip_width * 1e3, 4)  # mm
+    4.0
+    """
+    output, value = _one_target(target)
+    given = {"nodes": nodes, "rtol": rtol, **(options or {})}
+    model = model_of(problem, output, tie, given)
+    model.check_varied([name])
+    quantities = quantities_of(model, (name, output))
+    base = get_field(problem, name)
+    if name not in quantities or not isinstance(base, float | None):
+        raise InvalidProblem.at(name, f"{shown(base)} is not a number, so it cannot be found")
+    aim = parse(value, quantities[output].unit, output)
+    count = whole_number("points", points, 3, 1000)
+    interval = _interval(problem, name, base, quantities[name], between)
+    with _told(progress, count) as tell:
+        search = RootSearch(model, name, output, aim, interval, tell)
+        search.scan(count, base)
+        found = search.solutions()
+    slopes = np.array([_slope(search, sample) for sample in found])
+    scan = np.array([[sample.value, sample.output] for sample in search.samples])
+    failures = tuple((s.value, s.failure) for s in search.samples if s.failure)
+    if not found:
+        raise _no_solution(search, quantities, scan, failures)
+    errors = np.array([error_of(sample.result, output) for sample in found])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        uncertainties = np.where(slopes == 0, nan, errors / np.abs(slopes))
+    warn(found[0].result.warnings)
+    return FindResult(
+        name=name, output=output, target=aim,
+        solutions=tuple(Solution(sample.value, sample.result) for sample in found),
+        uncertainties=uncertainties, slopes=slopes, values=scan[:, 0].copy(),
+        outputs=scan[:, 1].copy(), failures=failures, jumps=tuple(search.jumps),
+        quantities=quantities,
+    )  # fmt: skip
+
+
+# ---- input --------------------------------------------------------------------------------------
+
+
+def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
+    """Return the output and its target."""
+    if len(target) != 1:
+        given = ", ".join(target) or "none"
+        text = f"{given} given; must be one output, e.g. wound_on_tension=300.0"
+        raise InvalidProblem.at("target", text)
+    ((output, value),) = target.items()
+    return output, value
+
+
+def _interval(
+    problem: Problem, name: str, base: float | None, quantity: Quantity, between: Any
+) -> Interval:
+    """Return the range of the scan."""
+    info = find_places(problem, name)[0].field
+    limits = bounds(info)
+    permitted = (
+        max((bound for sign, bound in limits if sign[0] == ">"), default=-inf),
+        min((bound for sign, bound in limits if sign[0] == "<"), default=inf),
+    )
+    if between is not None:
+        low, high = _ends(between, quantity, name)
+        for end in (low, high):
+            if not _admits(limits, end):
+                text = f"{shown(end)} is out of range; must be {admissible(info)}"
+                raise InvalidProblem.at(f"between: {name}", text)
+        return Interval(low, high, permitted, may_grow=False)
+    low, high = _usual_range(base, permitted, quantity.typical)
+    low, high = max(low, permitted[0]), min(high, permitted[1])
+    if not (isfinite(low) and isfinite(high) and low < high):
+        text = f"{shown(base)} has no scale to search around; give between=(low, high)"
+        raise InvalidProblem.at(name, text)
+    return Interval(low, high, permitted, may_grow=True)
+
+
+def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
+    pair = list(between) if isinstance(between, (list, tuple, np.ndarray)) else []
+    if len(pair) != 2:
+        raise InvalidProblem.at("between", f"{shown(between)} is not a range; write (low, high)")
+    low, high = (parse(_plain(end), quantity.unit, f"between: {name}") for end in pair)
+    if not (isfinite(low) and isfinite(high) and low < high):
+        raise InvalidProblem.at("between", f"{shown(between)} is not a range: must be low < high")
+    return low, high
+
+
+def _plain(value: Any) -> Any:
+    """Return a number of NumPy as Python's own."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _admits(limits: Sequence[tuple[str, float]], value: float) -> bool:
+    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
+    return all(tests[sign](value, float(bound)) for sign, bound in limits)
+
+
+def _usual_range(
+    base: float | None, permitted: tuple[float, float], typical: tuple[float, float] | None
+) -> tuple[float, float]:
+    """Return the range around the present value together with the typical one."""
+    ends = list(typical or ())
+    if base is not None and base > 0 and permitted[0] >= 0:
+        ends += [base / DECADE, base * DECADE]
+    elif base and not typical:
+        ends += [base - DECADE * abs(base), base + DECADE * abs(base)]
+    elif base:
+        ends += [0.0, 2 * base]
+    elif not typical:
+        ends += permitted
+    return min(ends), max(ends)
+
+
+@contextmanager
+def _told(progress: bool | Progress, expected: int) -> Iterator[Callable[[int], None]]:
+    """Provide a function that reports how many points are evaluated."""
+    if progress is True:
+        from .progress import growing_bar
+
+        with growing_bar("finding", "solves/s") as tell:
+            yield lambda done: tell(done, max(done, expected))
+    elif progress:
+        yield lambda done: progress(done, max(done, expected))
+    else:
+        yield lambda done: None
+
+
+# ---- output -------------------------------------------------------------------------------------
+
+
+def _output_of(result: Any, output: str) -> float:
+    if output.startswith("errors."):
+        return float(result.errors.get(output.removeprefix("errors."), nan))
+    value = getattr(result, output)
+    return float(value() if callable(value) else value)
+
+
+def _slope(search: RootSearch, sample: Sample) -> float:
+    """Return d output / d field: exact where the result has it, else a difference on one mesh."""
+    value, model = sample.value, search.model
+    gradient = model.gradient(sample.result, (search.name,)) if value != 0 else None
+    if gradient is not None:
+        return float(gradient[0, 0])
+    width = search.interval.high - search.interval.low
+    step = STEP * (abs(value) or width)
+    fixed = search.on_one_mesh(sample, sample)
+    sides = [search.evaluate(value + side, fixed) for side in (-step, step)]
+    ends = [side for side in sides if side.result is not None]
+    if len(ends) == 1:  # the other one is outside the range of steady states
+        ends.append(sample)
+    if not ends:
+        return nan
+    low, high = sorted(ends, key=lambda end: end.value)
+    return (high.output - low.output) / (high.value - low.value)
+
+
+def _no_solution(
+    search: RootSearch, quantities: Mapping[str, Quantity], scan: Array,
+    failures: tuple[tuple[float, str], ...],
+) -> Exception:  # fmt: skip
+    """Return the error that explains why there is no solution."""
+    field_of, output_of = quantities[search.name], quantities[search.output]
+    values, outputs = scan[:, 0].tolist(), scan[:, 1].tolist()
+    low, high = (_shown(field_of, end) for end in scan[[0, -1], 0])
+    where = f"{search.name} from {low} to {high}"
+    reasons = f"; the first reason: {failures[0][1]}" if failures else ""
+    if len(failures) == len(scan):
+        text = f"no point of {where} was solved{reasons}"
+        if search.not_converged:
+            return NotConverged(text)
+        return NoSolution([(search.name, text)], None, values, outputs, failures)
+    reachable = (float(np.nanmin(scan[:, 1])), float(np.nanmax(scan[:, 1])))
+    ends = " to ".join(_shown(output_of, end) for end in reachable)
+    text = f"{_shown(output_of, search.target)} is not reached by {where}, which gives {ends}"
+    if search.jumps:
+        at = _shown(field_of, search.jumps[0][0])
+        text += f"; the output jumps across the target at {search.name} = {at}"
+    if failures:
+        text += f"; {len(failures)} of {len(scan)} points have no solution{reasons}"
+    return NoSolution([(search.output, text)], reachable, values, outputs, failures)
+
+
+def _shown(quantity: Quantity, value: float, digits: int = 6) -> str:
+    return f"{quantity.shown(float(value)):.{digits}g} {quantity.display}".rstrip()
+
+
+def _text(found: FindResult, name: str, value: float, digits: int = 6) -> str:
+    return _shown(found.quantities[name], value, digits)
+
+
+def _target_text(found: FindResult) -> str:
+    return f"{found.output} = {_text(found, found.output, found.target)}"
+
+
+def _answer(found: FindResult, k: int) -> str:
+    """Return a solution as a line: value, uncertainty, output."""
+    value, result = found.solutions[k]
+    spread = found.uncertainties[k]
+    known = f" +- {_text(found, found.name, spread, 2)}" if isfinite(spread) else ""
+    reached = _text(found, found.output, _output_of(result, found.output))
+    return f"{found.name} = {_text(found, found.name, value)}{known}: {found.output} = {reached}"
+
+
+def remarks(found: FindResult) -> list[str]:
+    """Return what a reader must know in addition to the values."""
+    told = []
+    if len(found.solutions) > 1:
+        told.append(f"{len(found.solutions)} values give {_target_text(found)}; "
+                    "value, problem and result are those of the first")  # fmt: skip
+    if np.isfinite(found.uncertainties).any():
+        told.append("+- is the estimated discretisation error of the output over the slope")
+    low, high = (_text(found, found.name, end) for end in found.values[[0, -1]])
+    ends = " to ".join(_text(found, found.output, end) for end in found.reachable)
+    told.append(f"scanned: {found.name} from {low} to {high}, {found.output} {ends}")
+    if found.failures:
+        value, reason = found.failures[0]
+        told.append(f"{len(found.failures)} of {len(found.values)} points have no solution, e.g. "
+                    f"{_text(found, found.name, value)}: {reason}")  # fmt: skip
+    for jump in found.jumps:
+        told.append(f"{found.output} jumps across the target at {found.name} = "
+                    f"{_text(found, found.name, jump[0])}")  # fmt: skip
+    return told

@@ -1,0 +1,208 @@
+"""Measured quantities of a winder and their predictions by the result of any kind of problem.
+
+    scalar output                     the result's own
+    scalar output at a diameter       that of the roll when its surface was there
+    array over the radius at a radius interpolated in the finished roll
+    length at a diameter              length of web laid, the layers pressed thinner
+    pull_tab_force at a radius        converted to a pressure by the calibration of the tab
+
+The length of web laid up to the radius s follows from the density rho_w by which the roll grows,
+L = integral of 2 pi r rho_w dr / (rho h) from the core to s, with the density rho and the thickness
+h of the web; rho cancels (:mod:`woundon.roll.density`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+from typing import Any, get_args, get_type_hints
+
+import numpy as np
+
+from ..errors import InvalidProblem
+from ..problems.fields import Problem
+from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
+from .kind_model import columns_of, kind_of, measurable, replaced
+from .measured import read_measured
+from .pull_tab import PullTab
+
+__all__ = ["Observations", "error_at", "predict", "read_observations"]
+
+Array = np.ndarray
+
+POSITIONS = {"measured_radius": 1.0, "measured_diameter": 0.5, "diameter": 0.5}  # radius of each
+FORCE = Quantity("F_t", "N", "force that moves a pull tab")
+TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "length"
+REFERENCE_DENSITY = 1000.0  # of the web [kg/m^3], where a length is computed: it cancels
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """Measured values in one list, row by row.
+
+    Attributes
+    ----------
+    rows : (m,) int array
+        Row of the table, counted from 0.
+    numbers : tuple of int
+        Row of each value as a spreadsheet shows it.
+    names : tuple of str
+        The output that each value is compared with.
+    position : (m,) array
+        Radius [m]; nan of a value that belongs to no radius.
+    measured, deviation : (m,) arrays
+        Value and standard deviation; nan where the latter is not known.
+    common : (m,) array
+        Standard deviation that all values of a pull tab share.
+    inputs : mapping of str to (rows,) array
+    quantities : mapping of str to Quantity
+        Of inputs and outputs.
+    where : str
+        The table, for error texts.
+    """
+
+    rows: Array
+    numbers: tuple[int, ...]
+    names: tuple[str, ...]
+    position: Array
+    measured: Array
+    deviation: Array
+    common: Array
+    inputs: Mapping[str, Array]
+    quantities: Mapping[str, Quantity]
+    where: str
+
+
+def read_observations(
+    problem: Problem, data: Any, tab: PullTab | None, columns: Mapping[str, str | None] | None
+) -> Observations:
+    """Return the measured values of a table; see :func:`~.measured.read_measured`."""
+    fields = columns_of(problem)
+    positioned = _over_the_radius(kind_of(problem).result, set(fields))
+    known = {**positioned, **measurable(problem)}
+    if positioned:
+        places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
+        known |= {**places, TAB_FORCE: FORCE}
+    instead = {name: text for name, text in replaced(problem).items() if name not in known}
+    table = read_measured(data, fields, known, columns, instead)
+    found, deviations = dict(table.outputs), dict(table.deviations)
+    radius = _radius(found, table.where, len(table.numbers))
+    common: dict[str, Array] = {}
+    if TAB_FORCE in found:
+        if tab is None:
+            text = f"{TAB_FORCE} needs the calibration of the tab: tab=wo.PullTab(...)"
+            raise InvalidProblem.at(table.where, text)
+        if PRESSURE in found:
+            text = f"has {PRESSURE} and {TAB_FORCE}; must be one of them"
+            raise InvalidProblem.at(table.where, text)
+        found[PRESSURE] = tab.pressure(found.pop(TAB_FORCE))
+        common[PRESSURE] = tab.deviation * np.abs(found[PRESSURE])
+        if TAB_FORCE in deviations:
+            deviations[PRESSURE] = tab.pressure_per_force * deviations.pop(TAB_FORCE)
+    entries = []
+    scalars = measurable(problem)
+    for name, values in found.items():
+        nowhere = np.isnan(radius) & np.isfinite(values)
+        if name not in scalars and nowhere.any():
+            row = table.numbers[int(np.argmax(nowhere))]
+            text = f"row {row}: {name} needs a column {' or '.join(POSITIONS)}"
+            raise InvalidProblem.at(table.where, text)
+        unknown = np.full(values.shape, nan)
+        entries += [
+            (row, name, radius[row] if positioned else nan, values[row],
+             deviations.get(name, unknown)[row], common.get(name, np.zeros(values.shape))[row])
+            for row in np.nonzero(np.isfinite(values))[0]
+        ]  # fmt: skip
+    if not entries:
+        raise InvalidProblem.at(table.where, "has no measured value")
+    entries.sort(key=lambda entry: entry[0])
+    rows, names, position, measured, deviation, shared = zip(*entries, strict=True)
+    quantities = {name: known[name] for name in names}
+    quantities |= {name: q for name in table.inputs if (q := fields.get(name)) is not None}
+    return Observations(
+        rows=np.array(rows), numbers=tuple(table.numbers[row] for row in rows), names=names,
+        position=np.array(position), measured=np.array(measured), deviation=np.array(deviation),
+        common=np.array(shared), inputs=table.inputs, quantities=quantities, where=table.where,
+    )  # fmt: skip
+
+
+def _radius(found: dict[str, Array], where: str, count: int) -> Array:
+    """Take the column of positions out of the outputs; return the radii."""
+    given = [name for name in POSITIONS if name in found]
+    if len(given) > 1:
+        raise InvalidProblem.at(where, f"has {' and '.join(given)}; must be one of them")
+    return POSITIONS[given[0]] * found.pop(given[0]) if given else np.full(count, nan)
+
+
+def _over_the_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]:
+    """Return the arrays of a kind's result that run over the radius; none without a radius."""
+    places = {place.path: place for place in outputs(result) if place.quantity is not None}
+    if "radius" not in places:
+        return {}
+    scalars = scalar_outputs(result)
+    found: dict[str, Quantity] = {}
+    roll = getattr(result, "roll", None)
+    if isinstance(roll, property) and roll.fget is not None:
+        found = _over_the_radius(get_type_hints(roll.fget)["return"], fields)
+    along = getattr(result, "ALONG", {})
+    found |= {
+        name: place.quantity for name, place in places.items()
+        if name not in scalars and name not in along and place.quantity is not None
+        and np.ndarray in get_args(place.field)
+    }  # fmt: skip
+    return {name: of for name, of in found.items() if name not in fields and name != "radius"}
+
+
+# ---- predictions --------------------------------------------------------------------------------
+
+
+def predict(result: Any, name: str, position: float) -> float:
+    """Return the prediction of a measured value.
+
+    Raises
+    ------
+    InvalidProblem
+        For a radius outside the roll, or an output that the roll does not have there.
+    """
+    roll = getattr(result, "roll", result)
+    at_radius = position == position
+    if name == LENGTH and hasattr(roll, "wound_mass"):
+        return _length_laid(roll, position)
+    if not at_radius:
+        return float(value_of(result, name))
+    if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):
+        return float(roll.at_radius(position)[name])
+    if name in scalar_outputs(result):
+        if name not in scalar_outputs(roll):
+            raise InvalidProblem.at(name, "is not known of a stage of the build-up; leave out the "
+                                    "column with its radius")  # fmt: skip
+        return float(value_of(roll.at(position), name))
+    own = result if hasattr(type(result), name) or name in vars(result) else roll
+    low, high = float(own.radius[0]), float(own.radius[-1])
+    if not low <= position <= high:
+        text = f"{position:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
+        raise InvalidProblem.at("measured_radius", text)
+    values = np.asarray(value_of(own, name))
+    if values.shape != np.shape(own.radius):
+        raise InvalidProblem.at(name, "is not an output over the radius")
+    return float(np.interp(position, own.radius, values))
+
+
+def _length_laid(roll: Any, position: float) -> float:
+    """Return the length of web laid up to a radius, its layers pressed thinner [m]."""
+    known = roll.replace(problem=roll.problem.replace(density=REFERENCE_DENSITY))
+    stage = known if position != position else known.at(position)
+    return float(stage.wound_mass / (REFERENCE_DENSITY * roll.problem.web_thickness))
+
+
+def error_at(result: Any, name: str, position: float) -> float:
+    """Return the estimated discretisation error of a prediction; nan where it is not known."""
+    errors = result.errors
+    if name in errors and position != position:
+        return float(errors[name])
+    if name in (PRESSURE, "hoop_stress") and {"core_pressure", "mid_pressure"} <= set(errors):
+        radius = getattr(result, "roll", result).radius
+        ends = (radius[0], (radius[0] + radius[-1]) / 2)
+        return float(np.interp(position, ends, (errors["core_pressure"], errors["mid_pressure"])))
+    return float(errors.get(name, errors.get(f"mean_{name}", nan)))

@@ -1,0 +1,293 @@
+"""Scan, brackets and Brent's method for the values of a field at which an output has a target.
+
+    f(x) = output(problem with field = x) - target = 0
+
+1. Scan: f is evaluated at points of a range, from the present value of the field outwards, each
+   from the initial guess of its nearest neighbour.  Between a point that is solved and one that has
+   no steady state the range is bisected while |f| decreases towards the limit.
+2. Brackets: neighbouring points between which f changes its sign; a local minimum of |f| that may
+   reach zero is searched by Brent's minimisation (scipy.optimize.minimize_scalar).
+3. Each bracket is solved by Brent's method (scipy.optimize.brentq) on one mesh, on which the output
+   is a continuous function of the field.
+
+Reference: R. P. Brent, Algorithms for Minimization without Derivatives, Prentice-Hall 1973, ch. 4.
+"""
+
+from __future__ import annotations
+
+from bisect import insort
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from math import isfinite, nan, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InvalidProblem, NotConverged
+from .kind_model import KindModel, options_of
+
+__all__ = ["DECADE", "Interval", "RootSearch", "Sample", "error_of"]
+
+Array = np.ndarray
+
+DECADE = 10.0  # ratio of the ends of a range from which its points have a constant ratio
+EXTENSIONS = 10  # doublings of the range on a side where the output still approaches the target
+BISECTIONS = 8  # between a solved point and one without a steady state: 1/256 of their distance
+MINIMISATIONS = 16  # evaluations at a local minimum of |f|: 1e-3 of the interval by golden section
+# |f| relative to the target at which Brent's method stops: ten times the residual of a solution,
+# 1e-8, and below every discretisation error
+CLOSE = 1e-7
+WIDTH = 1e-6  # of a bracket, at which Brent's method stops too
+SEARCHES = 4  # bisections of a bracket in which a point cannot be solved
+
+
+class Interval(NamedTuple):
+    """The range of a field that is scanned, and the one that the field permits."""
+
+    low: float
+    high: float
+    permitted: tuple[float, float]
+    may_grow: bool
+
+    @property
+    def geometric(self) -> bool:
+        """Whether the points have a constant ratio instead of a constant distance."""
+        return self.low > 0 and self.high / self.low >= DECADE
+
+    def points(self, count: int) -> Array:
+        """Return points that include both ends."""
+        space = np.geomspace if self.geometric else np.linspace
+        inner = space(self.low, self.high, count)[1:-1]
+        return np.array([self.low, *inner.tolist(), self.high])  # the ends without rounding
+
+    def middle(self, a: float, b: float) -> float:
+        """Return the point half-way between two others."""
+        return sqrt(a * b) if self.geometric else (a + b) / 2
+
+    def beyond(self, edge: float, outward: int) -> float:
+        """Return the next point outside the range, at most the limit of what is permitted."""
+        if self.geometric:
+            point = edge * 2.0**outward
+        else:
+            point = edge + outward * max(edge - self.low, self.high - edge)
+        return min(max(point, self.permitted[0]), self.permitted[1])
+
+
+class Sample(NamedTuple):
+    """One evaluation; without a result there is a reason for the failure."""
+
+    value: float
+    output: float
+    result: Any
+    failure: str = ""
+
+
+class _UnsolvedError(Exception):
+    """A point within a bracket was not solved."""
+
+
+class _CrossedError(Exception):
+    """A minimisation of |f| met a change of its sign."""
+
+
+class RootSearch:
+    """The samples of f, in ascending order of the value."""
+
+    def __init__(
+        self, model: KindModel, name: str, output: str, target: float, interval: Interval,
+        tell: Callable[[int], None],
+    ) -> None:  # fmt: skip
+        self.model, self.name, self.output, self.target = model, name, output, target
+        self.interval, self.tell = interval, tell
+        self.samples: list[Sample] = []
+        self.jumps: list[tuple[float, float]] = []
+        self.not_converged = ""
+
+    def f(self, sample: Sample) -> float:
+        """Return output - target."""
+        return sample.output - self.target
+
+    def is_root(self, sample: Sample) -> bool:
+        """Return whether a sample has the target value up to the solver's tolerance."""
+        # a target of 0 has no scale of its own: the outputs have
+        scale = abs(self.target) or max(abs(s.output) for s in self.samples if s.result is not None)
+        return abs(self.f(sample)) <= CLOSE * scale
+
+    def evaluate(self, value: float, model: KindModel | None = None) -> Sample:
+        """Return the sample at a value, solved from the nearest neighbour that is solved."""
+        solved = [sample for sample in self.samples if sample.result is not None]
+        near = min(solved, key=lambda s: abs(s.value - value), default=None)
+        try:
+            answer = (model or self.model).run({self.name: value}, near and near.result)
+            output = answer.values[0]
+            reason = "" if isfinite(output) else f"{self.output} is {output:g}"
+            sample = Sample(value, output, None if reason else answer.state, reason)
+        except InvalidProblem as fault:
+            sample = Sample(value, nan, None, str(fault).replace("\n", "; "))
+        except NotConverged as fault:
+            self.not_converged = str(fault)
+            sample = Sample(value, nan, None, f"not converged: {fault}")
+        self.tell(len(self.samples) + 1)
+        # one sample a value: of a mesh comes in place of what another mesh gave
+        self.samples = [other for other in self.samples if other.value != value]
+        insort(self.samples, sample, key=lambda s: s.value)
+        return sample
+
+    def scan(self, count: int, base: float | None) -> None:
+        """Evaluate the points of the range, and what lies next to it."""
+        start = self.interval.low if base is None else base
+        for value in sorted(self.interval.points(count).tolist(), key=lambda x: abs(x - start)):
+            self.evaluate(value)
+        if self.interval.may_grow and not self._brackets():
+            for outward in (-1, 1):
+                self._extend(outward)
+        for a, b in self._pairs():
+            if (a.result is None) != (b.result is None):
+                self._approach_limit(*((a, b) if a.result is not None else (b, a)))
+        self._search_minima()
+
+    def solutions(self) -> list[Sample]:
+        """Return the samples that solve the problem, in ascending order."""
+        found = [
+            sample for sample in self.samples if sample.result is not None and self.is_root(sample)
+        ]
+        for a, b in self._brackets():
+            if not any(self.is_root(end) for end in (a, b)):
+                found += self._solve_bracket(a, b, SEARCHES)
+        return sorted(found, key=lambda sample: sample.value)
+
+    def _pairs(self) -> list[tuple[Sample, Sample]]:
+        return list(zip(self.samples, self.samples[1:], strict=False))
+
+    def _brackets(self) -> list[tuple[Sample, Sample]]:
+        """Return neighbouring samples between which f changes its sign, or is zero."""
+        return [(a, b) for a, b in self._pairs()
+                if a.result is not None and b.result is not None
+                and self.f(a) * self.f(b) <= 0]  # fmt: skip
+
+    def _approaches(self, outward: int) -> bool:
+        """Return whether |f| decreases towards an end of the samples."""
+        ends = self.samples[:2] if outward < 0 else self.samples[:-3:-1]
+        if any(sample.result is None for sample in ends) or len(ends) < 2:
+            return False
+        return abs(self.f(ends[0])) < abs(self.f(ends[1]))
+
+    def _extend(self, outward: int) -> None:
+        """Double the range on one side while the output approaches the target."""
+        for _ in range(EXTENSIONS):
+            edge = self.samples[0 if outward < 0 else -1].value
+            value = self.interval.beyond(edge, outward)
+            if value == edge or not self._approaches(outward) or self._brackets():
+                return
+            self.evaluate(value)
+
+    def _approach_limit(self, solved: Sample, failed: Sample) -> None:
+        """Bisect between a solved and a failed point while |f| decreases towards the latter."""
+        inner = self._next_to(solved, failed)
+        for _ in range(BISECTIONS):
+            if inner is not None and abs(self.f(solved)) > abs(self.f(inner)):
+                return
+            middle = self.evaluate(self.interval.middle(solved.value, failed.value))
+            if middle.result is None:
+                failed = middle
+                continue
+            inner, solved = solved, middle
+            if self.f(inner) * self.f(solved) <= 0:
+                return
+
+    def _next_to(self, solved: Sample, failed: Sample) -> Sample | None:
+        """Return the solved neighbour on the other side of a sample."""
+        place = self.samples.index(solved) + (1 if solved.value > failed.value else -1)
+        beside = self.samples[place] if 0 <= place < len(self.samples) else None
+        return beside if beside is not None and beside.result is not None else None
+
+    def _search_minima(self) -> None:
+        """Search for a change of sign at local minima of |f| that may reach zero."""
+        from scipy.optimize import minimize_scalar
+
+        triples = list(zip(self.samples, self.samples[1:], self.samples[2:], strict=False))
+        for a, b, c in triples:
+            if not all(sample.result is not None for sample in (a, b, c)):
+                continue
+            sizes = [abs(self.f(sample)) for sample in (a, b, c)]
+            one_sign = len({np.sign(self.f(sample)) for sample in (a, b, c)}) == 1
+            # |f| may fall between the points by no more than about what it rises to both sides
+            if not one_sign or not sizes[1] <= min(sizes) or sizes[1] > max(sizes) - sizes[1]:
+                continue
+            sign = np.sign(self.f(b))
+
+            def height(value: float, sign: float = sign) -> float:
+                sample = self.evaluate(float(value))
+                if sample.result is None:
+                    raise _UnsolvedError
+                if sign * self.f(sample) <= 0:
+                    raise _CrossedError
+                return float(sign * self.f(sample))
+
+            with suppress(_UnsolvedError, _CrossedError):
+                minimize_scalar(height, bounds=(a.value, c.value), method="bounded",
+                                options={"maxiter": MINIMISATIONS})  # fmt: skip
+
+    def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
+        """Return the solutions between two samples of different sign."""
+        from scipy.optimize import brentq
+
+        model = self.on_one_mesh(a, b)
+        samples: dict[float, Sample] = {}
+
+        def function(value: float) -> float:
+            sample = samples[value] = self.evaluate(value, model)
+            if sample.result is None:
+                raise _UnsolvedError
+            return 0.0 if self.is_root(sample) else self.f(sample)
+
+        try:
+            ends = function(a.value), function(b.value)
+            if ends[0] * ends[1] > 0:  # the target lies within the discretisation error of an end
+                model = None
+                ends = function(a.value), function(b.value)
+            # Brent's method usually stops at CLOSE; the width ends it where outputs are less smooth
+            tolerance = WIDTH * (b.value - a.value)
+            value = float(brentq(function, a.value, b.value, xtol=tolerance, rtol=1e-14))
+        except _UnsolvedError:
+            return self._around_unsolved(a.value, b.value, depth)
+        except ValueError:  # on this mesh both ends have the same sign
+            return [min(samples.values(), key=lambda sample: abs(self.f(sample)))]
+        # the last evaluation may be another one than the returned value
+        sample = samples[value] if value in samples else self.evaluate(value, model)
+        if self.is_root(sample) or abs(self.f(sample)) <= error_of(sample.result, self.output):
+            return [sample]
+        near = [s.value for s in self.samples if s.result is not None
+                and self.f(s) * self.f(sample) < 0]  # fmt: skip
+        other = min(near, key=lambda x: abs(x - value))
+        self.jumps.append((min(value, other), max(value, other)))
+        return []
+
+    def _around_unsolved(self, low: float, high: float, depth: int) -> list[Sample]:
+        """Return the solutions in the parts of a bracket next to a point that was not solved."""
+        inside = [pair for pair in self._pairs() if low <= pair[0].value and pair[1].value <= high]
+        for one, two in inside:
+            if (one.result is None) != (two.result is None):
+                self._approach_limit(*((one, two) if one.result is not None else (two, one)))
+        found: list[Sample] = []
+        for one, two in self._brackets():
+            if low <= one.value and two.value <= high and depth:
+                found += self._solve_bracket(one, two, depth - 1)
+        return found
+
+    def on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
+        """Return the model on the finer mesh of two results, where the solver chooses the mesh."""
+        sizes = [
+            size for sample in (a, b) if isinstance(size := getattr(sample.result, "nodes", 0), int)
+        ]
+        chosen = options_of(self.model.problem).get("nodes", ...) is None
+        fixed = any(self.model.options.get(name) is not None for name in ("nodes", "rtol"))
+        if not chosen or fixed or min(sizes, default=0) < 2:
+            return None
+        return replace(self.model, options={**self.model.options, "nodes": max(sizes)})
+
+
+def error_of(result: Any, output: str) -> float:
+    """Return the estimated discretisation error of an output; nan where it is not known."""
+    return float(result.errors.get(output, nan))

@@ -1,0 +1,96 @@
+"""The command ``woundon table``: solve the cases of a spreadsheet and write the results."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import click
+
+from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
+from ..io.files import check_writable
+
+__all__ = ["table"]
+
+_PATH = click.Path(path_type=Path)
+MOST_REASONS = 5
+
+
+@click.command(
+    help="""\
+    Solve the cases of a table (.csv or .xlsx), one in each row, and write the results as a table.
+
+    A column is a field by its name, e.g. "nip_load [kN/m]" or "web.thickness [um]", with the unit
+    in the header, in a row below it or in the cells. Fields without a column, and empty cells, have
+    the value of --case; without it, the columns describe the complete problem. The columns
+    "failure" and "warnings" explain the rows that were not solved or leave the validity of the
+    model. Exit status: 0 if a row was solved, 3 if none was, 2 for invalid input.
+    """,
+    short_help="Solve the cases of a spreadsheet, one in each row.",
+)
+@click.argument("cases", type=_PATH)
+@click.option("-o", "--out", type=_PATH, required=True, metavar="FILE",
+              help="Table of the results, .csv or .xlsx.")  # fmt: skip
+@click.option("--case", type=_PATH, metavar="CASE.toml", help="Values of all other fields.")
+@click.option("--kind", help="Kind of problem of a table without --case.")
+@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE",
+              help="Change a field of --case; repeatable.")  # fmt: skip
+@click.option("--output", "outputs", multiple=True, metavar="NAME",
+              help="An output; repeatable; by default all.")  # fmt: skip
+@click.option(
+    "--column", "columns", multiple=True, metavar="COLUMN=NAME",
+    help="What a column is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: it is copied.",
+)  # fmt: skip
+@click.option(
+    "--tie", "ties", multiple=True, metavar="FIELD=FIELD",
+    help="A field that follows another, e.g. web.material=roll.material; repeatable.",
+)  # fmt: skip
+@click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Write an output in another unit; repeatable.",
+)  # fmt: skip
+@click.option("--workers", type=int, help="Processes; by default one a core.")
+@click.option("--nodes", type=int, help="Number of nodes along the nip.")
+@click.option("--rtol", type=float, help="Relative error of the solver.")
+def table(
+    cases: Path, out: Path, case: Path | None, kind: str | None, settings: tuple[str, ...],
+    outputs: tuple[str, ...], columns: tuple[str, ...], ties: tuple[str, ...],
+    chosen: tuple[str, ...], workers: int | None, nodes: int | None, rtol: float | None,
+) -> int:  # fmt: skip
+    """Solve the cases of a table (.csv or .xlsx), one in each row."""
+    from ..errors import unwarned
+    from ..io.case_files import load_case
+    from .case_table import check_table_path, solve_table, write_table
+    from .table import failures
+
+    check_table_path(out)
+    check_writable(out)
+    if settings and case is None:
+        raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
+    problem = load_case(case, settings) if case else None
+    began = time.perf_counter()
+    with units_of(chosen), unwarned():
+        solved = solve_table(
+            cases, problem, outputs or None, kind=kind, workers=workers, progress=True,
+            columns={name: of or None for name, of in map(_pair, columns)},
+            tie=dict(_pair(text) for text in ties), nodes=nodes, rtol=rtol,
+        )  # fmt: skip
+    write_table(solved, out)
+    failure = solved["failure"].to_numpy(dtype=object)
+    size, failed = len(failure), int((failure != "").sum())
+    click.echo(f"{size} rows in {time.perf_counter() - began:.1f} s, {failed} failed")
+    for reason, count in failures(failure, MOST_REASONS):
+        click.secho(f"  {count} x {reason}", fg="red")
+    warned = int((solved["warnings"] != "").sum())
+    if warned:
+        click.secho(f"  {warned} with a warning; see the column 'warnings'", fg="yellow")
+    click.echo(f"written: {out}")
+    return 3 if failed == size else 0
+
+
+def _pair(text: str) -> tuple[str, str]:
+    left, sign, right = (part.strip() for part in text.partition("="))
+    if not sign or not left:
+        raise InvalidProblem.at(text, "must be written NAME=NAME")
+    return left, right

@@ -1,0 +1,342 @@
+"""Measured tables: predictions, the error budget, pull tabs, rules, and the command."""
+
+from __future__ import annotations
+
+import doctest
+import json
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+import woundon as wo
+from woundon.cli import main
+from woundon.io.case_texts import to_toml
+from woundon.studies import compare as compare_module
+from woundon.studies import pull_tab
+
+NIP = wo.WrappedNipProblem.example()
+ROLL = wo.WoundRollProblem.example()
+LOADS = [1500.0, 2000.0, 2500.0, 3000.0, 3500.0, 4000.0]
+FINDINGS = ("no systematic difference beyond the error budget",)
+
+
+def tensions(**changes: float) -> np.ndarray:
+    problem = NIP.replace(**changes)
+    return np.array([wo.solve(problem.replace(nip_load=P)).wound_on_tension for P in LOADS])
+
+
+@pytest.fixture(scope="module")
+def predicted() -> np.ndarray:
+    return tensions()
+
+
+@pytest.fixture(scope="module")
+def roll() -> wo.WoundRollResult:
+    return wo.solve(ROLL)
+
+
+def check_of(values, deviation=3.0, problem=NIP, **more):
+    table = {"nip_load": LOADS, "wound_on_tension": values,
+             "wound_on_tension +-": [deviation] * len(LOADS)}  # fmt: skip
+    return wo.compare(problem, table, **more)
+
+
+# ---- predictions and residuals ------------------------------------------------------------------
+
+
+def test_residuals_are_measured_minus_a_single_solve(predicted):
+    shift = np.array([1.0, -2.0, 3.0, 0.0, -1.0, -1.0])
+    check = check_of(predicted + shift)
+    assert check.predicted == pytest.approx(predicted, rel=1e-7)
+    assert check.residual == pytest.approx(shift, abs=1e-4)
+    assert check.inputs["nip_load"].tolist() == LOADS
+    assert check.agreement("wound_on_tension").bias == pytest.approx(0.0, abs=1e-4)
+    assert [entry.finding for entry in check.explanations] == list(FINDINGS)
+
+
+def test_rows_without_a_value_and_rows_of_other_outputs_do_not_mix():
+    table = {"nip_load": [2000.0, 2000.0, 3000.0], "nip_width [mm]": [4.0, None, 5.0],
+             "wound_on_tension": [None, 600.0, None]}  # fmt: skip
+    check = wo.compare(NIP, table, nodes=33)
+    assert check.names == ("nip_width", "wound_on_tension", "nip_width")
+    assert check.numbers == (1, 2, 3)
+    results = [wo.solve(NIP.replace(nip_load=P), nodes=33) for P in (2000.0, 3000.0)]
+    expected = [results[0].nip_width, results[0].wound_on_tension, results[1].nip_width]
+    assert check.predicted == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_row_without_a_steady_state_has_a_reason(predicted):
+    table = {"winding_force": [0.0, -900.0], "wound_on_tension": [predicted[4], 1.0]}
+    check = wo.compare(NIP, table)
+    assert check.failures[0] == ""
+    assert check.failures[1].startswith("winding_force: -900 is out of range")
+    assert check.agreement("wound_on_tension").size == 1
+    assert "1 values without a prediction, e.g. row 2: winding_force" in str(check)
+    with pytest.raises(wo.InvalidProblem, match="no row of the table has a prediction"):
+        wo.compare(NIP, {"winding_force": [-900.0], "wound_on_tension": [1.0]})
+
+
+# ---- error budget -------------------------------------------------------------------------------
+
+
+def test_the_spread_of_an_input_follows_its_closed_form():
+    """Closed form: a^2 = 4 P R / (pi E*), so that 2 % of the load are 1 % of the width."""
+    body = wo.HalfPlane(radius=0.25, material="steel")
+    pair = wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5)
+    check = wo.compare(pair, {"nip_width [mm]": [0.7]}, spread={"load": "2 %"})
+    assert check.spread[0] == pytest.approx(0.01 * check.predicted[0], rel=1e-3)
+    both = wo.compare(
+        pair, {"nip_width [mm]": [0.7]}, spread={"load": "1.78 kN/m", "upper.radius": "4 %"}
+    )
+    # 1/R = 1/R1 + 1/R2: 4 % of one radius are 2 % of R
+    assert both.spread[0] == pytest.approx(2**0.5 * check.spread[0], rel=1e-2)
+    assert both.sources == ("load", "upper.radius")
+
+
+def test_parts_of_the_budget_add_in_squares(predicted):
+    check = check_of(predicted, spread={"roll.material.shear": "5 %"})
+    total2 = check.deviation**2 + check.error**2 + check.spread**2
+    assert check.total == pytest.approx(np.sqrt(total2))
+    assert check.deviation.tolist() == [3.0] * len(LOADS)
+    one = wo.solve(NIP.replace(nip_load=LOADS[0]))
+    assert check.error[0] == pytest.approx(one.errors["wound_on_tension"], rel=0.05)
+    # independent: the difference of two solutions on the mesh of the result
+    step = 0.05 * NIP.roll.material.shear
+    sides = [wo.solve(NIP.replace(nip_load=LOADS[0], **{"roll.material.shear": G}), nodes=65)
+             .wound_on_tension for G in (1e7 - step, 1e7 + step)]  # fmt: skip
+    assert check.spread[0] == pytest.approx(abs(sides[1] - sides[0]) / 2, rel=0.05)
+
+
+def test_independent_deviations_average_out_and_common_ones_do_not(predicted):
+    alone = check_of(predicted, nodes=65).agreement("wound_on_tension")
+    error = alone.bias_uncertainty**2 - 3.0**2 / len(LOADS)
+    assert 0 < error < 1.0  # the mean discretisation error, squared
+    check = check_of(predicted, nodes=65, spread={"roll.material.shear": "5 %"})
+    both = check.agreement("wound_on_tension")
+    added = both.bias_uncertainty**2 - alone.bias_uncertainty**2
+    assert added == pytest.approx(float(np.mean(check.effects)) ** 2, rel=1e-6)
+
+
+# ---- pull tabs and lengths ----------------------------------------------------------------------
+
+
+def test_a_pull_tab_is_calibrated_by_a_line_or_by_friction_and_area():
+    tab = wo.PullTab(slope="2 kPa/N", offset="5 kPa")
+    assert tab.pressure(np.array([10.0, 20.0])).tolist() == [25e3, 45e3]
+    strip = wo.PullTab(friction=0.25, area="10 cm^2")
+    assert strip.pressure(100.0) == pytest.approx(100.0 / (2 * 0.25 * 1e-3))
+    assert wo.PullTab(friction=0.25, area=1e-3, faces=1).pressure(50.0) == strip.pressure(100.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ({}, "nothing given; must be slope, or friction and area"),
+        ({"slope": 1.0, "area": 1.0}, "slope, area given"),
+        ({"friction": 0.2}, "must be slope, or friction and area"),
+        ({"slope": -1.0}, "tab.slope: -1 is out of range; must be > 0"),
+        ({"slope": "1 m"}, "wrong dimension"),
+        ({"slope": 1.0, "deviation": 1.5}, "must be >= 0 and < 1"),
+        ({"slope": 1.0, "faces": 3}, "tab.faces: 3 is out of range"),
+    ],
+)
+def test_a_tab_without_a_calibration_is_rejected(given, text):
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.PullTab(**given)
+
+
+def test_pressures_of_pull_tabs_are_compared_at_their_radii(roll):
+    radius = np.array([0.06, 0.08, 0.1, 0.12, 0.14])
+    true = np.asarray(roll.at_radius(radius)["pressure"])
+    tab = wo.PullTab(slope="2 kPa/N", offset="5 kPa", deviation="3 %")
+    force = (true - 5e3) / 2e3
+    table = {"measured_radius [mm]": 1e3 * radius, "pull_tab_force [N]": force,
+             "pull_tab_force +- [N]": [1.5] * 5}  # fmt: skip
+    check = wo.compare(ROLL, table, tab=tab)
+    assert check.names == ("pressure",) * 5
+    assert check.residual == pytest.approx(np.zeros(5), abs=1e-3)
+    assert check.deviation == pytest.approx(np.full(5, 3e3))
+    assert check.spread == pytest.approx(0.03 * true)
+    assert check.sources == ("pull tab",)
+    by_diameter = {"diameter [mm]": 2e3 * radius, "pressure [Pa]": true}
+    assert wo.compare(ROLL, by_diameter).residual == pytest.approx(np.zeros(5), abs=1e-3)
+
+
+def test_the_length_at_a_diameter_is_that_of_pressed_layers(roll):
+    """Conservation: the mass laid up to a radius; of a stiff stack the area over the thickness."""
+    radius = np.array([0.06, 0.1, 0.15])
+    stages = [roll.at(r) for r in radius[:-1]] + [roll]
+    known = [stage.wound_mass / (ROLL.density * ROLL.web_thickness) for stage in stages]
+    table = {"diameter": 2 * radius, "length": known}
+    assert wo.compare(ROLL, table).residual == pytest.approx(np.zeros(3), abs=1e-6)
+    without = wo.compare(ROLL.replace(density=None), table)
+    assert without.residual == pytest.approx(np.zeros(3), abs=1e-6)
+    loose = ROLL.replace(wound_on_tension=1.0)
+    area = pi * (radius**2 - ROLL.core.radius**2) / ROLL.web_thickness
+    slack = wo.compare(loose, table).predicted
+    assert slack == pytest.approx(area, rel=5e-3)
+    assert (slack > area).all()
+
+
+def test_a_scalar_at_a_diameter_is_that_of_the_build_up(roll):
+    check = wo.compare(ROLL, {"diameter": [0.2, 0.3], "core_pressure": [1.0, 1.0]})
+    assert check.predicted == pytest.approx([roll.at(0.1).core_pressure, roll.core_pressure])
+
+
+def test_a_winding_is_compared_over_its_radius():
+    winding = wo.WindingProblem.example().replace(
+        tension_law="fixed", nip_induced_tension=100.0, radius=0.2
+    )
+    result = wo.solve(winding)
+    table = {"measured_radius": [0.1, 0.15], "wound_on_tension": [400.0, 390.0],
+             "pressure": [1e5, 1e5], "length": [1.0, 1.0]}  # fmt: skip
+    check = wo.compare(winding, table)
+    T = np.interp([0.1, 0.15], result.radius, result.wound_on_tension)
+    P = np.asarray(result.roll.at_radius([0.1, 0.15])["pressure"])
+    assert check.predicted[check.of("wound_on_tension")] == pytest.approx(T)
+    assert check.predicted[check.of("pressure")] == pytest.approx(P)
+    assert np.isfinite(check.predicted).all()
+
+
+def test_a_radius_outside_the_roll_is_a_reason(roll):
+    check = wo.compare(ROLL, {"measured_radius": [0.1, 0.2], "pressure": [1e5, 1e5]})
+    assert "radius: 0.2 is out of range; must be >= 0.0445 and <= 0.15" in check.failures[1]
+
+
+# ---- rules --------------------------------------------------------------------------------------
+
+
+def causes(check: wo.Comparison) -> str:
+    return "; ".join(cause for entry in check.explanations for cause in entry.causes)
+
+
+def test_a_nip_that_is_wider_at_all_loads_points_to_a_softer_roll():
+    width = np.array([wo.solve(NIP.replace(nip_load=P)).nip_width for P in LOADS])
+    table = {"nip_load": LOADS, "nip_width": 1.05 * width, "nip_width +-": [2e-5] * 6}
+    check = wo.compare(NIP, table)
+    assert "the roll is softer than assumed" in causes(check)
+    assert "layers of the roll slip" in causes(check)
+    assert "by 5 % of the mean, in 6 of 6 values" in str(check)
+    assert "rises" not in str(check)  # a factor is not a trend
+    narrow = wo.compare(NIP, {**table, "nip_width": 0.95 * width})
+    assert "stiffer than assumed" in causes(narrow)
+
+
+def test_a_tension_that_falls_with_the_speed_points_to_entrained_air(predicted):
+    speed = np.linspace(5.0, 30.0, 6)
+    table = {"nip_load": [3502.0] * 6, "web_speed [m/s]": speed,
+             "wound_on_tension": 700.0 - 2.0 * (speed - 5.0) + [1, -1, 0, 1, -1, 0],
+             "wound_on_tension +-": [3.0] * 6}  # fmt: skip
+    check = wo.compare(NIP, table)
+    assert check.covariates == ("web_speed",)
+    assert "web_speed is not part of this problem: it is used for trends only" in str(check)
+    (trend,) = [entry for entry in check.explanations if "with web_speed" in entry.finding]
+    assert "entrained air" in trend.causes[0]
+
+
+def test_a_smaller_friction_is_among_the_causes_of_a_smaller_tension():
+    """Independent: the measured values are those of a nip with less friction."""
+    check = check_of(tensions(roll_friction=0.15))
+    assert "the friction between web and roll, or between the layers, is smaller" in causes(check)
+
+
+def test_a_constant_ratio_of_pressures_points_to_the_calibration(roll):
+    radius = np.linspace(0.06, 0.14, 6)
+    true = np.asarray(roll.at_radius(radius)["pressure"])
+    table = {"measured_radius": radius, "pressure": 1.3 * true, "pressure +-": [3e3] * 6}
+    check = wo.compare(ROLL, table)
+    assert "the ratio is nearly constant (1.3): the calibration of the tab" in causes(check)
+    relaxed = wo.compare(ROLL, table, spread={"wound_on_tension": "20 %"})
+    assert "lies within the spread of the inputs" in str(relaxed)
+    assert "largest contribution is that of wound_on_tension" in str(relaxed)
+
+
+def test_a_single_wrong_reading_is_named(predicted):
+    wrong = predicted + np.array([0, 0, 60.0, 0, 0, 0])
+    check = check_of(wrong)
+    assert "row 3: more than 4 standard uncertainties off" in str(check)
+
+
+def test_without_standard_deviations_the_scatter_stands_in(predicted):
+    table = {"nip_load": LOADS, "wound_on_tension": predicted + np.array([5, -5] * 3)}
+    check = wo.compare(NIP, table)
+    of = check.agreement("wound_on_tension")
+    assert of.bias_uncertainty == pytest.approx(np.std([5, -5] * 3, ddof=1) / 6**0.5, rel=0.1)
+    assert np.isnan(check.ratio).all()
+    assert "the scatter of the rows stands in" in str(check)
+
+
+# ---- input and output ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("problem", "table", "more", "text"),
+    [
+        (NIP, {"nip_load": [1.0]}, {}, "has no column that is an output"),
+        (NIP, {"nip_lode": [1.0], "nip_width": [1.0]}, {}, "did you mean 'nip_load'"),
+        (NIP, {"nip_width": [None]}, {}, "has no measured value"),
+        (NIP, {"nip_width": [1.0], "measured_radius": [1.0]}, {}, "no field or output"),
+        (NIP, {"nip_width": [1.0]}, {"spread": {"drum": 1.0}}, "spread: drum: .* is not a number"),
+        (NIP, {"nip_width": [1.0]}, {"spread": {"nip_load": 0.0}}, "must be a standard deviation"),
+        (
+            NIP,
+            {"nip_width": [1.0], "nip_load": [1.0]},
+            {"spread": {"nip_load": 1.0}},
+            "measured in",
+        ),
+        (ROLL, {"pressure": [1.0]}, {}, "row 1: pressure needs a column measured_radius or"),
+        (ROLL, {"diameter": [0.2]}, {}, "has no measured value"),
+        (ROLL, {"diameter": [0.2], "measured_radius": [0.1], "pressure": [1.0]}, {}, "one of them"),
+        (ROLL, {"diameter": [0.2], "pull_tab_force": [1.0]}, {}, "needs the calibration"),
+    ],
+)
+def test_invalid_tables_are_rejected(problem, table, more, text):
+    with pytest.raises(wo.InvalidProblem, match=text):
+        wo.compare(problem, table, **more)
+
+
+def test_tables_json_and_figures(predicted, tmp_path):
+    check = check_of(predicted + 20.0)
+    frame = check.to_dataframe()
+    assert frame.residual.tolist() == pytest.approx([20.0] * 6, abs=1e-3)
+    assert (frame.unit == "N/m").all()
+    table = json.loads(check.to_json())
+    assert table["values"][0]["output"] == "wound_on_tension"
+    assert table["agreement"]["wound_on_tension"]["bias"] == pytest.approx(20.0, abs=1e-3)
+    assert table["explanations"][0]["causes"]
+    assert repr(check).startswith("Comparison(wound_on_tension: 6 values, +")
+    assert "wound_on_tension" in check._repr_html_()
+    check.plot(tmp_path / "check.png")
+    assert (tmp_path / "check.png").stat().st_size > 10_000
+    with pytest.raises(wo.InvalidProblem, match="not a measured output"):
+        check.of("nip_width")
+
+
+def test_the_command(tmp_path: Path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("roll.toml").write_text(to_toml(ROLL))
+    Path("tabs.csv").write_text(
+        "diameter [mm];pull tab force [N];Nr\n120;125,0;1\n200;125,0;2\n280;95,5;3\n"
+    )
+    command = ["compare", "tabs.csv", "roll.toml", "--tab-friction", "0.25", "--tab-area",
+               "12 cm^2", "--tab-deviation", "5 %", "--column", "Nr=", "--spread",
+               "wound_on_tension=5 %"]  # fmt: skip
+    assert main([*command, "--plot", "tabs.svg", "--save", "tabs_compared.csv"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith("pressure: 3 values, measured - predicted")
+    assert Path("tabs.svg").exists()
+    frame = pandas.read_csv("tabs_compared.csv")
+    assert frame.measured[0] == pytest.approx(125.0 / (2 * 0.25 * 12e-4))
+    assert main([*command, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["sources"] == ["wound_on_tension", "pull tab"]
+    assert main(["compare", "tabs.csv", "roll.toml", "--column", "Nr="]) == 2
+    assert main([*command, "--save", "x.txt"]) == 2
+
+
+def test_the_examples_of_the_docstrings_run():
+    for module, count in ((compare_module, 4), (pull_tab, 2)):
+        outcome = doctest.testmod(module)
+        assert (outcome.attempted, outcome.failed) == (count, 0)

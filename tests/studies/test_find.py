@@ -1,0 +1,308 @@
+"""Inverse problems: closed forms, round trips, several solutions, limits, and the command."""
+
+from __future__ import annotations
+
+import doctest
+import json
+import pickle
+import sys
+from importlib import import_module
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import woundon as wo
+from woundon import kinds
+from woundon.cli import main
+from woundon.io.case_files import load_case
+from woundon.io.case_texts import template
+from woundon.studies import find as find_module
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def curves():
+    """The kind of closed-form curves, registered for the time of a test."""
+    before = dict(kinds._KINDS)
+    yield import_module("curves")
+    kinds._KINDS.clear()
+    kinds._KINDS.update(before)
+    del sys.modules["curves"]
+
+
+def steel_pair() -> wo.RollerProblem:
+    body = wo.HalfPlane(radius=0.25, material="steel")
+    return wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5)
+
+
+# ---- nips and rolls -----------------------------------------------------------------------------
+
+
+def test_the_load_of_a_hertzian_contact_is_found():
+    """Closed form: a^2 = 4 P R / (pi E*)."""
+    steel = wo.material("steel")
+    modulus = steel.youngs_modulus / (2 * (1 - steel.poissons_ratio**2))
+    found = wo.find(steel_pair(), "load", nip_width="4 mm")
+    load = pi * modulus * 0.002**2 / (4 * 0.125)
+    assert found.value == pytest.approx(load, rel=1e-4)
+    assert abs(found.value - load) < 2 * found.uncertainty
+    assert found.problem.load == found.value
+    assert found.result.nip_width == pytest.approx(4e-3, rel=1e-6)
+    # dP/d(2a) = 2 P / (2a)
+    assert found.slopes[0] == pytest.approx(4e-3 / (2 * load), rel=1e-3)
+    assert len(found.solutions) == 1
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("nip_load", 2500.0), ("roll.material.shear", 1.6e7), ("web_tension", 420)]
+)
+def test_a_value_is_recovered_from_the_output_that_it_gives(field, value):
+    """Round trip, within the uncertainty that both discretisation errors cause."""
+    problem = wo.WrappedNipProblem.example()
+    tension = wo.solve(problem.replace(**{field: value})).wound_on_tension
+    found = wo.find(problem, field, wound_on_tension=tension, points=9)
+    assert abs(found.value - value) < 2 * found.uncertainty
+    assert found.uncertainty < 0.02 * value
+    single = wo.solve(found.problem, nodes=found.result.nodes)
+    # warm starts do not change a result beyond the solver's tolerance
+    assert single.wound_on_tension == pytest.approx(tension, rel=2e-7)
+
+
+def test_all_solutions_are_found():
+    """The wound-on tension has a maximum over the angle of a short wrap."""
+    problem = wo.WrappedNipProblem.example()
+    peak = wo.solve(problem.replace(roll_wrap=0.4)).wound_on_tension
+    found = wo.find(problem, "roll_wrap", wound_on_tension=peak - 1.0, between=(0.05, 1.5))
+    assert len(found.solutions) == 2
+    assert found.value < 0.4 < found.solutions[1].value
+    assert "2 values give" in str(found)
+    assert list(found.values) == sorted(found.values)
+
+
+def test_the_uncertainty_is_the_error_over_the_slope():
+    """Independent: a central difference of two solutions on one mesh."""
+    problem = wo.WrappedNipProblem.example()
+    found = wo.find(problem, "nip_load", wound_on_tension=700.0, points=5, nodes=65)
+    P, step = found.value, 5.0
+    sides = [wo.solve(problem.replace(nip_load=P + d), nodes=65) for d in (-step, step)]
+    slope = (sides[1].wound_on_tension - sides[0].wound_on_tension) / (2 * step)
+    assert found.slopes[0] == pytest.approx(slope, rel=0.02)
+    error = found.result.errors["wound_on_tension"]
+    assert found.uncertainty == pytest.approx(error / abs(slope), rel=0.02)
+
+
+def test_the_tension_for_a_pressure_in_a_roll_is_found():
+    problem = wo.WoundRollProblem.example()
+    pressure = wo.solve(problem.replace(wound_on_tension=600.0)).mid_pressure
+    found = wo.find(problem, "wound_on_tension", mid_pressure=pressure, points=5)
+    assert found.value == pytest.approx(600.0, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_load_for_a_margin_of_a_winding_is_found():
+    problem = wo.WindingProblem.example()
+    rough = {"nodes": 25, "rtol": 1e-2}
+    share = wo.solve(problem.replace(nip_load=2500.0), **rough).torque_share
+    found = wo.find(
+        problem, "nip_load", between=(1500.0, 4000.0), points=3, torque_share=share, **rough
+    )
+    assert found.value == pytest.approx(2500.0, rel=0.02)
+
+
+def test_points_without_a_steady_state_are_outside_the_reachable_range():
+    problem = wo.WrappedNipProblem.example()
+    found = wo.find(problem, "winding_force", wound_on_tension=700.0, between=(-900, 900), points=7)
+    assert found.failures
+    assert all(abs(value) > 690 for value, _ in found.failures)
+    assert np.isnan(found.outputs[[0, -1]]).all()
+    assert "points have no solution, e.g. -900 N/m: winding_force: -900 is out of range" in str(
+        found
+    )
+
+
+# ---- curves with known zeros --------------------------------------------------------------------
+
+
+def test_three_zeros_of_a_cubic(curves):
+    found = wo.find(curves.CurveProblem(shape="cubic"), "position", height=0.0, between=(-2, 1.9))
+    assert [value for value, _ in found.solutions] == pytest.approx([-1, 0, 1], abs=1e-6)
+    assert [result.height for _, result in found.solutions] == pytest.approx([0] * 3, abs=1e-6)
+    assert found.slopes == pytest.approx([2, -1, 2], rel=1e-5)  # 3 x^2 - 1
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-5])
+def test_two_zeros_between_neighbouring_points_are_found_at_a_minimum(curves, depth):
+    problem = curves.CurveProblem(shape="dip")
+    found = wo.find(problem, "position", height=depth, between=(-1, 1), points=9)
+    expected = [curves.DIP - depth**0.5, curves.DIP + depth**0.5]
+    assert [value for value, _ in found.solutions] == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_minimum_above_the_target_is_no_solution(curves):
+    with pytest.raises(wo.NoSolution) as caught:
+        wo.find(curves.CurveProblem(shape="dip"), "position", height=-0.01, between=(-1, 1))
+    assert caught.value.reachable[0] == pytest.approx(0, abs=1e-3)
+
+
+def test_a_jump_across_the_target_is_no_solution(curves):
+    problem = curves.CurveProblem(shape="step")
+    with pytest.raises(wo.NoSolution, match=r"jumps across the target at position = 0\.3017 m"):
+        wo.find(problem, "position", height=0.5, between=(-1, 1))
+
+
+def test_a_solution_next_to_the_limit_of_steady_states_is_found(curves):
+    problem = curves.CurveProblem(shape="limit")
+    found = wo.find(problem, "position", height=0.03, between=(-1, 1), points=5)
+    assert found.value == pytest.approx(curves.LIMIT - 0.03**2, rel=1e-6)
+    assert {reason for _, reason in found.failures} == {
+        f"position: {value:g} is beyond the limit" for value, _ in found.failures
+    }
+
+
+def test_a_target_among_points_without_a_steady_state_is_no_solution(curves):
+    problem = curves.CurveProblem(shape="hole")
+    with pytest.raises(wo.NoSolution, match="points have no solution"):
+        wo.find(problem, "position", height=0.1, between=(0, 2), points=5)
+    found = wo.find(problem, "position", height=-0.2, between=(0, 2), points=3)
+    assert found.value == pytest.approx(0.8, rel=1e-6)
+
+
+def test_the_range_is_extended_while_the_output_approaches_the_target(curves):
+    problem = curves.CurveProblem(scale=2.0, position=0.5)
+    found = wo.find(problem, "scale", height=400.0)
+    assert found.value == pytest.approx(800.0, rel=1e-6)
+    with pytest.raises(wo.NoSolution, match=r"scale from 0\.000195313 to 20"):  # 2^-10
+        wo.find(problem, "scale", height=-1.0)
+
+
+def test_every_point_starts_from_a_neighbour(curves):
+    found = wo.find(curves.CurveProblem(), "position", height=1.23, between=(0, 2))
+    assert found.result.started == 1
+
+
+def test_no_solution_carries_the_scan_and_pickles(curves):
+    with pytest.raises(wo.NoSolution) as caught:
+        wo.find(curves.CurveProblem(), "position", height=5.0, between=(0, 2), points=3)
+    fault = caught.value
+    assert isinstance(fault, wo.InvalidProblem)
+    assert fault.reachable == (0.0, 2.0)
+    assert (fault.values, fault.outputs) == ((0.0, 1.0, 2.0), (0.0, 1.0, 2.0))
+    again = pickle.loads(pickle.dumps(fault))
+    assert (str(again), again.reachable, again.values) == (str(fault), (0.0, 2.0), fault.values)
+    assert str(fault) == "height: 5 is not reached by position from 0 m to 2 m, which gives 0 to 2"
+
+
+def test_a_scan_without_any_solution_says_why(curves):
+    problem = curves.CurveProblem(shape="nowhere")
+    with pytest.raises(wo.NoSolution, match=r"no point of .* the first reason: position") as caught:
+        wo.find(problem, "position", height=0.0)
+    assert caught.value.reachable is None
+    with pytest.raises(wo.NotConverged, match="the iteration did not converge"):
+        wo.find(problem.replace(shape="stuck"), "position", height=0.0)
+    with pytest.raises(wo.NoSolution, match="nothing is nan"):
+        wo.find(problem.replace(shape="line"), "position", nothing=0.0)
+
+
+# ---- input --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "text"),
+    [
+        ("nip_lode", {"wound_on_tension": 1.0}, "did you mean 'nip_load'"),
+        ("drum", {"wound_on_tension": 1.0}, "is not a number, so it cannot be found"),
+        ("nip_load", {"wound_on_tenson": 1.0}, "did you mean 'wound_on_tension'"),
+        ("nip_load", {}, "none given; must be one output"),
+        ("nip_load", {"wound_on_tension": 1.0, "half_width": 1.0}, "must be one output"),
+        ("nip_load", {"wound_on_tension": "3 mm"}, "wrong dimension"),
+        ("nip_load", {"wound_on_tension": 1.0, "between": (5, 1)}, "must be low < high"),
+        ("nip_load", {"wound_on_tension": 1.0, "between": 5}, r"write \(low, high\)"),
+        ("nip_load", {"wound_on_tension": 1.0, "between": (-5, 1)}, "nip_load: -5 is out of range"),
+        ("nip_load", {"wound_on_tension": 1.0, "points": 2}, "points: 2 is out of range"),
+        ("nip_load", {"wound_on_tension": 1.0, "nodes": 3}, "nodes: 3 is out of range"),
+        ("wrap_friction", {"wound_on_tension": 1.0, "between": ("1 m", 2)}, "wrong dimension"),
+    ],
+)
+def test_invalid_requests_are_rejected(name, options, text):
+    with pytest.raises(wo.InvalidProblem, match=text) as caught:
+        wo.find(wo.WrappedNipProblem.example(), name, **options)
+    assert not isinstance(caught.value, wo.NoSolution)
+
+
+def test_values_may_have_units_and_progress_is_reported():
+    told: list[tuple[int, int]] = []
+    found = wo.find(
+        steel_pair(), "load", between=("50 kN/m", "2e4 kN/m"),
+        nip_width="0.4 cm", progress=lambda done, size: told.append((done, size)), points=5,
+    )  # fmt: skip
+    assert found.target == pytest.approx(4e-3)
+    assert told[0] == (1, 5)
+    assert told[-1][0] >= 5
+
+
+def test_a_tied_field_follows():
+    problem = wo.WrappedNipProblem.example()
+    one_paper = {"web.material": "roll.material"}
+    found = wo.find(
+        problem, "roll.material.shear", wound_on_tension=720.0, tie=one_paper, points=5, nodes=33
+    )
+    assert found.problem.web.material == found.problem.roll.material
+
+
+# ---- output -------------------------------------------------------------------------------------
+
+
+def test_tables_texts_and_figures(curves, tmp_path):
+    found = wo.find(curves.CurveProblem(shape="cubic"), "position", height=0.1, between=(-2, 2))
+    frame = found.to_dataframe()
+    assert list(frame.columns) == ["position", "uncertainty", "height", "errors.height", "slope"]
+    assert len(frame) == 3
+    table = json.loads(found.to_json())
+    assert [row["position"] for row in table["solutions"]] == frame.position.tolist()
+    assert repr(found).startswith("FindResult(position = -0.945")
+    assert "position" in found._repr_html_()
+    found.plot(tmp_path / "find.png")
+    assert (tmp_path / "find.png").stat().st_size > 10_000
+    with wo.units(position="mm"):
+        again = wo.find(curves.CurveProblem(), "position", height=0.5, between=(0, 2))
+        assert str(again).startswith("position = 500 mm")
+
+
+def test_the_command_prints_the_answer_first(tmp_path, capsys):
+    case = tmp_path / "case.toml"
+    case.write_text(template("wrapped-nip"))
+    new = tmp_path / "found.toml"
+    given = ["find", str(case), "--vary", "nip_load=1 kN/m:5 kN/m", "--points", "5",
+             "--nodes", "33", "--target", "wound_on_tension=700 N/m", "--case", str(new),
+             "--plot", str(tmp_path / "f.svg")]  # fmt: skip
+    assert main(given) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told[0].startswith("nip_load = 3")
+    assert told[2].split() == ["nip_load", "[N/m]", "wound_on_tension", "[N/m]"]
+    assert sum(line.endswith("solution") for line in told) == 1
+    result = wo.solve(load_case(new), nodes=33)
+    assert result.wound_on_tension == pytest.approx(700.0, rel=2e-7)
+    assert (tmp_path / "f.svg").exists()
+
+
+def test_the_command_as_json_and_its_exit_status(tmp_path, capsys):
+    case = tmp_path / "case.toml"
+    case.write_text(template("rollers"))
+    assert main(["find", str(case), "--vary", "load", "--target", "nip_width=0.004", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["target"] == 0.004
+    common = ["find", str(case), "--vary"]
+    assert main([*common, "load=1e5:2e5", "--target", "nip_width=1 m"]) == 3
+    assert "no solution: nip_width: 1000 mm is not reached by load" in capsys.readouterr().err
+    assert main([*common, "lode", "--target", "nip_width=1 mm"]) == 2
+    assert main([*common, "load=1", "--target", "nip_width=1 mm"]) == 2
+    assert main([*common, "load", "--target", "nip_width"]) == 2
+    assert main([*common, "load", "--target", "nip_width=1 mm", "--case", "x.txt"]) == 2
+
+
+def test_the_example_of_the_docstring_runs():
+    examples = doctest.DocTestFinder().find(find_module, "find", globs={})
+    assert sum(doctest.DocTestRunner().run(test).attempted for test in examples) == 4
+    assert all(doctest.DocTestRunner().run(test).failed == 0 for test in examples)

@@ -1,0 +1,218 @@
+"""Tables of cases: the same numbers as single solves, faults by row, files, and the command."""
+
+from __future__ import annotations
+
+import doctest
+from pathlib import Path
+
+import numpy as np
+import pandas
+import pytest
+
+import woundon as wo
+from woundon.cli import main
+from woundon.io.case_texts import template, to_toml
+from woundon.studies import case_table
+from woundon.studies.case_table import write_table
+
+NIP = wo.WrappedNipProblem.example()
+WOT = "wound_on_tension [N/m]"
+HERE = {"workers": 1, "nodes": 33}
+
+
+def solved(table, case=NIP, outputs=("wound_on_tension",), **more):
+    return wo.solve_table(table, case, outputs, **{**HERE, **more})
+
+
+def test_every_row_is_what_a_single_solve_gives():
+    """Also for cells with units, and for empty cells, which have the value of the case."""
+    table = pandas.DataFrame(
+        {"nip_load [kN/m]": [2.0, "2500 N/m", None], "web tension": ["300 N/m", 350.0, 250.0]}
+    )
+    found = solved(table)
+    problems = [NIP.replace(nip_load=P, web_tension=T)
+                for P, T in ((2000.0, 300.0), (2500.0, 350.0), (NIP.nip_load, 250.0))]  # fmt: skip
+    expected = [wo.solve(problem, nodes=33).wound_on_tension for problem in problems]
+    assert found[WOT].tolist() == pytest.approx(expected, rel=1e-8)
+    assert list(found.columns) == ["nip_load [kN/m]", "web tension", WOT, "failure", "warnings"]
+    assert found["nip_load [kN/m]"].tolist()[:2] == [2.0, "2500 N/m"]
+    assert (found.failure == "").all()
+
+
+def test_a_faulty_row_is_explained_and_the_others_are_solved():
+    table = {
+        "nip_load [N/m]": [2000.0, "abc", -5.0, 3000.0, 3000.0],
+        "winding_force": [0.0, 0.0, 0.0, -900.0, 0.0],
+        "web.material": ["newsprint", "newsprint", "newsprint", "newsprint", "cheese"],
+    }
+    found = solved(table)
+    assert np.isfinite(found[WOT]).tolist() == [True, False, False, False, False]
+    reasons = found.failure.tolist()
+    assert reasons[0] == ""
+    assert reasons[1] == "column 'nip_load [N/m]': 'abc' is not a number"
+    assert reasons[2].startswith("nip_load: -5 is out of range; must be >= 1e-12")
+    assert reasons[3].startswith("winding_force: -900 is out of range; must be > -600")
+    assert "web.material: 'cheese'" in reasons[4]
+    assert not any("Error" in reason or "InvalidProblem" in reason for reason in reasons)
+
+
+def test_a_table_of_faulty_rows_alone_is_returned():
+    found = solved({"nip_load": ["abc", "1 mm"]})
+    assert found[WOT].isna().all()
+    assert "wrong dimension" in found.failure[1]
+
+
+COMPLETE = {
+    "web.thickness [um]": [66, 60, 66],
+    "web.material": ["newsprint"] * 3,
+    "roll.radius [mm]": [100, 200, 100],
+    "roll.core_radius [mm]": [44.5] * 3,
+    "roll.material": ["newsprint"] * 3,
+    "drum.radius [mm]": [76.2] * 3,
+    "roll_friction": [0.19] * 3,
+    "drum_friction": [0.2, 0.2, None],
+    "nip_load [N/m]": [3502.0, 3000.0, 3000.0],
+    "web_tension [N/m]": [350.0, 300.0, 300.0],
+}
+
+
+def test_without_a_case_the_columns_describe_the_problem():
+    found = solved(COMPLETE, None, kind="wrapped-nip")
+    other = NIP.replace(
+        nip_load=3000.0, web_tension=300.0, **{"web.thickness": 60e-6, "roll.radius": 0.2}
+    )
+    expected = [wo.solve(problem, nodes=33).wound_on_tension for problem in (NIP, other)]
+    assert found[WOT].tolist()[:2] == pytest.approx(expected, rel=1e-8)
+    assert found.failure[2] == "drum_friction: missing; must be >= 1e-08 and <= 10"
+    # the kind of problem with the fewest missing fields
+    assert wo.solve_table(COMPLETE, **HERE).attrs["about"]["kind"] == "nip"
+
+
+def test_layers_of_a_list_are_fields_too():
+    table = {f"drum.layers.0.{name}": [value] for name, value in
+             {"thickness": 5e-3, "material": "rubber"}.items()}  # fmt: skip
+    table |= {"drum.radius": [0.0762]}
+    core = {name: cells for name, cells in COMPLETE.items() if not name.startswith("drum.")}
+    core = {name: cells[:1] for name, cells in core.items()}
+    found = solved({**core, **table, "drum_friction": [0.2]}, None, kind="wrapped_nip")
+    drum = wo.Layered(radius=0.0762, layers=[wo.Layer(thickness=5e-3, material="rubber")])
+    expected = wo.solve(NIP.replace(drum=drum), nodes=33).wound_on_tension
+    assert found[WOT][0] == pytest.approx(expected, rel=1e-8)
+
+
+def test_all_scalar_outputs_by_default():
+    found = wo.solve_table({"nip_load": [2000.0]}, NIP, **HERE)
+    result = wo.solve(NIP.replace(nip_load=2000.0), nodes=33)
+    assert list(found.columns[1:3]) == [WOT, "errors.wound_on_tension [N/m]"]
+    assert found["nip_width [m]"][0] == pytest.approx(result.nip_width, rel=1e-8)
+    assert found["drum_creep"][0] == pytest.approx(result.drum_creep, rel=1e-6)
+    assert "rolling_resistance [N/m]" not in found  # nan without a viscoelastic body
+    with wo.units(wound_on_tension="pli", nip_width="mm"):
+        shown = wo.solve_table({"nip_load": [2000.0]}, NIP, **HERE)
+    assert shown["nip_width [mm]"][0] == pytest.approx(1e3 * result.nip_width, rel=1e-8)
+    assert "wound_on_tension [pli]" in shown
+
+
+def test_other_columns_are_copied_and_measured_ones_are_kept():
+    table = {"Nr": [7], "nip_load": [2000.0], WOT: [470.0]}
+    found = solved(table, columns={"Nr": None})
+    assert found["Nr"].tolist() == [7]
+    assert found[f"{WOT} (given)"].tolist() == [470.0]
+    assert found[WOT][0] != 470.0
+    frame = pandas.DataFrame(table, index=["a"])
+    assert solved(frame, columns={"Nr": None}).index.tolist() == ["a"]
+
+
+@pytest.mark.parametrize("ending", [".csv", ".xlsx"])
+def test_a_written_table_is_a_table_of_cases_again(tmp_path, ending):
+    table = {"nip_load [kN/m]": [2.0, 3.0], "web_tension [N/m]": [350.0, -1.0]}
+    first = solved(table)
+    write_table(first, tmp_path / f"results{ending}")
+    again = solved(tmp_path / f"results{ending}")
+    assert list(again.columns) == list(first.columns)
+    assert again[WOT].tolist() == pytest.approx(first[WOT].tolist(), nan_ok=True)
+    assert again.failure.tolist() == first.failure.tolist()
+
+
+def test_a_row_of_units_moves_into_the_header(tmp_path):
+    (tmp_path / "cases.csv").write_text("nip load;web tension\n[kN/m];[N/m]\n2,5;350\n")
+    found = solved(tmp_path / "cases.csv")
+    assert list(found.columns[:2]) == ["nip load [kN/m]", "web tension [N/m]"]
+    expected = wo.solve(NIP.replace(nip_load=2500.0), nodes=33).wound_on_tension
+    assert found[WOT][0] == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_the_numbers_do_not_depend_on_the_number_of_processes(workers):
+    loads = np.linspace(1500, 3500, 24)
+    tensions = [None if k % 5 == 0 else 300.0 for k in range(24)]
+    found = solved({"nip_load": loads, "web_tension": tensions}, workers=workers, chunk=6)
+    single = [wo.solve(NIP.replace(nip_load=P, web_tension=T or 350.0), nodes=33).wound_on_tension
+              for P, T in zip(loads[:6], tensions, strict=False)]  # fmt: skip
+    assert found[WOT][:6].tolist() == pytest.approx(single, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("table", "more", "text"),
+    [
+        ({"nip_lode": [1.0]}, {}, "did you mean 'nip_load'"),
+        ({"wound_on_tension": [1.0]}, {}, "has no column that is an input"),
+        ({"nip_load": [1.0]}, {"outputs": ["wot"]}, "not a scalar output"),
+        ({"nip_load": [1.0]}, {"kind": "nip"}, "kind: is given together with a case"),
+        ({"nip_load": [1.0]}, {"nodes": 3}, "nodes: 3 is out of range"),
+        ({"nip_load": [1.0], "Nr": [1]}, {"case": None}, "must be fields of one kind of problem"),
+        ({"nip_load": [1.0]}, {"case": None, "kind": "nap"}, "did you mean 'nip'"),
+        ("none.csv", {}, "cannot be read"),
+    ],
+)
+def test_a_table_that_is_no_table_of_cases_is_rejected(table, more, text):
+    with pytest.raises(wo.InvalidProblem, match=text):
+        solved(table, **more)
+
+
+def test_a_file_without_units_is_rejected_as_a_whole(tmp_path):
+    (tmp_path / "cases.csv").write_text("nip_load,web_tension\n2000,300\n")
+    with pytest.raises(wo.InvalidProblem, match=r"column 'nip_load': has no unit; write it into"):
+        solved(tmp_path / "cases.csv")
+
+
+# ---- the command --------------------------------------------------------------------------------
+
+
+def test_from_excel_to_excel_in_one_command(tmp_path: Path, capsys, monkeypatch):
+    pytest.importorskip("openpyxl")
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(template("wrapped-nip"))
+    loads = [1.5, 2.5, -1.0, 3.5]
+    table = {"Nr": [1, 2, 3, 4], "nip_load [kN/m]": loads}
+    pandas.DataFrame(table).to_excel("cases.xlsx", index=False)
+    command = ["table", "cases.xlsx", "--case", "case.toml", "-o", "results.xlsx", "--workers", "1",
+               "--column", "Nr=", "--nodes", "33", "--set", "web_tension=300 N/m"]  # fmt: skip
+    assert main(command) == 0
+    told = capsys.readouterr().out
+    assert "4 rows in" in told
+    assert "1 failed" in told
+    assert "1 x nip_load: -1000 is out of range" in told
+    found = pandas.read_excel("results.xlsx", keep_default_na=False)
+    assert found["Nr"].tolist() == [1, 2, 3, 4]
+    assert found.failure[2].startswith("nip_load: -1000 is out of range")
+    expected = wo.solve(NIP.replace(nip_load=2500.0, web_tension=300.0), nodes=33).wound_on_tension
+    assert found[WOT][1] == pytest.approx(expected, rel=1e-8)
+
+
+def test_exit_status_of_the_command(tmp_path: Path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(to_toml(NIP))
+    Path("bad.csv").write_text("nip_load [N/m]\n-1\n")
+    Path("good.csv").write_text("nip_load [N/m]\n2000\n")
+    assert main(["table", "bad.csv", "--case", "case.toml", "-o", "r.csv"]) == 3
+    assert Path("r.csv").read_text().count("out of range") == 1
+    for wrong in (["-o", "r.txt"], ["-o", "none/r.csv"], ["-o", "r.csv", "--column", "x"]):
+        assert main(["table", "good.csv", "--case", "case.toml", *wrong]) == 2
+    assert main(["table", "good.csv", "-o", "r.csv", "--set", "nip_load=1"]) == 2
+    assert "--set: changes a field of --case" in capsys.readouterr().err
+
+
+def test_the_example_of_the_docstring_runs():
+    assert doctest.testmod(case_table).attempted == 5
+    assert doctest.testmod(case_table).failed == 0
