@@ -50,7 +50,7 @@ def test_a_state_is_that_of_solve_to_the_last_digit(client, cases, name, changes
 
 
 def test_what_a_state_says_of_its_problem_solves_the_same(client, cases):
-    first = client.post("/api/solve", json=cases["wrapped_nip"]).json()
+    first = client.post("/api/solve", json=cases["nip"]).json()
     again = client.post("/api/solve", json=first["problem"]).json()
     assert {**first, "seconds": 0} == {**again, "seconds": 0}
 
@@ -68,7 +68,7 @@ def test_the_wraps_stand_bare_or_in_their_table(client, cases):
     bare = cases["nip"] | {"roll_wrap": 2.0}
     table = cases["nip"] | {"wrap": {"roll_wrap": "2 rad"}}
     answers = [client.post("/api/solve", json=case).json() for case in (bare, table)]
-    assert answers[0]["kind"] == "wrapped_nip"
+    assert answers[0]["kind"] == "nip"
     assert answers[0]["outputs"] == answers[1]["outputs"]
 
 
@@ -117,7 +117,7 @@ def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
     assert begun[1:] == [(few, True), (few, False), ({}, False)]
 
 
-@pytest.mark.parametrize("name", ["nip", "wrapped_nip", "rollers"])
+@pytest.mark.parametrize("name", ["nip", "rollers"])
 def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
     told = client.post("/api/solve", json=cases[name]).json()
     first, last = told["nip"]

@@ -17,8 +17,8 @@ from woundon.io.case_texts import to_toml
 from woundon.studies import compare as compare_module
 from woundon.studies import pull_tab
 
-NIP = wo.WrappedNipProblem.example()
-ROLL = wo.WoundRollProblem.example()
+NIP = wo.NipProblem.example()
+ROLL = wo.RollProblem.example()
 LOADS = [1500.0, 2000.0, 2500.0, 3000.0, 3500.0, 4000.0]
 FINDINGS = ("no systematic difference beyond the error budget",)
 
@@ -34,7 +34,7 @@ def predicted() -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def roll() -> wo.WoundRollResult:
+def roll() -> wo.RollResult:
     return wo.solve(ROLL)
 
 

@@ -61,7 +61,7 @@ def test_the_load_of_a_hertzian_contact_is_found():
 )
 def test_a_value_is_recovered_from_the_output_that_it_gives(field, value):
     """Round trip, within the uncertainty that both discretisation errors cause."""
-    problem = wo.WrappedNipProblem.example()
+    problem = wo.NipProblem.example()
     tension = wo.solve(problem.replace(**{field: value})).wound_on_tension
     found = wo.find(problem, field, wound_on_tension=tension, points=9)
     assert abs(found.value - value) < 2 * found.uncertainty
@@ -73,7 +73,7 @@ def test_a_value_is_recovered_from_the_output_that_it_gives(field, value):
 
 def test_all_solutions_are_found():
     """The wound-on tension has a maximum over the angle of a short wrap."""
-    problem = wo.WrappedNipProblem.example()
+    problem = wo.NipProblem.example()
     peak = wo.solve(problem.replace(roll_wrap=0.4)).wound_on_tension
     found = wo.find(problem, "roll_wrap", wound_on_tension=peak - 1.0, between=(0.05, 1.5))
     assert len(found.solutions) == 2
@@ -84,7 +84,7 @@ def test_all_solutions_are_found():
 
 def test_the_uncertainty_is_the_error_over_the_slope():
     """Independent: a central difference of two solutions on one mesh."""
-    problem = wo.WrappedNipProblem.example()
+    problem = wo.NipProblem.example()
     found = wo.find(problem, "nip_load", wound_on_tension=700.0, points=5, nodes=65)
     P, step = found.value, 5.0
     sides = [wo.solve(problem.replace(nip_load=P + d), nodes=65) for d in (-step, step)]
@@ -95,7 +95,7 @@ def test_the_uncertainty_is_the_error_over_the_slope():
 
 
 def test_the_tension_for_a_pressure_in_a_roll_is_found():
-    problem = wo.WoundRollProblem.example()
+    problem = wo.RollProblem.example()
     pressure = wo.solve(problem.replace(wound_on_tension=600.0)).mid_pressure
     found = wo.find(problem, "wound_on_tension", mid_pressure=pressure, points=5)
     assert found.value == pytest.approx(600.0, rel=1e-3)
@@ -113,7 +113,7 @@ def test_the_load_for_a_margin_of_a_winding_is_found():
 
 
 def test_points_without_a_steady_state_are_outside_the_reachable_range():
-    problem = wo.WrappedNipProblem.example()
+    problem = wo.NipProblem.example()
     found = wo.find(problem, "winding_force", wound_on_tension=700.0, between=(-900, 900), points=7)
     assert found.failures
     assert all(abs(value) > 690 for value, _ in found.failures)
@@ -228,7 +228,7 @@ def test_a_scan_without_any_solution_says_why(curves):
 )
 def test_invalid_requests_are_rejected(name, options, text):
     with pytest.raises(wo.InvalidProblem, match=text) as caught:
-        wo.find(wo.WrappedNipProblem.example(), name, **options)
+        wo.find(wo.NipProblem.example(), name, **options)
     assert not isinstance(caught.value, wo.NoSolution)
 
 
@@ -244,7 +244,7 @@ def test_values_may_have_units_and_progress_is_reported():
 
 
 def test_a_tied_field_follows():
-    problem = wo.WrappedNipProblem.example()
+    problem = wo.NipProblem.example()
     one_paper = {"web.material": "roll.material"}
     found = wo.find(
         problem, "roll.material.shear", wound_on_tension=720.0, tie=one_paper, points=5, nodes=33

@@ -15,7 +15,7 @@ from woundon.io.case_texts import template, to_toml
 from woundon.studies import case_table
 from woundon.studies.case_table import write_table
 
-NIP = wo.WrappedNipProblem.example()
+NIP = wo.NipProblem.example()
 WOT = "wound_on_tension [N/m]"
 HERE = {"workers": 1, "nodes": 33}
 
@@ -94,7 +94,7 @@ def test_layers_of_a_list_are_fields_too():
     table |= {"drum.radius": [0.0762]}
     core = {name: cells for name, cells in COMPLETE.items() if not name.startswith("drum.")}
     core = {name: cells[:1] for name, cells in core.items()}
-    found = solved({**core, **table, "drum_friction": [0.2]}, None, kind="wrapped_nip")
+    found = solved({**core, **table, "drum_friction": [0.2]}, None, kind="nip")
     drum = wo.Layered(radius=0.0762, layers=[wo.Layer(thickness=5e-3, material="rubber")])
     expected = wo.solve(NIP.replace(drum=drum), nodes=33).wound_on_tension
     assert found[WOT][0] == pytest.approx(expected, rel=1e-8)
@@ -105,7 +105,7 @@ def test_all_scalar_outputs_by_default():
     result = wo.solve(NIP.replace(nip_load=2000.0), nodes=33)
     assert list(found.columns[1:3]) == [WOT, "errors.wound_on_tension [N/m]"]
     assert found["nip_width [m]"][0] == pytest.approx(result.nip_width, rel=1e-8)
-    assert found["drum_creep"][0] == pytest.approx(result.drum_creep, rel=1e-6)
+    assert found["drum_creepage"][0] == pytest.approx(result.drum_creepage, rel=1e-6)
     assert "rolling_resistance [N/m]" not in found  # nan without a viscoelastic body
     with wo.units(wound_on_tension="pli", nip_width="mm"):
         shown = wo.solve_table({"nip_load": [2000.0]}, NIP, **HERE)

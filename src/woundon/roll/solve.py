@@ -18,8 +18,8 @@ import numpy as np
 
 from ..arguments import check_type, tolerance
 from ..errors import NotConverged
-from ..problems.roll import RollProblem
 from ..parallel import one_thread
+from ..problems.roll import RollProblem
 from ..results import Residuals
 from .build_up import (
     BuildUp,

@@ -265,7 +265,7 @@ def fit(
     ----------
     problem : Problem
         Everything that is neither measured nor fitted.  Wound-on tensions are fitted by
-        ``problem.wrapped(...)``; a nip alone has ``outlet_tension``.
+        ``wound_on_tension``.
     measured : path, mapping or pandas.DataFrame
         CSV or Excel file with units in its header, or columns by name, SI where they name no unit:
         inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of

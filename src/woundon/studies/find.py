@@ -352,10 +352,10 @@ def _usual_range(
 def _told(progress: bool | Progress, expected: int) -> Iterator[Callable[[int], None]]:
     """Provide a function that reports how many points are evaluated."""
     if progress is True:
-        from .progress import growing_bar
+        from .progress import fraction_bar
 
-        with growing_bar("finding", "solves/s") as tell:
-            yield lambda done: tell(done, max(done, expected))
+        with fraction_bar("finding") as tell:
+            yield lambda done: tell(done / max(done, expected))
     elif progress:
         yield lambda done: progress(done, max(done, expected))
     else:
