@@ -50,7 +50,7 @@ def test_a_script_of_layers_and_schedules_runs():
     roll = kinds.named("roll").example().replace(
         wound_on_tension=wo.Taper(start=300.0, taper=0.2)
     )  # fmt: skip
-    for problem in (wo.NipProblem.example().replace(roll_wrap=0.0).replace(drum=drum), roll):
+    for problem in (wo.NipProblem.example().replace(drum=drum), roll):
         names = {}
         exec(to_python(problem).partition("result = ")[0], names)
         assert names["problem"] == problem
@@ -133,7 +133,7 @@ def test_a_report_tells_inputs_results_and_comparison_in_the_units_chosen(client
     for text in ("<h1>Winder 7</h1>", "Looked at by hand.", "40 pli", "before", "after",
                  "Jorkama 2001, Table 2", "Certificate: all", wo.__version__, "<svg"):  # fmt: skip
         assert text in page.text, text
-    result = wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0))
+    result = wo.solve(wo.NipProblem.example())
     assert f"{result.nip_induced_tension:.5g}" in page.text
 
 

@@ -68,13 +68,14 @@ def test_the_wraps_stand_bare_or_in_their_table(client, cases):
     bare = cases["nip"] | {"roll_wrap": 2.0}
     table = cases["nip"] | {"wrap": {"roll_wrap": "2 rad"}}
     answers = [client.post("/api/solve", json=case).json() for case in (bare, table)]
-    assert answers[0]["kind"] == "nip"
+    assert answers[0]["problem"]["roll_wrap"] == 2.0
     assert answers[0]["outputs"] == answers[1]["outputs"]
 
 
 def test_options_of_the_solver_come_with_the_address(client, cases):
     told = client.post("/api/solve?nodes=41", json=cases["nip"]).json()
-    assert len(told["arrays"]["x"]) == 41
+    first, last = told["nip"]
+    assert last - first + 1 == 41
     refused = client.post("/api/solve?knots=41", json=cases["nip"]).json()
     assert refused["errors"][0]["field"] == "knots"
     refused = client.post("/api/solve?nodes=many", json=cases["nip"]).json()
@@ -117,9 +118,33 @@ def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
     assert begun[1:] == [(few, True), (few, False), ({}, False)]
 
 
-@pytest.mark.parametrize("name", ["nip", "rollers"])
+def test_air_is_an_optional_part_of_a_nip(client, cases):
+    air = {"roughness": "0.3 um"}
+    told = client.post("/api/solve", json=cases["nip"] | {"web_speed": 10.0, "air": air}).json()
+    problem = wo.NipProblem.example().replace(web_speed=10.0, air=wo.Air(roughness=0.3e-6))
+    with unwarned():
+        result = wo.solve(problem)
+    for name in ("wound_on_tension", "air.film", "air.friction_share"):
+        assert same(told["outputs"][name]["value"], float(value_of(result, name)))
+    assert "air.film" not in client.post("/api/solve", json=cases["nip"]).json()["outputs"]
+
+
+def test_the_air_film_is_drawn_along_the_nip(client, cases):
+    case = cases["nip"] | {"web_speed": 10.0, "air": {"roughness": 0.3e-6}}
+    told = client.post("/api/solve?drawn=true", json=case).json()
+    (panel,) = (one for one in told["panels"] if one["name"] == "air_film")
+    (curve,) = panel["curves"]
+    assert len(curve["x"]) == len(curve["y"])
+    # the film is thinnest under the largest pressure
+    assert abs(curve["x"][int(np.argmin(curve["y"]))]) < 0.5 * told["geometry"]["half_width"]
+    dry = client.post("/api/solve?drawn=true", json=cases["nip"]).json()
+    assert "air_film" not in [one["name"] for one in dry["panels"]]
+
+
+@pytest.mark.parametrize("name", ["nip", "without wraps", "rollers"])
 def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
-    told = client.post("/api/solve", json=cases[name]).json()
+    case = cases["nip"] | {"roll_wrap": 0.0} if name == "without wraps" else cases[name]
+    told = client.post("/api/solve", json=case).json()
     first, last = told["nip"]
     for strip in told["zones"]:
         assert strip["runs"][0][1] == told["arrays"]["x"][first]
@@ -169,7 +194,7 @@ def test_every_fault_is_told_at_its_field_with_its_range(client, cases):
 def test_the_text_is_the_one_that_python_raises(client, cases):
     told = refused(client, cases["nip"] | {"nip_load": -3.0})
     with pytest.raises(wo.InvalidProblem) as raised:
-        wo.NipProblem.example().replace(roll_wrap=0.0).replace(nip_load=-3.0)
+        wo.NipProblem.example().replace(nip_load=-3.0)
     assert told["detail"] == str(raised.value)
     assert told["type"] == "/problems/invalid"
 
@@ -220,7 +245,7 @@ def test_a_curve_goes_through_the_state(client, cases):
     asked = {"field": "nip_load", "points": 5}
     told = client.post("/api/curve", json=cases["nip"], params=asked).json()
     assert told["values"][2] == told["at"] == cases["nip"]["nip_load"]
-    result = wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0))
+    result = wo.solve(wo.NipProblem.example())
     # each state starts from the one before, maybe on another mesh: the same within told errors
     assert told["outputs"]["nip_induced_tension"][2] == pytest.approx(
         result.nip_induced_tension, abs=2 * result.errors["nip_induced_tension"]
@@ -252,7 +277,7 @@ def test_a_curve_of_nothing_is_refused(client, cases, asked, field):
 
 def test_sensitivities_of_a_nip_are_the_exact_ones(client, cases):
     told = client.post("/api/sensitivities", json=cases["nip"]).json()
-    exact = wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0)).sensitivity().sorted()
+    exact = wo.solve(wo.NipProblem.example()).sensitivity().sorted()
     assert told["method"] == "exact"
     assert told["parameters"] == list(exact.parameters)
     # rounding: where arrays lie in memory, products of matrices differ in their last digits
@@ -260,7 +285,7 @@ def test_sensitivities_of_a_nip_are_the_exact_ones(client, cases):
 
 
 def test_differences_agree_with_the_exact_sensitivities():
-    """Of a plain nip, for which both are known, on the same nodes."""
+    """Of a nip without wraps, on the same nodes."""
     from woundon.app.answers import _differences, _usual_outputs
 
     problem = wo.NipProblem.example().replace(roll_wrap=0.0)

@@ -39,7 +39,7 @@ def test_a_study_has_the_numbers_of_a_sweep(client, cases):
         for name in outputs:
             found[name][event["numbers"]] = event["values"][name]
     swept = wo.sweep(
-        wo.NipProblem.example().replace(roll_wrap=0.0), {"nip_load": [2e3, 4e3], "web_tension": [2e2, 3e2, 4e2]}, outputs,
+        wo.NipProblem.example(), {"nip_load": [2e3, 4e3], "web_tension": [2e2, 3e2, 4e2]}, outputs,
         chunk=10, workers=1,
     )  # fmt: skip
     for name in outputs:

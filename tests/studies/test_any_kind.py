@@ -218,7 +218,7 @@ def test_bad_studies_of_a_wrapped_nip_are_refused(over, outputs, options, says):
 def test_a_field_may_come_with_a_body_that_is_varied():
     drums = [wo.HalfPlane(radius=0.5, material=name) for name in ("rubber", "steel")]
     over = {"drum": drums, "drum.radius": [0.4], "drum.material": ["rubber"]}
-    data = wo.sweep(paper_nip(), over, nodes=17, workers=1)
+    data = wo.sweep(paper_nip(), over, "nip_induced_tension", nodes=17, workers=1)
     single = wo.solve(paper_nip(drum=wo.HalfPlane(radius=0.4, material="rubber")), nodes=17)
     assert np.ravel(data.nip_induced_tension) == pytest.approx(
         [single.nip_induced_tension] * 2, rel=1e-8

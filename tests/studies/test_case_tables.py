@@ -129,8 +129,8 @@ def test_a_table_of_ones_own_from_a_study_file(tmp_path: Path, capsys: pytest.Ca
     case = wo.load_case(CASE).replace(
         nip_load=1500.0, drum=wo.Rigid(radius=0.1), **{"web.material": wo.material("paper")}
     )
-    single = wo.solve(case, nodes=13).nip_induced_tension
-    assert float(rows[0]["nip_induced_tension [N/m]"]) == pytest.approx(single, rel=SAME)
+    single = wo.solve(case, nodes=13).wound_on_tension
+    assert float(rows[0]["wound_on_tension [N/m]"]) == pytest.approx(single, rel=SAME)
 
 
 def test_a_data_frame_is_a_table_of_cases():

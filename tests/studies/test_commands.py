@@ -369,16 +369,16 @@ def test_figures_of_many_inputs(tmp_path: Path):
         "web.material": ["paper", "newsprint"],
     }
     table = toys.table_of(paper_nip(), over, options={"nodes": 13})
-    figure = table.plot("nip_induced_tension", tmp_path / "grid.png")
+    figure = table.plot("wound_on_tension", tmp_path / "grid.png")
     assert len(figure.axes) == 2
     assert all(len(axes.lines) == 2 for axes in figure.axes)
     drawn = figure.axes[0].lines[0].get_ydata()
-    assert np.all(np.isin(drawn, table.outputs["nip_induced_tension"]))
+    assert np.all(np.isin(drawn, table.outputs["wound_on_tension"]))
     ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
     cases = toys.table_of(
         paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 13}
     )
-    scatter = cases.plot("nip_induced_tension")
+    scatter = cases.plot("wound_on_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]
 
 

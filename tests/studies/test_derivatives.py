@@ -1,9 +1,11 @@
-"""Derivatives of all kinds: by sensitivities of the result, and by differences, as with air."""
+"""Derivatives of all kinds: by sensitivities of the result, and by differences."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from refusals import refused_in_one_line
+from thesis_cases import film_nip
 
 import woundon as wo
 
@@ -38,13 +40,25 @@ def test_rollers_over_speed_and_relaxation_time(rollers: wo.RollerResult) -> Non
 
 
 def test_a_nip_with_air() -> None:
-    result = wo.solve(wo.NipProblem.example(), nodes=33)
-    slopes = wo.derivatives(result, "web_speed", "air.roughness", "nip_load")
-    assert slopes.derivative("film", "web_speed") > 0 > slopes.derivative("film", "nip_load")
-    # a rougher web keeps its friction, and the film hardly minds
-    assert slopes.derivative("friction_share", "air.roughness") > 0
-    # film goes with V^0.6 and more, as compressed air takes more room behind
-    power = slopes.elasticities[slopes.outputs.index("film"), 0]
+    """Exact derivatives against central differences of solves on the same mesh."""
+    result = wo.solve(film_nip(), nodes=33)
+    names = "web_speed", "air.roughness", "nip_load"
+    exact, near = wo.derivatives(result, *names), wo.derivatives(result, *names, nodes=33)
+    for output in ("wound_on_tension", "outlet_tension", "half_width", "drum_creepage"):
+        for name in names:
+            slope = near.derivative(output, name)
+            assert exact.derivative(output, name) == pytest.approx(slope, rel=1e-3, abs=1e-8)
+
+
+def test_the_film_over_speed_and_load() -> None:
+    outputs = "air.film", "air.friction_share"
+    over = {"web_speed": [1.0, 1.1], "nip_load": [300.0, 330.0]}
+    data = wo.sweep(film_nip(), over, outputs, nodes=33, workers=1)
+    film, share = data["air.film"], data["air.friction_share"]
+    assert float(film[0, 1]) < float(film[0, 0]) < float(film[1, 0])
+    assert float(share[1, 0]) < float(share[0, 0])
+    # the film varies as V^0.6, and more because compressed air expands downstream of the nip
+    power = np.log(float(film[1, 0] / film[0, 0])) / np.log(1.1)
     assert 0.55 < power < 0.75
 
 
@@ -73,9 +87,9 @@ def test_exact_ones_are_the_results_own() -> None:
     ],
 )
 def test_what_is_refused(names: tuple[str, ...], said: str) -> None:
-    """Of a kind without sensitivities of its own."""
-    result = wo.solve(wo.NipProblem.example(), nodes=17)
-    refused_in_one_line(lambda: wo.derivatives(result, *names), said)
+    """By differences, which options of the solver ask for."""
+    result = wo.solve(film_nip(), nodes=17)
+    refused_in_one_line(lambda: wo.derivatives(result, *names, nodes=17), said)
 
 
 @pytest.mark.parametrize("given", [3, None, "result.nc"])
@@ -95,5 +109,5 @@ def test_derivatives_of_any_kind_are_told_by_the_symbols_of_their_outputs(
     shown = [k for k, name in enumerate(slopes.outputs) if name != "half_width"]
     # four decimals
     assert [float(x) for x in row[2:]] == pytest.approx(slopes.elasticities[shown, 0], abs=6e-5)
-    air = wo.derivatives(wo.solve(wo.NipProblem.example(), nodes=17), "nip_load")
-    assert str(air).splitlines()[1].split()[:4] == ["value", "[SI]", "WOT", "h"]
+    air = wo.derivatives(wo.solve(film_nip(), nodes=17), "nip_load")
+    assert str(air).splitlines()[1].split()[:4] == ["value", "[SI]", "WOT", "NIT"]

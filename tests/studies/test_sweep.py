@@ -58,7 +58,7 @@ def test_a_dataset_says_what_it_holds(grid):
     assert grid.attrs["version"] == wo.__version__
     assert json.loads(grid.attrs["options"]) == {"nodes": 25}
     base = json.loads(grid.attrs["problem"])
-    assert wo.NipProblem(**base, roll_wrap=0.0) == paper_nip()
+    assert wo.NipProblem(**base) == paper_nip()
 
 
 def test_default_nodes_agree_with_single_solves_within_the_stated_errors():
@@ -240,5 +240,5 @@ def test_editors_see_every_keyword(study):
 
 
 def test_a_study_of_no_problem_is_refused():
-    with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or NipProblem"):
+    with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or WindingProblem"):
         wo.sweep({"nip_load": 1.0}, {"nip_load": [1.0]})

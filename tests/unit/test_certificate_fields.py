@@ -34,9 +34,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "nip, viscoelastic drum": lambda: wo.solve(
         paper_nip(drum=wo.HalfPlane(radius=0.25, material=RUBBER), web_speed=2.0), nodes=33
     ),
-    "nip with wraps": lambda: wo.solve(
-        newsprint_nip().replace(roll_wrap=np.pi, drum_wrap=1.0), nodes=33
-    ),
+    "nip with wraps": lambda: wo.solve(newsprint_nip(roll_wrap=np.pi, drum_wrap=1.0), nodes=33),
     "nip with air": lambda: wo.solve(film_nip(), nodes=33),
     "rollers": lambda: wo.solve(ROLLERS, nodes=41),
     "rollers, static": lambda: wo.solve(ROLLERS.replace(motion="static"), nodes=41),

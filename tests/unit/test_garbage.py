@@ -12,10 +12,11 @@ from collections.abc import Iterator
 from math import pi
 
 import pytest
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 
-NIP = wo.NipProblem.example().replace(roll_wrap=0.0)
+NIP = newsprint_nip()
 COVERED = NIP.replace(
     drum=wo.Cylinder(radius=0.25, core_radius=0.23, material=wo.Isotropic(
         youngs_modulus=1e7, poissons_ratio=0.4))

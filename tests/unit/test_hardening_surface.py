@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hardening_cases import E_T, NEWSPRINT, NU, constant_rings, law_of, linear, nip, roll
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.contact.newton import SemismoothNewton
@@ -275,7 +276,7 @@ def test_a_nip_of_a_roll_that_does_not_harden_is_the_linear_nip() -> None:
 
 def test_a_constant_law_of_the_web_is_the_orthotropic_web() -> None:
     """The compression F(p) of the web is c22 p; its other compliances do not depend on p."""
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0)
+    problem = newsprint_nip()
     E_r = NEWSPRINT.radial - NEWSPRINT.cross**2 / NEWSPRINT.tangential
     stack = wo.Stack(radial=E_r, tangential=E_T, poissons_ratio=NU, shear=10e6)
     other = problem.replace(**{"web.material": stack})
@@ -300,7 +301,7 @@ def test_a_web_that_hardens_between_hard_bodies_is_compressed_point_by_point() -
     K1, K2, h2 = 20e3, 30.0, 2e-3
     soft = wo.Stack(radial=wo.Pfeiffer(K1=K1, K2=K2), tangential=3e9, poissons_ratio=0, shear=1e7)
     hard = wo.Isotropic(youngs_modulus=1e13, poissons_ratio=0.0)
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0).replace(
+    problem = newsprint_nip(
         web=wo.Web(thickness=h2, material=soft), roll=wo.HalfPlane(radius=0.1, material=hard),
         web_tension=0.0,
     )  # fmt: skip

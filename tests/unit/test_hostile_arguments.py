@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import cli
@@ -85,7 +86,7 @@ def test_a_very_deep_name_is_rejected_at_once(case: str, name: str, value: str, 
 @pytest.mark.parametrize("item", [DIGITS, "\N{SUPERSCRIPT TWO}", "-1", "1e3"])
 def test_an_item_that_a_list_does_not_have_is_rejected(item: str):
     layer = wo.Layer(thickness=1e-3, material=wo.material("rubber"))
-    problem = wo.NipProblem.example().replace(roll_wrap=0.0)
+    problem = newsprint_nip()
     layered = problem.replace(drum=wo.Layered(radius=0.1, core="rigid", layers=(layer,)))
     with pytest.raises(wo.InvalidProblem):
         layered.replace(**{f"drum.layers.{item}.thickness": 2e-3})

@@ -11,11 +11,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.io.case_files import template
 
-NIP = wo.NipProblem.example().replace(roll_wrap=0.0)
+NIP = newsprint_nip()
 SECONDS = 6.0  # on a machine that is busy with other tests; alone each takes less than 2
 HEAD, ROW = "nip_load [N/m],half_width [mm]\n", "2000,4\n"
 

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 
-NIP = wo.NipProblem.example().replace(roll_wrap=0.0)
+NIP = newsprint_nip()
 LOADS, WIDTHS = [2000.0, 3000.0], [4e-3, 5e-3]
 GOOD = {"nip_load": LOADS, "half_width": WIDTHS}
 VARY = {"roll_friction": (0.1, 0.3)}

@@ -155,7 +155,7 @@ from thesis_cases import paper_nip
 print("the script runs")
 over = {"nip_load": np.linspace(1000, 4000, 80)}
 data = wo.sweep(paper_nip(), over, nodes=17, chunk=2, workers=2)
-print(int(np.isfinite(data.nip_induced_tension).sum()), "solved")
+print(int(np.isfinite(data.wound_on_tension).sum()), "solved")
 """
 
 

@@ -135,20 +135,20 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
     assert pressure.get_ylabel() == "Pressure $p$ [kPa]"
     assert pressure.get_xlabel() == r"Angle from the edge of the nip $\theta$ [deg]"
     on_roll = curves(tension)["$T$ on roll"]
-    behind = (wrapped.x[own.stop :] - a) / 0.1
-    np.testing.assert_allclose(on_roll[:, 0], np.degrees(behind))
+    angle = (wrapped.x[own.stop :] - a) / 0.1
+    np.testing.assert_allclose(on_roll[:, 0], np.degrees(angle))
     np.testing.assert_allclose(on_roll[:, 1], wrapped.tension[own.stop :])
     assert on_roll[-1, 1] == pytest.approx(wrapped.wound_on_tension)
     assert f"WOT {wrapped.wound_on_tension:.5g} N/m" in curves(tension)
     assert curves(tension)["end of slip"][0][0] == pytest.approx(np.degrees(wrapped.slip_angle))
     on_drum = curves(tension)["$T$ on drum"]
-    before = (-a - wrapped.x[: own.start]) / 0.0762
-    np.testing.assert_allclose(on_drum[:, 0], np.degrees(before))
+    angle = (-a - wrapped.x[: own.start]) / 0.0762
+    np.testing.assert_allclose(on_drum[:, 0], np.degrees(angle))
     np.testing.assert_allclose(on_drum[:, 1], wrapped.tension[: own.start])
     drawn = curves(pressure)
     np.testing.assert_allclose(drawn["$p^{+}$"][:, 1], 1e-3 * wrapped.roll_pressure[own.stop :])
     np.testing.assert_allclose(drawn["$p^{-}$"][:, 1], 1e-3 * wrapped.drum_pressure[: own.start])
-    # friction behind the nip is the wrap's own: where the web slips, all of it is needed
+    # the friction of the wrap is its own field; where the web slips, the traction reaches its bound
     needed = drawn[r"$|q^{+}|/\mu^{+}$"][:, 1]
     np.testing.assert_allclose(needed, 1e-3 * np.abs(wrapped.roll_traction[own.stop :]) / 0.3)
     assert needed[0] == pytest.approx(drawn["$p^{+}$"][0, 1])
@@ -269,7 +269,7 @@ FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     "by default": lambda r: plot_outputs(r["without wraps"]),
     "two": lambda r: wo.plot([r["without wraps"], r["nip"]]),
 }
-LIKE_OTHERS = ("nip", "without wraps", "winding")  # panels of wrapped nips, and of rolls
+LIKE_OTHERS = ("nip", "without wraps", "winding")  # panels of other nips, and of rolls
 MORE_FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     **{
         name: lambda r, name=name: r[name].plot()

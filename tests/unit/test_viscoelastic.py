@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from refusals import refused_in_one_line
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.elasticity.mesh import Wrap, nip_mesh
@@ -32,11 +33,7 @@ def cover(material: wo.Material) -> wo.Cylinder:
 
 
 def nip(**changes: Any) -> wo.NipProblem:
-    return (
-        wo.NipProblem.example()
-        .replace(roll_wrap=0.0)
-        .replace(drum=cover(rubber()), web_speed=5.0, **changes)
-    )
+    return newsprint_nip(drum=cover(rubber()), web_speed=5.0, **changes)
 
 
 def dynamic_test(**known: Any) -> wo.DynamicTest:
@@ -59,7 +56,7 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
         (lambda: nip().replace(web_speed=None), "web_speed: missing; must be > 0 [m/s], as drum"),
         (lambda: nip().replace(web_speed=0.0), "web_speed: 0 is out of range; must be > 0"),
         (
-            lambda: wo.NipProblem.example().replace(roll_wrap=0.0).replace(web_speed=10.0),
+            lambda: newsprint_nip(web_speed=10.0),
             "web_speed: 10 is given, but nothing depends on it; must be left out, or roll or drum",
         ),
         (lambda: nip(**{"web.material": rubber()}), "web.material: viscoelastic; must be elastic"),
@@ -120,10 +117,7 @@ def test_a_problem_may_use_the_speed_for_something_else() -> None:
             yield from super().uses_of_speed()
             yield "roll_friction", "air comes in"
 
-    fields = {
-        name: getattr(wo.NipProblem.example().replace(roll_wrap=0.0), name)
-        for name in wo.NipProblem.model_fields
-    }
+    fields = {name: getattr(newsprint_nip(), name) for name in wo.NipProblem.model_fields}
     assert Airy(**fields | {"web_speed": 10.0}).rolling_speed == 10.0
 
 
@@ -228,7 +222,7 @@ def test_files_and_reports(wrapped: bool, tmp_path: Any) -> None:
 
 
 def test_elastic_results_say_nothing_of_it() -> None:
-    result = wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0), nodes=17)
+    result = wo.solve(newsprint_nip(), nodes=17)
     assert np.isnan(
         [result.rolling_resistance, result.dissipated_power, result.pressure_shift]
     ).all()

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 from refusals import refused_in_one_line
 from seldom import seldom
+from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.elasticity.layers import stacked_compliance
 from woundon.io.case_files import make_problem, read_case, to_toml
 from woundon.problems.graded import graded_layers, wound_kernels
 
-EXAMPLE = wo.NipProblem.example().replace(roll_wrap=0.0)
+EXAMPLE = newsprint_nip()
 PAPER = wo.Stack(
     radial=wo.Pfeiffer(K1=10e3, K2=127), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
 )

@@ -32,21 +32,16 @@ NIPS = {
 
 
 @pytest.mark.parametrize("name", NIPS)
-def test_without_wraps_it_is_the_plain_nip(name: str) -> None:
-    problem = NIPS[name]
-    plain = wo.solve(problem, nodes=65)
-    bare = solve_wrapped(problem, roll_wrap=0.0, nodes=65)
-    assert bare.nip_induced_tension == pytest.approx(plain.nip_induced_tension, rel=1e-8)
-    assert bare.wound_on_tension == pytest.approx(plain.outlet_tension, rel=1e-8)
-    for field in ("half_width", "approach", "offset", "drum_creepage",
-                  "peak_pressure", "leading_roll", "trailing_roll", "dual"):  # fmt: skip
-        assert getattr(bare, field) == pytest.approx(getattr(plain, field), rel=1e-8), field
-    for field in ("drum_pressure", "roll_traction", "drum_traction"):
-        difference = np.abs(getattr(bare, field) - getattr(plain, field)).max()
-        assert difference < 1e-8 * plain.drum_pressure.max()
-    np.testing.assert_array_equal(bare.roll_zone, plain.roll_zone)
-    np.testing.assert_array_equal(bare.drum_zone, plain.drum_zone)
-    assert bare.slip_angle == 0.0
+def test_without_wraps_the_web_is_held_at_the_trailing_edge(name: str) -> None:
+    result = wo.solve(NIPS[name], nodes=33)
+    assert result.wound_on_tension == result.outlet_tension
+    assert result.x[[0, -1]] == pytest.approx([-result.half_width, result.half_width])
+    assert (result.slip_angle, result.hoop_pressure.size, result.curvature.size) == (0.0, 0, 0)
+
+
+def added_in_nip(result: wo.NipResult) -> float:
+    """Return the tension added between the edges of the nip [N/m]."""
+    return result.outlet_tension - result.inlet_tension
 
 
 def _held_far_away(problem: wo.NipProblem) -> float:
@@ -97,7 +92,7 @@ def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
     wrapped = solve_wrapped(problem, wrap_friction=1e-6, nodes=65)
     alone, unit = _held_far_away(problem), problem.roll_friction * problem.nip_load
     # the hoop pressure left is T/R = 1 Pa beside 300 kPa
-    assert wrapped.nip_induced_tension == pytest.approx(alone, abs=2e-5 * unit)
+    assert added_in_nip(wrapped) == pytest.approx(alone, abs=2e-5 * unit)
     assert wrapped.wound_on_tension == pytest.approx(wrapped.outlet_tension, abs=2e-6)
 
 
@@ -111,7 +106,7 @@ def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProbl
         solve_wrapped(problem.replace(web_tension=T), wrap_friction=1e-6, nodes=65)
         for T in (800.0, 400.0, 200.0, 100.0)
     ]
-    differences = [r.nip_induced_tension - alone for r in far]
+    differences = [added_in_nip(r) - alone for r in far]
     assert all(abs(b) < abs(a) for a, b in pairwise(differences))
     # linear in the tension between T_in and T_out
     between = [(r.inlet_tension + r.outlet_tension) / 2 for r in far]

@@ -76,7 +76,6 @@ def tables_of(description: Any) -> dict[str, Any]:
 
 
 def _kind(kind: kinds.Kind) -> dict[str, Any]:
-    own = set(kind.problem.model_fields)
     try:
         example = tables_of(kind.example())
     except InvalidProblem:
@@ -87,7 +86,6 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         "about": kind.about,
         "form": kind.problem.__name__,
         "groups": {name: list(fields) for name, fields in kind.problem.tables.items()},
-        "with": [k.name for k in kinds.every() if own < set(k.problem.model_fields)],
         "example": example,
         "main": list(kind.result.MAIN),
         "outputs": list(_outputs(kind.result)),

@@ -26,7 +26,8 @@ _ROLLERS = {
     "friction": 0.5,
     "tangential_load": 8.4e3,
 }
-_WRAPPED = {**_NIP, "wrap": {"roll_wrap": "180 deg"}}
+_WITHOUT_WRAPS = {**_NIP, "wrap": {"roll_wrap": 0}}
+_WITH_AIR = {**_NIP, "web_speed": "15 m/s", "air": {"roughness": "3 um", "permeance": 1e-7}}
 _ROLL = {
     "radius": 0.15,
     "core": {"radius": 0.0445, "stiffness": "1 GPa"},
@@ -83,7 +84,8 @@ def _body(schema: Any, **examples: Any) -> dict[str, Any]:
     return {"requestBody": {"required": True, "content": content}}
 
 
-OF_CASE = _body(_TABLES, nip=_NIP, wrapped_nip=_WRAPPED, rollers=_ROLLERS)
+OF_CASE = _body(_TABLES, nip=_NIP, without_wraps=_WITHOUT_WRAPS, with_air=_WITH_AIR,
+                rollers=_ROLLERS)  # fmt: skip
 OF_CASES = _body(_CASES, two={"cases": [
     {"label": "A", "case": _NIP}, {"label": "B", "case": {**_NIP, "nip_load": "5 kN/m"}},
 ], "units": {"nip_load": "pli"}})  # fmt: skip

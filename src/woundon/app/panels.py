@@ -94,16 +94,18 @@ def _panel(name: str, column: str, x: Any, y: Any, curves: list[Any], **more: An
 
 
 def _nip_panels(result: Any) -> list[Panel]:
-    return _panels_in_nip(result) + (_wrap_panels(result) if result.problem.is_wrapped else [])
+    panels = _panels_in_nip(result)
+    if result.air is not None:
+        panels.append(_film_panel(result))
+    return panels + (_wrap_panels(result) if result.problem.is_wrapped else [])
 
 
 def _panels_in_nip(result: Any) -> list[Panel]:
     own = result.in_nip
     x, slip_x = result.x[own], result.slip_x[own]
-    edge = 1.03 * result.half_width
 
     def along() -> dict[str, Any]:
-        return _axis("Position along the nip", _quantity(result, "x"), range=[-edge, edge])
+        return _along_the_nip(result)
 
     def axis(label: str, name: str, **more: Any) -> dict[str, Any]:
         return _axis(label, _quantity(result, name), **more)
@@ -127,6 +129,19 @@ def _panels_in_nip(result: Any) -> list[Panel]:
         _panel("pressure", "nip", along(), axis("Pressure", "drum_pressure", floor=0),
                _pressures(result, x, own)),
     ]  # fmt: skip
+
+
+def _along_the_nip(result: Any) -> dict[str, Any]:
+    edge = 1.03 * result.half_width
+    return _axis("Position along the nip", _quantity(result, "x"), range=[-edge, edge])
+
+
+def _film_panel(result: Any) -> Panel:
+    """Return the panel of the entrained air between web and roll."""
+    film = _curve(result, "air.thickness", "between web and roll", "roll",
+                  x=result.x[result.in_nip], y=result.air.thickness)  # fmt: skip
+    return _panel("air_film", "nip", _along_the_nip(result),
+                  _axis("Air film", _quantity(result, "air.thickness"), floor=0), [film])
 
 
 def _pressures(result: Any, x: Array, own: slice) -> list[Any]:

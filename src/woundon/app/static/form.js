@@ -181,9 +181,10 @@ function Member({ store, field, path, lone, holder }) {
   const isNumber = typeof value === "number";
   const choices = field.members.length + words.length + (field.number ? 1 : 0) + (field.named ? 1 : 0) + (field.optional ? 1 : 0) > 1;
   const chosen = isWord ? `#${value}` : named ? `@${value}` : isNumber ? NUMBER : value == null ? NONE : member?.form;
+  const change = (described) => (path === "air" ? store.chooseAir(described) : store.change(path, described));
   const choose = (event) => {
     const to = event.target.value;
-    if (to === NONE) store.change(path, undefined);
+    if (to === NONE) change(undefined);
     else if (to === NUMBER) store.change(path, numberOf(store, field, value));
     else if (to.startsWith("#")) store.change(path, to.slice(1));
     else if (to.startsWith("@")) store.change(path, to.slice(1));
@@ -191,7 +192,7 @@ function Member({ store, field, path, lone, holder }) {
     else {
       const next = field.members.find((one) => one.form === to);
       const before = named ? catalogue.materials.find((one) => one.name === value)?.material : isNumber ? { start: value } : value;
-      store.change(path, startedMember(catalogue, field, next, before));
+      change(startedMember(catalogue, field, next, before));
     }
   };
   const label = T.fields[field.name] ?? (field.label || field.name);

@@ -1,6 +1,6 @@
 // What the page knows: the case, its history, the last good picture, the pinned states.
 import * as api from "./api.js";
-import { changed, fieldsOf, held, memberOf, same } from "./cases.js";
+import { changed, fieldsOf, held, memberOf, same, started } from "./cases.js";
 import { useEffect, useState } from "./html.js";
 import { Units, usual } from "./units.js";
 
@@ -119,6 +119,19 @@ export class Store {
     this.solve(moving);
   }
 
+  /** Choose entrained air, or none (undefined); with air the web needs a speed, without air it may not have one. */
+  chooseAir(air) {
+    const tables = changed(this.state.case, "air", air);
+    const speed = this.fieldAt("web_speed");
+    if (air !== undefined && tables.web_speed === undefined) {
+      this.speedOfAir = true;
+      this.take(this.state.kind, changed(tables, "web_speed", started(this.catalogue, { ...speed, optional: false })));
+    } else if (air === undefined && this.speedOfAir) {
+      this.speedOfAir = false;
+      this.take(this.state.kind, changed(tables, "web_speed", undefined));
+    } else this.take(this.state.kind, tables);
+  }
+
   /** Take a whole case: another kind, one from a file or a link. */
   take(kind, tables) {
     const past = [...this.state.past, { kind: this.state.kind, case: this.state.case }].slice(-KEPT);
@@ -154,7 +167,7 @@ export class Store {
     const names = this.catalogue.forms[next.form].fields.map((field) => field.name);
     const before = others[name] ?? next.example;
     const shared = Object.entries(now).filter(([field]) => names.includes(field) && field in before);
-    const related = shared.length >= 5; // a nip and its wraps, not a nip and a roll
+    const related = shared.length >= 5; // a nip and a winding, not a nip and a roll
     this.set({ others: { ...others, [kind]: now } });
     this.take(name, related ? { ...before, ...Object.fromEntries(shared) } : before);
   }

@@ -9,10 +9,10 @@ export const T = {
   and: "and",
   // which results stand first and large, where a kind has them; of other kinds its main ones
   order: ["wound_on_tension", "nip_induced_tension", "outlet_tension", "nip_width", "peak_pressure", "drum_creepage",
-    "leading_roll", "trailing_roll", "dual"],
+    "leading_roll", "trailing_roll", "dual", "air.film", "air.friction_share"],
   groups: {
     operation: "Operation", friction: "Friction", wrap: "Wrap", web: "Web", roll: "Wound roll", drum: "Winding drum",
-    core: "Core", stack: "Wound stack", upper: "Upper roller", lower: "Lower roller",
+    air: "Entrained air", core: "Core", stack: "Wound stack", upper: "Upper roller", lower: "Lower roller",
   },
   bodies: { roll: "wound roll", drum: "winding drum", upper: "upper roller", lower: "lower roller" },
   kinds: {
@@ -22,7 +22,7 @@ export const T = {
     Rigid: "rigid", HalfPlane: "elastic half-plane", Cylinder: "elastic cylinder on a core", Layered: "layered (cover)",
     WoundRoll: "wound roll that hardens", Layer: "Layer", Orthotropic: "orthotropic", Isotropic: "isotropic",
     Stack: "stack that hardens", Pfeiffer: "Pfeiffer's law", PowerLaw: "power law", StackTest: "measured stack test",
-    LossAngle: "viscoelastic, by loss angle", DynamicTest: "viscoelastic, measured", PronyTerm: "viscoelastic term", AirBetween: "air between the laps",
+    LossAngle: "viscoelastic, by loss angle", DynamicTest: "viscoelastic, measured", PronyTerm: "viscoelastic term", AirBetween: "air between the layers", Air: "entrained air",
     Constant: "constant", Polynomial: "polynomial", Profile: "points over the radius", Taper: "taper",
   },
   fields: { material: "material", radial: "hardening law", core: "core", layers: "layers", kind: "kind", law: "law", hardening: "how it hardens" },
@@ -55,7 +55,7 @@ export const T = {
   },
   panels: {
     tractions: "Tangential tractions and friction bounds", slips: "Slip and web tension in the nip", zones: "Zones",
-    pressure: "Pressure", wrap_tension: "Web tension behind the nip", wrap_pressure: "Pressure behind the nip",
+    pressure: "Pressure", wrap_tension: "Web tension on the wraps", wrap_pressure: "Pressure on the wraps", air_film: "Air film in the nip",
     hoop_stress: "Hoop stress", compression: "Hoop stress where it is compressive", radial_modulus: "Hardness", tension: "Tension over the radius", loads: "Nip load and winding force", slip: "Slip",
     curve: (output, field) => `${output} against ${field}`, tensions: "Tension", bars: "What the answer depends on",
     barsOf: (output) => `Change of ${output} in % for 1 % more of`,
