@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NoReturn
 import numpy as np
 
 from .. import kinds
+from ..errors import warn
 from ..problems.nip import NipProblem, WrappedNipProblem
 from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 
 if TYPE_CHECKING:
+    from .layer_slip import LayerSlip
     from .sensitivity import Sensitivity
 
 __all__ = ["Dissipation", "NipResult", "SlipRatios", "WindingNipResult", "WrappedNipResult"]
@@ -184,6 +186,19 @@ class WindingNipResult(Dissipation, Result):
     def slip_zone(self) -> Zone:
         """The way the web slips on the roll at the nip's trailing edge."""
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
+
+    @cached_property
+    def layer_slip(self) -> LayerSlip | None:
+        """Index of slip between the layers of the roll, which the model takes as bonded.
+
+        None of a roll whose interior stresses are not known (rigid, viscoelastic).  A ratio above
+        1 issues a :class:`~woundon.errors.ValidityWarning`.
+        """
+        from .layer_slip import layer_slip  # imported late: it is not part of every report
+
+        found = layer_slip(self)
+        warn([found.warning] if found and found.warning else ())
+        return found
 
     def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
         """Return exact derivatives of outputs with respect to fields of the problem.

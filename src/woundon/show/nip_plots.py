@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from ..nip.result import NipResult, WindingNipResult, WrappedNipResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
+from .layer_slip_plots import LAYER_SLIP
 from .panels import NEUTRAL, Case, Panel
 from .parts import nip_zones
 
@@ -33,8 +34,10 @@ def nip_panels(result: NipResult) -> dict[str, Panel]:
     - slips: v+ and v- [%], and the web tension [N/m] on the right
     - zones: at roll and drum
     - pressure, tension: alone, if asked for
+    - layer_slip, layer_shear: if asked for, the shear between the layers of the roll less what
+      friction carries over x and depth [kPa], and its largest values over the depth
     """
-    return dict(NIP)
+    return {**NIP, **LAYER_SLIP}
 
 
 def draw_tractions(axes: Axes, cases: Cases) -> Handles:
@@ -150,7 +153,7 @@ def wrapped_panels(result: WrappedNipResult) -> dict[str, Panel]:
     Where the web is wrapped on the drum too, the same before the nip.
     """
     wrapped = result.problem.roll_wrap or result.problem.drum_wrap
-    return {**NIP, **WRAPS} if wrapped else dict(NIP)
+    return {**NIP, **WRAPS, **LAYER_SLIP} if wrapped else {**NIP, **LAYER_SLIP}
 
 
 def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:

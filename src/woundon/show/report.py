@@ -129,6 +129,7 @@ def nip_report(result: NipResult) -> list[Part]:
         Section("Loads", _loads(result)),
         Section(HELD, rows_of(result, names + NIP, approach=_level(result)), BRACKETS),
         nip_zones(result),
+        *_layer_slip(result),
         *_other_theories(result),
     ]
 
@@ -164,6 +165,25 @@ def _deep(body: Body) -> bool:
     return not body.rigid and isinf(body.thickness)
 
 
+LAYERS = "Slip between the layers of the roll, which the model takes as bonded"
+
+
+def _layer_slip(result: WindingNipResult) -> Iterator[Part]:
+    """Yield the index of slip between the layers, where interior stresses are known."""
+    with unwarned():
+        slip = result.layer_slip
+    if slip is None:
+        return
+    names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
+    places = ((name, quantities.output(slip, name)) for name in names)
+    yield Section(
+        LAYERS,
+        tuple(row_of(place.quantity, getattr(slip, name)) for name, place in places
+              if place is not None and place.quantity is not None),
+    )  # fmt: skip
+    yield from warning_lines(filter(None, [slip.warning]))
+
+
 # ---- the nip with its wraps ---------------------------------------------------------------------
 
 
@@ -182,6 +202,7 @@ def wrapped_report(result: WrappedNipResult) -> list[Part]:
         Section(WRAPPED if problem.roll_wrap else HELD, _wrapped_rows(result)),
         nip_zones(result),
         *_held_at_the_edge(result),
+        *_layer_slip(result),
         *_other_theories(result),
     ]
 
