@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 
 from ..elasticity.interior_stress import Section
+from ..errors import InvalidProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import length, pure
@@ -207,7 +208,12 @@ def wound_in_pressure(result: WindingNipResult, depths: Array) -> Array:
     if isinstance(roll, WoundRoll):
         P0 = np.minimum(P0, roll.wound_pressure(roll.radius - z))
     stack = roll.stack if isinstance(roll, WoundRoll) else problem.web.material
-    return np.minimum(P0, stack.plateau_pressure(T)) if isinstance(stack, Stack) else P0
+    if not isinstance(stack, Stack):
+        return P0
+    try:
+        return np.minimum(P0, stack.plateau_pressure(T))
+    except InvalidProblem:  # the law ends below the plateau
+        return np.minimum(P0, stack.radial.highest)
 
 
 def _blocks(result: WindingNipResult) -> list[Array]:

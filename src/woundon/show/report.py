@@ -176,12 +176,9 @@ def _layer_slip(result: WindingNipResult) -> Iterator[Part]:
         return
     names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
     places = ((name, quantities.output(slip, name)) for name in names)
-    yield Section(
-        LAYERS,
-        tuple(row_of(place.quantity, getattr(slip, name)) for name, place in places
-              if place is not None and place.quantity is not None),
-    )  # fmt: skip
-    yield from warning_lines(filter(None, [slip.warning]))
+    rows = tuple(row_of(place.quantity, getattr(slip, name)) for name, place in places
+                 if place is not None and place.quantity is not None)  # fmt: skip
+    yield Section(LAYERS, rows, f"warning: {slip.warning}" if slip.warning else "")
 
 
 # ---- the nip with its wraps ---------------------------------------------------------------------
