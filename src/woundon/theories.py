@@ -28,7 +28,10 @@ from .elasticity import half_plane
 from .errors import InvalidProblem
 from .problems.bodies import Body, contact_radius
 from .problems.nip import NipProblem
+from .problems.radial_laws import Pfeiffer
 from .problems.rollers import RollerProblem
+from .problems.stack import Stack
+from .roll.gauge_band import GaugeBand, band_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FullStick",
+    "GaugeBand",
     "Hertz",
     "PartialSlip",
     "bentall_johnson_frictionless",
@@ -45,11 +49,14 @@ __all__ = [
     "cattaneo",
     "dual_slip",
     "friction_limit",
+    "gauge_band",
     "hertz",
     "jalkanen",
 ]
 
 Array = np.ndarray
+
+MOST_EXCESS = 0.1  # relative additional thickness of a lane; mills hold the profile within 0.02
 
 
 class _Pair(NamedTuple):
@@ -405,3 +412,81 @@ def bentall_johnson_stick(problem: RollerProblem) -> FullStick:
         amplitude=cosh(pi * eta) / (R * C),
         anisotropy=sqrt(C / B),
     )
+
+
+def gauge_band(
+    *,
+    thickness: float,
+    tension: float,
+    excess: float,
+    K1: float | None = None,
+    K2: float | None = None,
+    tangential: float | None = None,
+    stack: Stack | None = None,
+) -> GaugeBand:
+    """Return a lane that is thicker than the rest of the web, in the plateau of a long roll::
+
+        T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)      plateau of the mean roll, T = tension/thickness
+        (K1 + P_b)/(K1 + P) = exp(K2 d)           the lane's compression is larger by d
+        T_b^2 K2/(2 E_t) = P_b - K1 ln(1 + P_b/K1)
+        lead = (T_b - T)/E_t                      excess of its radius, relative to the mean
+
+    Of another law of the stack: T^2/(2 E_t) = int P d eps, and the lane's compressive strain eps is
+    larger by d.  Valid in a roll of many thin layers, far from core and surface, for lead well
+    below d; shear between the lanes is neglected, which makes the lane's tension too large.
+
+    Parameters
+    ----------
+    thickness : float
+        h of the web [m].
+    tension : float
+        Wound-on tension of the mean roll [N/m].
+    excess : float
+        d, additional thickness of the lane over h [1]; < 0 for a thin lane, which may be slack.
+    K1, K2 : float
+        Of Pfeiffer's law [Pa], [1].
+    tangential : float
+        E_t along the web [Pa].
+    stack : Stack, optional
+        In place of K1, K2 and tangential.
+
+    Returns
+    -------
+    GaugeBand
+        ``tension`` [N/m] and ``pressure`` [Pa] of the lane, ``lead`` [1], ``mean_pressure`` [Pa] of
+        the rest of the roll, and ``strain`` [1] of the lane along the web.
+
+    Raises
+    ------
+    InvalidProblem
+        For values out of range, or a law of the stack that ends below a pressure.
+
+    Source: derived from the plateau relation of :meth:`woundon.Stack.plateau_pressure`.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> band = wo.theories.gauge_band(K1=10e3, K2=40.0, tangential=3.38e9, thickness=66e-6,
+    ...                               tension=350.0, excess=0.01)
+    >>> print(f"{band.tension:.1f} N/m, {band.pressure / 1e3:.0f} kPa, {band.lead:.3%}")
+    440.9 N/m, 298 kPa, 0.041%
+    """
+    law = {"K1": K1, "K2": K2, "tangential": tangential}
+    if stack is None:
+        if K1 is None or K2 is None or tangential is None:
+            missing = [name for name, value in law.items() if value is None]
+            raise InvalidProblem([(name, "missing; must be given, or stack") for name in missing])
+        # neither Poisson's ratio nor the shear modulus enters
+        stack = Stack(
+            radial=Pfeiffer(K1=K1, K2=K2), tangential=tangential, poissons_ratio=0.0, shear=1e6
+        )
+    elif given := [name for name, value in law.items() if value is not None]:
+        raise InvalidProblem.at(given[0], "is given together with a stack; must be one of the two")
+    check_type("stack", stack, Stack)
+    for name, value in (("thickness", thickness), ("tension", tension)):
+        if not 0 < value < float("inf"):
+            raise InvalidProblem.at(name, f"{value!r} is out of range; must be > 0")
+    if not abs(excess) <= MOST_EXCESS:
+        text = f"{excess!r} is out of range; must be >= -{MOST_EXCESS} and <= {MOST_EXCESS} [1]"
+        raise InvalidProblem.at("excess", text)
+    return band_of(stack, thickness, tension, excess)

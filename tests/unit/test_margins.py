@@ -20,7 +20,7 @@ from woundon.winding.criteria import (
     torque_share,
 )
 
-NAMES = ("slip", "compression", "blocking", "core", "strength", "slack")
+NAMES = ("slip", "compression", "blocking", "core", "strength", "slack", "gauge_band")
 MU = 0.19
 
 
@@ -154,6 +154,7 @@ def test_the_stages_that_are_looked_at_suffice(
         ("core", {"core_pressure": 4e5}, {"core.stiffness": 1e8}),  # it gives way
         ("strength", {"web_strength": 1e3}, {"wound_on_tension": 250.0}),
         ("slack", {"slack_tension": 50.0}, {"wound_on_tension": 450.0}),
+        ("gauge_band", {"yield_strain": 0.01}, {"wound_on_tension": 250.0}),
     ],
 )  # fmt: skip
 def test_each_margin_grows_with_what_is_known_to_help(
@@ -177,12 +178,13 @@ def test_friction_helps_and_a_start_by_the_core_asks_for_more(roll: wo.RollResul
 
 KEPT = {
     "layer_friction": MU, "compression": 3e5, "blocking_pressure": 5e5, "core_pressure": 5e5,
-    "web_strength": 1e3, "slack_tension": 50.0,
+    "web_strength": 1e3, "slack_tension": 50.0, "yield_strain": 0.01,
 }  # fmt: skip
 BROKEN = {
     "slip": {"torque_share": 0.05}, "compression": {"compression": 0.0},
     "blocking": {"blocking_pressure": 2e5}, "core": {"core_pressure": 2e5},
     "strength": {"web_strength": 300.0}, "slack": {"slack_tension": 400.0},
+    "gauge_band": {"yield_strain": 0.001},
 }  # fmt: skip
 
 
@@ -206,14 +208,14 @@ def test_each_margin_can_fail_and_fails_alone(roll: wo.RollResult, name: str) ->
 
 def test_none_is_silently_absent(roll: wo.RollResult) -> None:
     found = wo.margins(roll)
-    assert [margin.ok for margin in found] == [None] * 6
+    assert [margin.ok for margin in found] == [None] * 7
     assert found.least is None
     told = str(found)
     for name in NAMES:
         assert f" {name}: " in told
         assert found[name].left_out.split(",")[0][:20] in " ".join(told.split())
-    assert told.count("not checked") == 6
-    assert told.count("no limit given") == 5
+    assert told.count("not checked") == 7
+    assert told.count("no limit given") == 6
     assert "the friction between laps is not given" in told
 
 

@@ -17,6 +17,7 @@ import woundon as wo
 from woundon import kinds, quantities
 from woundon.show.parts import Row, Section, certificate_line, zone_line
 from woundon.show.report import (
+    LAYERS,
     nip_report,
     outputs_report,
     print_report,
@@ -135,7 +136,7 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
         # of windings: at the top, beside others, or by the margins
         "nodes", "nips_solved", "roll_rtol", "agreed", "air_film", "torque_share",
         "largest_compression", "largest_core_pressure", "largest_tension", "least_tension",
-        "least_reserve",
+        "least_reserve", "band_strain", "ridge_height",
     }  # fmt: skip
     for result in examples:
         said = lines(str(result))
@@ -259,7 +260,8 @@ def test_a_nip_that_is_none_without_its_wraps_says_why():
 def test_without_a_wrap_on_the_roll_nothing_is_compared():
     result = wo.solve(newsprint_nip(drum_wrap=0.5), nodes=NODES)
     assert list(sections(nip_report(result))) == [
-        "Loads and wraps", "Winding nip, the web held at its trailing edge", "Other theories",
+        "Loads and wraps", "Winding nip, the web held at its trailing edge", LAYERS,
+        "Other theories",
     ]  # fmt: skip
 
 

@@ -16,6 +16,7 @@ LIMITS = wo.Limits(compression=100e3, blocking_pressure=2e6, web_strength=2e3, s
 OUTPUTS = {
     "torque_share": "slip", "largest_compression": "compression", "peak_pressure": "blocking",
     "largest_core_pressure": "core", "largest_tension": "strength", "least_tension": "slack",
+    "band_strain": "gauge_band",
 }  # fmt: skip
 
 
@@ -92,7 +93,7 @@ def test_limits_stand_in_a_case_file(tmp_path: Path) -> None:
 
 def test_the_report_ends_with_the_margins(wound: wo.WindingResult) -> None:
     told = str(wound)
-    for name in ("slip", "compression", "blocking", "core", "strength", "slack"):
+    for name in ("slip", "compression", "blocking", "core", "strength", "slack", "gauge_band"):
         assert f"\n {name}: " in told
     assert "VIOLATED by" in told
     assert "not checked" in told  # the core, of which only the stiffness is known

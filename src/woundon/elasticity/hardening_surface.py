@@ -21,13 +21,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .cylinder import depth
 from .influence import InfluenceSurface
+from .interior_stress import Section, cylinder_sections
 from .mesh import Face
 from .ring_elements import Fineness, RingMesh
 from .ring_equilibrium import RingPair, RingState
 from .surface import Deformation, SurfaceTangent
 
-__all__ = ["HardeningSurface", "ring_fineness"]
+__all__ = ["HardeningSurface", "hardening_sections", "ring_fineness"]
 
 Array = np.ndarray
 
@@ -186,3 +188,49 @@ def ring_fineness(cells: int) -> Fineness:
     many = MANY_CELLS / 2 * (cells / MANY_CELLS) ** 0.6
     inside = max(FEWEST_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(many))
     return Fineness(inside, 8 + inside // 4, 4 + 3 * inside // 8)
+
+
+def hardening_sections(
+    ring: RingPair, x: Array, p: Array, q: Array, depths: Array, half_width: float
+) -> tuple[Section, ...]:
+    """Return the stresses that surface tractions add to those of a wound, hardening roll.
+
+    Those of the linear cylinder with the moduli of the wound surface, by harmonics, plus the
+    difference between the hardening and the linear ring.  The difference vanishes at the surface
+    and is interpolated linearly between the quadrature points of the elements.
+
+    Parameters
+    ----------
+    ring : RingPair
+    x, p, q : (k,) arrays
+        Nodes [m], within one circumference, and piecewise linear tractions [Pa].
+    depths : (m,) array
+        z > 0 [m], above the core.
+    half_width : float
+        a of the nip [m].
+    """
+    cells = int(np.sum(np.abs(x) <= half_width * (1 + 1e-9))) - 1
+    mesh = ring.mesh(ring_fineness(cells), half_width)
+    hats = mesh.hats(x)
+    forces = np.stack([-hats @ np.maximum(p, 0.0), hats @ q])
+    stress = ring.stress_difference(ring.equilibrium(mesh, forces), forces)
+    grid_x, grid_r = mesh.quadrature_grid
+    grid_r = np.append(grid_r, ring.radius)
+    normal, shear = (
+        np.vstack([mesh.on_quadrature_grid(stress[..., k]), np.zeros(grid_x.size)]) for k in (0, 2)
+    )
+
+    def at_depth(values: Array, z: float, around: Array) -> Array:
+        k = int(np.clip(np.searchsorted(grid_r, ring.radius - z), 1, grid_r.size - 1))
+        t = (ring.radius - z - grid_r[k - 1]) / np.diff(grid_r)[k - 1]
+        along = values[k - 1] * (1 - t) + values[k] * t
+        return np.interp(around, grid_x, along, period=mesh.period)
+
+    layers = ((depth(ring.radius, ring.core_radius), *ring.stiffness),)
+    return tuple(
+        Section(
+            s.depth, s.x,
+            s.normal + at_depth(normal, s.depth, s.x), s.shear + at_depth(shear, s.depth, s.x),
+        )
+        for s in cylinder_sections(x, p, q, depths, ring.radius, layers)
+    )  # fmt: skip

@@ -54,7 +54,7 @@ import numpy as np
 
 from .strip import stiffness_along
 
-__all__ = ["Factors", "Layer", "Layers", "stacked_compliance"]
+__all__ = ["Factors", "Layer", "Layers", "stacked_compliance", "traction_transfer"]
 
 Array = np.ndarray
 # ln(outer/inner radius), A_rr, A_tt, A_rt, G, and D where it is known better than by the three
@@ -91,6 +91,33 @@ def stacked_compliance(
         [_on_core(stack, block, free) for stack, block in zip(made, blocks, strict=True)], axis=-1
     )
     return Y.reshape((2, 2, *n.shape))
+
+
+def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False) -> Array:
+    """Return B with t = B t1 between upper and lower layers, t1 at the outer surface, (2, 2, n).
+
+    Parameters
+    ----------
+    n : (n,) array of int
+        Harmonics, >= 0.
+    upper, lower : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        Outermost first, as of :func:`stacked_compliance`.
+    free : bool
+        Whether the core is an open bore; else it is rigid.
+
+    Notes
+    -----
+    t0 = A' t1 - H w0 of the upper layers and w0 = Y t0 of the lower ones give
+    B = (I + H Y)^-1 A'.
+    """
+    n = np.asarray(n, dtype=float)
+    Y, system = stacked_compliance(n, lower, free), Systems.of(*upper)
+    blocks = np.array_split(n, max(1, n.size * len(upper) // 4096))  # each stays in the cache
+    E, _, H = (
+        np.concatenate(parts, axis=-1)
+        for parts in zip(*(system.stacked(block) for block in blocks), strict=True)
+    )
+    return _mul(_inverse_of_one_plus(_mul(H, Y)), _one_plus(E).swapaxes(0, 1))
 
 
 def _on_core(stack: Matrices, n: Array, free: bool) -> Array:

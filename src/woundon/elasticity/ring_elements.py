@@ -270,6 +270,22 @@ class RingMesh:
 
     # ---- the elements --------------------------------------------------------------------------
 
+    @property
+    def quadrature_grid(self) -> tuple[Array, Array]:
+        """The quadrature points, ascending x (3 columns,) and r (3 rows,) [m]."""
+        top = self.topology
+        a, b = (np.unique(np.round(at, 12)) for at in top.at)
+        x = (self.x[:-1, None] + np.diff(self.x)[:, None] * a).ravel()
+        return x, (self.r[:-1, None] + np.diff(self.r)[:, None] * b).ravel()
+
+    def on_quadrature_grid(self, values: Array) -> Array:
+        """Return values (e, 9) at the points of :attr:`quadrature_grid`, (3 rows, 3 columns)."""
+        top = self.topology
+        i, j = (np.unique(np.round(at, 12), return_inverse=True)[1] for at in top.at)
+        out = np.empty((3 * self.fineness.rows, 3 * self.fineness.columns))
+        out[3 * top.row[:, None] + j, 3 * top.column[:, None] + i] = values
+        return out
+
     @cached_property
     def _heights(self) -> Array:
         """r at the points of each element, (e, 9) [m]."""

@@ -205,13 +205,17 @@ class RingPair:
 
     def linear(self, mesh: RingMesh, forces: Array) -> Array:
         """Return the surface displacements of the linear ring, (2, k) [m]."""
+        return np.asarray(self.linear_displacements(mesh, forces)[mesh.topology.surface])
+
+    def linear_displacements(self, mesh: RingMesh, forces: Array) -> Array:
+        """Return all displacements of the linear ring under nodal forces (2, k) [m]."""
         size, surface = mesh.topology.size, mesh.topology.surface
         f = np.zeros(size)
         f[surface] = forces
         at, factors = self._linear_factors(mesh, np.inf)
         u = factors.solve(f)
         if at is mesh:
-            return u[surface]
+            return u
         moduli, unit = self._moduli, float(np.linalg.norm(f))
         K = LinearOperator((size, size), lambda v: mesh.forces(mesh.strain(v.ravel()) @ moduli))
         M = LinearOperator((size, size), factors.solve)
@@ -219,7 +223,7 @@ class RingPair:
         if info:
             _, factors = self._linear_factors(mesh, 0.0)
             u = factors.solve(f)
-        return u[surface]
+        return u
 
     def _linear_factors(self, mesh: RingMesh, near: float) -> tuple[RingMesh, Factors]:
         """Return the factors of the linear ring on a mesh of a half width at most so far away."""
@@ -241,6 +245,11 @@ class RingPair:
     def difference(self, state: RingState, forces: Array) -> Array:
         """Return the surface displacements of a state minus those of the linear ring, (2, k)."""
         return state.u[state.mesh.topology.surface] - self.linear(state.mesh, forces)
+
+    def stress_difference(self, state: RingState, forces: Array) -> Array:
+        """Return sigma_r, sigma_t and tau of a state minus those of the linear ring, (e, 9, 3)."""
+        linear = state.mesh.strain(self.linear_displacements(state.mesh, forces))
+        return np.asarray(state.stressed.stress - linear @ self._moduli)
 
     def tangent(self, state: RingState) -> Array:
         """Return the derivative of :meth:`difference` by the nodal forces, (2, k, 2, k)."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, warn
 from ..problems.air import with_film
 from ..problems.fields import shown
 from ..problems.nip import NipProblem
@@ -22,6 +22,7 @@ from .air_films import friction_between
 from .entrained_air import AirFilm
 
 if TYPE_CHECKING:
+    from .layer_slip import LayerSlip
     from .sensitivity import Sensitivity
 
 __all__ = ["Dissipation", "NipResult", "SlipRatios"]
@@ -226,6 +227,19 @@ class NipResult(Dissipation, Result):
     def nodes(self) -> int:
         """Number of nodes in the nip."""
         return self.in_nip.stop - self.in_nip.start
+
+    @cached_property
+    def layer_slip(self) -> LayerSlip | None:
+        """Index of slip between the layers of the roll, which the model takes as bonded.
+
+        None of a roll whose interior stresses are not known (rigid, viscoelastic).  A ratio above
+        1 issues a :class:`~woundon.errors.ValidityWarning`.
+        """
+        from .layer_slip import layer_slip  # imported late: it is not part of every report
+
+        found = layer_slip(self)
+        warn([found.warning] if found and found.warning else ())
+        return found
 
     def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
         """Return exact derivatives of outputs with respect to fields of the problem.

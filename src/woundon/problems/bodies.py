@@ -20,6 +20,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..elasticity import cylinder, half_plane, rolling
 from ..elasticity.fourier import uniform_response
 from ..elasticity.influence import InfluenceSurface
+from ..elasticity.interior_stress import Section, cylinder_sections, half_plane_sections
 from ..elasticity.kernels import SurfaceKernels
 from ..elasticity.layers import stacked_compliance
 from ..elasticity.surface import RigidSurface, SurfaceResponse
@@ -109,6 +110,22 @@ class Body(Family):
             [Pa].
         """
         return 0.0
+
+    def interior_stress(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
+    ) -> tuple[Section, ...] | None:
+        """Return the stresses at depths below the surface; None of a body that does not know them.
+
+        Parameters
+        ----------
+        x, p, q : (k,) arrays
+            Nodes [m], pressures and tractions of the web on the body along +x [Pa].
+        depths : (m,) array
+            z [m], > 0 and less than the thickness.
+        half_width : float
+            a of the nip [m].
+        """
+        return None
 
     @property
     def curvature(self) -> float:
@@ -262,6 +279,14 @@ class HalfPlane(KernelBody):
         reach = (pi + 1) * self.radius  # as far as a wrap goes
         return rolling.half_plane_kernels(stiffness, self.material.relaxation(speed), reach)
 
+    def interior_stress(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
+    ) -> tuple[Section, ...] | None:
+        """Return the stresses below the surface; None if the material is viscoelastic."""
+        if self.viscoelastic:
+            return None
+        return half_plane_sections(x, p, q, depths, self.radius, self.material.stiffness)
+
 
 class Cylinder(KernelBody):
     """An elastic cylinder on a rigid core (thesis sec. 2.2); a drum cover's core is the shell.
@@ -303,6 +328,15 @@ class Cylinder(KernelBody):
             return cylinder.surface_kernels(R, R0, *stiffness)
         layer = (cylinder.depth(R, R0), *stiffness)
         return rolling.layered_kernels(R, (layer,), (self.material.relaxation(speed),))
+
+    def interior_stress(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
+    ) -> tuple[Section, ...] | None:
+        """Return the stresses below the surface; None if the material is viscoelastic."""
+        if self.viscoelastic:
+            return None
+        layer = (cylinder.depth(self.radius, self.core_radius), *self.material.stiffness)
+        return cylinder_sections(x, p, q, depths, self.radius, (layer,))
 
 
 def core_inside(body: Any) -> None:
@@ -425,6 +459,14 @@ class Layered(KernelBody):
             return cylinder.layered_kernels(self.radius, self._stack, free)
         relaxations = tuple(material.relaxation(speed) for material in self.materials)
         return rolling.layered_kernels(self.radius, self._stack, relaxations, free)
+
+    def interior_stress(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
+    ) -> tuple[Section, ...] | None:
+        """Return the stresses below the surface; None if a material is viscoelastic."""
+        if self.viscoelastic:
+            return None
+        return cylinder_sections(x, p, q, depths, self.radius, self._stack, self.core == "free")
 
 
 def contact_radius(one: Body, two: Body) -> float:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..quantities import Quantity, line_load, pure, stress
+from ..quantities import Quantity, line_load, pure, strain, stress
 from .fields import Description, Number
 
 __all__ = ["Limits"]
@@ -34,6 +34,9 @@ class Limits(Description):
         That the core bears [Pa]; without it the elastic collapse of a thin tube.
     web_strength : float, optional
         Tension that the web bears [N/m].
+    yield_strain : float, optional
+        Strain along the web at which it yields, so that the lane of a gauge band stays longer and
+        is baggy [1].
     slack_tension : float, optional
         Tension at and below which the web runs slack [N/m].
 
@@ -81,3 +84,7 @@ class Limits(Description):
         line_load("T_s", "tension below which the web runs slack", (5.0, 100.0)),
         Field(gt=0, le=1e8),
     ] = None
+    yield_strain: Annotated[
+        Number | None, strain("eps_y", "strain along the web at which it yields"),
+        Field(gt=0, le=1),
+    ] = None  # fmt: skip

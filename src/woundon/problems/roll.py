@@ -15,11 +15,19 @@ from .radial_laws import Pfeiffer
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
 
-__all__ = ["Core", "RollProblem"]
+__all__ = ["Core", "GaugeExcess", "RollProblem"]
 
 MOST_LAPS = 1e6
 FEWEST_LAPS = 10
 PER_KELVIN = 1e-2  # no solid expands more
+
+
+# of rolls and windings
+GaugeExcess = Annotated[
+    Number,
+    strain("d", "additional thickness of the thickest lane across the width"),
+    Field(ge=0, le=0.1),
+]
 
 
 def _expansion(symbol: str, meaning: str) -> Quantity:
@@ -114,6 +122,9 @@ class RollProblem(Problem):
         WOT over the radius [N/m], > 0.
     density : float, optional
         Of the web [kg/m^3]; with it the result has the roll's mass.
+    gauge_excess : float
+        d, additional thickness of the thickest lane across the width, relative to the web [1].  It
+        changes no stress of the roll, only the margin and the ridge of that lane.
     temperature_change : float
         Of the finished roll, core included [K].
     tangential_expansion, radial_expansion, core_expansion : float
@@ -160,6 +171,7 @@ class RollProblem(Problem):
         Number, _expansion("alpha_c", "thermal expansion of the core"),
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
     ] = 0.0  # fmt: skip
+    gauge_excess: GaugeExcess = 0.0
     core_shrinkage: Annotated[
         Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
     ] = 0.0

@@ -37,6 +37,15 @@ __all__ = ["AnyStack", "Stack"]
 
 Array = np.ndarray
 
+# Gauss points of each cell of an integral over the pressure, and halvings of the cells towards
+# zero: a law with K1 = 1e-6 P is integrated to 1e-12.
+GAUSS, SMALLEST_CELL = 12, 24
+# Of Newton's method for the plateau, in ln P: its error after a step is about the square of it.
+PLATEAU_STEP, LARGEST_STEP, PLATEAU_STEPS = 1e-8, 3.0, 60
+# Pressure above which no roll is wound [Pa].  Laws that stiffen faster than P^2 take up a bounded
+# work of compression: under a larger tension they have no plateau.
+LAST_PRESSURE = 1e10
+
 
 class Stack(Solid):
     """The material of a wound roll, stiffer under pressure through it, linear along it.
@@ -105,6 +114,79 @@ class Stack(Solid):
     def stiffness(self) -> Stiffness:
         """The plane-strain stiffness A_rr, A_tt, A_rt, G without pressure [Pa]."""
         return self.tangent(0.0)._replace(along=self.tangential)
+
+    def compression_energy(self, P: float | Array) -> Any:
+        """Return int_0^P P' dP'/E_r(P') [Pa], the work of uniaxial compression per volume.
+
+        Parameters
+        ----------
+        P : array_like
+            Pressure [Pa], >= 0.
+        """
+        P = np.asarray(P, dtype=float)
+        # E_r may rise from zero pressure on within a small share of P: cells halve towards zero
+        ends = np.append(0.0, 0.5 ** np.arange(SMALLEST_CELL, -1, -1))
+        points, weights = np.polynomial.legendre.leggauss(GAUSS)
+        half = np.diff(ends)[:, None] / 2
+        part, weight = (ends[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
+        at = P[..., None] * part
+        return (P * ((at / self.radial.modulus(at)) @ weight))[()]
+
+    def plateau_pressure(self, stress: float | Array) -> Any:
+        """Return the pressure far from core and surface of a roll wound at constant tension [Pa].
+
+        The first integral of the equations of a wound roll below its surface, many thin layers
+        deep: the work of compression is that of the tension, T^2/(2 E_t) = int_0^P P' dP'/E_r.
+        The curvature left out makes it 3 to 13 % low in rolls of paper and film.
+
+        Parameters
+        ----------
+        stress : array_like
+            T = WOT/h [Pa], >= 0.
+
+        Raises
+        ------
+        InvalidProblem
+            If the law of the stack ends below that pressure.
+
+        Examples
+        --------
+        >>> import woundon as wo
+        >>> stack = wo.Stack(radial=wo.Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9,
+        ...                  poissons_ratio=0.01, shear=10e6)
+        >>> round(stack.plateau_pressure(350 / 66e-6))
+        196689
+        """
+        T = np.asarray(stress, dtype=float)
+        work = np.maximum(T**2 / (2 * self.tangential), 1e-300)
+        # Newton's method in logarithms: d ln W/d ln P is 2 of a constant modulus, 1 of one that is
+        # proportional to P, and hardly varies between
+        P = np.sqrt(2 * work * self.radial.modulus(np.zeros(T.shape) + 1.0))
+        for _ in range(PLATEAU_STEPS):
+            W = self.compression_energy(P)
+            step = (np.log(work) - np.log(W)) * W * self.radial.modulus(P) / P**2
+            P = np.minimum(
+                P * np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP)), 2 * LAST_PRESSURE
+            )
+            if np.all(np.abs(step) <= PLATEAU_STEP):
+                break
+        P = np.where(T > 0, P, 0.0)[()]
+        self.check_pressure(P)
+        return P
+
+    def check_pressure(self, P: float | Array) -> None:
+        """Raise an error for a pressure at which the law has ended.
+
+        Raises
+        ------
+        InvalidProblem
+        """
+        highest, end = float(np.max(P, initial=0.0)), min(self.radial.highest, LAST_PRESSURE)
+        if not highest <= end:
+            raise InvalidProblem.at(
+                "stack.radial",
+                f"the law ends at {end:.4g} [Pa], below the pressure that is wound into the roll",
+            )
 
     def tangent(self, P: float | Array, wound: float | Array | None = None) -> Stiffness:
         """Return the tangent stiffness A_rr, A_tt, A_rt, G without shear [Pa].

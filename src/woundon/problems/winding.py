@@ -27,7 +27,7 @@ from .nip import (
     WrapFriction,
 )  # fmt: skip
 from .radial_laws import Pfeiffer
-from .roll import Core, RollProblem
+from .roll import Core, GaugeExcess, RollProblem
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
 
@@ -104,6 +104,9 @@ class WindingProblem(Problem):
         WOT - T_in [N/m], with tension_law "fixed" only.
     density : float, optional
         Of the web [kg/m^3]; with it the roll has a mass.
+    gauge_excess : float
+        d, additional thickness of the thickest lane across the width, relative to the web [1], of
+        which the margin ``gauge_band`` and the ridge follow.
     web_speed : float, optional
         V [m/s], with air or a viscoelastic drum only.
     air : Air, optional
@@ -163,6 +166,7 @@ class WindingProblem(Problem):
         Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
         Field(gt=0, le=3e4),
     ] = None
+    gauge_excess: GaugeExcess = 0.0
     limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
 
     web_speed: Annotated[
@@ -327,6 +331,7 @@ class WindingProblem(Problem):
         roll = RollProblem(
             core=self.core, radius=self.radius, stack=self.stack, web_thickness=self.web.thickness,
             wound_on_tension=wound_on_tension, density=self.density,
+            gauge_excess=self.gauge_excess,
         )  # fmt: skip
         return roll if self.air is None else with_film(roll, film, self.air)
 

@@ -14,11 +14,12 @@ from ..elasticity.fourier import uniform_response
 from ..elasticity.half_plane import coefficients
 from ..elasticity.hardening import HardeningLaw
 from ..elasticity.influence import InfluenceSurface
+from ..elasticity.interior_stress import Section, cylinder_sections
 from ..errors import InvalidProblem
 from ..quantities import stress
 from .bodies import Body, CoreRadius, core_inside
 from .fields import shown
-from .graded import wound_kernels
+from .graded import graded_layers, wound_kernels
 from .schedules import Schedule, at_radius, values_of
 from .stack import AnyStack
 
@@ -114,6 +115,16 @@ class WoundRoll(Body):
         kernels = cylinder.surface_kernels(self.radius, self.core_radius, *ring.stiffness)
         linear = InfluenceSurface(kernels, self.radius, True, face, half_width)
         return HardeningSurface(ring, linear, face, half_width, self.stack.limit)
+
+    def interior_stress(
+        self, x: Array, p: Array, q: Array, depths: Array, half_width: float
+    ) -> tuple[Section, ...]:
+        """Return the stresses that the tractions add to those wound in."""
+        if self.hardening == "frozen":
+            return cylinder_sections(x, p, q, depths, self.radius, graded_layers(self))
+        from ..elasticity.hardening_surface import hardening_sections
+
+        return hardening_sections(ring_of(self), x, p, q, depths, half_width)
 
 
 CAUTIONS = {

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem
-from ..problems.radial_laws import Constant, Pfeiffer
+from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
+from ..problems.stack import Stack
 from .build_up import nodes_between
 from .certificate import equations_of
 from .lap_by_lap import wind_laps
@@ -111,32 +111,25 @@ def _changed(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array,
     return whole + up + down, slope + grows * up + decays * down
 
 
-def plateau_pressure(stack: object, tension: float) -> float:
+def plateau_pressure(stack: Stack, tension: float) -> float:
     """Return the pressure far from core and surface of a roll wound at constant tension.
 
-    The first integral of the equations below a surface, many thin laps deep::
+    The first integral of the equations below a surface, many thin laps deep, of Pfeiffer's law::
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
 
-    Low by 1.0 to 1.2 (E_r/E_t)^1/2 of it, for it leaves out the curvature: 3 to 13 % for real
-    rolls.  Where E_t/E_r is below 100, there is hardly a plateau.  The hoop stress there is -P.
+    and of others as :meth:`woundon.Stack.plateau_pressure`.  Low by 1.0 to 1.2 (E_r/E_t)^1/2 of
+    it, for it leaves out the curvature: 3 to 13 % for real rolls.  Where E_t/E_r is below 100,
+    there is hardly a plateau.  The hoop stress there is -P.
 
     Parameters
     ----------
     stack : Stack
-        With Pfeiffer's law.
     tension : float
         Wound-on stress T [Pa].
     """
-    law = getattr(stack, "radial", None)
-    if not isinstance(law, Pfeiffer):
-        raise InvalidProblem.at("stack.radial", "must be Pfeiffer's law, with K1 and K2")
-    wanted = tension**2 * law.K2 / (2 * stack.tangential)  # type: ignore[attr-defined]
-
-    def miss(P: float) -> float:
-        return float(P - law.K1 * np.log1p(P / law.K1) - wanted)
-
-    return float(brentq(miss, 0.0, 2 * wanted + 4 * np.sqrt(wanted * law.K1) + 1.0, xtol=1e-9))
+    check_type("stack", stack, Stack)
+    return stack.plateau_pressure(tension)
 
 
 def lap_by_lap(problem: RollProblem, groups: int | None = None) -> RollStresses:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from ..nip.result import NipResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
+from .layer_slip_plots import LAYER_SLIP
 from .panels import NEUTRAL, Case, Panel
 from .parts import nip_zones
 
@@ -33,6 +34,8 @@ def nip_panels(result: NipResult) -> dict[str, Panel]:
     - slips: v+ and v- [%], and the web tension [N/m] on the right
     - zones: at roll and drum
     - pressure, tension: alone, if asked for
+    - layer_slip, layer_shear: if asked for, the shear between the layers of the roll less what
+      friction carries over x and depth [kPa], and its largest values over the depth
 
     With a wrap, over the distance from the nip as an angle [deg], on a logarithmic scale:
 
@@ -40,7 +43,8 @@ def nip_panels(result: NipResult) -> dict[str, Panel]:
     - wrap_pressure: the pressure on the body and |q|/mu, the pressure that its traction requires
       [kPa]
     """
-    return {**NIP, **WRAPS} if result.problem.is_wrapped else dict(NIP)
+    wraps = WRAPS if result.problem.is_wrapped else {}
+    return {**NIP, **wraps, **LAYER_SLIP}
 
 
 def draw_tractions(axes: Axes, cases: Cases) -> Handles:

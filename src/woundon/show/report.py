@@ -138,6 +138,7 @@ def nip_report(result: NipResult) -> list[Part]:
         ),
         nip_zones(result),
         *_held_at_the_edge(result),
+        *_layer_slip(result),
         *_other_theories(result),
     ]  # fmt: skip
 
@@ -193,6 +194,22 @@ def _up_to_a_constant(*bodies: Body) -> str:
 
 def _deep(body: Body) -> bool:
     return not body.rigid and isinf(body.thickness)
+
+
+LAYERS = "Slip between the layers of the roll, which the model takes as bonded"
+
+
+def _layer_slip(result: NipResult) -> Iterator[Part]:
+    """Yield the index of slip between the layers, where interior stresses are known."""
+    with unwarned():
+        slip = result.layer_slip
+    if slip is None:
+        return
+    names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
+    places = ((name, quantities.output(slip, name)) for name in names)
+    rows = tuple(row_of(place.quantity, getattr(slip, name)) for name, place in places
+                 if place is not None and place.quantity is not None)  # fmt: skip
+    yield Section(LAYERS, rows, f"warning: {slip.warning}" if slip.warning else "")
 
 
 def _held_at_the_edge(result: NipResult) -> Iterator[Section]:

@@ -20,7 +20,7 @@ LEFT_OUT = frozenset({
     "residual", "agreed", "air_film", "nodes", "roll_rtol", "nips_solved", "mass",
     "mean_wound_on_tension", "mean_nip_induced_tension", "interpolation_error",
     "core_interpolation_error", "torque_share", "largest_compression", "largest_core_pressure",
-    "largest_tension", "least_tension", "least_reserve",
+    "largest_tension", "least_tension", "least_reserve", "band_strain", "ridge_height",
 })  # fmt: skip
 LAWS = {
     "friction": "Tension by the law T_in + F + mu P: a nip that slips throughout.",
@@ -45,13 +45,14 @@ def winding_report(result: WindingResult) -> list[Part]:
     errors = ["interpolation_error", "core_interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
     air = ["air_film"] if problem.air is not None else []
+    ridge = ["ridge_height"] if problem.gauge_excess else []
     return [
         *([Line(how, "quiet")] if how else []),
         Section("Winding", (
             field_row(problem.core, "radius"), field_row(problem, "radius"), *_schedules(result),
         )),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
-        Section("Wound roll", rows_of(result, ROLL + mass + air, leave=LEFT_OUT)),
+        Section("Wound roll", rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT)),
         margins_part(result.margins),
     ]  # fmt: skip
 

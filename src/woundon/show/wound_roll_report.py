@@ -6,17 +6,20 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..errors import InvalidProblem
 from ..problems.radial_laws import Pfeiffer
 from ..problems.schedules import Profile, Taper
-from ..quantities import find
+from ..quantities import find, length, line_load, strain, stress
+from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
-from .parts import Line, Part, Row, Section, field_row, output_row
+from .parts import Line, Part, Row, Section, field_row, output_row, row_of
 from .report import rows_of
 
 __all__ = ["wound_roll_report"]
 
 LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # told otherwise
+BAND = "Thickest lane across the width, in closed form"
 NAMES = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length", "laps",
          "mass", "wound_mass", "mean_density", "surface_slope", "lap_effect"]  # fmt: skip
 OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
@@ -45,6 +48,7 @@ def wound_roll_report(result: RollResult) -> list[Part]:
         )),
         Section("Wound roll", rows_of(result, names, leave=LEFT_OUT, **notes), _compressed(result)),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
+        *_gauge_band(result),
         *_other_theories(result),
     ]  # fmt: skip
 
@@ -72,6 +76,27 @@ def _compressed(result: RollResult) -> str:
     """Say where the web is pressed along itself, which makes rolls buckle and star."""
     share = result.compressed_share
     return f"The web is in compression on {100 * share:.3g} % of the build-up." if share else ""
+
+
+def _gauge_band(result: RollResult) -> Iterator[Section]:
+    """Yield the thickest lane across the width, where one is given."""
+    problem = result.problem
+    if not problem.gauge_excess:
+        return
+    rows = [field_row(problem, "gauge_excess")]
+    try:
+        band = gauge_band_over(problem, result.radius[-1:])
+    except InvalidProblem as fault:
+        yield Section(BAND, tuple(rows), f"Not computed: {fault}")
+        return
+    ridge = float(band.lead[0] * result.radius[-1])
+    rows += [
+        row_of(line_load("WOT_b", "wound-on tension of the lane at the surface"), band.tension[0]),
+        row_of(stress("P_b", "pressure of its plateau"), band.pressure[0]),
+        row_of(strain("eps_b", "strain of the lane along the web"), band.strain[0]),
+        row_of(length("dR", "height of the ridge over the lane", "um"), ridge),
+    ]
+    yield Section(BAND, tuple(rows))
 
 
 def _other_theories(result: RollResult) -> Iterator[Section]:

@@ -7,6 +7,7 @@ r"""Will the roll hold?  What a wound roll bears against what is asked of it.
     core         P at the core           against E/(4 (1 - nu^2)) (t/r)^3, a thin tube's collapse
     strength     max of WOT, h sigma_t   against what the web bears
     slack        min of T_in, WOT        against what keeps it taut
+    gauge_band   max of WOT_b/(h E_t)    strain of the thickest lane, against the yield strain
 
 Each is looked for over the radius of the finished roll and, but for blocking, which takes time, of
 stages of its build-up.  Sources: docs/theory/margins.md.
@@ -27,7 +28,8 @@ from ..errors import InvalidProblem, one_of
 from ..problems.air import Air
 from ..problems.limits import Limits
 from ..problems.roll import Core
-from ..quantities import Quantity, line_load, strain, stress
+from ..quantities import Quantity, length, line_load, strain, stress
+from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
 from .criteria import collapse_pressure, sliding_laps_buckle, torque_carried, torque_share
 
@@ -49,7 +51,7 @@ class Margin:
     Attributes
     ----------
     name : str
-        "slip", "compression", "blocking", "core", "strength" or "slack".
+        "slip", "compression", "blocking", "core", "strength", "slack" or "gauge_band".
     value : float
         What the roll has, where it is worst; SI, nan if it cannot be told.
     limit : float
@@ -219,6 +221,8 @@ BLOCKING = stress("P_max", "largest pressure between laps")
 CORE = stress("P_c,max", "largest pressure on the core")
 STRENGTH = line_load("T_max", "largest tension of the web")
 SLACK = line_load("T_min", "least tension before and behind the nip")
+BAND = strain("eps_b", "largest strain of the thickest lane")
+RIDGE = length("dR", "height of the ridge over the thickest lane", "um")
 LEFT_OUT = {
     "slip": "air between laps, friction that falls once they slide, the slip under the nip, the "
     f"outermost {TAIL_LAPS} laps, the drum's help at a start or stop, impacts",
@@ -230,6 +234,8 @@ LEFT_OUT = {
     "against collapse, chucks, notches and ends",
     "strength": "flaws, splices, cut edges, bending and shear in the nip, tension that is uneven "
     "across the width, creep",
+    "gauge_band": "shear between lanes, by which the neighbours take part of the load, the "
+    "curvature of the layers, creep, how long the lane stays at its strain",
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
 }
 NO_LIMIT = "no limit given"
@@ -273,6 +279,7 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         _slip(states, roll, limits, pull), _compression(states, roll, limits),
         _blocking(states[-1], limits), _core(states, roll.problem.core, limits),
         _strength(states[-1], roll, limits, pull), _slack(roll, limits, pull),
+        _gauge_band(roll, limits),
     ))  # fmt: skip
 
 
@@ -378,6 +385,35 @@ def _slack(roll: RollResult, limits: Limits, pull: Pull) -> Margin:
     return _margin("slack", found, limits.slack_tension, SLACK)
 
 
+def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
+    d, note = roll.problem.gauge_excess, "of a web of even thickness"
+    try:
+        strains = lane_strain(roll.problem, roll.radius)
+    except InvalidProblem as fault:  # the law of the stack ends
+        nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
+        return _margin("gauge_band", nothing, nan, BAND, str(fault))
+    k = int(np.argmax(strains))
+    found = _Found(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
+    if d:
+        ridge = RIDGE.shown(ridge_height(roll))
+        note = f"the lane is {100 * d:.3g} % thicker, with a ridge of {ridge:.3g} um"
+    note = "; ".join(filter(None, (note, NO_LIMIT * (limits.yield_strain is None))))
+    return _margin("gauge_band", found, limits.yield_strain, BAND, note)
+
+
+def ridge_height(roll: RollResult) -> float:
+    """Return by how much the thickest lane stands out of the finished roll [m].
+
+    Raises
+    ------
+    InvalidProblem
+        If the law of the stack ends below the pressure of the lane.
+    """
+    if roll.problem.gauge_excess == 0:
+        return 0.0
+    return float((gauge_band_over(roll.problem, roll.radius[-1:]).lead * roll.radius[-1:])[0])
+
+
 def _tensions(roll: RollResult, pull: Pull) -> list[tuple[Array, Array]]:
     """Return radii and tensions of the web: wound on, and before the nip where it is known."""
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
@@ -428,6 +464,19 @@ class WithMargins:
     def least_tension(self) -> Annotated[float, SLACK]:
         """Least tension of the web before and behind the nip [N/m]."""
         return float(self.margins["slack"].value)
+
+    @property
+    def band_strain(self) -> Annotated[float, BAND]:
+        """Largest strain along the web of the thickest lane [1]; nan if it is unknown."""
+        return float(self.margins["gauge_band"].value)
+
+    @property
+    def ridge_height(self) -> Annotated[float, RIDGE]:
+        """By how much the thickest lane stands out of the finished roll [m]; nan if unknown."""
+        try:
+            return ridge_height(self.roll)  # type: ignore[attr-defined]
+        except InvalidProblem:
+            return nan
 
     @property
     def least_reserve(self) -> Annotated[float, strain("m", "smallest reserve of all margins")]:

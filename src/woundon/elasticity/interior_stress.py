@@ -1,0 +1,266 @@
+r"""Stresses below the surface of a linear roll under given surface tractions, by Fourier harmonics.
+
+The surface r = R of a half-plane or cylinder carries the pressure p(x) and the traction q(x) along
++x, x = R theta.  With r outward, z = R - r the depth, sigma_r the normal and tau = tau_rx the
+shear stress on the surfaces z = const,
+
+    sigma_r = -p,   tau = q         at z = 0.
+
+The harmonics exp(i n x/R) of the stresses are linear in those of the tractions:
+
+    [sigma_r]   R  [-B11   i B12] [p]
+    [  tau  ] = -  [ i B21   B22] [q],        B real, the identity at z = 0.
+                r
+
+**Cylinder.**  B transfers (S, T) = (r sigma_r, r tau) of :mod:`.layers` from R to r.  With A and H
+of the layers above r and the compliance Y of what lies below, w = Y t,
+
+    t_r = A' t_R - H w_r    gives    B = (I + H Y)^-1 A'.
+
+**Half-plane** (r = R in the factor R/r, k = n/R).  The stress function phi(r) exp(i k x) with
+sigma_r = phi_xx, tau = -phi_xr fulfils compatibility if phi = exp(lambda k r) and
+
+    c11 lambda^4 - (2 c12 + 1/G) lambda^2 + c22 = 0,
+
+c11, c12, c22 the plane-strain compliances along, across and through the surface.  With the
+mean m of the two roots with a positive real part, their product Pi and d^2 = m^2 - Pi,
+
+    c = e^(-m xi) cosh(d xi),   s = e^(-m xi) sinh(d xi)/d,   xi = k z,
+
+    B11 = c + m s,    B12 = s,    B21 = -Pi s,    B22 = c - m s.
+
+In real space a line load P then gives the radial stress field of Lekhnitskii (Anisotropic plates,
+1968, sec. 34),
+
+    sigma_r = -(2 m Pi P/pi) z^3/N,   tau = (2 m Pi P/pi) x z^2/N,
+    N = (x^2 + lambda_1^2 z^2)(x^2 + lambda_2^2 z^2).
+
+For large n the cylinder's B tends to that of the half-plane of its outermost layer, at the depth
+R ln(R/r).  Of a single layer only the difference is summed by :mod:`.layers`, up to the harmonic
+from which on the tractions contribute little.
+"""
+
+from __future__ import annotations
+
+from cmath import sqrt as csqrt
+from dataclasses import dataclass
+from math import ceil, log, log1p, pi, sqrt
+
+import numpy as np
+
+from .layers import Layers, traction_transfer
+from .strip import compliance
+
+__all__ = ["Section", "cylinder_sections", "half_plane_sections", "traction_harmonics"]
+
+Array = np.ndarray
+Stiffness = tuple[float | None, ...]  # A_rr, A_tt, A_rt, G, and D where it is known better
+
+# The last harmonic is damped by exp(-DAMPING) at the depth of a section: 5e-5 of a line load, much
+# less of tractions wider than the depth.  Close to the surface of thin webs on large rolls the most
+# harmonics limit the sums; those of tractions that vanish like a square root fall as n^(-3/2).
+DAMPING = 10.0
+FEWEST_HARMONICS, MOST_HARMONICS = 64, 1 << 17
+# Points per wavelength of the last harmonic, and on the whole period: the largest stress on the
+# grid is then within 0.1 % of that between the points.
+POINTS, FEWEST_POINTS = 4, 4096
+# Period of the half-plane's harmonics in circumferences: the next images of a load are so far away.
+PERIODS = 4
+# Wave number times the half width of the tractions, up to which the cylinder's difference from the
+# half-plane is summed.  It is of the order z/R of harmonics that are below 1 % there.
+CURVED = 10.0
+# Difference of the roots, over their mean, below which the limit of equal roots is taken: the
+# error is the square, and the difference quotient would lose as many digits.
+EQUAL_ROOTS = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Stresses on a surface below that of the roll.
+
+    Attributes
+    ----------
+    depth : float
+        z [m].
+    x : (n,) array
+        Equidistant positions R theta around the roll, from -pi R [m].
+    normal, shear : (n,) arrays
+        sigma_r (< 0: pressed) and tau, of the material outside on that inside along +x [Pa].
+    """
+
+    depth: float
+    x: Array
+    normal: Array
+    shear: Array
+
+
+def traction_harmonics(x: Array, f: Array, length: float, count: int) -> Array:
+    """Return the integrals of f(x) exp(-2 pi i n x/length), n = 0 ... count, (count + 1,) complex.
+
+    Parameters
+    ----------
+    x, f : (k,) arrays
+        Nodes in ascending order and values of a piecewise linear function; zero outside.
+    length : float
+        Period, in units of x.
+    count : int
+
+    Notes
+    -----
+    Integration by parts leaves the jumps of the function at both ends and of its slope at all
+    nodes.  exp(-i n t) is a product of two factors with n = m j + l, so that all sums are a product
+    of two small matrices.
+    """
+    slope = np.diff(f) / np.diff(x)
+    bends = np.diff(slope, prepend=0.0, append=0.0)
+    block = 1 << ceil(log(count + 1, 2) / 2)
+    t = -2j * pi * x / length
+    fine = np.exp(np.arange(block) * t[:, None])
+    coarse = np.exp(block * np.arange(-(-(count + 1) // block))[:, None] * t)
+    sums = ((coarse * bends) @ fine).ravel()[: count + 1]
+    ends = ((coarse[:, [0, -1]] * f[[0, -1]] * [1, -1]) @ fine[[0, -1]]).ravel()[: count + 1]
+    k = 2 * pi * np.arange(1, count + 1) / length
+    out = np.empty(count + 1, dtype=complex)
+    out[0] = np.trapezoid(f, x)
+    out[1:] = -sums[1:] / k**2 - 1j * ends[1:] / k
+    return out
+
+
+def half_plane_sections(
+    x: Array, p: Array, q: Array, depths: Array, radius: float, stiffness: Stiffness
+) -> tuple[Section, ...]:
+    """Return the stresses in an orthotropic half-plane.
+
+    Parameters
+    ----------
+    x, p, q : (k,) arrays
+        Nodes [m], within one circumference, and piecewise linear tractions [Pa].
+    depths : (m,) array
+        z > 0 [m].
+    radius : float
+        R [m]: the stresses are returned for -pi R <= x < pi R.
+    stiffness : (A_rr, A_tt, A_rt, G) or (A_rr, A_tt, A_rt, G, D)
+        Plane-strain stiffness [Pa]; D as of :func:`.strip.stiffness_along`.
+    """
+    roots = _Roots.of(stiffness)
+    loads = _Loads(x, p, q, 2 * pi * radius * PERIODS)
+    found = []
+    for z in depths.tolist():
+        n = np.arange(loads.count(roots.slowest * z) + 1)
+        section = loads.section(z, roots.transfer(n * (z / (radius * PERIODS))))
+        inside = np.abs(section.x) <= pi * radius
+        found.append(Section(z, section.x[inside], section.normal[inside], section.shear[inside]))
+    return tuple(found)
+
+
+def cylinder_sections(
+    x: Array, p: Array, q: Array, depths: Array, radius: float, layers: Layers, free: bool = False
+) -> tuple[Section, ...]:
+    """Return the stresses in a cylinder of orthotropic layers on a core.
+
+    Parameters
+    ----------
+    x, p, q : (k,) arrays
+        Nodes [m], within one circumference, and piecewise linear tractions [Pa].
+    depths : (m,) array
+        z > 0 [m], above the core.
+    radius : float
+        R [m].
+    layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        As of :func:`.layers.stacked_compliance`.
+    free : bool
+        Whether the core is an open bore; else it is rigid.
+    """
+    roots, loads = _Roots.of(layers[0][1:]), _Loads(x, p, q, 2 * pi * radius)
+    curved = max(64, ceil(CURVED * radius / loads.half_width))
+    found = []
+    for z in depths.tolist():
+        y = -log1p(-z / radius)
+        n = np.arange(loads.count(roots.slowest * radius * y) + 1)
+        B = roots.transfer(n * y)
+        summed = n[: curved + 1] if len(layers) == 1 else n
+        upper, lower = _cut(layers, y)
+        B[:, :, : summed.size] = traction_transfer(summed, upper, lower, free)
+        found.append(loads.section(z, B * (radius / (radius - z))))
+    return tuple(found)
+
+
+def _cut(layers: Layers, depth: float) -> tuple[Layers, Layers]:
+    """Cut layers at a logarithmic depth below the surface."""
+    upper, rest = [], list(layers)
+    while depth > 0 and rest:
+        first = rest.pop(0)
+        thickness = float(first[0] or 0.0)
+        if thickness > depth:
+            rest.insert(0, (thickness - depth, *first[1:]))
+            thickness = depth
+        upper.append((thickness, *first[1:]))
+        depth -= thickness
+    return tuple(upper), tuple(rest)
+
+
+@dataclass(frozen=True)
+class _Roots:
+    """The roots lambda of the half-plane: mean m, product Pi, and d with d^2 = m^2 - Pi."""
+
+    mean: float
+    product: float
+    half_difference: complex
+
+    @classmethod
+    def of(cls, stiffness: Stiffness) -> _Roots:
+        A_rr, A_tt, A_rt, G = (float(value or 0.0) for value in stiffness[:4])
+        c11, c12, c22 = compliance(A_rr, A_tt, A_rt, *stiffness[4:])
+        product = sqrt(c22 / c11)
+        mean = sqrt((2 * c12 + 1 / G) / c11 + 2 * product) / 2
+        return cls(mean, product, csqrt(mean**2 - product))
+
+    @property
+    def slowest(self) -> float:
+        """Smaller real part of the two roots: harmonics decay as exp(-slowest k z)."""
+        # the product over the larger root: their difference would cancel
+        larger = self.mean + self.half_difference.real
+        return self.mean if self.half_difference.real == 0 else self.product / larger
+
+    def transfer(self, xi: Array) -> Array:
+        """Return B at n z/R, (2, 2, n)."""
+        m, d, product = self.mean, self.half_difference, self.product
+        if abs(d) < EQUAL_ROOTS * m:
+            c = np.exp(-m * xi)
+            s = xi * c
+        else:
+            small = product / (m + d)  # m - d
+            fast, slow = np.exp(-(m + d) * xi), np.exp(-small * xi)
+            c, s = (fast + slow).real / 2, ((slow - fast) / (2 * d)).real
+        return np.array([[c + m * s, s], [-product * s, c - m * s]])
+
+
+class _Loads:
+    """The harmonics of the tractions on a period."""
+
+    def __init__(self, x: Array, p: Array, q: Array, period: float) -> None:
+        self.x, self.tractions, self.period = x, (p, q), period
+        self._known = np.zeros((2, 0), dtype=complex)
+        pressed = x[p >= p.max() / 2]
+        self.half_width = float(pressed[-1] - pressed[0] + np.diff(x).min()) / 2
+
+    def count(self, damping: float) -> int:
+        """Return the number of harmonics, from their decay exp(-2 pi n damping/period)."""
+        needed = ceil(DAMPING * self.period / (2 * pi * damping))
+        return min(max(needed, FEWEST_HARMONICS), MOST_HARMONICS)
+
+    def section(self, depth: float, B: Array) -> Section:
+        """Return the stresses on one surface from the transfer B, (2, 2, n), of all harmonics."""
+        count = B.shape[-1] - 1
+        if count >= self._known.shape[1]:
+            self._known = np.array(
+                [traction_harmonics(self.x, f, self.period, count) for f in self.tractions]
+            )
+        p, q = self._known[:, : count + 1]
+        size = max(POINTS << ceil(log(count, 2)), FEWEST_POINTS)
+        x = self.period * (np.arange(size) / size - 0.5)
+        normal, shear = (
+            np.roll(np.fft.irfft(harmonics, size) * (size / self.period), size // 2)
+            for harmonics in (-B[0, 0] * p + 1j * B[0, 1] * q, 1j * B[1, 0] * p + B[1, 1] * q)
+        )
+        return Section(depth, x, normal, shear)

@@ -1,0 +1,241 @@
+r"""Slip between the layers of the roll below a nip: an index from the stresses of a bonded roll.
+
+The nip model treats the roll as a bonded, homogenised body: friction limits the shear between web
+and roll, but not between the layers below.  On the interface at depth z, between two layers, the
+stresses sigma_r and tau under the solved tractions (:mod:`woundon.elasticity.interior_stress`) and
+the pressure P0 that is wound into the roll could be carried by friction where
+
+    |tau| <= mu (P0 + p),     p = -sigma_r,     mu the friction between the layers.
+
+P0(z) = T z/R close to the surface: every layer wound on with the stress T = WOT/h presses those
+below it with T h/R.  It is limited by the plateau of the stack, P of
+
+    T^2/(2 E_t) = int_0^P P' dP'/E_r(P')
+
+(:meth:`woundon.Stack.plateau_pressure`), and by the pressure of a
+:class:`~woundon.WoundRoll` at that depth.
+
+The index is the largest ratio, over the interfaces, of max_x |tau| and mu (P0 + max_x p).  A ratio
+at each point would grow without bound outside the contact, where both vanish at the surface.
+
+The index uses the stresses of layers that do not slide.  It tells whether these stresses are
+possible, not how far the layers slide, nor by how much the wound-on tension would change.
+docs/theory/layer_slip.md
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import ceil, isinf
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+
+from ..elasticity.interior_stress import Section
+from ..errors import InvalidProblem
+from ..problems.stack import Stack
+from ..problems.wound_roll import WoundRoll
+from ..quantities import length, pure
+from ..results import ReadOnly
+
+if TYPE_CHECKING:
+    from .result import NipResult
+
+__all__ = ["LayerSlip", "interior_stress", "layer_slip", "wound_in_pressure"]
+
+Array = np.ndarray
+
+# All interfaces down to this layer are evaluated, then as many layers are skipped as this share of
+# those above: the curves are smooth functions of ln z, and the index changes by less than 0.1 %.
+FIRST_LAYERS, SKIPPED = 12, 0.08
+# Evaluated together; the search ends after a block without slip below SEARCHED nip half widths.
+# There the shear falls with the depth, and the pressure between the layers does not.
+BLOCK, SEARCHED = 24, 4.0
+# Share of the radius down to which the layers of a half-plane are counted: it has no core.
+HALF_PLANE = 0.5
+# Share of the wrap on which its pressure and traction are reduced to zero.  A wrap ends abruptly at
+# a load cell, but not in a roll, where that end would add shear to the outermost layers.
+TAPERED = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class LayerSlip(ReadOnly):
+    """Index of slip between the layers of the roll below a nip.
+
+    Attributes
+    ----------
+    ratio : float
+        Largest ratio of max_x abs(tau) and mu (P0 + max_x p) over the interfaces [1].  Above 1 the
+        stresses of the bonded roll are more than friction between the layers can carry.
+    layers : int
+        Number of layers in which abs(tau) exceeds mu (P0 + p) somewhere.
+    depth : float
+        Depth of the deepest of them [m], 0 if there is none.
+    width : float
+        Extent in x over which any layer slips [m].
+    layer : (k,) int array
+        Interfaces that were evaluated: the layers above them, counted from the surface.
+    interface_depth : (k,) array
+        Their depth z [m].
+    largest_shear, largest_pressure : (k,) arrays
+        max_x abs(tau) and max_x p of the nip [Pa].
+    wound_in_pressure : (k,) array
+        P0 [Pa].
+    excess : (k,) array
+        max_x (abs(tau) - mu (P0 + p)) [Pa], > 0 where layers slip.
+    friction : float
+        mu [1].
+    """
+
+    ratio: Annotated[float, pure("S_tau", "largest shear between layers / what friction carries")]
+    layers: Annotated[int, pure("n_slip", "layers that would slip")]
+    depth: Annotated[float, length("z_slip", "depth of the deepest of them")]
+    width: Annotated[float, length("w_slip", "extent along the nip over which layers would slip")]
+    friction: float
+    layer: Array = field(repr=False)
+    interface_depth: Array = field(repr=False)
+    largest_shear: Array = field(repr=False)
+    largest_pressure: Array = field(repr=False)
+    wound_in_pressure: Array = field(repr=False)
+    excess: Array = field(repr=False)
+
+    @property
+    def friction_limit(self) -> Array:
+        """mu (P0 + max_x p) of the interfaces, (k,) [Pa]."""
+        return self.friction * (self.wound_in_pressure + self.largest_pressure)
+
+    @property
+    def warning(self) -> str:
+        """What a ratio above 1 means, with numbers; empty otherwise."""
+        if self.ratio <= 1:
+            return ""
+        return (
+            f"the shear between the layers of the roll is up to {self.ratio:.2g} times what "
+            f"friction can carry, down to {self.depth * 1e3:.3g} mm ({self.layers} layers): the "
+            "tension holds only if the layers below the web do not slide"
+        )
+
+
+def layer_slip(result: NipResult) -> LayerSlip | None:
+    """Return the index of slip between the layers of the roll.
+
+    Parameters
+    ----------
+    result : NipResult or NipResult
+
+    Returns
+    -------
+    LayerSlip or None
+        None of a rigid or viscoelastic roll, of another body that does not know its interior
+        stresses, and of a roll thinner than two layers.
+
+    Notes
+    -----
+    The number of layers is interpolated between the interfaces that are evaluated.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> slip = wo.solve(wo.NipProblem.example()).layer_slip
+    >>> print(f"ratio {slip.ratio:.2f}, {slip.layers} layers")
+    ratio 2.42, 75 layers
+    """
+    h, mu = result.problem.web.thickness, result.problem.roll_friction
+    rows, ends, layer = [], [], np.zeros(0, dtype=int)
+    for block in _blocks(result):
+        sections = interior_stress(result, block * h)
+        if sections is None:
+            return None
+        P0 = wound_in_pressure(result, block * h)
+        excesses = [
+            np.abs(s.shear) - mu * (P - s.normal) for s, P in zip(sections, P0, strict=True)
+        ]
+        rows += [
+            (np.abs(s.shear).max(), -s.normal.min(), P, excess.max())
+            for s, P, excess in zip(sections, P0, excesses, strict=True)
+        ]
+        ends += [_extent(s.x, e) for s, e in zip(sections, excesses, strict=True) if e.max() > 0]
+        layer = np.append(layer, block)
+        if layer[-1] * h > SEARCHED * result.half_width and rows[-1][-1] <= 0:
+            break
+    if not rows:
+        return None
+    shear, pressure, wound, excess = np.array(rows).T
+    every = np.arange(1, layer[-1] + 1)
+    slips = every[np.interp(every, layer, excess) > 0]
+    return LayerSlip(
+        ratio=float((shear / (mu * (wound + pressure))).max()),
+        layers=int(slips.size),
+        depth=float(h * slips.max(initial=0)),
+        width=float(max(end for _, end in ends) - min(start for start, _ in ends)) if ends else 0.0,
+        friction=mu, layer=layer, interface_depth=layer * h, largest_shear=shear,
+        largest_pressure=pressure, wound_in_pressure=wound, excess=excess,
+    )  # fmt: skip
+
+
+def interior_stress(result: NipResult, depths: Array) -> tuple[Section, ...] | None:
+    """Return the stresses that the nip adds in the roll.
+
+    Parameters
+    ----------
+    result : NipResult or NipResult
+    depths : (m,) array
+        z [m], > 0.
+
+    Returns
+    -------
+    tuple of Section or None
+        One for each depth; None if the body of the roll does not know them.
+
+    Notes
+    -----
+    The tractions of a wrap are reduced to zero over the last tenth of it.
+    """
+    nodes, a = slice(result.in_nip.start, None), result.half_width
+    x, q = result.x[nodes], result.roll_traction[nodes]
+    p = result.roll_pressure[nodes]
+    if x[-1] > a:
+        tapered = np.clip((x[-1] - x) / (TAPERED * (x[-1] - a)), 0.0, 1.0)
+        p, q = p * tapered, q * tapered
+    return result.problem.roll.interior_stress(x, p, q, np.asarray(depths), a)
+
+
+def wound_in_pressure(result: NipResult, depths: Array) -> Array:
+    """Return P0 at depths z [m] below the surface of the roll, (m,) [Pa]."""
+    problem, z = result.problem, np.asarray(depths, dtype=float)
+    roll, T = problem.roll, max(float(result.tension[-1]), 0.0) / problem.web.thickness
+    P0 = T * z / roll.radius
+    if isinstance(roll, WoundRoll):
+        P0 = np.minimum(P0, roll.wound_pressure(roll.radius - z))
+    stack = roll.stack if isinstance(roll, WoundRoll) else problem.web.material
+    if not isinstance(stack, Stack):
+        return P0
+    try:
+        return np.minimum(P0, stack.plateau_pressure(T))
+    except InvalidProblem:  # the law ends below the plateau
+        return np.minimum(P0, stack.radial.highest)
+
+
+def _blocks(result: NipResult) -> list[Array]:
+    """Return the numbers of the interfaces to be evaluated, from the surface, in blocks."""
+    roll, h = result.problem.roll, result.problem.web.thickness
+    deepest = HALF_PLANE * roll.radius if isinf(roll.thickness) else roll.thickness
+    last = ceil(deepest / h) - 1
+    layers = [*range(1, min(FIRST_LAYERS, last) + 1)]
+    while layers and layers[-1] < last:
+        layers.append(min(last, layers[-1] + max(1, round(SKIPPED * layers[-1]))))
+    return [np.array(layers[k : k + BLOCK]) for k in range(0, len(layers), BLOCK)]
+
+
+def _extent(x: Array, excess: Array) -> tuple[float, float]:
+    """Return the first and the last zero of a function that is positive between them."""
+    inside = np.nonzero(excess > 0)[0]
+    first, last = int(inside[0]), int(inside[-1])
+    ends = []
+    for at, beyond in ((first, first - 1), (last, last + 1)):
+        if not 0 <= beyond < x.size:
+            ends.append(float(x[at]))
+            continue
+        t = excess[at] / (excess[at] - excess[beyond])
+        ends.append(float(x[at] + t * (x[beyond] - x[at])))
+    return ends[0], ends[1]

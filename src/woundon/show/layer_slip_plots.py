@@ -1,0 +1,116 @@
+"""The panels of the slip index between the layers of the roll below a nip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from ..errors import unwarned
+from ..nip.layer_slip import LayerSlip, interior_stress, wound_in_pressure
+from ..nip.result import NipResult
+from ..quantities import Quantity
+from .figures import COLOURS, axis_label, quantity_of
+from .panels import Case, Panel
+
+__all__ = ["LAYER_SLIP"]
+
+Array = np.ndarray
+Cases = Sequence[Case]
+Handles = list[Any]
+
+DEPTHS, PLACES = 40, 301  # of the map
+SHEAR, LIMIT, EXCESS = COLOURS[0], COLOURS[1], "#444444"
+
+
+def _known(cases: Cases) -> list[tuple[Case, LayerSlip]]:
+    """Return the cases whose interior stresses are known, with the index."""
+    with unwarned():
+        indices = [(case, case.result.layer_slip) for case in cases]
+    return [(case, slip) for case, slip in indices if slip is not None]
+
+
+def draw_map(axes: Axes, cases: Cases) -> Handles:
+    """Draw |tau| - mu (P0 + p) over x and depth; of several cases the border of slip only."""
+    known, result = _known(cases), cases[0].result
+    handles: Handles = []
+    for case, slip in known:
+        x, z, excess = _map(case.result, slip)
+        x, z = quantity_of(result, "x").shown(x), quantity_of(result, "half_width").shown(z)
+        excess = quantity_of(result, "pressure").shown(excess)
+        if case.alone:
+            top = max(float(excess.max()), 1e-3)
+            levels = MaxNLocator(16, symmetric=True).tick_values(-top, top)
+            filled = axes.contourf(x, z, excess, levels, cmap="RdBu_r", extend="min")
+            label = axis_label(r"$|\tau| - \mu(P_0 + p)$", quantity_of(result, "pressure"))
+            axes.figure.colorbar(filled, ax=axes, label=label)
+        axes.contour(x, z, excess, [0.0], colors=[case.or_own("#000000")], linewidths=1.2)
+        handles += axes.plot([], [], color=case.or_own("#000000"), label="border of slip")[:1]
+        a = quantity_of(result, "half_width").shown(case.result.half_width)
+        for edge in (-a, a):
+            axes.axvline(edge, color=case.or_own("#888888"), linewidth=0.8, linestyle=":")
+    axes.set_xlabel(axis_label("Position along the nip $x$", quantity_of(result, "x")))
+    _over_depth(axes, known, quantity_of(result, "half_width"))
+    return handles[:1]
+
+
+def _map(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Array]:
+    """Return x (n,), z (m,) and the excess of the shear (m, n), around the slipping layers."""
+    z = np.geomspace(slip.interface_depth[0], _lowest(slip), DEPTHS)
+    reach = max(0.6 * slip.width, 2 * result.half_width)
+    # the stresses vary most in the nip
+    x = reach * np.sinh(np.linspace(-3, 3, PLACES)) / np.sinh(3)
+    sections = interior_stress(result, z) or ()
+    P0 = wound_in_pressure(result, z)
+    excess = [
+        np.interp(x, s.x, np.abs(s.shear) - slip.friction * (P - s.normal))
+        for s, P in zip(sections, P0, strict=True)
+    ]
+    return x, z, np.array(excess)
+
+
+def _lowest(slip: LayerSlip) -> float:
+    """Return the largest depth to be drawn [m]."""
+    deepest, drawn = float(slip.interface_depth[-1]), 1.5 * slip.depth
+    return min(deepest, max(drawn, 8 * float(slip.interface_depth[0])))
+
+
+def draw_shear(axes: Axes, cases: Cases) -> Handles:
+    """Draw the largest shear, what friction carries, and the largest excess over the depth."""
+    known, result = _known(cases), cases[0].result
+    stress, depth = quantity_of(result, "pressure"), quantity_of(result, "half_width")
+    handles: Handles = []
+    for case, slip in known:
+        z, own = depth.shown(slip.interface_depth), []
+        for values, line, colour, label in (
+            (slip.largest_shear, "-", SHEAR, r"$\max|\tau|$"),
+            (slip.friction_limit, "--", LIMIT, r"$\mu(P_0 + \max p)$"),
+            (slip.excess, "-.", EXCESS, "largest excess"),
+        ):
+            own += axes.plot(stress.shown(values), z, line, color=case.or_own(colour), label=label)
+        handles = handles or own
+    axes.axvline(0.0, color="#888888", linewidth=0.8)
+    axes.set_xlabel(axis_label("Stress", stress))
+    _over_depth(axes, known, depth)
+    return handles
+
+
+def _over_depth(axes: Axes, known: Sequence[tuple[Case, LayerSlip]], depth: Quantity) -> None:
+    axes.set_ylabel(axis_label("Depth $z$", depth))
+    if not known:
+        axes.text(
+            0.5, 0.5, "no interior stresses of this roll", ha="center", transform=axes.transAxes
+        )
+        return
+    axes.set_yscale("log")
+    top = min(float(slip.interface_depth[0]) for _, slip in known)
+    axes.set_ylim(depth.shown(max(_lowest(slip) for _, slip in known)), depth.shown(top))
+
+
+LAYER_SLIP = {
+    "layer_slip": Panel(draw_map, "layer_slip", width=6.6, height=3.6, shown=False),
+    "layer_shear": Panel(draw_shear, "layer_shear", width=4.6, height=3.6, shown=False),
+}

@@ -1,0 +1,186 @@
+"""A thick lane of a wound roll: the closed form, its limits, complete rolls, and its margin."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import isnan
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import woundon as wo
+from woundon.theories import gauge_band
+
+NEWSPRINT = {"K1": 10e3, "tangential": 3.38e9, "thickness": 66e-6, "tension": 350.0}
+PET = {"K1": 2e3, "K2": 200.0, "tangential": 4.8e9, "thickness": 50e-6, "tension": 175.0}
+
+
+@pytest.mark.parametrize(
+    ("roll", "tensions", "pressures", "lead"),
+    [
+        (NEWSPRINT | {"K2": 40.0}, (358.4, 375.5, 440.9), (197e3, 298e3), 0.041e-2),
+        (NEWSPRINT | {"K2": 127.0}, (374.7, 428.8, 680.7), (569e3, 2051e3), 0.148e-2),
+        (PET, (194, 238, 485), (265e3, 1971e3), 0.129e-2),
+    ],
+    ids=["newsprint, K2 40", "newsprint, K2 127", "PET"],
+)
+def test_the_table_of_three_rolls(roll, tensions, pressures, lead):
+    # Independent evaluation of the closed form, to its digits
+    for excess, tension in zip((0.001, 0.003, 0.01), tensions, strict=True):
+        found = gauge_band(**roll, excess=excess).tension
+        assert found == pytest.approx(tension, abs=0.05 if isinstance(tension, float) else 0.5)
+    band = gauge_band(**roll, excess=0.01)
+    assert (band.mean_pressure, band.pressure) == pytest.approx(pressures, abs=0.5e3)
+    assert band.lead == pytest.approx(lead, abs=0.5e-5)
+    assert band.strain == pytest.approx(band.tension / roll["thickness"] / roll["tangential"])
+    # the equations themselves
+    K1, K2, E_t = (roll[name] for name in ("K1", "K2", "tangential"))
+    assert (K1 + band.pressure) / (K1 + band.mean_pressure) == pytest.approx(np.exp(K2 * 0.01))
+    for WOT, P in ((roll["tension"], band.mean_pressure), (band.tension, band.pressure)):
+        work = (WOT / roll["thickness"]) ** 2 * K2 / (2 * E_t)
+        assert work == pytest.approx(P - K1 * np.log1p(P / K1), rel=1e-9)
+
+
+def test_an_even_web_has_no_band():
+    band = gauge_band(**PET, excess=0.0)
+    assert band.tension == pytest.approx(175.0, rel=1e-14)
+    assert band.lead == 0
+    assert band.pressure == band.mean_pressure
+
+
+def test_thick_and_thin_lanes_are_symmetric_to_first_order():
+    thick, thin = (gauge_band(**PET, excess=d).tension - 175.0 for d in (1e-6, -1e-6))
+    assert thick == pytest.approx(-thin, rel=1e-3)
+
+
+def test_a_much_thinner_lane_is_slack():
+    band = gauge_band(**PET, excess=-0.05)
+    assert (band.tension, band.pressure) == (0, 0)
+    assert band.lead == pytest.approx(-175.0 / 50e-6 / 4.8e9)
+
+
+def test_a_constant_modulus():
+    # Closed form: P = T sqrt(E_r/E_t), and P_b = P + E_r d winds T_b = T + d sqrt(E_r E_t)
+    stack = wo.Stack(radial=40e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
+    band = gauge_band(stack=stack, thickness=66e-6, tension=350.0, excess=0.004)
+    assert band.pressure == pytest.approx(band.mean_pressure + 40e6 * 0.004)
+    assert band.tension == pytest.approx(350 + 66e-6 * 0.004 * np.sqrt(40e6 * 3.38e9))
+
+
+def test_another_law_of_the_stack():
+    # Quadrature and root search of SciPy: T^2/(2 E_t) = int P d eps
+    law = wo.PowerLaw(E0=1e6, k=20e6, m=0.7)
+    stack = wo.Stack(radial=law, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
+
+    def work(P):
+        return quad(lambda p: p / law.modulus(p), 0, P, epsabs=0, epsrel=1e-11)[0]
+
+    T = 350 / 66e-6
+    P = brentq(lambda P: work(P) - T**2 / (2 * 3.38e9), 1e3, 1e7, rtol=1e-12)
+    strain = law.strain_at(P) + 0.005
+    P_b = brentq(lambda P: law.strain_at(P) - strain, P, 1e8, rtol=1e-12)
+    band = gauge_band(stack=stack, thickness=66e-6, tension=350.0, excess=0.005)
+    assert (band.mean_pressure, band.pressure) == pytest.approx((P, P_b), rel=1e-8)
+    assert band.tension == pytest.approx(66e-6 * np.sqrt(2 * 3.38e9 * work(P_b)), rel=1e-8)
+
+
+@cache
+def growth(tension: float, K2: float) -> float:
+    """Return by how much of the web's thickness a complete roll grows with a layer."""
+    stack = wo.Stack(
+        radial=wo.Pfeiffer(K1=10e3, K2=K2), tangential=3.38e9, poissons_ratio=0.0, shear=10e6
+    )
+    roll = wo.RollProblem(
+        core=wo.Core(radius=0.05, stiffness=1e9), radius=0.5, stack=stack, web_thickness=66e-6,
+        wound_on_tension=tension,
+    )  # fmt: skip
+    result = wo.solve(roll)
+    return 1 - (1 + float(result.growth[-1])) * tension / 66e-6 / 3.38e9
+
+
+@pytest.mark.parametrize("K2", [40.0, 127.0])
+def test_complete_rolls_that_grow_alike(K2):
+    # Independent method: the tension at which a complete roll of a thicker web grows as fast
+    for excess in (0.001, 0.01):
+        due = growth(350.0, K2)
+        tension = brentq(
+            lambda T, due=due, excess=excess: (1 + excess) * growth(T, K2) - due, 350.0, 900.0,
+            xtol=0.5,
+        )  # fmt: skip
+        closed = gauge_band(**NEWSPRINT, K2=K2, excess=excess).tension
+        assert tension == pytest.approx(closed, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"excess": 0.2}, "excess"), ({"tension": -1.0}, "tension"),
+        ({"thickness": 0}, "thickness"), ({"K2": None}, "K2"),
+        ({"stack": wo.RollProblem.example().stack}, "K1"),
+    ],
+)  # fmt: skip
+def test_values_out_of_range_are_rejected(changes, field):
+    with pytest.raises(wo.InvalidProblem, match=f"^{field}: "):
+        gauge_band(**PET | {"excess": 0.01} | changes)
+
+
+def test_a_law_that_ends_is_rejected():
+    test = wo.StackTest(strain=(0.0, 0.01, 0.02, 0.03), pressure=(0.0, 20e3, 60e3, 150e3))
+    stack = wo.Stack(radial=test, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
+    with pytest.raises(wo.InvalidProblem, match="the law ends at"):
+        gauge_band(stack=stack, thickness=66e-6, tension=800.0, excess=0.01)
+
+
+# ---- rolls and windings --------------------------------------------------------------------------
+
+
+def roll(**changes):
+    return wo.solve(wo.RollProblem.example().replace(**changes))
+
+
+def test_the_field_changes_no_stress():
+    even, uneven = roll(), roll(gauge_excess=0.01)
+    assert np.array_equal(even.pressure, uneven.pressure)
+    assert "Thickest lane" not in str(even)
+    assert "440.9 N/m" in " ".join(str(uneven).split())
+
+
+def test_the_margin_of_a_roll():
+    uneven = roll(gauge_excess=0.01)
+    margin = wo.margins(uneven)["gauge_band"]
+    band = gauge_band(**NEWSPRINT, K2=40.0, excess=0.01)
+    assert margin.value == pytest.approx(band.strain)
+    assert margin.ok is None
+    assert f"ridge of {band.lead * 0.15 * 1e6:.3g} um" in margin.note
+    for limit, ok in ((0.0019, False), (0.002, True)):
+        assert wo.margins(uneven, wo.Limits(yield_strain=limit))["gauge_band"].ok is ok
+    assert wo.margins(roll())["gauge_band"].value == pytest.approx(350 / 66e-6 / 3.38e9)
+
+
+def test_the_outputs_of_a_winding():
+    winding = wo.WindingProblem.example().replace(
+        radius=0.1, tension_law="fixed", nip_induced_tension=50.0, web_tension=300.0
+    )
+    even = wo.solve(winding)
+    uneven = wo.solve(winding.replace(gauge_excess=0.01, limits={"yield_strain": 0.001}))
+    assert even.ridge_height == 0
+    assert even.band_strain == pytest.approx(350 / 66e-6 / 3.38e9, rel=1e-6)
+    band = gauge_band(**NEWSPRINT, K2=40.0, excess=0.01)
+    assert uneven.band_strain == pytest.approx(band.strain, rel=1e-6)
+    assert uneven.ridge_height == pytest.approx(band.lead * 0.1, rel=1e-6)
+    assert "gauge_band" in uneven.margins.violated
+    assert "height of the ridge" in str(uneven)
+
+
+def test_a_law_that_ends_leaves_the_margin_unchecked():
+    strain = np.linspace(0, 0.09, 10)
+    test = wo.StackTest(strain=strain, pressure=10e3 * np.expm1(40 * strain))
+    stack = wo.Stack(radial=test, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
+    uneven = roll(stack=stack, wound_on_tension=300.0, gauge_excess=0.03)
+    margin = wo.margins(uneven, wo.Limits(yield_strain=0.01))["gauge_band"]
+    assert isnan(margin.value)
+    assert margin.ok is None
+    assert "the law ends" in margin.note
+    assert "Not computed" in str(uneven)

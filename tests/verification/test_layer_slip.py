@@ -1,0 +1,147 @@
+"""The index of slip between the layers of the roll: Table 2, limits, and the pressure wound in."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from thesis_cases import newsprint_nip
+
+import woundon as wo
+from woundon.elasticity.interior_stress import half_plane_sections
+from woundon.nip.layer_slip import interior_stress, wound_in_pressure
+
+H, R = 66e-6, 0.1
+NEWSPRINT = wo.material("newsprint")
+FLAT = wo.HalfPlane(radius=R, material=NEWSPRINT)
+
+
+def test_the_shear_below_the_nip_of_table_2():
+    # Independent program, which took the tractions of the cylinder and the stresses of the
+    # half-plane: 330, 404, 298, 129 and 70 kPa; 399 kPa at layer 4 with the wrap
+    nip = wo.solve(newsprint_nip())
+    z = H * np.array([1, 4, 16, 61, 121])
+    sections = half_plane_sections(
+        nip.x, nip.pressure, nip.roll_traction, z, R, NEWSPRINT.stiffness
+    )
+    shear = [np.abs(s.shear).max() for s in sections]
+    assert shear == pytest.approx([330e3, 404e3, 298e3, 129e3, 70e3], rel=3e-3)
+    # less what friction carries, P0 limited to 210 kPa: 292, 349, 224, 58, 12 kPa
+    P0 = np.minimum(wound_in_pressure(nip, z), 210e3)
+    excess = [
+        (np.abs(s.shear) - 0.19 * (P - s.normal)).max() for s, P in zip(sections, P0, strict=True)
+    ]
+    assert excess == pytest.approx([292e3, 349e3, 224e3, 58e3, 12e3], rel=0.01)
+    wrapped = wo.solve(newsprint_nip(roll_wrap=np.pi))
+    (section,) = half_plane_sections(
+        wrapped.x, wrapped.roll_pressure, wrapped.roll_traction, z[1:2], R, NEWSPRINT.stiffness
+    )
+    assert np.abs(section.shear).max() == pytest.approx(399e3, rel=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("roll", "ratio", "layers"), [(FLAT, 2.39, 72), (newsprint_nip().roll, 2.43, 75)]
+)
+def test_the_index_of_table_2(roll, ratio, layers):
+    # Independent program: 2.4, to about layer 70
+    slip = wo.solve(newsprint_nip(roll=roll)).layer_slip
+    assert slip.ratio == pytest.approx(ratio, abs=0.01)
+    assert slip.layers == pytest.approx(layers, abs=1)
+    assert slip.depth == pytest.approx(slip.layers * H)
+    assert 3.7 < slip.width / 5e-3 < 8
+    assert f"{slip.ratio:.2g} times" in slip.warning
+
+
+def test_the_index_is_the_largest_ratio_of_its_curves():
+    # Consistency, and evaluation of every layer in place of interpolation
+    nip = wo.solve(newsprint_nip())
+    slip = nip.layer_slip
+    assert slip.ratio == (slip.largest_shear / slip.friction_limit).max()
+    z = H * np.arange(60, 90)
+    sections, P0 = interior_stress(nip, z), wound_in_pressure(nip, z)
+    excess = np.array([
+        (np.abs(s.shear) - 0.19 * (P - s.normal)).max() for s, P in zip(sections, P0, strict=True)
+    ])  # fmt: skip
+    assert slip.layers == pytest.approx(59 + (excess > 0).sum(), abs=1)
+
+
+def test_a_wrap_slips_no_layers_at_its_far_end():
+    # Invariance: the length of the wrap hardly matters
+    for angle in (0.5, 3.0):
+        slip = wo.solve(newsprint_nip(roll_wrap=angle)).layer_slip
+        assert slip.width < 0.04
+        assert slip.ratio == pytest.approx(2.39, abs=0.01)
+
+
+def test_the_index_does_not_depend_on_the_mesh():
+    # Convergence
+    coarse, fine = (wo.solve(newsprint_nip(), nodes=nodes).layer_slip for nodes in (33, 257))
+    assert coarse.ratio == pytest.approx(fine.ratio, rel=2e-3)
+    assert coarse.layers == pytest.approx(fine.layers, abs=1)
+
+
+def test_friction_that_carries_the_shear_gives_no_warning():
+    # Limit: at light load with the friction at 1 the layers hold, and the index says nothing
+    nip = wo.solve(newsprint_nip(roll_friction=1.0, drum_friction=0.01))
+    assert nip.layer_slip.ratio < 1
+    assert nip.layer_slip.warning == ""
+
+
+def test_the_warning_is_issued_once_and_printed():
+    nip = wo.solve(newsprint_nip())
+    with pytest.warns(wo.ValidityWarning, match="times what friction can carry"):
+        slip = nip.layer_slip
+    assert nip.layer_slip is slip
+    assert "warning: the shear between the layers" in str(nip)
+    assert pickle.loads(pickle.dumps(nip)).layer_slip.ratio == slip.ratio
+
+
+def test_a_roll_without_interior_stresses_has_no_index():
+    soft = wo.Cylinder(radius=0.1, core_radius=0.08, material="soft-cover")
+    nip = wo.solve(newsprint_nip(roll=wo.Rigid(radius=0.1), drum=soft), nodes=33)
+    assert nip.layer_slip is None
+    assert "layers" not in str(nip)
+
+
+def stack(radial: object) -> wo.Stack:
+    return wo.Stack(radial=radial, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
+
+
+def test_the_plateau_of_pfeiffers_law():
+    # Closed form: T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
+    T = 350 / H
+    for K1, K2 in ((10e3, 40.0), (1.0, 127.0), (1e6, 200.0)):
+        wanted = T**2 * K2 / (2 * 3.38e9)
+        exact = brentq(lambda P: P - K1 * np.log1p(P / K1) - wanted, 1e-6, 1e9, xtol=1e-6)  # noqa: B023
+        assert stack(wo.Pfeiffer(K1=K1, K2=K2)).plateau_pressure(T) == pytest.approx(
+            exact, rel=1e-9
+        )
+
+
+def test_the_plateau_of_a_constant_modulus():
+    # Closed form: P = T sqrt(E_r/E_t)
+    T = 350 / H
+    assert stack(40e6).plateau_pressure(T) == pytest.approx(T * np.sqrt(40e6 / 3.38e9))
+    assert stack(40e6).plateau_pressure(0.0) == 0
+
+
+def test_the_work_of_compression():
+    # Quadrature of SciPy
+    law = wo.PowerLaw(E0=1e6, k=20e6, m=0.9)
+    work, _ = quad(lambda P: P / law.modulus(P), 0, 3e5, epsabs=0, epsrel=1e-10)
+    assert stack(law).compression_energy(3e5) == pytest.approx(work, rel=1e-9)
+
+
+def test_the_pressure_wound_in():
+    # Definition: T z/R, limited by the plateau and by the pressure given
+    soft = stack(wo.Pfeiffer(K1=10e3, K2=40.0))
+    for pressure, limit in ((1e5, 1e5), (4e5, None)):
+        roll = wo.WoundRoll(radius=R, core_radius=0.0445, stack=soft, pressure=pressure)
+        nip = wo.solve(newsprint_nip(roll=roll, nip_load=500.0), nodes=33)
+        T = nip.outlet_tension / H
+        P0 = wound_in_pressure(nip, np.array([H, 0.05]))
+        assert P0[0] == pytest.approx(T * H / R)
+        assert P0[1] == pytest.approx(limit or soft.plateau_pressure(T))
