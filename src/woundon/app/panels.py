@@ -140,8 +140,13 @@ def _film_panel(result: Any) -> Panel:
     """Return the panel of the entrained air between web and roll."""
     film = _curve(result, "air.thickness", "between web and roll", "roll",
                   x=result.x[result.in_nip], y=result.air.thickness)  # fmt: skip
-    return _panel("air_film", "nip", _along_the_nip(result),
-                  _axis("Air film", _quantity(result, "air.thickness"), floor=0), [film])
+    return _panel(
+        "air_film",
+        "nip",
+        _along_the_nip(result),
+        _axis("Air film", _quantity(result, "air.thickness"), floor=0),
+        [film],
+    )
 
 
 def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
