@@ -56,7 +56,7 @@ def _wrapped() -> xr.Dataset:
     )
     data[CONFINED] = data["outlet_tension"] - data["inlet_tension"]
     data[CONFINED].attrs["units"] = "N/m"
-    return data.drop_vars(["inlet_tension", "outlet_tension"])
+    return data[[CONFINED, "wound_on_tension"]]
 
 
 def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:

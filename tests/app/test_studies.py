@@ -51,7 +51,7 @@ def test_a_case_that_fails_is_a_row_with_its_reason(client, cases):
     _, told, _ = events(client, {"case": cases["nip"], "over": over})
     assert told["failures"][0] == ""
     assert "winding_force" in told["failures"][1]
-    assert told["values"]["nip_induced_tension"][1] is None
+    assert told["values"]["wound_on_tension"][1] is None
 
 
 def test_a_study_is_cancelled_by_its_session(client, cases):

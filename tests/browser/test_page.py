@@ -33,9 +33,9 @@ FETCHED = """() => [...performance.getEntriesByType("navigation"),
 
 
 def told(result):
-    """Return the main outputs of a wrapped nip by name."""
-    names = ("wound_on_tension", "nip_induced_tension", "nip_width", "peak_pressure", "drum_creepage",
-             "leading_roll", "trailing_roll", "dual")  # fmt: skip
+    """Return the main outputs of a nip by name."""
+    names = ("wound_on_tension", "nip_induced_tension", "nip_width", "peak_pressure",
+             "drum_creepage", "leading_roll", "trailing_roll", "dual")  # fmt: skip
     return {name: getattr(result, name) for name in names}
 
 
@@ -136,6 +136,43 @@ def test_wrong_input_is_told_at_its_field_and_the_picture_stays(look):
         seen.rest()
         assert seen.page.locator(f"[data-path='{path}'] .fault").count() == 0
         assert seen.output("wound_on_tension") == pytest.approx(numbers, rel=CLOSE)
+
+
+def test_air_is_an_optional_part_of_a_nip(look, example):
+    """Chosen air brings a web speed, which the air needs; without air it is removed."""
+    seen = look()
+    page, dry = seen.page, seen.output("wound_on_tension")
+    page.evaluate("() => document.querySelectorAll('.group').forEach(one => one.open = true)")
+    page.select_option("#f-air", label="entrained air")
+    seen.rest()
+    assert page.locator("main .notice").count() == 0
+    seen.put("web_speed", "15")
+    seen.put("air.roughness", "2")
+    result = wo.solve(example.replace(web_speed=15.0, air=wo.Air(roughness=2e-6)))
+    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
+    film = page.get_attribute("[data-output='air.film'] .value", "data-si")
+    assert float(film) == pytest.approx(result.air.film, rel=CLOSE)
+    seen.drawn("[data-panel=air_film]")
+    page.select_option("#f-air", label="none")
+    seen.rest()
+    assert seen.box("web_speed") == ""
+    assert seen.output("wound_on_tension") == pytest.approx(dry, rel=CLOSE)
+    page.click("[aria-label=Undo]")
+    seen.rest()
+    assert seen.box("web_speed") == "15"
+
+
+def test_wraps_are_fields_of_a_nip(look, example):
+    seen = look()
+    assert seen.box("roll_wrap") == "180"
+    seen.put("roll_wrap", "0")
+    result = wo.solve(example.replace(roll_wrap=0.0))
+    for name, value in told(result).items():
+        assert seen.output(name) == pytest.approx(value, rel=CLOSE, abs=1e-9)
+    assert seen.page.locator("[data-panel=wrap_tension]").count() == 0
+    seen.put("drum_wrap", "90")
+    result = wo.solve(example.replace(roll_wrap=0.0, drum_wrap=np.pi / 2))
+    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
 
 
 def test_undo_redo_and_reset(look):

@@ -24,6 +24,7 @@ nip_load = "3.5 kN/m"
 web_tension = "350 N/m"
 roll_friction = 0.19
 drum_friction = 0.2
+roll_wrap = 0
 
 [web]
 thickness = "66 um"
@@ -159,9 +160,10 @@ from woundon.io.case_files import make_problem
 import tomllib, math, warnings
 warnings.simplefilter("ignore")
 problem = make_problem(tomllib.loads(open('case.toml').read()))
-plain, wrapped = wo.solve(problem), wo.solve(problem.replace(roll_wrap=math.pi, drum_wrap=math.pi / 2))
+plain = wo.solve(problem)
+wrapped = wo.solve(problem.replace(roll_wrap=math.pi, drum_wrap=math.pi / 2))
 print(type(problem.drum).__name__, plain.residual, wrapped.residual)
-print(plain.outlet_tension, wo.solve(problem.replace(drum_wrap=0.0)).wound_on_tension)
+print(plain.outlet_tension, plain.wound_on_tension)
 print(problem.replace(**{"drum.layers.1.thickness": 0.005}).drum.layers[1].thickness)
 print(plain.consistency.power_balance)
 """.replace("open('case.toml').read()", repr(CASE))
@@ -170,7 +172,7 @@ print(plain.consistency.power_balance)
     assert float(said[1]) <= 1e-8
     assert float(said[2]) <= 1e-8
     plain, unwrapped = map(float, said[3:5])
-    assert unwrapped == pytest.approx(plain, rel=1e-9)  # the same equations
+    assert unwrapped == plain  # held at the trailing edge
     assert said[5] == "0.005"
     assert float(said[6]) < 1e-4
 

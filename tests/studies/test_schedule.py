@@ -156,8 +156,6 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
         ({"options": {"rtoll": 1}}, "rtoll: no such option"),
     ],
 )
-def test_bad_input_is_refused(
-    problem: wo.RollProblem, given: dict[str, Any], told: str
-) -> None:
+def test_bad_input_is_refused(problem: wo.RollProblem, given: dict[str, Any], told: str) -> None:
     options = {"over": OVER, "limits": LIMITS, **given}
     refused_in_one_line(lambda: wo.optimise_schedule(problem, **options), told)

@@ -106,12 +106,8 @@ def test_web_tension_is_free_and_right():
     for T_in in tensions:
         single = wo.solve(paper_nip(web_tension=T_in), nodes=17)
         at = {"web_tension": T_in}
-        assert float(cheap.outlet_tension.sel(at)) == pytest.approx(
-            single.outlet_tension, rel=SAME
-        )
-        assert float(whole.outlet_tension.sel(at)) == pytest.approx(
-            single.outlet_tension, rel=SAME
-        )
+        assert float(cheap.outlet_tension.sel(at)) == pytest.approx(single.outlet_tension, rel=SAME)
+        assert float(whole.outlet_tension.sel(at)) == pytest.approx(single.outlet_tension, rel=SAME)
         assert float(whole.drum_creepage.sel(at)) == pytest.approx(single.drum_creepage, rel=SAME)
         assert str(cheap.warnings.sel(at).values) == "; ".join(single.warnings)
 

@@ -100,9 +100,7 @@ def thick(problem: wo.RollProblem, times: float) -> wo.RollProblem:
     return problem.replace(web_thickness=h, wound_on_tension=more, radius=core + laps * h)
 
 
-def of(
-    problem: wo.RollProblem, parts: int = 2
-) -> tuple[wo.RollResult, Rings, np.ndarray]:
+def of(problem: wo.RollProblem, parts: int = 2) -> tuple[wo.RollResult, Rings, np.ndarray]:
     """Return the roll of thin laps, that of rings, and by how much the second's P is larger."""
     result, rings = wo.solve(problem, rtol=1e-4), Rings(problem, parts)
     r = np.minimum(rings.r, problem.radius)

@@ -155,12 +155,13 @@ def test_where_the_whole_roll_side_slips_nit_is_mu_p_plus_f() -> None:
 
 
 def test_what_is_one_number_twice_has_one_slope() -> None:
-    """2a is a twice, T_out is T_in + NIT: so are their derivatives by every other field."""
+    """2a is a twice, WOT = T_out is T_in + NIT: so are their derivatives by every other field."""
     s = wo.solve(newsprint_nip(winding_force=50.0), nodes=65).sensitivity()
-    NIT, T_out, a, width, *_ = s.derivatives
+    WOT, NIT, T_out, a, width, *_ = s.derivatives
     # rounding of central differences
     np.testing.assert_allclose(width, 2 * a, rtol=1e-7, atol=1e-15)
     others = np.array(s.parameters) != "web_tension"
+    np.testing.assert_array_equal(WOT, T_out)
     np.testing.assert_allclose(T_out[others], NIT[others], rtol=1e-7)
 
 

@@ -288,8 +288,8 @@ def test_invalid_input_is_rejected(changes: dict, options: dict, names: str) -> 
 
 
 def test_wrapped_nip_is_rejected() -> None:
-    with pytest.raises(wo.InvalidProblem, match="problem: NipProblem is not possible"):
-        procedure.solve(PROBLEM.replace(roll_wrap=np.pi))  # type: ignore[arg-type]
+    with pytest.raises(wo.InvalidProblem, match="roll_wrap: 3.14159 is not possible"):
+        procedure.solve(PROBLEM.replace(roll_wrap=np.pi))
 
 
 def test_result_is_immutable() -> None:

@@ -309,7 +309,10 @@ def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
     result = wo.solve(problem, nodes=33)
     assert result.pressure_shift < 0 < result.rolling_resistance
     assert result.dissipated_power == pytest.approx(3.0 * result.rolling_resistance, rel=1e-14)
-    assert np.max(np.abs(result.drum_pressure[::-1] - result.drum_pressure)) > 0.02 * result.peak_pressure
+    assert (
+        np.max(np.abs(result.drum_pressure[::-1] - result.drum_pressure))
+        > 0.02 * result.peak_pressure
+    )
 
 
 def test_a_viscoelastic_roll_behind_the_nip() -> None:

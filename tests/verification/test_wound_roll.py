@@ -220,9 +220,7 @@ def test_by_how_much_the_plateau_law_is_low(
 
 
 @PAPER_AND_FILM
-def test_a_tension_that_falls_keeps_the_web_in_tension(
-    problem: wo.RollProblem, exponent: float
-):
+def test_a_tension_that_falls_keeps_the_web_in_tension(problem: wo.RollProblem, exponent: float):
     """Hoop stress >= 0 needs P to fall like 1/r, so T about like r^-0.6 or, of film, r^-0.5."""
     r, level = np.geomspace(problem.core.radius, problem.radius, 40), coarse(problem).mid_pressure
 
