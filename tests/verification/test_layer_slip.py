@@ -25,7 +25,7 @@ def test_the_shear_below_the_nip_of_table_2():
     nip = wo.solve(newsprint_nip())
     z = H * np.array([1, 4, 16, 61, 121])
     sections = half_plane_sections(
-        nip.x, nip.pressure, nip.roll_traction, z, R, NEWSPRINT.stiffness
+        nip.x, nip.roll_pressure, nip.roll_traction, z, R, NEWSPRINT.stiffness
     )
     shear = [np.abs(s.shear).max() for s in sections]
     assert shear == pytest.approx([330e3, 404e3, 298e3, 129e3, 70e3], rel=3e-3)
