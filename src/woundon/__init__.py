@@ -18,6 +18,7 @@ _HOME = {
     "DynamicTest": "problems.viscoelastic",
     "FitResult": "studies.fit",
     "HalfPlane": "problems.bodies",
+    "InputWarning": "errors",
     "InvalidProblem": "errors",
     "Isotropic": "problems.materials",
     "Layer": "problems.bodies",
@@ -91,6 +92,7 @@ __all__ = [
     "DynamicTest",
     "FitResult",
     "HalfPlane",
+    "InputWarning",
     "InvalidProblem",
     "Isotropic",
     "Layer",
@@ -157,6 +159,7 @@ if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
     from .air.result import AirNipResult as AirNipResult
+    from .errors import InputWarning as InputWarning
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSteadyState as NoSteadyState
     from .errors import NotConverged as NotConverged

@@ -236,8 +236,8 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
 )
 def materials() -> None:
     """List the named materials with their values and sources."""
-    from .io.units import written
     from .problems.materials import MATERIALS
+    from .problems.units import written
     from .quantities import walk
 
     def shown(place: Any) -> str:

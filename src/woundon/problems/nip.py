@@ -12,7 +12,17 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import angle, length, line_load, pure, velocity
+from ..quantities import (
+    Quantity,
+    angle,
+    length,
+    line_load,
+    pure,
+    tension,
+    velocity,
+    web_density,
+    web_thickness,
+)
 from . import wound_roll as wound_roll  # it joins the bodies
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .fields import Description, Number
@@ -25,12 +35,16 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Web",
-    "WindingNip", "WrapFriction", "WrappedNip", "WrappedNipProblem",
+    "Width", "WindingNip", "WrapFriction", "WrappedNip", "WrappedNipProblem",
 ]  # fmt: skip
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
 _FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
 _HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
+
+Width = Annotated[
+    Number | None, length("w", "width of the web", "m", (0.2, 10.0)), Field(gt=0, le=100)
+]
 
 # what nips and windings have alike
 RollFriction = Annotated[Number, pure("mu+", "friction between the layers", (0.1, 0.6)), _FRICTION]
@@ -72,15 +86,16 @@ class Web(Description):
     Parameters
     ----------
     thickness : float
-        2h [m], 0.1 um to 10 mm.
+        2h [m], 0.1 um to 10 mm; or a basis weight, "45 gsm", with the ``density`` of the web,
+        "680 kg/m^3".
     material : Orthotropic, Isotropic or Stack
         The web's own plane-strain stiffness.  Of a stack the web hardens under the nip's pressure,
         from none; its shear modulus plays no part.
     """
 
-    thickness: Annotated[
-        Number, length("2h", "web thickness", "um", (10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)
-    ]
+    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": web_density()}
+
+    thickness: Annotated[Number, web_thickness((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
     material: AnySolid
 
     @property
@@ -143,7 +158,7 @@ class WindingNip(ContactProblem):
     ] = 0.0
     web_tension: Annotated[
         Number,
-        line_load("T_in", "web tension before the nip", (50.0, 1000.0)),
+        tension("T_in", "web tension before the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
     ] = 0.0
     web_speed: Annotated[
@@ -151,6 +166,7 @@ class WindingNip(ContactProblem):
         velocity("V", "speed of the web, of viscoelastic bodies", (1.0, 50.0)),
         Field(gt=0, le=1e4),
     ] = None
+    width: Width = None
 
     @model_validator(mode="after")
     def _web_is_elastic(self) -> Self:
@@ -219,7 +235,11 @@ class NipProblem(WindingNip):
     web_tension : float
         T_in before the nip [N/m], >= 0.
     web_speed : float, optional
-        V [m/s]; needed where roll or drum is viscoelastic, and only there.
+        V [m/s]; needed where roll or drum is viscoelastic. Otherwise nothing depends on it, and
+        the report says so.
+    width : float, optional
+        Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
+        held per metre of width.
 
     Raises
     ------
@@ -298,7 +318,8 @@ class WrappedNipProblem(WrappedNip):
 
     Parameters
     ----------
-    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension, web_speed
+    web, roll, drum, roll_friction, drum_friction, nip_load, web_tension, web_speed,
+    width
         As of :class:`NipProblem`.
     winding_force : float
         F on nip and drum wrap together [N/m].  With a wrap the drum can take

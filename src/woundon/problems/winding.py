@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import Quantity, length, line_load, pure, velocity
+from ..quantities import length, line_load, pure, tension, velocity, web_density
 from .air import Air, AirNipProblem, with_film
-from .bodies import AnyBody, Body, Rigid
+from .bodies import AnyBody, Body, Rigid, unused_speed
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
 from .materials import Material, material
@@ -23,6 +23,7 @@ from .nip import (
     RollFriction,
     RollWrap,
     Web,
+    Width,
     WrapFriction,
     WrappedNipProblem,
 )  # fmt: skip
@@ -103,14 +104,17 @@ class WindingProblem(Problem):
     nip_induced_tension : float, Taper or Profile, optional
         WOT - T_in [N/m], with tension_law "fixed" only.
     density : float, optional
-        Of the web [kg/m^3]; with it the roll has a mass.
+        Of the web [kg/m^3], or its basis weight, "45 gsm"; with it the roll has a mass.
     web_speed : float, optional
-        V [m/s], with air or a viscoelastic drum only.
+        V [m/s], needed with air or a viscoelastic drum.
     air : Air, optional
         What the web brings of it takes friction from nip and laps, and softens the roll; with
         tension_law "nip".
     limits : Limits
         What the roll must bear: its margins are measured by them.
+    width : float, optional
+        Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
+        held per metre of width.
 
     Raises
     ------
@@ -133,7 +137,7 @@ class WindingProblem(Problem):
     roll_friction: RollFriction
     drum_friction: DrumFriction
     web_tension: Annotated[
-        WindingSchedule, line_load("T_in", "web tension before the nip", (50.0, 1000.0))
+        WindingSchedule, tension("T_in", "web tension before the nip", (50.0, 1000.0))
     ]
     nip_load: Annotated[WindingSchedule, line_load("P", "nip load", (500.0, 10e3))]
     winding_force: Annotated[
@@ -152,23 +156,20 @@ class WindingProblem(Problem):
         Field(description="what the nip feels of the roll"),
     ] = "effective"
     tension_law: Annotated[
-        TensionLaw, line_load("WOT", "law, or table, of the wound-on tension", (50.0, 1500.0))
+        TensionLaw, tension("WOT", "law, or table, of the wound-on tension", (50.0, 1500.0))
     ] = "nip"  # type: ignore[assignment]
     nip_induced_tension: Annotated[
         WindingSchedule | None,
-        line_load("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
+        tension("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
     ] = None
-    density: Annotated[
-        Number | None,
-        Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
-        Field(gt=0, le=3e4),
-    ] = None
+    density: Annotated[Number | None, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = None
     limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
 
     web_speed: Annotated[
         Number | None, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)
     ] = None
     air: Air | None = None
+    width: Width = None
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
@@ -211,13 +212,18 @@ class WindingProblem(Problem):
             elif self.web_speed == 0:
                 text = "0 is out of range; must be > 0 [m/s], as drum is of a viscoelastic material"
                 yield "web_speed", text
-        elif self.air is None and self.web_speed is not None:
-            yield "air", "missing; must be given with web_speed"
         if self.air is not None:
             for field, text in self.air.too_rough(self.web.thickness):
                 yield f"air.{field}", text
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect."""
+        if self.web_speed is None or self.air is not None or self.drum.viscoelastic:
+            return super().remarks
+        return (unused_speed("web_speed", self.web_speed),)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
         """Yield what is wrong with a schedule: numbers out of range, a table too short."""
