@@ -17,6 +17,7 @@ _HOME = {
     "Cylinder": "problems.bodies",
     "DynamicTest": "problems.viscoelastic",
     "FitResult": "studies.fit",
+    "Grade": "problems.grades",
     "HalfPlane": "problems.bodies",
     "InputWarning": "errors",
     "InvalidProblem": "errors",
@@ -67,6 +68,8 @@ _HOME = {
     "design_tension": "roll.design",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
+    "grade": "problems.grades",
+    "grades": "problems.grades",
     "kinds": "",
     "load_case": "io.case_files",
     "load_result": "io.result_files",
@@ -91,6 +94,7 @@ __all__ = [
     "Cylinder",
     "DynamicTest",
     "FitResult",
+    "Grade",
     "HalfPlane",
     "InputWarning",
     "InvalidProblem",
@@ -142,6 +146,8 @@ __all__ = [
     "design_tension",
     "fit",
     "global_sensitivity",
+    "grade",
+    "grades",
     "kinds",
     "load_case",
     "load_result",
@@ -183,6 +189,9 @@ if TYPE_CHECKING:
     from .problems.bodies import Layered as Layered
     from .problems.bodies import Rigid as Rigid
     from .problems.fields import Problem as Problem
+    from .problems.grades import Grade as Grade
+    from .problems.grades import grade as grade
+    from .problems.grades import grades as grades
     from .problems.limits import Limits as Limits
     from .problems.materials import Isotropic as Isotropic
     from .problems.materials import Material as Material

@@ -31,7 +31,11 @@ NIP_FIELDS = (
     "drum, drum_friction, nip_load, roll, roll_friction, web, web_speed, web_tension, width, "
     "winding_force"
 )
-MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
+MATERIALS = (
+    "cellular-elastomer, composite-shell, hard-drum, microcellular-cover, newsprint, paper, "
+    "polyurethane-90-shore-a, rubber, rubber-50-shore-a, rubber-60-shore-a, rubber-80-shore-a, "
+    "soft-cover, steel"
+)
 
 
 def nip(**changes: Any) -> wo.NipProblem:

@@ -17,6 +17,7 @@ from typing import Any
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.fields import Problem, no_such_field, shown
+from ..problems.grades import grade
 from ..problems.materials import Material, material
 from ..quantities import Place, counterpart, find, is_item, members_of
 from .case_texts import SCHEMA, template, to_toml
@@ -69,16 +70,23 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
 def read_case(path: str | Path) -> dict[str, Any]:
     """Return the case file's tables as written, values neither converted nor checked.
 
-    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case.
+    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case, and
+    ``grades = "file.toml"`` for the file that ``grade`` is looked up in.
 
     Raises
     ------
     InvalidProblem
         If the file cannot be read, is empty, or is no TOML (with the line).
     """
-    return dict(
-        with_columns(tables_of_text(read_whole(path, LARGEST), str(path)), Path(path).parent)
-    )
+    folder = Path(path).parent
+    tables = dict(with_columns(tables_of_text(read_whole(path, LARGEST), str(path)), folder))
+    if "grades" not in tables:
+        return tables
+    file, name = tables.pop("grades"), tables.get("grade")
+    if not isinstance(file, str) or not isinstance(name, str):
+        text = f"{shown(file)} is out of place; must be the name of a file, with grade = 'NAME'"
+        raise InvalidProblem.at("grades", text)
+    return tables | {"grade": grade(name, folder / file)}
 
 
 def tables_of_text(content: bytes, where: str) -> dict[str, Any]:

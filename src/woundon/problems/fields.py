@@ -346,9 +346,25 @@ class Problem(Description):
     ----------
     tables : mapping of str to tuple of str
         Fields that a case file groups in a table of their own, by the table's name.
+    graded : tuple of str
+        Fields that a ``grade`` supplies: of a problem that has one, ``grade = "newsprint"`` may
+        stand in their place.
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    graded: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, /, **fields: Any) -> None:
+        super().__init__(**fields)
+        if "grade" in fields:
+            library = _grades()
+            library.warn_of_contradictions(library.grade(fields["grade"]), self)
+
+    @classmethod
+    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        if "grade" in fields:
+            fields = _grades().with_grade(cls, fields, faults)
+        return super()._converted(fields, faults)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -361,6 +377,10 @@ class Problem(Description):
         raise NotImplementedError(f"{cls.__name__} has no example")
 
 
+def _grades() -> Any:
+    return import_module("woundon.problems.grades")  # which knows the descriptions
+
+
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     """Return the class of description whose fields are nearest to the given names.
 
@@ -368,12 +388,14 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     field that is missing counts one.  Of equals the first with the fewest fields.
     """
     given = [counterpart(str(name), "diameter") or str(name) for name in names]
+    has_grade = "grade" in given
+    given = [name for name in given if name not in ("grade", "grades")]
 
     def misfit(model: type[Any]) -> tuple[int, int]:
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         strange = [name for name in given if name not in known]
         meant = {nearest(name, known) for name in strange} - {"", *given}
-        had = meant.union(given)
+        had = meant.union(given, getattr(model, "graded", ()) if has_grade else ())
         missing = sum(f.is_required() and n not in had for n, f in model.model_fields.items())
         return 2 * len(strange) - len(meant) + missing, len(known)
 

@@ -25,6 +25,7 @@ from ..quantities import (
 )
 from . import wound_roll as wound_roll  # it joins the bodies
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
+from .consistency import different_moduli
 from .fields import Description, Number
 from .materials import Material, Solid, material
 from .radial_laws import Constant
@@ -142,6 +143,7 @@ class Web(Description):
 class WindingNip(ContactProblem):
     """What a nip has with and without its wraps; not a problem of its own."""
 
+    graded: ClassVar[tuple[str, ...]] = ("web", "roll", "roll_friction", "drum_friction")
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
     speed_field: ClassVar[str] = "web_speed"
 
@@ -190,6 +192,13 @@ class WindingNip(ContactProblem):
                     f"{name.partition('_')[0]}; the least tells the limit"
                 )  # fmt: skip
         return given
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        name = "stack" if hasattr(self.roll, "stack") else "material"
+        wound = getattr(self.roll, name, None)
+        return (*super().remarks, *different_moduli(self.web, f"roll.{name}", wound))
 
     @cached_property
     def linear(self) -> bool:

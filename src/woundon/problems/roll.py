@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -126,6 +126,8 @@ class WoundRollProblem(Problem):
     InvalidProblem
         Naming every field, value and range at fault.
     """
+
+    graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
 
     core: Core
     radius: Annotated[

@@ -13,6 +13,7 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity, web_density
 from .air import Air, AirNipProblem, with_film
 from .bodies import AnyBody, Body, Rigid, unused_speed
+from .consistency import different_moduli
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
 from .materials import Material, material
@@ -125,6 +126,9 @@ class WindingProblem(Problem):
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
+    graded: ClassVar[tuple[str, ...]] = (
+        "web", "stack", "roll_friction", "drum_friction", "density", "limits",
+    )  # fmt: skip
 
     web: Annotated[Web, Field(description="the paper or film")]
     stack: AnyStack
@@ -220,10 +224,11 @@ class WindingProblem(Problem):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Inputs that have no effect."""
-        if self.web_speed is None or self.air is not None or self.drum.viscoelastic:
-            return super().remarks
-        return (unused_speed("web_speed", self.web_speed),)
+        """Inputs that have no effect or contradict each other, as sentences."""
+        told = [*super().remarks, *different_moduli(self.web, "stack", self.stack)]
+        if self.web_speed is not None and self.air is None and not self.drum.viscoelastic:
+            told.append(unused_speed("web_speed", self.web_speed))
+        return tuple(told)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
         """Yield what is wrong with a schedule: numbers out of range, a table too short."""
