@@ -236,6 +236,13 @@ class Grades(Sections):
             yield name, f"{grade.title}\n\n" + _table(("field", "value", "spread", "source"), rows)
 
 
+class GradeSources(Sections):
+    """``{grade-sources}``: the sources that grades and covers name."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        yield "", _table(("name", "source"), list(library()["sources"].items()))
+
+
 class GradePressures(Sections):
     """``{grade-pressures}``: pressures in a roll of each grade that is wound as usual."""
 
@@ -296,6 +303,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("materials", Materials)
     app.add_directive("grades", Grades)
     app.add_directive("grade-pressures", GradePressures)
+    app.add_directive("grade-sources", GradeSources)
     app.add_directive("covers", Covers)
     app.add_directive("modules", Modules)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

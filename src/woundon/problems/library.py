@@ -26,7 +26,7 @@ class Entry(NamedTuple):
 
 @cache
 def library() -> Mapping[str, Mapping[str, Any]]:
-    """Return the tables ``grades`` and ``covers`` of the data file."""
+    """Return the tables ``sources``, ``grades`` and ``covers`` of the data file."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
