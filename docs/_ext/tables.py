@@ -10,15 +10,19 @@ from pathlib import Path
 from pkgutil import walk_packages
 from typing import Any, get_args
 
+import numpy as np
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 import woundon
-from woundon import kinds
+from woundon import kinds, solve
 from woundon.errors import one_of
 from woundon.problems.fields import Family, bounds
+from woundon.problems.grades import grades
+from woundon.problems.library import entry_of, library
 from woundon.problems.materials import MATERIALS
+from woundon.problems.roll import RollProblem
 from woundon.quantities import (
     OF_FIELD,
     Place,
@@ -204,6 +208,69 @@ class Materials(Sections):
         yield "", _table(("name", "values", "source"), rows)
 
 
+class Covers(Sections):
+    """``{covers}``: covers and shells of drums with spread and source."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        rows: Rows = []
+        for name, table in library()["covers"].items():
+            entry = entry_of(table)
+            told = [_with_spread(str(entry.values[key]), entry.spread.get(key))
+                    for key in ("youngs_modulus", "poissons_ratio")]  # fmt: skip
+            rows.append((f"`{name}`", *told, entry.sources["youngs_modulus"]))
+        yield (
+            "",
+            _table(("name", "Young's modulus", "Poisson's ratio", "source of the modulus"), rows),
+        )
+
+
+class Grades(Sections):
+    """``{grades}``: a section for each grade with its values, spreads and sources."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        for name, grade in grades().items():
+            rows: Rows = [
+                (f"`{field}`", text, _percent(grade.spread.get(field)), grade.sources[field])
+                for field, text in grade.texts()
+            ]
+            yield name, f"{grade.title}\n\n" + _table(("field", "value", "spread", "source"), rows)
+
+
+class GradeSources(Sections):
+    """``{grade-sources}``: the sources that grades and covers name."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        yield "", _table(("name", "source"), list(library()["sources"].items()))
+
+
+class GradePressures(Sections):
+    """``{grade-pressures}``: pressures in a roll of each grade that is wound as usual."""
+
+    def sections(self) -> Iterator[tuple[str, str]]:
+        rows: Rows = []
+        for name, grade in grades().items():
+            roll = solve(RollProblem(
+                grade=grade, core={"radius": 0.05, "stiffness": 1e9}, radius=0.5,
+                wound_on_tension=grade.tension,
+            ))  # fmt: skip
+            texts = dict(grade.texts())
+            halfway = float(np.interp(0.275, roll.radius, roll.pressure))
+            rows.append((
+                f"`{name}`", texts["tension"], f"{roll.pressure[0] / 1e3:.3g} kPa",
+                f"{halfway / 1e3:.3g} kPa", texts["pressure"],
+            ))  # fmt: skip
+        header = ("grade", "wound-on tension", "at the core", "halfway", "usual near the core")
+        yield "", _table(header, rows)
+
+
+def _percent(spread: float | None) -> str:
+    return "" if spread is None else f"{100 * spread:.3g} %"
+
+
+def _with_spread(text: str, spread: float | None) -> str:
+    return text if spread is None else f"{text} ± {_percent(spread)}"
+
+
 class Modules(Sections):
     """``{modules}``: every module with the first sentence of its text, room by room."""
 
@@ -234,5 +301,9 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("inputs", Inputs)
     app.add_directive("outputs", Outputs)
     app.add_directive("materials", Materials)
+    app.add_directive("grades", Grades)
+    app.add_directive("grade-pressures", GradePressures)
+    app.add_directive("grade-sources", GradeSources)
+    app.add_directive("covers", Covers)
     app.add_directive("modules", Modules)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -18,7 +18,9 @@ _HOME = {
     "DynamicTest": "problems.viscoelastic",
     "FindResult": "studies.find",
     "FitResult": "studies.fit",
+    "Grade": "problems.grades",
     "HalfPlane": "problems.bodies",
+    "InputWarning": "errors",
     "InvalidProblem": "errors",
     "Isotropic": "problems.materials",
     "Layer": "problems.bodies",
@@ -69,6 +71,8 @@ _HOME = {
     "find": "studies.find",
     "fit": "studies.api",
     "global_sensitivity": "studies.api",
+    "grade": "problems.grades",
+    "grades": "problems.grades",
     "kinds": "",
     "load_case": "io.case_files",
     "load_result": "io.result_files",
@@ -95,7 +99,9 @@ __all__ = [
     "DynamicTest",
     "FindResult",
     "FitResult",
+    "Grade",
     "HalfPlane",
+    "InputWarning",
     "InvalidProblem",
     "Isotropic",
     "Layer",
@@ -147,6 +153,8 @@ __all__ = [
     "find",
     "fit",
     "global_sensitivity",
+    "grade",
+    "grades",
     "kinds",
     "load_case",
     "load_result",
@@ -164,6 +172,7 @@ __all__ = [
 if TYPE_CHECKING:
     from . import kinds as kinds
     from . import theories as theories
+    from .errors import InputWarning as InputWarning
     from .errors import InvalidProblem as InvalidProblem
     from .errors import NoSolution as NoSolution
     from .errors import NoSteadyState as NoSteadyState
@@ -187,6 +196,9 @@ if TYPE_CHECKING:
     from .problems.bodies import Layered as Layered
     from .problems.bodies import Rigid as Rigid
     from .problems.fields import Problem as Problem
+    from .problems.grades import Grade as Grade
+    from .problems.grades import grade as grade
+    from .problems.grades import grades as grades
     from .problems.limits import Limits as Limits
     from .problems.materials import Isotropic as Isotropic
     from .problems.materials import Material as Material

@@ -250,8 +250,8 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
 )
 def materials() -> None:
     """List the named materials with their values and sources."""
-    from .io.units import written
     from .problems.materials import MATERIALS
+    from .problems.units import written
     from .quantities import walk
 
     def shown(place: Any) -> str:
@@ -261,7 +261,21 @@ def materials() -> None:
     def given(material: Any) -> list[Any]:
         return [place for place in walk(material) if place.value is not None]
 
-    for name, (material, source) in MATERIALS.items():
+    for name, known in MATERIALS.items():
         click.secho(name, bold=True)
-        click.echo(f"  {{ {', '.join(map(shown, given(material)))} }}")
-        click.secho(f"  {source}", dim=True)
+        click.echo(f"  {{ {', '.join(map(shown, given(known.material)))} }}")
+        click.secho(f"  {known.source}", dim=True)
+
+
+@commands.command(
+    help="""\
+    List the grades of paper, film, foil and nonwoven; with a NAME its values.
+    """,
+)
+@click.argument("name", required=False)
+@click.option("--file", metavar="FILE", help="A TOML file with grades of your own.")
+def grades(name: str | None, file: str | None) -> None:
+    """List the grades, or the values of one with their spread and source."""
+    from .problems import grades as library
+
+    click.echo(str(library.grades(file) if name is None else library.grade(name, file)))

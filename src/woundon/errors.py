@@ -11,7 +11,8 @@ from contextlib import contextmanager
 from typing import Any, Self
 
 __all__ = [
-    "InvalidProblem", "NoSolution", "NoSteadyState", "NotConverged", "ResolutionWarning",
+    "InputWarning", "InvalidProblem", "NoSolution", "NoSteadyState", "NotConverged",
+    "ResolutionWarning",
     "ValidityWarning", "unwarned", "warn",
 ]  # fmt: skip
 
@@ -125,19 +126,30 @@ class ValidityWarning(UserWarning):
     """A solved case lies where the linear, small-strain, plane model no longer holds."""
 
 
+class InputWarning(UserWarning):
+    """An input has no effect, or contradicts another one."""
+
+
 class ResolutionWarning(UserWarning):
     """The grid is too coarse for something that a solved case shows; more nodes mend it."""
 
 
-def warn(texts: Iterable[str]) -> None:
-    """Issue a result's warnings, at the line outside this package that asked for it."""
+def warn(texts: Iterable[str], kind: type[Warning] | None = None) -> None:
+    """Issue warnings at the line outside this package that asked for a result.
+
+    Parameters
+    ----------
+    texts : iterable of str
+    kind : type, optional
+        By default that of a result's warning: of validity, or of resolution.
+    """
     if not (texts := tuple(texts)):
         return
     own, frame, level = __name__.partition(".")[0], sys._getframe(), 1
     while frame.f_back and str(frame.f_globals.get("__name__")).partition(".")[0] == own:
         frame, level = frame.f_back, level + 1
     for text in texts:
-        category = ResolutionWarning if text.startswith(RESOLUTION) else ValidityWarning
+        category = kind or (ResolutionWarning if text.startswith(RESOLUTION) else ValidityWarning)
         warnings.warn(text.removeprefix(RESOLUTION), category, stacklevel=level)
 
 
@@ -145,7 +157,7 @@ def warn(texts: Iterable[str]) -> None:
 def unwarned() -> Iterator[None]:
     """Issue no warnings of results: they are told in another way, or are another result's."""
     with warnings.catch_warnings():
-        for category in (ValidityWarning, ResolutionWarning):
+        for category in (InputWarning, ValidityWarning, ResolutionWarning):
             warnings.simplefilter("ignore", category)
         yield
 

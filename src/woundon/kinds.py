@@ -19,7 +19,7 @@ from functools import cache, cached_property
 from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
-from .errors import InvalidProblem, did_you_mean, one_of
+from .errors import InputWarning, InvalidProblem, did_you_mean, one_of, warn
 
 if TYPE_CHECKING:
     from .nip.result import NipResult
@@ -361,5 +361,13 @@ def solve(problem: Any, **options: Any) -> Any:
         If no steady rolling carries the loads.
     NotConverged
         If it was not solved to tolerance; carries the best result.
+
+    Warns
+    -----
+    InputWarning
+        If an input has no effect or contradicts another one.
     """
-    return of(problem).solver(problem, **options)
+    kind = of(problem)
+    if not isinstance(problem, type):  # a class is rejected by the solver
+        warn(getattr(problem, "remarks", ()), InputWarning)
+    return kind.solver(problem, **options)

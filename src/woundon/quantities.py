@@ -26,10 +26,10 @@ from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
-    "OF_FIELD", "Place", "Quantity", "angle", "find", "is_item", "is_list", "length", "line_load",
-    "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs", "shown_in", "strain",
-    "stress", "value_of",
-    "velocity", "walk",
+    "OF_FIELD", "Place", "Quantity", "angle", "counterpart", "find", "is_item", "is_list",
+    "length", "line_load", "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs",
+    "shown_in", "strain", "stress", "tension", "value_of", "velocity", "walk",
+    "web_density", "web_thickness",
 ]  # fmt: skip
 
 _PER_SI = {
@@ -56,6 +56,9 @@ class Quantity:
         The range met in practice, SI; a slider's ends, not a limit.
     shown_in_si : float, optional
         How many of ``unit`` the ``shown_unit`` is, where somebody chose it (:func:`shown_in`).
+    other_form : "", "stress" or "basis weight"
+        Another form in which the quantity may be entered: a web tension as a stress, a web
+        thickness or density as a basis weight (:mod:`woundon.problems.inputs`).
     """
 
     symbol: str
@@ -64,6 +67,7 @@ class Quantity:
     shown_unit: str = ""
     typical: tuple[float, float] | None = None
     shown_in_si: float | None = None
+    other_form: str = ""
 
     def shown(self, value: Any) -> Any:
         """Return an SI value, or an array of them, in the unit for display."""
@@ -95,6 +99,16 @@ def length(symbol: str, meaning: str, shown: str = "mm", typical: Range = None) 
     return Quantity(symbol, "m", meaning, shown, typical)
 
 
+def web_thickness(typical: Range = None) -> Quantity:
+    """Return the thickness of the web [m]; it may be entered as a basis weight."""
+    return Quantity("2h", "m", "web thickness", "um", typical, other_form="basis weight")
+
+
+def web_density(typical: Range = None) -> Quantity:
+    """Return the density of the web [kg/m^3]; it may be entered as a basis weight."""
+    return Quantity("rho", "kg/m^3", "density of the web", "", typical, other_form="basis weight")
+
+
 def stress(symbol: str, meaning: str, shown: str = "kPa", typical: Range = None) -> Quantity:
     """Return a stress, a pressure or a modulus [Pa]."""
     return Quantity(symbol, "Pa", meaning, shown, typical)
@@ -113,6 +127,11 @@ def angle(symbol: str, meaning: str, typical: Range = None) -> Quantity:
 def line_load(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     """Return a force per metre of width [N/m]."""
     return Quantity(symbol, "N/m", meaning, "", typical)
+
+
+def tension(symbol: str, meaning: str, typical: Range = None) -> Quantity:
+    """Return a tension of the web per metre of width [N/m]; it may be entered as a stress."""
+    return Quantity(symbol, "N/m", meaning, "", typical, other_form="stress")
 
 
 def velocity(symbol: str, meaning: str, typical: Range = None) -> Quantity:
@@ -239,7 +258,8 @@ def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place
     """Return the places of a dotted name below a description's class or instance; () if none.
 
     A field that only another body or material than the present one has is found too, and so is one
-    of any item of a list; a path that ends at a description gives the places of its field.
+    of any item of a list; a path that ends at a description gives the places of its field.  The
+    diameter of what has a radius is found with the field of the radius.
     """
     of = thing if isinstance(thing, type) else type(thing)
     models: tuple[tuple[Any, Quantity | None], ...] = ((of, of_field),)
@@ -249,11 +269,39 @@ def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place
         if found and name.isascii() and name.isdecimal() and is_list(found[0].field.annotation):
             continue
         below = ".".join(parts[: k + 1])
-        fields = ((m, m.model_fields[name], above) for m, above in models if name in m.model_fields)
+        fields = [(m, m.model_fields[name], above) for m, above in models if name in m.model_fields]
         found = tuple(Place(below, _as_chosen(below, quantity_of(field, above)), field, m)
                       for m, field, above in fields)  # fmt: skip
+        radius = counterpart(name, "diameter")
+        if radius and not found:
+            found = tuple(Place(below, _diameter(quantity_of(m.model_fields[radius])),
+                                m.model_fields[radius], m)
+                          for m, _ in models if radius in m.model_fields)  # fmt: skip
         models = tuple((m, p.quantity) for p in found for m in members_of(p.field.annotation))
     return found
+
+
+def counterpart(name: str, word: str) -> str:
+    """Return the radius of a diameter's name (``core_diameter``), or the reverse; '' for none.
+
+    Parameters
+    ----------
+    name : str
+    word : "diameter" or "radius"
+        The word that is replaced.
+    """
+    other = {"diameter": "radius", "radius": "diameter"}[word]
+    head, found, tail = name.rpartition(word)
+    return head + other if found and not tail and (not head or head.endswith("_")) else ""
+
+
+def _diameter(radius: Quantity | None) -> Quantity | None:
+    if radius is None:
+        return None
+    symbol = radius.symbol.replace("R", "D", 1).replace("r", "d", 1)
+    ends = radius.typical and (2 * radius.typical[0], 2 * radius.typical[1])
+    meaning = radius.meaning.replace("radius", "diameter").replace("radii", "diameters")
+    return dataclasses.replace(radius, symbol=symbol, meaning=meaning, typical=ends)
 
 
 def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None:

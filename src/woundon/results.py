@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .io.chosen_units import ResultInUnits
+
 __all__ = [
     "ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "largest", "measured",
     "positive", "zone_runs",
@@ -266,6 +268,37 @@ class Result(ReadOnly):
     def save(self, path: Any) -> None:
         """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
         kinds.fetch("woundon.io.result_files:save_result")(self, path)
+
+    def in_units(self, /, *chosen: str, **by_name: str) -> ResultInUnits:
+        """Return the result with outputs as numbers in chosen units.
+
+        >>> result.in_units("pli").wound_on_tension  # doctest: +SKIP
+        4.0
+        >>> print(result.in_units("mill", half_width="mm"))  # doctest: +SKIP
+
+        Parameters
+        ----------
+        chosen : str
+            Units ("pli", "psi", "um"): every output of the same dimension is given in it.  A unit
+            of a total ("kN") multiplies by the ``width`` of the problem.  "mill" stands for the
+            units of North American mills, "SI" for those of attributes.
+        by_name : str
+            Unit of one output or field, by its name.
+
+        Returns
+        -------
+        ResultInUnits
+            Outputs that no unit is chosen for are in SI.
+
+        Raises
+        ------
+        InvalidProblem
+            For an unknown unit or name, or a unit that no output has.
+        """
+        found: ResultInUnits = kinds.fetch("woundon.io.chosen_units:in_units")(
+            self, chosen, by_name
+        )
+        return found
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the result as an xarray Dataset, every variable with unit and symbol."""

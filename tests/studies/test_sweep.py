@@ -12,7 +12,7 @@ import toys
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.io.units import parse
+from woundon.problems.units import parse
 from woundon.studies.api import study_of
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
@@ -174,7 +174,7 @@ def test_progress_is_told():
         ({"nip_load": [1e3]}, "half_width", {"options": {"node": 17}}, "node: no such option; d"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "options": {"nodes": 13}}, "given twice"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "is given beside rtol"),
-        ({"nip_load": ["1 kN"]}, "half_width", {}, "nip_load: '1 kN' has the wrong dimension"),
+        ({"nip_load": ["1 kN"]}, "half_width", {}, "nip_load: '1 kN' is a force"),
         ({"nip_load": ["1"]}, "half_width", {}, "nip_load: '1' has no unit; expected a value in"),
         ({"nip_load": [1e3]}, "half_width", {"workers": 0}, "workers: 0 is out of range"),
         (

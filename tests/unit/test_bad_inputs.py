@@ -26,12 +26,16 @@ MATERIAL = (
     "that 'woundon materials' lists)"
 )
 LOAD = ">= 1e-12 and <= 1e+07 [N/m]"
-UNITS = "(units are read in case files and by replace)"
+EXPECTED = "expected a value in N/m, e.g. '3.5 kN/m', '20 pli' or 3500"
 NIP_FIELDS = (
     "air, drum, drum_friction, drum_wrap, nip_load, roll, roll_friction, roll_wrap, web, "
-    "web_speed, web_tension, winding_force, wrap_friction"
+    "web_speed, web_tension, width, winding_force, wrap_friction"
 )
-MATERIALS = "cellular-elastomer, hard-drum, newsprint, paper, rubber, soft-cover, steel"
+MATERIALS = (
+    "cellular-elastomer, composite-shell, hard-drum, microcellular-cover, newsprint, paper, "
+    "polyurethane-90-shore-a, rubber, rubber-50-shore-a, rubber-60-shore-a, rubber-80-shore-a, "
+    "soft-cover, steel"
+)
 
 
 def nip(**changes: Any) -> wo.NipProblem:
@@ -82,8 +86,8 @@ LOADS: list[tuple[Any, str]] = [
     (True, f"True is not a number; must be {LOAD}"),
     (np.bool_(True), f"np.True_ is not a number; must be {LOAD}"),
     (None, f"None is not a number; must be {LOAD}"),
-    ("5", f"'5' is not a number; must be {LOAD} {UNITS}"),
-    ("3 kN/m", f"'3 kN/m' is not a number; must be {LOAD} {UNITS}"),
+    ("5", f"'5' has no unit; {EXPECTED}"),
+    ("3 kN/s", f"'3 kN/s' has the wrong dimension; {EXPECTED}"),
     (b"5", f"b'5' is not a number; must be {LOAD}"),
     ([1], f"[1] is not a number; must be {LOAD}"),
     ((), f"() is not a number; must be {LOAD}"),
@@ -405,9 +409,9 @@ PLACES: list[tuple[dict[str, Any], str]] = [
         "'loss_angle', 'dynamic_test' or 'stack'",
     ),
     (
-        {"web": {"thickness": "66 um", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
-        "web.thickness: '66 um' is not a number; must be >= 1e-07 and <= 0.01 [m] "
-        "(units are read in case files and by replace)\n"
+        {"web": {"thickness": "66 s", "material": {**ORTHOTROPIC, "shaer": 1e6, "radial": -1}}},
+        "web.thickness: '66 s' has the wrong dimension; expected a value in m, "
+        "e.g. '66 um' or 66e-6\n"
         "web.material.radial: -1 is out of range; must be >= 0.001 and <= 1e+14 [Pa]\n"
         "web.material.shaer: no such field; did you mean 'shear'?",
     ),
@@ -466,8 +470,8 @@ VARIANTS: list[tuple[dict[str, Any], str]] = [
      "did you mean 'steel'?"),
     (
         {"nip_load": "3 kN"},
-        "nip_load: '3 kN' has the wrong dimension; expected a value in N/m, "
-        "e.g. '3.5 kN/m', '20 pli' or 3500",
+        "nip_load: '3 kN' is a force; expected a force per width. Give the width of the web, "
+        "e.g. width = '2.5 m', which divides it, or write it in N/m, kN/m or pli",
     ),
     # all at once
     (
@@ -565,13 +569,13 @@ CASES: list[tuple[str, str, str]] = [
     ('"3502 N/m"', "1979-05-27", r"nip_load: .*1979.*not a number.*N/m"),
     ('"3502 N/m"', '"3502"', r"nip_load: '3502' .*no unit.*N/m"),
     ('"3502 N/m"', '"abc"', r"nip_load: 'abc' .*not a number.*N/m"),
-    ('"3502 N/m"', '"3.5 kN"', r"nip_load: '3.5 kN' .*dimension.*N/m"),
+    ('"3502 N/m"', '"3.5 kN"', r"nip_load: '3.5 kN' is a force.*N/m"),
     ('"3502 N/m"', '"35 furlong"', r"nip_load: '35 furlong' .*unknown unit 'furlong'.*N/m"),
     ('"3502 N/m"', '"3.5 kn/m"', r"nip_load: '3.5 kn/m' .*did you mean 'kN'"),
     ('"66 um"', "66", r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\].*66 um is 6.6e-05"),
     ('"66 um"', '"66 m"', r"web\.thickness: 66 .*>= 1e-07 and <= 0.01 \[m\]"),
     ('"66 um"', '"0,066 mm"', r"web\.thickness: '0,066 mm' .*66 um.*decimal point"),
-    ('"66 um"', '"66 microns"', r"web\.thickness: '66 microns' .*did you mean 'um'"),
+    ('"66 um"', '"66 millimetres"', r"web\.thickness: '66 millimetres' .*did you mean 'mm'"),
     ('"66 um"', '"0.066 millimeter"', r"web\.thickness: .*did you mean 'mm'"),
     ('"0 N/m"', '"\N{MINUS SIGN}400 N/m"', r"winding_force: .*write the minus as '-'"),
     ('"0 N/m"', '"\N{EN DASH}400 N/m"', r"winding_force: .*write the minus as '-'"),
@@ -665,7 +669,7 @@ COMMANDS: list[tuple[list[str], str]] = [
     (["--set", "nip_load=nan"], "nip_load: nan is not a finite number"),
     (["--set", "nip_load=1e999"], "nip_load: inf is not a finite number"),
     (["--set", "nip_load=True"], "nip_load: 'True' is not a number"),
-    (["--set", "nip_load=3.5 kN"], "nip_load: '3.5 kN' has the wrong dimension"),
+    (["--set", "nip_load=3.5 kN"], "nip_load: '3.5 kN' is a force"),
     (["--set", "web.material=steeel"], "web.material: 'steeel' is not a named material"),
     (["--set", "winding_force=701 N/m"], "winding_force: 701 is out of range"),
     (["--nodes", "3"], "nodes: 3"),

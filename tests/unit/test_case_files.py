@@ -147,7 +147,7 @@ BAD_SETTINGS = [
     ("nip_load=inf", "nip_load", "inf*not a finite number"),
     ("nip_load=1e12", "nip_load", "<= 1e+07 [N/m]"),
     ("nip_load=heavy", "nip_load", "'heavy' is not a number*N/m"),
-    ("nip_load='3502 N'", "nip_load", "'3502 N' has the wrong dimension*N/m"),
+    ("nip_load='3502 N'", "nip_load", "'3502 N' is a force*N/m"),
     ("nip_load=20 plu", "nip_load", "'plu'*did you mean 'pli'?"),
     ("nip_laod=3502", "nip_laod", "did you mean 'nip_load'?"),
     ("wbe.thickness=57 um", "wbe", "did you mean 'web'?"),

@@ -172,7 +172,7 @@ def test_a_flag_may_be_short_where_one_kind_alone_begins_so(capsys: Capture, mon
 def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
     assert cli.main(["materials"]) == 0
     said = capsys.readouterr().out
-    for name, (_, source) in MATERIALS.items():
+    for name, (_, source, _) in MATERIALS.items():
         assert name in said
         assert source in said
     values = next(line.strip() for line in said.splitlines() if "3.38 GPa" in line)

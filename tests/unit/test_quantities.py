@@ -49,7 +49,7 @@ def test_a_quantity_shows_its_values(
 
 def test_every_shown_unit_is_its_unit_and_every_range_an_admissible_one() -> None:
     """Units are parsed by what reads case files: no factor here is another than there."""
-    from woundon.io.units import parse
+    from woundon.problems.units import parse
 
     seen = 0
     for kind in OWN:
@@ -96,11 +96,11 @@ def test_the_walk_over_a_problem_has_every_leaf_once_with_its_value() -> None:
         "roll_friction": 0.19, "drum_friction": 0.2,
         "nip_load": 3502.0, "winding_force": 0.0, "web_tension": 350.0,
         "roll_wrap": 0.0, "drum_wrap": 0.0, "wrap_friction": None,
-        "web_speed": None, "air": None,
+        "web_speed": None, "air": None, "width": None,
     }  # fmt: skip
     # in the order of definition, as template and report show them
     assert list(values)[:2] == ["web.thickness", "web.material.radial"]
-    assert list(values)[-3:] == ["wrap_friction", "web_speed", "air"]
+    assert list(values)[-3:] == ["web_speed", "air", "width"]
 
 
 @each_kind

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woundon.errors import InvalidProblem
-from woundon.io.units import known_units, parse, written
+from woundon.problems.units import known_units, parse, written
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_refused_with_field_value_and_unit(value, unit, said):
 
 
 def test_every_known_unit_is_of_a_dimension_that_is_used():
-    used = ("m", "N/m", "N", "Pa", "1", "s", "1/s", "m/s", "kg", "kg/m**2", "rad", "K")
+    used = ("m", "m**2", "N/m", "N", "Pa", "1", "s", "1/s", "m/s", "kg", "kg/m**2", "rad", "K", "W")
 
     def fits(name: str, unit: str) -> bool:
         try:

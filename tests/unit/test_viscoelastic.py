@@ -52,13 +52,9 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
         (lambda: rubber([(3e6, -1e-3)]), "prony.0.time: -0.001 is out of range; must be > 0"),
         (lambda: rubber([]), "prony: 0 values; must be at least 1"),
         (lambda: rubber([(3e6,)]), "prony.0: (3000000.0,) is out of place"),
-        (lambda: rubber([("3 MPa", 1.0)]), "prony.0.modulus: '3 MPa' is not a number"),
+        (lambda: rubber([("3 m", 1.0)]), "prony.0.modulus: '3 m' has the wrong dimension"),
         (lambda: nip().replace(web_speed=None), "web_speed: missing; must be > 0 [m/s], as drum"),
         (lambda: nip().replace(web_speed=0.0), "web_speed: 0 is out of range; must be > 0"),
-        (
-            lambda: newsprint_nip(web_speed=10.0),
-            "web_speed: 10 is given, but nothing depends on it; must be left out, or roll or drum",
-        ),
         (lambda: nip(**{"web.material": rubber()}), "web.material: viscoelastic; must be elastic"),
         (
             lambda: wo.RollerProblem(
@@ -66,13 +62,6 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
                 motion="static", speed=1.0,
             ),
             "motion: 'static' is out of place; must be 'rolling'",
-        ),
-        (
-            lambda: wo.RollerProblem(
-                upper=wo.Rigid(radius=0.2), lower=cover(rubber(None)), load=1e3, friction=0.3,
-                speed=1.0,
-            ),
-            "speed: 1 is given, but nothing depends on it",
         ),
         (
             lambda: wo.WindingProblem.example().replace(drum=cover(rubber())),

@@ -376,7 +376,6 @@ def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"web_speed": 5.0}, "air: missing; must be given with web_speed"),
         ({"air": wo.Air(roughness=1e-6)}, "web_speed: missing; must be given with air"),
         ({"web_speed": 5.0, "air": wo.Air(roughness=1e-3)}, "air.roughness: 0.001 is out of range"),
         ({"web_speed": 5.0, "air": wo.Air(roughness=1e-6), "tension_law": "friction"},

@@ -20,9 +20,9 @@ from pydantic_core import to_json
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
-from ..io.units import parse
 from ..problems.fields import Problem, admissible, bounds, shown
 from ..problems.schedules import Profile
+from ..problems.units import parse
 from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
@@ -161,7 +161,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
         **({"panels": panels_of(result, told_of)} if drawn else _arrays(result)),
         "certificate": _certificate(result),
         "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
-        "warnings": list(result.warnings),
+        "warnings": [*getattr(result.problem, "remarks", ()), *result.warnings],
         "geometry": _geometry(result),
         "sections": [_section(part) for part in parts if isinstance(part, Section)],
     }  # fmt: skip

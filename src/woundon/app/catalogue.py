@@ -16,9 +16,9 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
-from ..io.units import MILL, alike, definitions
 from ..problems.fields import Description, Family
 from ..problems.materials import MATERIALS, Material
+from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from ..solve_command import solver_options
 
@@ -160,6 +160,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
     if quantity is not None:
         told |= told_of(quantity)
         told["typical"] = list(quantity.typical) if quantity.typical else None
+        told["other_form"] = quantity.other_form
     elif OF_FIELD in field.metadata:
         told |= {"unit": "holder", "shown_unit": "holder"}
     if members:

@@ -16,13 +16,13 @@ from typing import Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
-from ..problems.fields import Problem, is_word, no_such_field, shown
+from ..problems.fields import Problem, no_such_field, shown
+from ..problems.grades import grade
 from ..problems.materials import Material, material
-from ..quantities import Place, Quantity, find, is_item, is_list, members_of
+from ..quantities import Place, counterpart, find, is_item, members_of
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
 from .files import read_whole
-from .units import parse
 
 __all__ = [
     "apply_settings", "check_like_a_case", "load_case", "make_problem", "read_case",
@@ -70,16 +70,23 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
 def read_case(path: str | Path) -> dict[str, Any]:
     """Return the case file's tables as written, values neither converted nor checked.
 
-    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case.
+    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case, and
+    ``grades = "file.toml"`` for the file that ``grade`` is looked up in.
 
     Raises
     ------
     InvalidProblem
         If the file cannot be read, is empty, or is no TOML (with the line).
     """
-    return dict(
-        with_columns(tables_of_text(read_whole(path, LARGEST), str(path)), Path(path).parent)
-    )
+    folder = Path(path).parent
+    tables = dict(with_columns(tables_of_text(read_whole(path, LARGEST), str(path)), folder))
+    if "grades" not in tables:
+        return tables
+    file, name = tables.pop("grades"), tables.get("grade")
+    if not isinstance(file, str) or not isinstance(name, str):
+        text = f"{shown(file)} is out of place; must be the name of a file, with grade = 'NAME'"
+        raise InvalidProblem.at("grades", text)
+    return tables | {"grade": grade(name, folder / file)}
 
 
 def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
@@ -195,6 +202,9 @@ def _set(case: dict[str, Any], parts: list[str], value: Any, model: type[Any]) -
             inner = {}  # The table is not given, so that nothing needs to be left out of it.
             break
         inner = _below(inner, head, path, find(model, ".".join(heads[: k + 1])))
+    if isinstance(inner, dict) and leaf not in inner:
+        for word in ("diameter", "radius"):  # one of the two is given
+            inner.pop(counterpart(leaf, word), None)
     if isinstance(inner, list):
         inner[_place(inner, leaf, path)] = value
     elif value is not None:
@@ -276,12 +286,12 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
     Raises
     ------
     InvalidProblem
-        With all faults: units first, then whatever validation finds in the rest.
+        With all faults.
     """
     model = (kinds.named(kind) if kind else _kind_of(tables)).problem
     faults = list(_schema_faults(tables))
     fields = {name: value for name, value in tables.items() if name != "schema"}
-    fields = _in_si(_ungrouped(fields, model, faults), (model,), "", faults)
+    fields = _ungrouped(fields, model, faults)
     try:
         problem = model(**fields)
     except InvalidProblem as report:
@@ -326,38 +336,6 @@ def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict
             else:
                 flat[name] = value
     return flat
-
-
-def _in_si(
-    table: Mapping[str, Any],
-    models: Iterable[type[Any]],
-    prefix: str,
-    faults: Faults,
-    of_field: Quantity | None = None,
-) -> dict[str, Any]:
-    """Return a table in SI; faulty values are kept as they are and told in ``faults``."""
-    told = [m for m in models if getattr(m, "member_name", str)() == table.get("kind")]
-    return {
-        name: _value(value, [p for m in told or models for p in find(m, str(name), of_field)],
-                     f"{prefix}{name}", faults)
-        for name, value in table.items()
-    }  # fmt: skip
-
-
-def _value(value: Any, places: list[Place], path: str, faults: Faults) -> Any:
-    if isinstance(value, Mapping):
-        inner = tuple(model for p in places for model in members_of(p.field.annotation))
-        return _in_si(value, inner, f"{path}.", faults, next((p.quantity for p in places), None))
-    if isinstance(value, list) and any(is_list(p.field.annotation) for p in places):
-        return [_value(item, places, f"{path}.{k}", faults) for k, item in enumerate(value)]
-    quantity = next((p.quantity for p in places if p.quantity), None)
-    if quantity is None or any(is_word(value, p.field.annotation) for p in places):
-        return value
-    try:
-        return parse(value, quantity.unit, path)
-    except InvalidProblem as fault:
-        faults += fault.faults
-        return value
 
 
 def _helped(field: str, text: str, model: type[Any]) -> tuple[str, str]:

@@ -16,8 +16,8 @@ from .. import kinds
 from ..errors import one_of
 from ..problems.fields import Description, Family, Problem, bounds
 from ..problems.materials import MATERIALS
+from ..problems.units import written
 from ..quantities import Quantity, members_of, quantity_of
-from .units import written
 
 __all__ = ["SCHEMA", "described", "template", "to_toml"]
 

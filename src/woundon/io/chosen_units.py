@@ -8,10 +8,17 @@ from typing import Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
-from ..quantities import outputs, pattern, shown_in, walk
-from .units import factor
+from ..problems.units import MILL, factor
+from ..quantities import Place, outputs, pattern, shown_in, value_of, walk
+from ..results import Result
+from .frames import to_frame
 
-__all__ = ["units", "units_of"]
+__all__ = ["ResultInUnits", "in_units", "units", "units_of"]
+
+Sizes = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.shown_in
+SYSTEMS = ("SI", "mill")
+# Quantities per width, and the unit of their totals.
+_TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
 
 
 @contextmanager
@@ -74,3 +81,142 @@ def _known() -> dict[str, list[str]]:
             if place.quantity is not None and place.quantity.unit not in known.get(place.path, []):
                 known.setdefault(place.path, []).append(place.quantity.unit)
     return known
+
+
+# ---- a result in units --------------------------------------------------------------------------
+
+
+class ResultInUnits:
+    """A result whose outputs are numbers in chosen units; see :meth:`woundon.Result.in_units`.
+
+    An output is an attribute or an item: ``view.wound_on_tension``, ``view["wound_on_tension"]``.
+    Printing, figures and tables use the same units.
+
+    Attributes
+    ----------
+    result : Result
+        In SI.
+    units : dict of str to str
+        Unit of every output; "" of a pure number.
+    """
+
+    def __init__(self, result: Result, sizes: Sizes) -> None:
+        self.result = result
+        self._sizes = sizes
+        with shown_in(sizes):
+            self._quantities = {p.path: p.quantity for p in outputs(result) if p.quantity}
+        self.units = {
+            name: q.shown_unit if q.shown_in_si else ("" if q.unit == "1" else q.unit)
+            for name, q in self._quantities.items()
+        }
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._quantities:
+            known = ", ".join(self.__dict__.get("_quantities", ()))
+            raise AttributeError(f"no output {name!r}; known: {known}")
+        return self._number(name, value_of(self.result, name))
+
+    __getitem__ = __getattr__
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._quantities})
+
+    def _number(self, name: str, value: Any) -> Any:
+        return self._quantities[name].in_table(value)[1]
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Estimated discretisation errors by output."""
+        return {name: self._number(name, value) for name, value in self.result.errors.items()
+                if name in self._quantities}  # fmt: skip
+
+    def to_dataframe(self) -> Any:
+        """Return the table of :meth:`woundon.Result.to_dataframe`."""
+        frame = to_frame(self.result)
+        for name in frame:
+            frame[name] = self._number(name, frame[name])
+        frame.attrs["units"] = {name: self.units[name] or "1" for name in frame}
+        return frame
+
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """Draw the result; see :meth:`woundon.Result.plot`."""
+        with shown_in(self._sizes):
+            return self.result.plot(*args, **options)
+
+    def save(self, path: Any) -> None:
+        """Write a ``.csv`` table; netCDF and JSON files are always in SI."""
+        with shown_in(self._sizes):
+            self.result.save(path)
+
+    def __str__(self) -> str:
+        with shown_in(self._sizes):
+            return str(self.result)
+
+    def __repr__(self) -> str:
+        with shown_in(self._sizes):
+            return repr(self.result)
+
+
+def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) -> ResultInUnits:
+    """Return a result in units; parameters as of :meth:`woundon.Result.in_units`."""
+    kind, width = kinds.of(result), getattr(result.problem, "width", None)
+    places = [p for p in (*walk(result.problem), *walk(kind.problem), *outputs(result))
+              if p.quantity is not None]  # fmt: skip
+    sizes: Sizes = {}
+    for unit in [chosen] if isinstance(chosen, str) else chosen:
+        found = _system(places, unit) if unit in SYSTEMS else _in_unit(places, unit, width)
+        if not found:
+            raise _no_such_unit(unit, width)
+        sizes |= found
+    for name, unit in by_name.items():
+        found = _in_unit([p for p in places if p.path == name], unit, width)
+        if not found:
+            with units({name: unit}):  # names what is wrong
+                raise _no_such_unit(unit, width)
+        sizes |= found
+    return ResultInUnits(result, sizes)
+
+
+def _system(places: Iterable[Place], system: str) -> Sizes:
+    """Return the units of a system."""
+    sizes: Sizes = {}
+    for path, quantity in ((p.path, p.quantity) for p in places):
+        assert quantity is not None
+        unit = quantity.unit if system == "SI" else MILL.get(quantity.display or "1", "")
+        if unit and unit != "1":
+            size = 1.0 if system == "SI" else float(factor(unit, quantity.unit, path))
+            sizes[path, quantity.unit] = (unit, size)
+    return sizes
+
+
+def _in_unit(places: Iterable[Place], unit: str, width: float | None) -> Sizes:
+    """Return the quantities that have a unit's dimension, or whose totals have it."""
+    sizes: Sizes = {}
+    for path, quantity in ((p.path, p.quantity) for p in places):
+        assert quantity is not None
+        total = _TOTALS.get(quantity.unit, "")
+        for of, scale in ((quantity.unit, 1.0), (total, 1 / width if width else 0.0)):
+            try:
+                size = scale * float(factor(unit, of, path)) if of else 0.0
+            except InvalidProblem:
+                continue
+            if size:
+                sizes[path, quantity.unit] = (unit, size)
+    return sizes
+
+
+def _no_such_unit(unit: str, width: float | None) -> InvalidProblem:
+    for per_width, total in _TOTALS.items():
+        try:
+            factor(unit, total, "units")
+        except InvalidProblem:
+            continue
+        if width is None:
+            text = f"{unit!r} is the unit of a total; give the problem a width, or write a unit "
+            return InvalidProblem.at("units", f"{text}of {per_width}")
+    try:
+        factor(unit, "N/m", "units")
+    except InvalidProblem as fault:
+        if "dimension" not in str(fault):
+            return fault
+    return InvalidProblem.at("units", f"no output has the dimension of {unit!r}")

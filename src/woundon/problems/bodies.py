@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
     "Layer", "Layered", "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
+    "unused_speed",
 ]  # fmt: skip
 
 
@@ -469,6 +470,11 @@ class Layered(KernelBody):
         return cylinder_sections(x, p, q, depths, self.radius, self._stack, self.core == "free")
 
 
+def unused_speed(field: str, speed: float) -> str:
+    """Return what is said of a speed on which nothing depends."""
+    return f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
+
+
 def contact_radius(one: Body, two: Body) -> float:
     """Return R* of two bodies, 1/R* = 1/R1 + 1/R2 [m]."""
     return 1 / (1 / one.radius + 1 / two.radius)
@@ -524,9 +530,16 @@ class ContactProblem(Problem):
 
     @property
     def rolling_speed(self) -> float | None:
-        """V, at which both surfaces roll along +x [m/s]."""
+        """V, at which both surfaces roll along +x [m/s]; None where nothing depends on it."""
         speed: float | None = getattr(self, self.speed_field)
-        return speed
+        return None if next(self.uses_of_speed(), None) is None else speed
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect."""
+        speed = getattr(self, self.speed_field)
+        used = speed is None or self.rolling_speed is not None
+        return super().remarks if used else (unused_speed(self.speed_field, speed),)
 
     @cached_property
     def viscoelastic(self) -> bool:
@@ -541,17 +554,10 @@ class ContactProblem(Problem):
 
     @model_validator(mode="after")
     def _speed_where_it_counts(self) -> Self:
-        uses, speed = list(self.uses_of_speed()), self.rolling_speed
-        if uses and speed is None:
-            text = f"missing; must be > 0 [m/s], as {uses[0][1]}"
+        use = next(self.uses_of_speed(), None)
+        if use is not None and self.rolling_speed is None:
+            text = f"missing; must be > 0 [m/s], as {use[1]}"
             raise InvalidProblem.at(self.speed_field, text)
-        if speed is not None and not uses:
-            one, two = self.pair
-            raise InvalidProblem.at(
-                self.speed_field,
-                f"{speed:.10g} is given, but nothing depends on it; must be left out, or {one} or "
-                f"{two} be of a viscoelastic material",
-            )
         return self
 
     @model_validator(mode="after")

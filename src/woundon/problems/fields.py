@@ -23,33 +23,48 @@ from typing import (
     Any,
     ClassVar,
     Generic,
-    Literal,
     NoReturn,
     Self,
     TypeVar,
     dataclass_transform,
     get_args,
-    get_origin,
     overload,
 )
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_serializer
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    ValidationError,
+    WrapValidator,
+    model_serializer,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
-from ..quantities import is_item, members_of, quantity_of
+from ..quantities import counterpart, find, is_item, members_of, quantity_of
+from .inputs import (
+    Context,
+    FloatWithUnit,
+    context_of,
+    convert,
+    convert_fields,
+    in_order,
+    takes_a_number,
+)
 
 __all__ = [
-    "Description", "Family", "Number", "Numbers", "Problem", "admissible", "best_match", "bounds",
-    "is_word", "no_such_field", "not_one_of", "shown",
+    "Description", "Family", "Number", "NumberOfField", "Numbers", "NumbersOfField", "Problem",
+    "admissible", "best_match", "bounds", "no_such_field", "not_one_of", "shown",
 ]  # fmt: skip
 
 
 def _number(value: Any) -> float:
     """Return a real number of any make (int, NumPy scalar, Fraction, 0-d array) as a float.
 
-    Text and truth values are refused: both are slips that pydantic would let pass as numbers.
+    Truth values, and texts that could not be converted, are rejected: pydantic would take both as
+    numbers.
     """
     if type(value) is float:  # as nearly all are, of variants too
         return value
@@ -72,6 +87,16 @@ def _listed(value: Any) -> Any:
 
 Number = Annotated[float, BeforeValidator(_number)]
 
+
+def _with_unit(value: Any, handler: Any) -> Any:
+    """Validate a number; one that has its unit keeps it."""
+    checked = handler(value)
+    return value if isinstance(value, FloatWithUnit) else checked
+
+
+# The values of a schedule: they are in the unit of the field that holds the schedule.
+NumberOfField = Annotated[Number, WrapValidator(_with_unit)]
+
 if TYPE_CHECKING:
     Read = TypeVar("Read")
     Write = TypeVar("Write")
@@ -86,9 +111,11 @@ if TYPE_CHECKING:
         def __get__(self, instance: Any, owner: Any) -> Any: ...
         def __set__(self, instance: Any, value: Write) -> None: ...
 
-    Numbers = Given[tuple[float, ...], Iterable[float]]
+    Numbers = Given[tuple[float, ...], Iterable[float | str]]
+    NumbersOfField = Numbers
 else:
     Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
+    NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(_listed)]
 
 
 if TYPE_CHECKING:
@@ -144,10 +171,19 @@ class Description(BaseModel, metaclass=Described):
         return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
 
     def __init__(self, /, **fields: Any) -> None:
+        faults: list[tuple[str, str]] = []
+        fields = self._converted(fields, faults)
         try:
             self.__pydantic_validator__.validate_python(fields, self_instance=self)
         except ValidationError as report:
-            raise _readable(report, type(self)) from None
+            raise _with_faults(faults, _readable(report, type(self))) from None
+        if faults:
+            raise _with_faults(faults)
+
+    @classmethod
+    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        """Return the fields in the forms that are held; see :mod:`~woundon.problems.inputs`."""
+        return convert_fields(cls, fields, faults)
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
         """Refuse: a description does not change."""
@@ -162,7 +198,7 @@ class Description(BaseModel, metaclass=Described):
     def replace(self, /, **changes: Any) -> Self:
         """Return a variant with some fields changed; nested ones by dotted name, lists by number.
 
-        A value is SI, or a text with its unit.
+        A value is SI, or a text with its unit; ``diameter`` replaces ``radius``.
 
         >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
 
@@ -174,19 +210,20 @@ class Description(BaseModel, metaclass=Described):
         fields = {name: getattr(self, name) for name in type(self).model_fields}
         nested: dict[str, dict[str, Any]] = {}
         faults: list[tuple[str, str]] = []
-        for path, value in changes.items():
+        for path, value in self._changes(changes, faults).items():
             head, dot, rest = path.partition(".")
-            if head not in fields:
+            if not dot and (radius := counterpart(head, "diameter")) in type(self).model_fields:
+                if radius not in changes:
+                    del fields[radius]
+                fields[head] = value
+            elif head not in fields:
                 faults.append((path or "''", no_such_field(head, type(self))))
             elif dot and rest:
                 nested.setdefault(head, {})[rest] = value
             elif dot:
                 faults.append((path, "no field is named behind the dot"))
             else:
-                try:
-                    fields[head] = self._in_si(head, value)
-                except InvalidProblem as fault:
-                    faults += fault.faults
+                fields[head] = value
         for head, inner in nested.items():
             try:
                 fields[head] = _changed(fields[head], head, inner)
@@ -201,17 +238,26 @@ class Description(BaseModel, metaclass=Described):
         html: str = import_module("woundon.show.html").description_html(self)
         return html
 
-    @classmethod
-    def _in_si(cls, name: str, value: Any) -> Any:
-        """Return a field's value, a text with a unit as a number in SI."""
-        if not isinstance(value, str):
-            return value
-        field = cls.model_fields[name]
-        quantity = quantity_of(field)
-        if quantity is None or is_word(value, field.annotation):
-            return value
-        # io comes later on the data's way, hence by name
-        return import_module("woundon.io.units").parse(value, quantity.unit, name)
+    def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        """Return changes by dotted name with texts as numbers in SI."""
+        found: dict[str, Any] = dict(changes)
+        context = context_of(self)
+        for path in in_order(changes):
+            name = path.removeprefix("web.")
+            if isinstance(changes[path], (str, FloatWithUnit)):
+                try:
+                    found[path] = self._change(path, changes[path], context)
+                except InvalidProblem as fault:
+                    faults += fault.faults
+                    found.pop(path)
+            context = context.with_field(name, found.get(path))
+        faults.sort(key=lambda fault: _position(fault[0], changes))
+        return found
+
+    def _change(self, path: str, value: str | FloatWithUnit, context: Context) -> Any:
+        places = find(type(self), path)
+        place = next((p for p in places if p.quantity is not None), None)
+        return value if place is None else convert(value, place, context)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""
@@ -300,14 +346,39 @@ class Problem(Description):
     ----------
     tables : mapping of str to tuple of str
         Fields that a case file groups in a table of their own, by the table's name.
+    graded : tuple of str
+        Fields that a ``grade`` supplies: of a problem that has one, ``grade = "newsprint"`` may
+        stand in their place.
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    graded: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, /, **fields: Any) -> None:
+        super().__init__(**fields)
+        if "grade" in fields:
+            library = _grades()
+            library.warn_of_contradictions(library.grade(fields["grade"]), self)
+
+    @classmethod
+    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        if "grade" in fields:
+            fields = _grades().with_grade(cls, fields, faults)
+        return super()._converted(fields, faults)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        return ()
 
     @classmethod
     def example(cls) -> Self:
         """Return a case to start from: what ``woundon new`` writes."""
         raise NotImplementedError(f"{cls.__name__} has no example")
+
+
+def _grades() -> Any:
+    return import_module("woundon.problems.grades")  # which knows the descriptions
 
 
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
@@ -316,13 +387,15 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     A name that it does not have counts two, but one if it is like a field that is not given; a
     field that is missing counts one.  Of equals the first with the fewest fields.
     """
-    given = [str(name) for name in names]
+    given = [counterpart(str(name), "diameter") or str(name) for name in names]
+    has_grade = "grade" in given
+    given = [name for name in given if name not in ("grade", "grades")]
 
     def misfit(model: type[Any]) -> tuple[int, int]:
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         strange = [name for name in given if name not in known]
         meant = {nearest(name, known) for name in strange} - {"", *given}
-        had = meant.union(given)
+        had = meant.union(given, getattr(model, "graded", ()) if has_grade else ())
         missing = sum(f.is_required() and n not in had for n, f in model.model_fields.items())
         return 2 * len(strange) - len(meant) + missing, len(known)
 
@@ -351,6 +424,24 @@ def _readable(report: ValidationError, model: type[BaseModel]) -> InvalidProblem
     return kind(faults)
 
 
+def _position(field: str, changes: Mapping[str, Any]) -> int:
+    """Return which of the changes a fault belongs to."""
+    paths = list(changes)
+    return next((k for k, path in enumerate(paths) if f"{field}.".startswith(path)), len(paths))
+
+
+def _with_faults(
+    faults: list[tuple[str, str]], report: InvalidProblem | None = None
+) -> InvalidProblem:
+    """Return the error of inputs that could not be converted, and of what validation rejects."""
+    if not faults:
+        assert report is not None
+        return report
+    told = {field for field, _ in faults}
+    others = [] if report is None else [fault for fault in report.faults if fault[0] not in told]
+    return InvalidProblem([*(fault for fault in faults if fault[1]), *others])
+
+
 def _counts_faults(item: Any) -> bool:
     """Tell whether a list is called too short for the items of it that are at fault."""
     return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
@@ -362,8 +453,7 @@ def _fault(item: Any, field: FieldInfo) -> str:
     if kind == "missing":
         return f"missing; must be {admissible(field)}"
     if kind == "not_a_number":
-        hint = " (units are read in case files and by replace)" if isinstance(value, str) else ""
-        return f"{shown(value)} is not a number; must be {admissible(field)}{hint}"
+        return f"{shown(value)} is not a number; must be {admissible(field)}"
     if kind == "finite_number":
         return f"{shown(value)} is not a finite number; must be {admissible(field)}"
     if kind in ("too_short", "too_long"):
@@ -378,21 +468,6 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{shown(value)} is out of place; must be {admissible(field)}"
     value = value if isinstance(value, Real) else float(value)  # an array of no dimension
     return f"{shown(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
-
-
-def is_word(value: Any, annotation: Any) -> bool:
-    """Tell whether a text stands for a word that a field admits, and for no number with a unit."""
-    words = _words_of(annotation)
-    return isinstance(value, str) and bool(words) and (
-        value in words or not _takes_a_number(annotation)
-    )  # fmt: skip
-
-
-def _words_of(annotation: Any) -> tuple[str, ...]:
-    parts = get_args(annotation)
-    if get_origin(annotation) is Literal:
-        return parts
-    return tuple(word for part in parts for word in _words_of(part))
 
 
 def not_one_of(value: Any, known: Iterable[str]) -> str:
@@ -451,7 +526,7 @@ def admissible(field: FieldInfo) -> str:
     models = members_of(field.annotation)
     if models:
         names = one_of(model.__name__ for model in models)
-        if _takes_a_number(field.annotation):
+        if takes_a_number(field.annotation):
             unit = _unit(field)
             names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
@@ -462,10 +537,6 @@ def admissible(field: FieldInfo) -> str:
     unit = _unit(field)
     limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
     return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
-
-
-def _takes_a_number(annotation: Any) -> bool:
-    return annotation is float or any(map(_takes_a_number, get_args(annotation)[:2]))
 
 
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..quantities import Quantity, line_load, pure, strain, stress
+from ..quantities import Quantity, pure, strain, stress, tension
 from .fields import Description, Number
 
 __all__ = ["Limits"]
@@ -76,12 +76,12 @@ class Limits(Description):
     ] = None
     web_strength: Annotated[
         Number | None,
-        line_load("T_b", "tension that the web bears", (500.0, 10e3)),
+        tension("T_b", "tension that the web bears", (500.0, 10e3)),
         Field(gt=0, le=1e8),
     ] = None
     slack_tension: Annotated[
         Number | None,
-        line_load("T_s", "tension below which the web runs slack", (5.0, 100.0)),
+        tension("T_s", "tension below which the web runs slack", (5.0, 100.0)),
         Field(gt=0, le=1e8),
     ] = None
     yield_strain: Annotated[

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from math import sqrt
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
@@ -21,6 +22,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Quantity, pure, stress
 from .fields import Description, Family, Number, shown
+from .library import entry_of, library
 
 if TYPE_CHECKING:
     from .fields import Given
@@ -276,6 +278,7 @@ class NamedMaterial(NamedTuple):
 
     material: Orthotropic | Isotropic
     source: str
+    spread: Mapping[str, float] = MappingProxyType({})
 
 
 def _library() -> dict[str, NamedMaterial]:
@@ -303,7 +306,14 @@ def _library() -> dict[str, NamedMaterial]:
         "cellular-elastomer": NamedMaterial(
             Isotropic(youngs_modulus=1e6, poissons_ratio=0.1), f"{thesis}, ch. 4.6 (Fig. 26)"
         ),
-    }
+    } | {name: _cover(table) for name, table in library()["covers"].items()}
+
+
+def _cover(table: Mapping[str, Any]) -> NamedMaterial:
+    entry = entry_of(table)
+    title, values = entry.values.pop("title"), entry.values
+    source = f"{title}; modulus: {entry.sources['youngs_modulus']}"
+    return NamedMaterial(Isotropic(**values), source, MappingProxyType(entry.spread))
 
 
 MATERIALS: dict[str, NamedMaterial] = _library()

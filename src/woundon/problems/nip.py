@@ -12,10 +12,21 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import angle, length, line_load, pure, velocity
+from ..quantities import (
+    Quantity,
+    angle,
+    length,
+    line_load,
+    pure,
+    tension,
+    velocity,
+    web_density,
+    web_thickness,
+)
 from . import wound_roll as wound_roll  # it joins the bodies
 from .air import Air
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
+from .consistency import different_moduli
 from .fields import Description, Number
 from .materials import Material, Solid, material
 from .radial_laws import Constant
@@ -26,12 +37,16 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Web",
-    "WrapFriction",
+    "Width", "WrapFriction",
 ]  # fmt: skip
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
 _FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
 _HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
+
+Width = Annotated[
+    Number | None, length("w", "width of the web", "m", (0.2, 10.0)), Field(gt=0, le=100)
+]
 
 # fields that nips and windings share
 RollFriction = Annotated[Number, pure("mu+", "friction between the layers", (0.1, 0.6)), _FRICTION]
@@ -73,15 +88,16 @@ class Web(Description):
     Parameters
     ----------
     thickness : float
-        2h [m], 0.1 um to 10 mm.
+        2h [m], 0.1 um to 10 mm; or a basis weight, "45 gsm", with the ``density`` of the web,
+        "680 kg/m^3".
     material : Orthotropic, Isotropic or Stack
         The web's own plane-strain stiffness.  Of a stack the web hardens under the nip's pressure,
         from none; its shear modulus plays no part.
     """
 
-    thickness: Annotated[
-        Number, length("2h", "web thickness", "um", (10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)
-    ]
+    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": web_density()}
+
+    thickness: Annotated[Number, web_thickness((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
     material: AnySolid
 
     @property
@@ -157,9 +173,12 @@ class NipProblem(ContactProblem):
         mu+ on the roll wrap, 1e-6 to 10; ``roll_friction`` if None.
     web_speed : float, optional
         V of web, roll and drum [m/s]; required with ``air`` (0: a film of no thickness) and with
-        viscoelastic bodies (> 0), and only there.
+        viscoelastic bodies (> 0).  Otherwise nothing depends on it, and the report says so.
     air : Air, optional
         The air that the web entrains, which reduces the friction.
+    width : float, optional
+        Of the web [m].  With it, loads and tensions may be entered as totals, "3.6 kN"; they are
+        held per metre of width.
 
     Raises
     ------
@@ -176,6 +195,7 @@ class NipProblem(ContactProblem):
     (3502.0, 3.141592653589793, None)
     """
 
+    graded: ClassVar[tuple[str, ...]] = ("web", "roll", "roll_friction", "drum_friction")
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
     speed_field: ClassVar[str] = "web_speed"
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
@@ -193,7 +213,7 @@ class NipProblem(ContactProblem):
     ] = 0.0
     web_tension: Annotated[
         Number,
-        line_load("T_in", "web tension upstream of the nip", (50.0, 1000.0)),
+        tension("T_in", "web tension upstream of the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
     ] = 0.0
     roll_wrap: RollWrap = pi
@@ -205,6 +225,7 @@ class NipProblem(ContactProblem):
         Field(ge=0, le=1e4),
     ] = None
     air: Annotated[Air | None, Field(description="the air that the web entrains")] = None
+    width: Width = None
 
     @model_validator(mode="after")
     def _web_is_elastic(self) -> Self:
@@ -228,6 +249,13 @@ class NipProblem(ContactProblem):
                     f"{name.partition('_')[0]}; the smallest value shows the limit"
                 )  # fmt: skip
         return given
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        name = "stack" if hasattr(self.roll, "stack") else "material"
+        wound = getattr(self.roll, name, None)
+        return (*super().remarks, *different_moduli(self.web, f"roll.{name}", wound))
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, line_load, strain, stress
+from ..quantities import Quantity, length, strain, stress, tension, web_density, web_thickness
 from .fields import Description, Number, Problem, shown
 from .materials import AnyMaterial, Isotropic
 from .radial_laws import Pfeiffer
@@ -138,23 +138,17 @@ class RollProblem(Problem):
         Naming every field, value and range at fault.
     """
 
+    graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
+
     core: Core
     radius: Annotated[
         Number, length("R", "radius of the finished roll", typical=(0.1, 0.75)),
         Field(gt=0, le=100),
     ]  # fmt: skip
     stack: AnyStack
-    web_thickness: Annotated[
-        Number, length("2h", "web thickness", "um", (1e-5, 5e-4)), Field(gt=0, le=0.1)
-    ]
-    wound_on_tension: Annotated[
-        WindingSchedule, line_load("WOT", "wound-on tension", (50.0, 1500.0))
-    ]
-    density: Annotated[
-        Number | None,
-        Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
-        Field(gt=0, le=3e4),
-    ] = None
+    web_thickness: Annotated[Number, web_thickness((1e-5, 5e-4)), Field(gt=0, le=0.1)]
+    wound_on_tension: Annotated[WindingSchedule, tension("WOT", "wound-on tension", (50.0, 1500.0))]
+    density: Annotated[Number | None, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = None
     temperature_change: Annotated[
         Number, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
         Field(ge=-1000, le=1000),

@@ -12,7 +12,15 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
-from .fields import Description, Number, Numbers, best_match, shown
+from .fields import (
+    Description,
+    Number,
+    NumberOfField,
+    Numbers,
+    NumbersOfField,
+    best_match,
+    shown,
+)
 
 if TYPE_CHECKING:
     from .fields import Given
@@ -42,7 +50,9 @@ class Profile(Description):
         Numbers, length("r", "radii of a profile"), Field(min_length=2, max_length=10_000)
     ]
     value: Annotated[
-        Numbers, OF_FIELD, Field(min_length=2, max_length=10_000, description="values there")
+        NumbersOfField,
+        OF_FIELD,
+        Field(min_length=2, max_length=10_000, description="values there"),
     ]
     between: Literal["lines", "smooth"] = "lines"
 
@@ -112,7 +122,7 @@ class Taper(Description):
     law : "linear", "hyperbolic" or "constant_torque"
     """
 
-    start: Annotated[Number, OF_FIELD, Field(description="value at the core")]
+    start: Annotated[NumberOfField, OF_FIELD, Field(description="value at the core")]
     taper: Annotated[
         Number, pure("k_T", "share by which it falls", (0.0, 0.7)), Field(ge=-10, le=1)
     ] = 0.0

@@ -10,9 +10,10 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import Quantity, length, line_load, pure, velocity
+from ..quantities import length, line_load, pure, tension, velocity, web_density
 from .air import Air, with_film
-from .bodies import AnyBody, Body, Rigid
+from .bodies import AnyBody, Body, Rigid, unused_speed
+from .consistency import different_moduli
 from .fields import Number, Problem, not_one_of, shown
 from .limits import Limits
 from .materials import Material, material
@@ -24,6 +25,7 @@ from .nip import (
     RollFriction,
     RollWrap,
     Web,
+    Width,
     WrapFriction,
 )  # fmt: skip
 from .radial_laws import Pfeiffer
@@ -103,17 +105,20 @@ class WindingProblem(Problem):
     nip_induced_tension : float, Taper or Profile, optional
         WOT - T_in [N/m], with tension_law "fixed" only.
     density : float, optional
-        Of the web [kg/m^3]; with it the roll has a mass.
+        Of the web [kg/m^3], or its basis weight, "45 gsm"; with it the roll has a mass.
     gauge_excess : float
         d, additional thickness of the thickest lane across the width, relative to the web [1], of
         which the margin ``gauge_band`` and the ridge follow.
     web_speed : float, optional
-        V [m/s], with air or a viscoelastic drum only.
+        V [m/s], needed with air or a viscoelastic drum.
     air : Air, optional
         What the web brings of it takes friction from nip and laps, and softens the roll; with
         tension_law "nip".
     limits : Limits
         What the roll must bear: its margins are measured by them.
+    width : float, optional
+        Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
+        held per metre of width.
 
     Raises
     ------
@@ -124,6 +129,9 @@ class WindingProblem(Problem):
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
+    graded: ClassVar[tuple[str, ...]] = (
+        "web", "stack", "roll_friction", "drum_friction", "density", "limits",
+    )  # fmt: skip
 
     web: Annotated[Web, Field(description="the paper or film")]
     stack: AnyStack
@@ -136,7 +144,7 @@ class WindingProblem(Problem):
     roll_friction: RollFriction
     drum_friction: DrumFriction
     web_tension: Annotated[
-        WindingSchedule, line_load("T_in", "web tension before the nip", (50.0, 1000.0))
+        WindingSchedule, tension("T_in", "web tension before the nip", (50.0, 1000.0))
     ]
     nip_load: Annotated[WindingSchedule, line_load("P", "nip load", (500.0, 10e3))]
     winding_force: Annotated[
@@ -155,17 +163,13 @@ class WindingProblem(Problem):
         Field(description="what the nip feels of the roll"),
     ] = "effective"
     tension_law: Annotated[
-        TensionLaw, line_load("WOT", "law, or table, of the wound-on tension", (50.0, 1500.0))
+        TensionLaw, tension("WOT", "law, or table, of the wound-on tension", (50.0, 1500.0))
     ] = "nip"  # type: ignore[assignment]
     nip_induced_tension: Annotated[
         WindingSchedule | None,
-        line_load("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
+        tension("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
     ] = None
-    density: Annotated[
-        Number | None,
-        Quantity("rho", "kg/m^3", "density of the web", typical=(500.0, 1500.0)),
-        Field(gt=0, le=3e4),
-    ] = None
+    density: Annotated[Number | None, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = None
     gauge_excess: GaugeExcess = 0.0
     limits: Annotated[Limits, Field(description="what the roll must bear")] = Limits()
 
@@ -173,6 +177,7 @@ class WindingProblem(Problem):
         Number | None, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)
     ] = None
     air: Air | None = None
+    width: Width = None
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
@@ -215,13 +220,19 @@ class WindingProblem(Problem):
             elif self.web_speed == 0:
                 text = "0 is out of range; must be > 0 [m/s], as drum is of a viscoelastic material"
                 yield "web_speed", text
-        elif self.air is None and self.web_speed is not None:
-            yield "air", "missing; must be given with web_speed"
         if self.air is not None:
             for field, text in self.air.too_rough(self.web.thickness):
                 yield f"air.{field}", text
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        told = [*super().remarks, *different_moduli(self.web, "stack", self.stack)]
+        if self.web_speed is not None and self.air is None and not self.drum.viscoelastic:
+            told.append(unused_speed("web_speed", self.web_speed))
+        return tuple(told)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
         """Yield what is wrong with a schedule: numbers out of range, a table too short."""

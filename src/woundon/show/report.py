@@ -55,7 +55,9 @@ __all__ = [
 def report_parts(result: Result) -> list[Part]:
     """Return the report of a result of any kind: its kind's parts, warnings, certificate."""
     told = list(kinds.of(result).report(result))
-    return [*told, *warning_lines(result.warnings), certificate_line(result.residuals)]
+    remarks = getattr(result.problem, "remarks", ())
+    warnings = warning_lines((*remarks, *result.warnings))
+    return [*told, *warnings, certificate_line(result.residuals)]
 
 
 def report_text(result: Result) -> str:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..io.units import parse
 from ..problems.fields import Problem, not_one_of, shown
 from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design
@@ -23,6 +22,7 @@ from .kind_model import (
     made,
     measurable,
     model_of,
+    number_in_si,
     options_of,
     replaced,
 )
@@ -196,7 +196,7 @@ def _numbers(problem: Problem, name: str, given: Any) -> Any:
     if quantity is None:
         return given
     values = zip(given, texts, strict=True)
-    return [parse(value, quantity.unit, name) if text else value for value, text in values]
+    return [number_in_si(problem, name, value) if text else value for value, text in values]
 
 
 def global_sensitivity(

@@ -268,8 +268,7 @@ def _pair(text: str) -> tuple[str, str]:
 
 def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
     """Return field and bounds of "FIELD" or "FIELD=LOW:HIGH"."""
-    from ..io.units import parse
-    from .kind_model import field_quantity
+    from .kind_model import field_quantity, number_in_si
 
     name, sign, bounds = (part.strip() for part in text.partition("="))
     quantity = field_quantity(problem, name)
@@ -278,7 +277,7 @@ def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
     ends = bounds.split(":")
     if len(ends) != 2:
         raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write LOW:HIGH")
-    low, high = (parse(_number(end), quantity.unit, name) for end in ends)
+    low, high = (number_in_si(problem, name, _number(end)) for end in ends)
     return name, (low, high)
 
 

@@ -21,13 +21,24 @@ from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
 from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
-from ..quantities import Quantity, find, is_item, members_of, scalar_outputs, value_of, walk
+from ..problems.inputs import context_of, convert
+from ..problems.units import parse
+from ..quantities import (
+    Quantity,
+    counterpart,
+    find,
+    is_item,
+    members_of,
+    scalar_outputs,
+    value_of,
+    walk,
+)
 from .model import Answer
 from .sources import source_digest
 
 __all__ = [
     "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable",
-    "model_of", "options_of", "replaced",
+    "model_of", "number_in_si", "options_of", "replaced",
 ]  # fmt: skip
 
 FEW_NODES = 17
@@ -272,6 +283,10 @@ def get_field(base: Description, path: str) -> Any:
     value: Any = base
     for name in path.split("."):
         if isinstance(value, Description):
+            radius = counterpart(name, "diameter")
+            if radius in type(value).model_fields:
+                value = _doubled(getattr(value, radius))
+                continue
             if name not in type(value).model_fields:
                 raise InvalidProblem.at(path, no_such_field(name, type(value)))
             value = getattr(value, name)
@@ -283,6 +298,33 @@ def get_field(base: Description, path: str) -> Any:
         else:
             raise InvalidProblem.at(path, f"no such field; nothing is below {value!r}")
     return value
+
+
+def _doubled(radius: Any) -> Any:
+    return tuple(2 * r for r in radius) if isinstance(radius, tuple) else 2 * radius
+
+
+def number_in_si(base: Problem, path: str, value: Any, where: str = "") -> Any:
+    """Return the value of a field that is a number in SI; a text is read with its unit.
+
+    Parameters
+    ----------
+    base : Problem
+        Gives width, thickness and density, with which totals and stresses are converted.
+    path : str
+    value : float or str
+    where : str
+        Name of the value in an error message; the path by default.
+
+    Raises
+    ------
+    InvalidProblem
+        For a text that is not a value of the field.
+    """
+    place, quantity = next((p, p.quantity) for p in find(base, path) if p.quantity is not None)
+    if not isinstance(value, str):
+        return parse(value, quantity.unit, where or path)
+    return convert(value, place._replace(path=where or path), context_of(base))
 
 
 def field_quantity(base: Problem, path: str) -> Quantity | None:

@@ -10,8 +10,8 @@ from textwrap import fill
 from .. import kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA, to_toml
-from ..io.units import written
 from ..problems.fields import Problem
+from ..problems.units import written
 from ..quantities import Quantity, find, scalar_outputs
 from .kind_model import options_of
 

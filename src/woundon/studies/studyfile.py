@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,9 @@ import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
 from ..io.case_files import load_case, make_problem, read_case
-from ..io.units import parse
 from ..problems.fields import Problem
 from .design import DESIGNS
-from .kind_model import field_quantity
+from .kind_model import field_quantity, number_in_si
 
 __all__ = ["StudyFile", "load_study", "study_of_tables"]
 
@@ -165,26 +165,28 @@ def _values(problem: Problem, name: str, given: Any, drawn: bool) -> Any:
     """Return an entry of [over] in SI: a list of values, or a range to draw from."""
     quantity = field_quantity(problem, name)
     unit = "" if quantity is None else quantity.unit
-    where = f"over.{name}"
+    where, number = f"over.{name}", partial(_finite, problem, name)
     if isinstance(given, Mapping):
         if not unit:
             text = "is not a number, so it has no range; write a list of values"
             raise InvalidProblem.at(where, text)
-        return _spread(given, unit, where, drawn)
+        return _spread(given, number, where, drawn)
     if not isinstance(given, list) or drawn:
         wanted = "{ from = ..., to = ... }" if drawn else "a list, or { from, to, count }"
         raise InvalidProblem.at(where, f"{given!r} is not a set of values; write {wanted}")
-    return [_finite(v, unit, where) if unit else v for v in given]
+    return [number(v, where) if unit else v for v in given]
 
 
-def _finite(value: Any, unit: str, where: str) -> float:
-    number = parse(value, unit, where)
+def _finite(problem: Problem, name: str, value: Any, where: str) -> float:
+    number = float(number_in_si(problem, name, value, where))
     if not np.isfinite(number):
         raise InvalidProblem.at(where, f"{value!r} is not a finite number")
     return number
 
 
-def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any:
+def _spread(
+    given: Mapping[str, Any], number: Callable[[Any, str], float], where: str, drawn: bool
+) -> Any:
     known = ("from", "to", "spacing", *(() if drawn else ("count",)))
     for name in given:
         if name not in known:
@@ -192,7 +194,7 @@ def _spread(given: Mapping[str, Any], unit: str, where: str, drawn: bool) -> Any
     for name in set(known) - {"spacing"}:
         if name not in given:
             raise InvalidProblem.at(f"{where}.{name}", "missing")
-    low, high = (_finite(given[end], unit, f"{where}.{end}") for end in ("from", "to"))
+    low, high = (number(given[end], f"{where}.{end}") for end in ("from", "to"))
     spacing = given.get("spacing", "linear")
     if spacing not in _SPACING:
         text = f"{spacing!r} is unknown; must be linear or log"

@@ -34,8 +34,8 @@ export const fieldsOf = (catalogue, form) => catalogue.forms[form]?.fields ?? []
 /** A field of a schedule has the unit of the field that holds the schedule. */
 export function held(field, holder) {
   if (field.unit !== "holder" || !holder) return field;
-  const { symbol, unit, shown_unit, typical, limits } = holder;
-  return { ...field, symbol, unit, shown_unit, typical, limits };
+  const { symbol, unit, shown_unit, typical, limits, other_form } = holder;
+  return { ...field, symbol, unit, shown_unit, typical, limits, other_form };
 }
 
 /** A value to start a field from, keeping what an earlier description had of the same name. */

@@ -63,6 +63,11 @@ function useMisread(store, path) {
   return [store.state.misread[path] ?? "", setFault];
 }
 
+/** What totals, stresses and basis weights are converted with. */
+function webOf({ width, density, web, web_thickness }) {
+  return { width, density, thickness: web?.thickness ?? web_thickness };
+}
+
 function plain(value) {
   if (value == null) return "";
   const number = Number(value.toPrecision(6));
@@ -82,7 +87,7 @@ function NumberField({ store, field, path }) {
   const take = (text) => {
     setTyped(text);
     if (text.trim() === "" && field.optional) { setFault(""); store.change(path, undefined); return; }
-    const { value: si, fault: wrong } = units.read(field, text, limitsText(units, field));
+    const { value: si, fault: wrong } = units.read(field, text, limitsText(units, field), webOf(store.state.case));
     if (wrong) return setFault(wrong);
     if (!within(field, si)) return setFault(T.form.outOfRange(text, limitsText(units, field)));
     setFault("");
@@ -150,7 +155,7 @@ function Numbers({ store, field, path }) {
   const take = (text) => {
     setTyped(text);
     const rows = text.split("\n").filter((row) => row.trim());
-    const list = pairs ? rows.map((row) => row.trim().split(/[\s,;]+/).map(parsed)) : rows.map((row) => units.read(field, row, limitsText(units, field)).value);
+    const list = pairs ? rows.map((row) => row.trim().split(/[\s,;]+/).map(parsed)) : rows.map((row) => units.read(field, row, limitsText(units, field), webOf(store.state.case)).value);
     const wrong = pairs ? list.some((row) => row.length !== 2 || row.some(Number.isNaN)) : list.includes(undefined);
     if (wrong) return setFault(pairs ? T.form.pairs : T.form.numbers);
     setFault("");

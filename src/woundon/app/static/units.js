@@ -4,11 +4,12 @@ import { T } from "./texts.js";
 const SPELT = { um: "µm", deg: "°", "kg/m^3": "kg/m³", "kg/m^2": "kg/m²", "m/s^2": "m/s²" };
 
 // The grammar of "66 um" and "20 lbf/in", as on the command line
-const NAME = "[A-Za-zµμ%°]+";
+const NAME = "(?:[A-Za-zµμ%°]+|[\"″])";
 const TERM = `${NAME}(?:(?:\\*\\*|\\^)?-?\\d|[²³])?`;
 const UNIT = new RegExp(`^(?:1/[Ks]|${TERM}(?:(?:\\s*[*/·]\\s*|\\s+)${TERM})*)$`);
 const FACTOR = new RegExp(`([*/·]?)\\s*(${NAME})((?:(?:\\*\\*|\\^)?-?\\d|[²³])?)`, "g");
 const QUANTITY = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,3})?)\s*(.*)$/i;
+const GROUPED = /^[+-]?\d+[,' _]\d/; // 1,000 and 3,5
 // Messages: the number that they begin with, and numbers that are neither a factor or divisor
 // ("0.5 * radius") nor a part of a name ("E0")
 const LEADING = /^(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?= )|)(.*)$/s;
@@ -51,16 +52,33 @@ export class Units {
     return SPELT[name] ?? name;
   }
 
-  /** Read a number in the shown unit, or with a unit of its own: {value} in SI, or {fault}. */
-  read(quantity, text, range) {
-    const [, number, unit] = QUANTITY.exec(text.trim().replace("−", "-")) ?? [];
+  /**
+   * Read a number in the shown unit, or with a unit of its own: {value} in SI, or {fault}.
+   * `web` holds width, thickness and density, with which totals, stresses and basis weights are
+   * converted; "ø 6 in" is a diameter.
+   */
+  read(quantity, text, range, web = {}) {
+    const typed = text.trim().replace("−", "-");
+    const diameter = /^[øØ⌀]\s*(.*)$/.exec(typed);
+    if (diameter && quantity.unit === "m") {
+      const { value, fault } = this.read(quantity, diameter[1], range);
+      return fault ? { fault } : { value: value / 2 };
+    }
+    if (GROUPED.test(typed)) return { fault: T.form.separators(text) };
+    const [, number, unit] = QUANTITY.exec(typed) ?? [];
     if (number === undefined || !Number.isFinite(Number(number))) return { fault: T.form.notNumber(text, range) };
     if (!unit) return { value: this.si(quantity, Number(number)) };
     const given = this.product(unit);
     if (!given) return { fault: T.form.unknownUnit(unit, this.text(quantity)) };
-    const due = this.product(quantity.unit);
-    if (!due || !same(given.powers, due.powers)) return { fault: T.form.wrongDimension(unit, this.text(quantity)) };
-    return { value: Number((Number(number) * given.factor / due.factor).toPrecision(15)) };
+    for (const pound of [given, this.product(unit.replace(/\blbs?\b/g, "lbf"))]) { // lb/in is lbf/in
+      for (const [from, needed, factor] of formsOf(quantity, web)) {
+        const due = this.product(from);
+        if (!due || !same(pound.powers, due.powers)) continue;
+        if (!(factor > 0)) return { fault: T.form.needed(unit, needed) };
+        return { value: Number((Number(number) * pound.factor / due.factor * factor).toPrecision(15)) };
+      }
+    }
+    return { fault: T.form.wrongDimension(unit, this.text(quantity)) };
   }
 
   /** The factor to SI base units and their powers of a unit such as "lbf/in"; null if unknown. */
@@ -95,6 +113,16 @@ export class Units {
     const unit = this.text(quantity);
     return unit ? `${words} [${unit}]` : words;
   }
+}
+
+/** The units that a quantity may be entered in: [SI unit, what it is converted with, factor]. */
+function formsOf({ unit, other_form: other }, { width, thickness, density }) {
+  const forms = [[unit, "", 1]];
+  if (unit === "N/m") forms.push(["N", "width", 1 / width]);
+  if (other === "stress") forms.push(["Pa", "thickness", thickness]);
+  if (other === "basis weight" && unit === "m") forms.push(["kg/m^2", "density", 1 / density]);
+  if (other === "basis weight" && unit !== "m") forms.push(["kg/m^2", "thickness", 1 / thickness]);
+  return forms;
 }
 
 /** Whether two products of base units have the same dimension. */

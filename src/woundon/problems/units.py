@@ -1,8 +1,7 @@
-"""Units at the edge: text such as "66 um", "3.38 GPa" or "17 pli" to SI, and back.
+"""Texts with units, such as "66 um", "3.38 GPa" or "17 pli", to SI numbers, and back.
 
-Over definitions of our own: a general registry with free prefixes reads "17 pli" as a tiny length
-and "min" as a milli-inch.  Here a unit is known or refused.  What is left to do is to multiply
-exact fractions, which is quicker done here than a library of units is imported.
+The units are defined here: a general registry with free prefixes reads "17 pli" as a tiny length
+and "min" as a milli-inch.  Conversion multiplies exact fractions.
 """
 
 from __future__ import annotations
@@ -16,7 +15,10 @@ from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 
-__all__ = ["MILL", "alike", "definitions", "factor", "is_unit", "known_units", "parse", "written"]
+__all__ = [
+    "MILL", "alike", "definitions", "factor", "has_dimension", "is_unit", "known_units", "parse",
+    "written",
+]  # fmt: skip
 
 # one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
@@ -34,6 +36,8 @@ km = 1e3 m
 in = 0.0254 m
 ft = 0.3048 m
 mil = 2.54e-5 m
+pt = 1 mil
+gauge = 1e-2 mil
 us = 1e-6 s
 ms = 1e-3 s
 min = 60 s
@@ -48,6 +52,8 @@ daN = 10 N
 kN = 1e3 N
 kgf = 9.80665 N
 lbf = 4.4482216152605 N
+W = N * m / s
+kW = 1e3 W
 Pa = N / m**2
 kPa = 1e3 Pa
 MPa = 1e6 Pa
@@ -57,33 +63,32 @@ psi = lbf / in**2
 ksi = 1e3 psi
 pli = lbf / in
 gsm = g / m**2
+msf = 1000 ft**2
 fpm = ft / min
+mpm = m / min
 """
 
-# other spellings of the same
+# Other spellings that mills use; the definitions above hold the spelling that is written.
 _SPELLINGS = {
-    "inch": "in",
+    "inch": "in", "inches": "in", '"': "in", "\N{DOUBLE PRIME}": "in", "foot": "ft", "feet": "ft",
+    "mic": "um", "micron": "um", "microns": "um", "mils": "mil", "lbs": "lb",
+    "PLI": "pli", "PSI": "psi", "KSI": "ksi", "GSM": "gsm", "FPM": "fpm", "MPM": "mpm",
     "\N{DEGREE SIGN}": "deg",
-    "\N{MICRO SIGN}m": "um",
-    "\N{GREEK SMALL LETTER MU}m": "um",
-}
+    "\N{MICRO SIGN}m": "um", "\N{MICRO SIGN}": "um",
+    "\N{GREEK SMALL LETTER MU}m": "um", "\N{GREEK SMALL LETTER MU}": "um",
+}  # fmt: skip
 
-# full names are not read (one spelling a unit), but told
+# Full names are not read, but an error message names the unit.
 _FULL_NAMES = {
-    "micron": "um", "micrometer": "um", "micrometre": "um", "millimeter": "mm",
+    "micrometer": "um", "micrometre": "um", "millimeter": "mm",
     "millimetre": "mm", "centimeter": "cm", "centimetre": "cm", "meter": "m", "metre": "m",
-    "inches": "in", "foot": "ft", "feet": "ft", "newton": "N", "pascal": "Pa", "degree": "deg",
+    "newton": "N", "pascal": "Pa", "degree": "deg",
     "kelvin": "K", "degc": "K", "radian": "rad", "pound": "lbf", "second": "s", "minute": "min",
     "u": "um",
 }  # fmt: skip
 
-# what is typed in place of a decimal point and a minus
-_MISTYPED = {
-    ",": "; write a decimal point, and no mark between thousands",
-    "\N{MINUS SIGN}": "; write the minus as '-'",
-    "\N{EN DASH}": "; write the minus as '-'",
-    "\N{EM DASH}": "; write the minus as '-'",
-}
+# Marks that are typed in place of a minus.
+_DASHES = ("\N{MINUS SIGN}", "\N{EN DASH}", "\N{EM DASH}")
 
 # in which units a number is written, by its SI unit
 _LADDERS = {
@@ -96,7 +101,7 @@ _LADDERS = {
 # what North American mills say, by the unit in which a quantity is shown else
 MILL = {
     "um": "mil", "mm": "in", "m": "ft", "N/m": "pli", "Pa": "psi", "kPa": "psi", "MPa": "ksi",
-    "GPa": "ksi", "m/s": "fpm", "kg/m": "lb/ft", "kg/m^3": "lb/ft^3",
+    "GPa": "ksi", "m/s": "fpm", "m/min": "fpm", "kg/m": "lb/ft", "kg/m^3": "lb/ft^3",
 }  # fmt: skip
 
 _EXAMPLES = {
@@ -109,7 +114,13 @@ _EXAMPLES = {
     "1": ", e.g. 0.2 or '20 %'",
 }
 
-_NAME = r"[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%\N{DEGREE SIGN}]+"
+_NAME = (
+    r"(?:[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%\N{DEGREE SIGN}]+"
+    r'|["\N{DOUBLE PRIME}])'
+)
+# 1,000 or 1 000 or 1'000 or 1_000; and 3,5
+_THOUSANDS = re.compile(r"\s*([+-]?\d{1,3}(?:[,' _\N{NO-BREAK SPACE}]\d{3})+(?:\.\d+)?)(?!\d)(.*)")
+_DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(?![,.\d])(.*)")
 _POWER = r"(?:(?:\*\*|\^)?-?\d|[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])"
 _FACTOR = f"{_NAME}{_POWER}?"
 _UNIT = re.compile(rf"1/[Ks]|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
@@ -166,6 +177,12 @@ def definitions() -> dict[str, dict[str, Any]]:
         name: {"factor": float(unit.factor), "powers": unit.powers}
         for name, unit in _definitions().items()
     }
+
+
+def has_dimension(text: str, unit: str) -> bool:
+    """Tell whether a text is a number with a unit of the dimension of ``unit``."""
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    return bool(match and is_unit(match[2]) and _converted(match[2], unit) is not None)
 
 
 def is_unit(text: str) -> bool:
@@ -313,8 +330,14 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
 
 @lru_cache(maxsize=256)
 def _converted(text: str, unit: str) -> Fraction | None:
-    given, due = (_product(words, _definitions()) for words in (text, unit))
-    return given.factor / due.factor if given.powers == due.powers else None
+    """Return the factor; mills write a pound-force as "lb", so that lb/in is read as lbf/in."""
+    known = _definitions()
+    due = _product(unit, known)
+    for pound in ("lb", "lbf"):
+        given = _product(text, {**known, "lb": known[pound], "lbs": known[pound]})
+        if given.powers == due.powers:
+            return given.factor / due.factor
+    return None
 
 
 def _nearest(name: str) -> str:
@@ -323,13 +346,35 @@ def _nearest(name: str) -> str:
     full = _FULL_NAMES.get(word) or _FULL_NAMES.get(word.removesuffix("s"))
     if full:
         return f"; did you mean {full!r}?"
-    same = [known for known in known_units() if known.lower() == word]
-    return f"; did you mean {same[0]!r}?" if same else did_you_mean(name, known_units())
+    names = [known for known in known_units() if known not in _SPELLINGS]
+    same = [known for known in names if known.lower() == word]
+    return f"; did you mean {same[0]!r}?" if same else did_you_mean(name, names)
 
 
 def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:
     due = "a plain number" if unit == "1" else f"a value in {unit}"
     example = _EXAMPLES.get(unit, "")
-    if isinstance(value, str):
-        hint += next((told for mark, told in _MISTYPED.items() if mark in value), "")
+    if isinstance(value, str) and len(value) <= _LONGEST:
+        hint += _mistyped(value)
     return InvalidProblem([(field, f"{value!r} {what}; expected {due}{example}{hint}")])
+
+
+def _mistyped(value: str) -> str:
+    """Return the hint for separators and dashes that are not read."""
+    rule = "; write a decimal point, and no mark between thousands"
+    if found := _THOUSANDS.match(value):
+        digits = re.sub(r"[^\d.+-]", "", found[1])
+        unit = found[2].strip()
+        plain = f"{digits} {unit}".strip()
+        if "," in found[1] and found[1].count(",") == 1 and "." not in found[1]:
+            decimal = f"{found[1].replace(',', '.')} {unit}".strip()
+            return f"{rule}: {plain!r} or {decimal!r}"
+        return f"{rule}: {plain!r}"
+    if found := _DECIMAL_COMMA.match(value):
+        decimal = f"{found[1]}.{found[2]} {found[3].strip()}".strip()
+        return f"{rule}: {decimal!r}"
+    if "," in value:
+        return rule
+    if any(dash in value for dash in _DASHES):
+        return "; write the minus as '-'"
+    return ""

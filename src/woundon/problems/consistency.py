@@ -1,0 +1,47 @@
+"""Values that describe the same paper in two places of a problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from .materials import Orthotropic
+from .stack import Stack
+
+if TYPE_CHECKING:
+    from .nip import Web
+
+__all__ = ["different_moduli"]
+
+# Relative difference from which two moduli are of two papers; plane strain and the thickness at
+# which a modulus is measured account for less.
+TOLERANCE = 0.01
+
+
+def different_moduli(web: Web, field: str, wound: Any) -> Iterator[str]:
+    """Yield a sentence if web and roll have different moduli along the web.
+
+    Parameters
+    ----------
+    web : Web
+    field : str
+        Name of the field that describes the layers in the roll.
+    wound : Stack, Material or other
+        Their stack or material.  An isotropic material of a roll stands for its layers as a whole
+        and is not compared.
+    """
+    if not isinstance(wound, (Orthotropic, Stack)):
+        return
+    E_web, E_roll = 1 / web.compliance.c11, _modulus_along(wound)
+    if abs(E_roll - E_web) > TOLERANCE * E_web:
+        yield (
+            f"web.material and {field} describe two papers: their moduli along the web are "
+            f"{E_web / 1e9:.4g} and {E_roll / 1e9:.4g} GPa"
+        )
+
+
+def _modulus_along(wound: Orthotropic | Stack) -> float:
+    if isinstance(wound, Stack):
+        return wound.tangential
+    A = wound.stiffness
+    return A.tt - A.rt**2 / A.rr

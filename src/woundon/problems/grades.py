@@ -1,0 +1,423 @@
+"""Grades of paper, film, foil and nonwoven: material, stack, friction, limits and their spread.
+
+The values are those of ``grades.toml``, each with its source and its relative standard deviation.
+Users write grades of their own in a file of the same form, complete or ``like`` a known grade.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from ..errors import InputWarning, InvalidProblem, did_you_mean, warn
+from ..quantities import Quantity, length, pure, quantity_of, stress, tension, web_density
+from ..quantities import web_thickness as thickness_of_web
+from .bodies import Cylinder
+from .fields import Description, Number, Numbers, shown
+from .library import Entry, entry_of, library, read_file
+from .limits import Limits
+from .materials import SOFTEST, STIFFEST, Orthotropic
+from .nip import Web
+from .radial_laws import Pfeiffer
+from .schedules import Profile
+from .stack import Stack
+from .units import written
+from .wound_roll import WoundRoll
+
+__all__ = ["Grade", "Grades", "grade", "grades", "with_grade"]
+
+_Modulus = Field(ge=SOFTEST, le=STIFFEST)
+_Friction = Field(gt=0, le=10)
+# Relative difference from which a value in a case differs from that of its grade.
+SAME = 1e-6
+
+
+class Grade(Description):
+    """A grade of paper, film, foil or nonwoven, as it is wound.
+
+    Parameters
+    ----------
+    name, title : str
+    thickness, density : float
+        Of the web [m], [kg/m^3].
+    tangential : float
+        E_t, modulus along the web [Pa].
+    poissons_ratio : float
+        nu of the stack.
+    web_radial, cross : float
+        A_rr of the web itself, through its thickness, and A_rt [Pa].
+    roll_radial, roll_shear : float
+        A_rr and G of the roll as a linear material under the pressure of a nip [Pa].
+    K1, K2, stack_shear : float
+        Pfeiffer's law of the stack, and its shear modulus [Pa].
+    friction, drum_friction : float
+        Between the layers; between web and drum.
+    roughness : float
+        Root mean square of both facing surfaces together [m].
+    tension : float
+        Wound-on tension that is usual for the grade [N/m].
+    pressure : (float, float)
+        Pressure near the core that is usual for rolls of the grade, low and high [Pa].
+    limits : Limits
+        Default limits of a wound roll.
+    spread : mapping of str to float
+        Relative standard deviations by field.
+    sources : mapping of str to str
+        Sources by field; "typical" marks a value that is usual in the trade.
+
+    Raises
+    ------
+    InvalidProblem
+        Naming every field, value and range at fault.
+    """
+
+    name: str
+    title: str
+    thickness: Annotated[Number, thickness_of_web(), Field(ge=1e-7, le=1e-2)]
+    density: Annotated[Number, web_density(), Field(gt=0, le=3e4)]
+    tangential: Annotated[Number, stress("E_t", "modulus along the web", "GPa"), _Modulus]
+    poissons_ratio: Annotated[
+        Number, pure("nu", "Poisson's ratio, thinning by strain along the web"), Field(ge=0, le=10)
+    ]
+    web_radial: Annotated[Number, stress("A_rr", "stiffness through the web", "MPa"), _Modulus]
+    cross: Annotated[Number, stress("A_rt", "cross stiffness", "MPa"), Field(ge=0, le=STIFFEST)]
+    roll_radial: Annotated[
+        Number, stress("A_rr", "stiffness through the roll in a nip", "MPa"), _Modulus
+    ]
+    roll_shear: Annotated[
+        Number, stress("G", "shear modulus of the roll in a nip", "MPa"), _Modulus
+    ]
+    K1: Annotated[
+        Number, stress("K1", "pressure of Pfeiffer's law", "kPa"), Field(gt=0, le=STIFFEST)
+    ]
+    K2: Annotated[Number, pure("K2", "springiness of Pfeiffer's law"), Field(gt=0, le=1e6)]
+    stack_shear: Annotated[Number, stress("G", "shear modulus of the stack", "MPa"), _Modulus]
+    friction: Annotated[Number, pure("mu+", "friction between the layers"), _Friction]
+    drum_friction: Annotated[Number, pure("mu-", "friction between web and drum"), _Friction]
+    roughness: Annotated[
+        Number, length("s", "rms roughness of both surfaces together", "um"), Field(gt=0, le=1e-3)
+    ]
+    tension: Annotated[Number, tension("WOT", "usual wound-on tension"), Field(gt=0, le=1e6)]
+    pressure: Annotated[
+        Numbers,
+        stress("P", "usual pressure near the core, low to high", "kPa"),
+        Field(min_length=2, max_length=2),
+    ]
+    limits: Annotated[Limits, Field(description="default limits of a wound roll")] = Limits()
+    spread: Mapping[str, float] = {}
+    sources: Mapping[str, str] = {}
+
+    @property
+    def material(self) -> Orthotropic:
+        """The elastic constants of the web."""
+        return self._orthotropic(self.web_radial)
+
+    @property
+    def roll_material(self) -> Orthotropic:
+        """The elastic constants of the roll as a linear material in a nip."""
+        return self._orthotropic(self.roll_radial)
+
+    def _orthotropic(self, radial: float) -> Orthotropic:
+        return Orthotropic(
+            radial=radial, tangential=self.tangential, cross=self.cross, shear=self.roll_shear
+        )
+
+    @property
+    def stack(self) -> Stack:
+        """The layers in a roll, which harden under pressure."""
+        return Stack(
+            radial=Pfeiffer(K1=self.K1, K2=self.K2), tangential=self.tangential,
+            poissons_ratio=self.poissons_ratio, shear=self.stack_shear,
+        )  # fmt: skip
+
+    def web(self) -> Web:
+        """Return the web."""
+        return Web(thickness=self.thickness, material=self.material)
+
+    def roll(
+        self, radius: float | str, core_radius: float | str,
+        pressure: float | str | Profile | None = None,
+    ) -> Cylinder | WoundRoll:  # fmt: skip
+        """Return a roll of the grade for a nip.
+
+        Parameters
+        ----------
+        radius, core_radius : float or str
+            R and R0 [m].
+        pressure : float, str or Profile, optional
+            Wound into the roll [Pa]: the roll then hardens under the nip.  Without it the roll is a
+            linear cylinder.
+        """
+        if pressure is None:
+            made: Any = {"material": self.roll_material}
+            return Cylinder(radius=radius, core_radius=core_radius, **made)  # type: ignore[arg-type]
+        made = {"stack": self.stack, "pressure": pressure}
+        return WoundRoll(radius=radius, core_radius=core_radius, **made)  # type: ignore[arg-type]
+
+    def spread_of(self, problem: Any) -> dict[str, float]:
+        """Return the relative standard deviations of the fields of a problem, by dotted name."""
+        found = {}
+        for path, name in _FIELDS:
+            value = problem
+            for part in path.split("."):
+                value = getattr(value, part, None)
+            if value is not None and name in self.spread:
+                found[path] = self.spread[name]
+        return found
+
+    def __str__(self) -> str:
+        rows = [f"{self.name}: {self.title}"]
+        for name, text in self.texts():
+            spread = f"{100 * self.spread[name]:.3g} %" if name in self.spread else ""
+            rows.append(
+                f"  {name:<26}{text:>18}  {spread:>5}  {self.sources.get(name, '')}".rstrip()
+            )
+        return "\n".join(rows)
+
+    def texts(self) -> Iterator[tuple[str, str]]:
+        """Yield every value by its name, as text with its unit."""
+        for holder, prefix in ((self, ""), (self.limits, "limits.")):
+            for name, field in type(holder).model_fields.items():
+                quantity, value = quantity_of(field), getattr(holder, name)
+                if (
+                    quantity is not None
+                    and value is not None
+                    and (not prefix or f"limits.{name}" in self.sources)
+                ):
+                    yield f"{prefix}{name}", _text(value, quantity)
+
+
+def _text(value: Any, quantity: Quantity) -> str:
+    if isinstance(value, tuple):
+        return " to ".join(_text(item, quantity) for item in value)
+    text = written(float(value), quantity.unit, quantity.shown_unit)
+    return text if isinstance(text, str) else f"{text:.6g}"
+
+
+# Fields of problems that a grade supplies, and the value of the grade that they hold.
+_FIELDS = (
+    ("web.thickness", "thickness"), ("web_thickness", "thickness"),
+    ("web.material.radial", "web_radial"), ("web.material.tangential", "tangential"),
+    ("web.material.cross", "cross"), ("web.material.shear", "roll_shear"),
+    ("roll.material.radial", "roll_radial"), ("roll.material.tangential", "tangential"),
+    ("roll.material.cross", "cross"), ("roll.material.shear", "roll_shear"),
+    *((f"{roll}{path}", name)
+      for roll in ("", "roll.")
+      for path, name in (("stack.radial.K1", "K1"), ("stack.radial.K2", "K2"),
+                         ("stack.tangential", "tangential"), ("stack.shear", "stack_shear"),
+                         ("stack.poissons_ratio", "poissons_ratio"))),
+    ("roll_friction", "friction"), ("drum_friction", "drum_friction"), ("density", "density"),
+    ("air.roughness", "roughness"),
+)  # fmt: skip
+
+
+# ---- the list -----------------------------------------------------------------------------------
+
+
+class Grades(dict[str, Grade]):
+    """Grades by name; printing it lists them."""
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:<18}{grade.title}" for name, grade in self.items())
+
+    __str__ = __repr__
+
+
+def grades(path: str | Path | None = None) -> Grades:
+    """Return all grades by name.
+
+    Parameters
+    ----------
+    path : path, optional
+        A TOML file with grades of your own, added to those of the package.
+
+    Raises
+    ------
+    InvalidProblem
+        If the file cannot be read, or a grade in it has a value at fault.
+    """
+    found = Grades()
+    tables = [library()["grades"], *([] if path is None else [read_file(Path(path))])]
+    for known in tables:
+        for name, table in known.items():
+            found[name] = _made(name, table, found)
+    return found
+
+
+def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None) -> Grade:
+    """Return a grade by its name.
+
+    >>> import woundon as wo
+    >>> newsprint = wo.grade("newsprint")
+    >>> newsprint.web().thickness
+    6.6e-05
+    >>> newsprint.spread["K2"], newsprint.sources["thickness"]
+    (0.3, 'Table 2')
+
+    Parameters
+    ----------
+    name : str
+        Such as "newsprint"; :func:`grades` lists them.  A grade itself is returned as it is, and a
+        table makes one.
+    path : path, optional
+        A TOML file with grades of your own::
+
+            [grades.our-newsprint]
+            like = "newsprint"
+            thickness = "64 um"
+            friction = { value = 0.22, spread = 0.05, source = "laboratory" }
+
+    Raises
+    ------
+    InvalidProblem
+        For an unknown name, with the nearest known one, and as of :func:`grades`.
+    """
+    if isinstance(name, Grade):
+        return name
+    if isinstance(name, Mapping):
+        return _made("own grade", name, grades())
+    known = library()["grades"]
+    if path is None and isinstance(name, str) and name in known:
+        return _made(name, known[name], Grades())
+    found = grades(path)
+    if not isinstance(name, str) or name not in found:
+        text = f"{shown(name)} is not a known grade{did_you_mean(name, found)}"
+        raise InvalidProblem.at("grade", text)
+    return found[name]
+
+
+def _made(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
+    """Return the grade of a table; what it leaves out is taken of the grade that it is like."""
+    try:
+        entry = entry_of({key: value for key, value in table.items() if key != "like"})
+        base = _base(table.get("like"), known)
+        values = {**base.values, "title": name, **entry.values}
+        limits = values.get("limits", {})
+        if isinstance(limits, Mapping):
+            values["limits"] = {**base.values.get("limits", {}), **limits}
+        own = _names(entry.values)
+        kept = {key: {k: v for k, v in getattr(base, key).items() if k not in own}
+                for key in ("spread", "sources")}  # fmt: skip
+        return Grade(**{
+            "name": name, **values,
+            "spread": kept["spread"] | entry.spread, "sources": kept["sources"] | entry.sources,
+        })  # fmt: skip
+    except InvalidProblem as fault:
+        raise fault.under(f"grades.{name}") from None
+
+
+def _names(values: Mapping[str, Any], prefix: str = "") -> set[str]:
+    """Return the dotted names of all values."""
+    found: set[str] = set()
+    for name, value in values.items():
+        inner = isinstance(value, Mapping)
+        found |= _names(value, f"{prefix}{name}.") if inner else {f"{prefix}{name}"}
+    return found
+
+
+def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
+    if like is None:
+        return Entry({}, {}, {})
+    if not isinstance(like, str) or like not in known:
+        text = f"{shown(like)} is not a known grade{did_you_mean(like, known)}"
+        raise InvalidProblem.at("like", text)
+    base = known[like]
+    values = {name: getattr(base, name) for name in Grade.model_fields
+              if name not in ("name", "title", "spread", "sources")}  # fmt: skip
+    limits = {name: value for name in Limits.model_fields
+              if (value := getattr(base.limits, name)) is not None}  # fmt: skip
+    return Entry({**values, "limits": limits}, dict(base.spread), dict(base.sources))
+
+
+# ---- in a case ----------------------------------------------------------------------------------
+
+
+def with_grade(
+    model: type[Any], fields: Mapping[str, Any], faults: list[tuple[str, str]]
+) -> dict[str, Any]:
+    """Return the fields of a problem with those that its grade supplies.
+
+    A value that is given next to the grade has precedence; :func:`contradictions` names it.
+
+    Parameters
+    ----------
+    model : type
+        Class of the problem.
+    fields : mapping
+        With ``grade``: a name, a table or a :class:`Grade`.
+    faults : list
+        A grade that cannot be read is appended here, (field, text).
+    """
+    given = dict(fields)
+    try:
+        found = grade(given.pop("grade"))
+    except InvalidProblem as fault:
+        faults += fault.faults
+        faults += [(name, "") for name in model.graded]  # They are not missing.
+        return given
+    if not model.graded:
+        faults.append(("grade", f"a {model.__name__} has no web; must be left out"))
+        return given
+    for name, value in _supplied(found, model, given).items():
+        given[name] = _merged(given[name], value) if name in given else value
+    return given
+
+
+def warn_of_contradictions(found: Grade, problem: Any) -> None:
+    """Warn of values of a problem that differ from those of the grade that is given with them."""
+    texts = []
+    for path, name in _FIELDS:
+        value = problem
+        for part in path.split("."):
+            value = getattr(value, part, None)
+        own = getattr(found, name)
+        if isinstance(value, float) and abs(value - own) > SAME * abs(own):
+            quantity = quantity_of(Grade.model_fields[name])
+            assert quantity is not None
+            texts.append(f"{path} = {_text(value, quantity)} replaces the {_text(own, quantity)} "
+                         f"of the grade {found.name!r}")  # fmt: skip
+    warn(texts, InputWarning)
+
+
+def _supplied(found: Grade, model: type[Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a grade supplies of the fields of a problem, as tables."""
+    limits = {name: value for name in Limits.model_fields
+              if (value := getattr(found.limits, name)) is not None}  # fmt: skip
+    known: dict[str, Any] = {
+        "web": {"thickness": found.thickness, "material": _table(found.material)},
+        "web_thickness": found.thickness, "density": found.density,
+        "stack": _table(found.stack), "limits": limits,
+        "roll_friction": found.friction, "drum_friction": found.drum_friction,
+    }  # fmt: skip
+    roll, air = given.get("roll"), given.get("air")
+    if isinstance(roll, Mapping):
+        wound = roll.get("kind") == "wound_roll" or "pressure" in roll
+        plain = roll.get("kind", "cylinder") in ("cylinder", "half_plane")
+        if wound:
+            known["roll"] = {"stack": _table(found.stack)}
+        elif plain:
+            known["roll"] = {"material": _table(found.roll_material)}
+    supplied = {name: known[name] for name in model.graded if name in known}
+    if isinstance(air, Mapping):
+        supplied["air"] = {"roughness": found.roughness}
+    return supplied
+
+
+def _table(part: Description) -> dict[str, Any]:
+    return part.model_dump(exclude_none=True)
+
+
+def _merged(given: Any, supplied: Any) -> Any:
+    """Return a table with what is given and, for the rest, what is supplied."""
+    if not isinstance(given, Mapping) or not isinstance(supplied, Mapping):
+        return given
+    kinds = {part.get("kind") for part in (given, supplied)} - {None}
+    if len(kinds) > 1:
+        return given
+    both = dict(supplied)
+    for name, value in given.items():
+        both[name] = _merged(value, supplied[name]) if name in supplied else value
+    return both

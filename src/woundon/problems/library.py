@@ -1,0 +1,97 @@
+"""The data file of grades and drum covers, and files of the same form by users."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..errors import InvalidProblem, did_you_mean
+
+__all__ = ["Entry", "entry_of", "library", "read_file"]
+
+LARGEST = 10_000_000  # bytes
+FILE = Path(__file__).with_name("grades.toml")
+
+
+class Entry(NamedTuple):
+    """The values of a table by name, their relative standard deviations and their sources."""
+
+    values: dict[str, Any]
+    spread: dict[str, float]
+    sources: dict[str, str]
+
+
+@cache
+def library() -> Mapping[str, Mapping[str, Any]]:
+    """Return the tables ``sources``, ``grades`` and ``covers`` of the data file."""
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))
+
+
+def read_file(path: Path) -> dict[str, Any]:
+    """Return the tables of a user's file.
+
+    Raises
+    ------
+    InvalidProblem
+        If it cannot be read, or is not a TOML file with a table ``grades``.
+    """
+    try:
+        if path.stat().st_size > LARGEST:
+            raise InvalidProblem.at(str(path), f"is larger than {LARGEST} bytes")
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, UnicodeDecodeError, ValueError, RecursionError) as fault:
+        text = getattr(fault, "strerror", None) or str(fault)
+        raise InvalidProblem.at(str(path), f"cannot be read as a TOML file: {text}") from None
+    known = tables.get("grades")
+    if not isinstance(known, dict) or not all(isinstance(grade, dict) for grade in known.values()):
+        text = "has no grades; write each as a table, [grades.NAME]"
+        raise InvalidProblem.at(str(path), text)
+    return known
+
+
+def entry_of(table: Mapping[str, Any]) -> Entry:
+    """Return the values, spreads and sources of a table, those of nested tables by dotted name.
+
+    A value is written alone, or as a table with ``value``, ``spread`` and ``source``.
+
+    Raises
+    ------
+    InvalidProblem
+        For an entry without a value, an unknown name in it, or a spread that is not a number >= 0.
+    """
+    entry = Entry({}, {}, {})
+    for name, given in table.items():
+        if isinstance(given, Mapping) and "value" not in given:
+            try:
+                inner = entry_of(given)
+            except InvalidProblem as fault:
+                raise fault.under(name) from None
+            entry.values[name] = inner.values
+            entry.spread.update({f"{name}.{k}": v for k, v in inner.spread.items()})
+            entry.sources.update({f"{name}.{k}": v for k, v in inner.sources.items()})
+        elif isinstance(given, Mapping):
+            _take(entry, name, given)
+        else:
+            entry.values[name] = given
+    return entry
+
+
+def _take(entry: Entry, name: str, given: Mapping[str, Any]) -> None:
+    known = ("value", "spread", "source")
+    for key in given:
+        if key not in known:
+            raise InvalidProblem.at(f"{name}.{key}", f"no such field{did_you_mean(key, known)}")
+    entry.values[name] = given["value"]
+    spread = given.get("spread", 0.0)
+    if isinstance(spread, bool) or not isinstance(spread, (int, float)) or not 0 <= spread <= 10:
+        text = f"{spread!r} is not a number >= 0 and <= 10, a relative standard deviation"
+        raise InvalidProblem.at(f"{name}.spread", text)
+    if spread:
+        entry.spread[name] = float(spread)
+    if not isinstance(given.get("source", ""), str):
+        raise InvalidProblem.at(f"{name}.source", f"{given['source']!r} is not text")
+    if given.get("source"):
+        entry.sources[name] = given["source"]

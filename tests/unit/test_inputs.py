@@ -1,0 +1,314 @@
+"""Forms of inputs: units of mills, totals, stresses, diameters, basis weights, and outputs."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import warnings
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import woundon as wo
+from woundon.io.case_files import apply_settings, make_problem, to_toml
+from woundon.problems.inputs import FloatWithUnit
+
+NIP = wo.NipProblem.example()
+WINDING = wo.WindingProblem.example()
+ROLL = wo.RollProblem.example()
+PLI = 4.4482216152605 / 0.0254
+
+forces = st.floats(1.0, 1e5)
+widths = st.floats(0.1, 12.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("20 pli", 20 * PLI), ("20 PLI", 20 * PLI), ("20 lb/in", 20 * PLI), ("20 lbs/in", 20 * PLI),
+     ("3.5 kN/m", 3500.0), ("3.5 N/mm", 3500.0), ("3.5 kgf/cm", 3432.3275)],
+)  # fmt: skip
+def test_loads_in_units_of_mills(text, value):
+    assert NIP.replace(nip_load=text).nip_load == pytest.approx(value, rel=1e-15)
+    fields = {name: getattr(NIP, name) for name in type(NIP).model_fields}
+    assert wo.NipProblem(**fields | {"nip_load": text}) == NIP.replace(nip_load=text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("2.6 mil", 66.04e-6), ("66 mic", 66e-6), ("66 micron", 66e-6), ("66 microns", 66e-6),
+     ("66 um", 66e-6), ("66 µm", 66e-6), ("18 pt", 457.2e-6), ("92 gauge", 23.368e-6),
+     ('0.004"', 101.6e-6), ("0.004 in", 101.6e-6), ("0.004 inch", 101.6e-6)],
+)  # fmt: skip
+def test_thicknesses_in_units_of_mills(text, value):
+    web = wo.Web(thickness=text, material="newsprint")
+    assert web.thickness == pytest.approx(value, rel=1e-15)
+
+
+def test_units_in_every_nested_description():
+    drum = wo.Layered(
+        diameter='20"',
+        layers=[{"thickness": "15 mm", "material": {"youngs_modulus": "500 psi",
+                                                    "poissons_ratio": "48 %"}}],
+    )  # fmt: skip
+    assert drum.radius == pytest.approx(0.254)
+    assert drum.layers[0].material.youngs_modulus == pytest.approx(500 * 6894.757293168)
+    assert drum.layers[0].material.poissons_ratio == 0.48
+    covered = NIP.replace(drum=drum, **{"drum.layers.0.thickness": "1 in"})
+    assert covered.drum.layers[0].thickness == pytest.approx(0.0254)
+
+
+# ---- totals -------------------------------------------------------------------------------------
+
+
+@given(forces, widths)
+def test_a_total_over_the_width_is_the_load_per_width(force, width):
+    total = NIP.replace(width=width, nip_load=f"{force!r} N", web_tension=f"{force!r} N")
+    per_width = NIP.replace(width=width, nip_load=force / width, web_tension=force / width)
+    assert total == per_width
+    assert total.width == width
+
+
+@given(forces, widths)
+def test_totals_in_schedules_and_limits(force, width):
+    text, each = f"{force!r} N", force / width
+    case = {"width": width, "web_tension": {"start": text, "taper": 0.3},
+            "limits": {"web_strength": text}}  # fmt: skip
+    assert WINDING.replace(**case).web_tension == wo.Taper(start=each, taper=0.3)
+    assert WINDING.replace(**case).limits.web_strength == each
+    made = WINDING.replace(width=width, web_tension=wo.Taper(start=text))
+    assert made.web_tension == wo.Taper(start=each)
+    assert type(made.web_tension.start) is float
+    assert WINDING.replace(width=width, **{"web_tension.start": text}).web_tension.start == each
+
+
+@pytest.mark.parametrize(
+    ("problem", "changes", "field"),
+    [(NIP, {"nip_load": "3.6 kN"}, "nip_load"),
+     (NIP, {"nip_load": "800 lb"}, "nip_load"),
+     (WINDING, {"web_tension": wo.Taper(start="1 kN")}, "web_tension.start"),
+     (WINDING, {"web_tension": {"start": "1 kN"}}, "web_tension.start"),
+     (WINDING, {"limits.web_strength": "1 kN"}, "limits.web_strength")],
+)  # fmt: skip
+def test_a_total_without_a_width_tells_how_to_convert_it(problem, changes, field):
+    with pytest.raises(wo.InvalidProblem) as report:
+        problem.replace(**changes)
+    ((where, text),) = report.value.faults
+    assert where == field
+    assert "is a force; expected a force per width. Give the width" in text
+
+
+# ---- stresses, basis weights, diameters ---------------------------------------------------------
+
+
+@given(st.floats(1e5, 5e7), st.floats(10e-6, 500e-6))
+def test_a_web_tension_as_a_stress(stress, thickness):
+    changes = {"web_tension": f"{stress!r} Pa", "web.thickness": thickness}
+    assert NIP.replace(**changes).web_tension == stress * thickness
+    assert WINDING.replace(**changes).web_tension == stress * thickness
+    roll = ROLL.replace(wound_on_tension=f"{stress!r} Pa", web_thickness=60e-6)
+    assert roll.wound_on_tension == stress * 60e-6
+
+
+def test_only_a_tension_is_a_stress():
+    with pytest.raises(wo.InvalidProblem, match="'10 MPa' has the wrong dimension"):
+        NIP.replace(nip_load="10 MPa")
+    with pytest.raises(wo.InvalidProblem, match=r"thickness of the web.*is not known here"):
+        wo.Limits(web_strength="10 MPa")
+
+
+@given(st.floats(0.01, 0.5), st.floats(300, 1500))
+def test_basis_weight_is_density_times_thickness(weight, density):
+    text = f"{weight!r} kg/m^2"
+    web = wo.Web(thickness=text, density=density, material="newsprint")
+    assert web.thickness == weight / density
+    nested = {"thickness": text, "material": "newsprint"}
+    assert WINDING.replace(density=density, web=nested).web.thickness == web.thickness
+    assert WINDING.replace(density="45 gsm").density == 0.045 / 66e-6
+    assert ROLL.replace(web_thickness="45 gsm", density="680 kg/m^3").web_thickness == 0.045 / 680
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [(lambda: wo.Web(thickness="45 gsm", material="newsprint"), "Give the density of the web"),
+     (lambda: wo.Web(thickness="66 um", density=680, material="newsprint"), "density: converts"),
+     (lambda: wo.Layer(thickness="45 gsm", material="rubber"), "wrong dimension")],
+)  # fmt: skip
+def test_basis_weight_without_what_it_needs(make, said):
+    with pytest.raises(wo.InvalidProblem, match=said):
+        make()
+
+
+@given(st.floats(1e-3, 1.0))
+def test_a_diameter_is_twice_the_radius(radius):
+    assert wo.Rigid(diameter=2 * radius) == wo.Rigid(radius=radius)
+    assert wo.Rigid(diameter=f"{2 * radius!r} m") == wo.Rigid(radius=radius)
+    assert NIP.replace(**{"drum.diameter": 2 * radius}).drum == wo.Rigid(radius=radius)
+
+
+def test_diameters_wherever_radii_are_accepted():
+    core = wo.Core(diameter="4 in", inner_diameter="3 in", material="steel")
+    assert (core.radius, core.inner_radius) == pytest.approx((0.0508, 0.0381))
+    profile = wo.Profile(diameter=["100 mm", "1.2 m"], value=[300, 200])
+    assert profile.radius == (0.05, 0.6)
+    assert ROLL.replace(diameter="40 in").radius == pytest.approx(0.508)
+    body = NIP.replace(roll={"diameter": 0.2, "core_diameter": 0.1, "material": "newsprint"}).roll
+    assert (body.radius, body.core_radius) == (0.1, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [(lambda: wo.Rigid(diameter=1, radius=1), "diameter: is given together with radius"),
+     (lambda: NIP.replace(**{"drum.diameter": 1, "drum.radius": 1}), "drum.diameter: is given"),
+     (lambda: wo.Rigid(diameter="wide"), "diameter: 'wide' is not a number"),
+     (lambda: wo.Rigid(diameter=None), "diameter: None is not a number"),
+     (lambda: wo.Rigid(diameter=-1), "radius: -0.5 is out of range"),
+     (lambda: wo.Web(diameter=1, thickness=1e-4, material="paper"), "diameter: no such field")],
+)  # fmt: skip
+def test_bad_diameters(make, said):
+    with pytest.raises(wo.InvalidProblem) as report:
+        make()
+    assert said in str(report.value)
+    assert len(report.value.faults) == 1
+
+
+# ---- hostile texts ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [("1,000 N/m", "'1000 N/m' or '1.000 N/m'"), ("1 000 N/m", "'1000 N/m'"),
+     ("1'000 N/m", "'1000 N/m'"), ("1_000 N/m", "'1000 N/m'"), ("3,5 kN/m", "'3.5 kN/m'"),
+     ("1,234,567 N/m", "'1234567 N/m'"), ("1,234.5 N/m", "'1234.5 N/m'"),
+     ("-1,5 kN/m", "'-1.5 kN/m'")],
+)  # fmt: skip
+def test_separators_are_rejected_with_a_hint(text, hint):
+    with pytest.raises(wo.InvalidProblem) as report:
+        NIP.replace(nip_load=text)
+    assert str(report.value).endswith(f"no mark between thousands: {hint}")
+
+
+def faulty_fields(make):
+    try:
+        make()
+    except wo.InvalidProblem as report:
+        return {field for field, _ in report.faults}
+    return set()
+
+
+@given(st.text(max_size=80))
+def test_any_text_is_a_load_or_is_rejected_by_name(text):
+    fields = faulty_fields(lambda: NIP.replace(nip_load=text))
+    assert fields <= {"nip_load", "winding_force"}
+
+
+@given(st.text(alphabet="0123456789.,' _-+eE/*^kNMPampli\"", max_size=30))
+def test_texts_that_look_like_values(text):
+    for make in (wo.Taper, lambda start: WINDING.replace(web_tension={"start": start})):
+        fields = faulty_fields(lambda make=make: make(start=text))
+        assert all("start" in field for field in fields)
+
+
+# ---- schedules that are not yet part of a problem -----------------------------------------------
+
+
+def test_a_value_keeps_its_unit_until_it_has_a_problem():
+    taper = wo.Taper(start="10 MPa", taper="30 %")
+    assert taper.start == 10e6
+    assert isinstance(taper.start, FloatWithUnit)
+    again = pickle.loads(pickle.dumps(taper.replace(taper=0.2)))
+    assert WINDING.replace(web_tension=again).web_tension.start == 10e6 * 66e-6
+    with pytest.raises(wo.InvalidProblem, match=r"web_tension\.start: .* has no unit"):
+        WINDING.replace(web_tension=wo.Taper(start="20 %"))
+    with pytest.raises(wo.InvalidProblem, match=r"torque_split\.start: .* has the wrong dimension"):
+        WINDING.replace(torque_split=wo.Taper(start="200 N/m"))
+    profile = wo.Profile(radius=[0.05, 0.6], value=["2 pli", "1 pli"])
+    assert WINDING.replace(web_tension=profile).web_tension.value == pytest.approx((2 * PLI, PLI))
+
+
+# ---- case files, settings, sweeps ---------------------------------------------------------------
+
+
+def test_a_case_file_with_totals_and_diameters():
+    case = {
+        "schema": 1, "width": "2.5 m", "nip_load": "9 kN", "web_tension": "10 MPa",
+        "roll_friction": 0.2, "drum_friction": 0.2,
+        "web": {"thickness": "2.6 mil", "material": "newsprint"},
+        "roll": {"diameter": "40 in", "core_diameter": "4 in", "material": "newsprint"},
+        "drum": {"kind": "rigid", "diameter": "20 in"},
+    }  # fmt: skip
+    problem = make_problem(case, "nip")
+    assert problem.nip_load == 3600.0
+    assert problem.web_tension == pytest.approx(10e6 * 66.04e-6)
+    assert (problem.roll.radius, problem.drum.radius) == pytest.approx((0.508, 0.254))
+    assert "width" in to_toml(problem)
+    changed = apply_settings(case, ["roll.radius=0.4", "drum.diameter=10 in", "nip_load=5 kN"])
+    assert make_problem(changed, "nip").roll.radius == 0.4
+    assert make_problem(changed, "nip").drum.radius == pytest.approx(0.127)
+    assert make_problem(changed, "nip").nip_load == 2000.0
+
+
+def test_a_sweep_over_totals_and_diameters():
+    problem = NIP.replace(width=2.0)
+    table = wo.sweep(problem, {"nip_load": ["4 kN", "6 kN"]}, ["half_width"], nodes=17)
+    assert table.nip_load.values.tolist() == [2000.0, 3000.0]
+    table = wo.sweep(problem, {"drum.diameter": ["6 in", 0.2]}, ["half_width"], nodes=17)
+    assert table["drum.diameter"].values == pytest.approx([0.1524, 0.2])
+    direct = wo.solve(problem.replace(**{"drum.radius": 0.1}), nodes=17).half_width
+    assert table.half_width.values[1] == pytest.approx(direct, rel=1e-9)
+
+
+# ---- inputs without effect ----------------------------------------------------------------------
+
+
+def test_a_speed_that_nothing_depends_on_is_reported():
+    fast = NIP.replace(web_speed="3000 ft/min")
+    assert fast.web_speed == 15.24
+    assert fast.rolling_speed is None
+    with pytest.warns(wo.InputWarning, match="web_speed = 15.24 m/s is not used"):
+        result = wo.solve(fast, nodes=17)
+    assert "web_speed = 15.24 m/s is not used" in str(result)
+    assert result.nip_induced_tension == wo.solve(NIP, nodes=17).nip_induced_tension
+    assert WINDING.replace(web_speed=10.0).remarks
+    assert not NIP.remarks
+    assert not wo.NipProblem.example().remarks
+
+
+# ---- outputs in units ---------------------------------------------------------------------------
+
+
+def test_results_in_chosen_units():
+    result = wo.solve(NIP.replace(width=2.0), nodes=17)
+    view = result.in_units("pli", "um")
+    assert view.nip_induced_tension * PLI == pytest.approx(result.nip_induced_tension)
+    assert view["half_width"] == pytest.approx(result.half_width * 1e6)
+    assert view.units["half_width"] == "um"
+    assert view.web_tension == pytest.approx(result.web_tension / PLI)
+    assert view.errors["half_width"] == pytest.approx(result.errors["half_width"] * 1e6)
+    assert "pli" in str(view)
+    frame = view.to_dataframe()
+    assert frame["web_tension"].to_numpy() == pytest.approx(view.web_tension)
+    assert frame.attrs["units"]["web_tension"] == "pli"
+    total = result.in_units("kN")
+    assert total.nip_induced_tension == pytest.approx(result.nip_induced_tension * 2.0 / 1e3)
+    assert result.in_units("mill", half_width="mm").units["peak_pressure"] == "psi"
+    assert result.in_units("SI").peak_pressure == result.peak_pressure
+
+
+@pytest.mark.parametrize(
+    ("chosen", "by_name", "said"),
+    [(("kN",), {}, "give the problem a width"), (("plx",), {}, "did you mean 'pli'"),
+     (("kg/m^3",), {}, "no output has the dimension"),
+     ((), {"half_widht": "mm"}, "did you mean 'half_width'"),
+     ((), {"half_width": "pli"}, "wrong dimension")],
+)  # fmt: skip
+def test_bad_units_of_outputs(chosen, by_name, said):
+    result = wo.solve(NIP, nodes=17)
+    with pytest.raises(wo.InvalidProblem, match=said):
+        result.in_units(*chosen, **by_name)
+
+
+def test_no_warning_without_a_cause():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", wo.InputWarning)
+        assert math.isfinite(wo.solve(NIP, nodes=17).half_width)
