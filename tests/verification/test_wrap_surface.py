@@ -116,12 +116,12 @@ def test_the_web_is_in_balance_everywhere() -> None:
     inside = slice(1, -1)
     np.testing.assert_allclose(
         (result.roll_pressure - result.drum_pressure)[inside],
-        (result.web_tension * result.curvature)[inside],
+        (result.tension * result.curvature)[inside],
         atol=1e-9 * result.drum_pressure.max(),
     )
     total = result.roll_traction + result.drum_traction
     grown = np.append(0.0, np.cumsum(np.diff(result.x) * (total[1:] + total[:-1]) / 2))
-    np.testing.assert_allclose(result.web_tension, 300.0 + grown, rtol=1e-12)
+    np.testing.assert_allclose(result.tension, 300.0 + grown, rtol=1e-12)
     moment = np.trapezoid(result.roll_traction, result.x)  # M1/R1 = WOT - Q+ - Q_w+, eq. (137)
     force = np.trapezoid(result.drum_traction, result.x)
     assert result.wound_on_tension - moment == pytest.approx(300.0 + force, rel=1e-12)
