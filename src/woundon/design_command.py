@@ -86,8 +86,8 @@ def design(
 def _wanted(text: str, smooth: bool) -> Any:
     """Return a wanted pressure: a number [Pa], or the profile of a CSV file."""
     from .io.columns import with_columns
-    from .io.units import parse
     from .problems.schedules import Profile
+    from .unit_parsing import parse
 
     if not text.lower().endswith(".csv"):
         if smooth:

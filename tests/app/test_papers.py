@@ -253,7 +253,7 @@ def test_what_starts_from_lists_has_some_that_are_admissible(catalogue):
 
 
 def test_every_shown_unit_is_among_those_that_a_field_may_be_told_in(catalogue):
-    from woundon.io.units import parse
+    from woundon.unit_parsing import parse
 
     fields = [f for form in catalogue["forms"].values() for f in form["fields"]]
     outputs = [o for kind in catalogue["kinds"] for o in kind["outputs"]]

@@ -12,8 +12,8 @@ import toys
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.io.units import parse
 from woundon.studies.api import study_of
+from woundon.unit_parsing import parse
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8

@@ -49,7 +49,7 @@ def test_a_quantity_shows_its_values(
 
 def test_every_shown_unit_is_its_unit_and_every_range_an_admissible_one() -> None:
     """Units are parsed by what reads case files: no factor here is another than there."""
-    from woundon.io.units import parse
+    from woundon.unit_parsing import parse
 
     seen = 0
     for kind in OWN:

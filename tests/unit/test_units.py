@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woundon.errors import InvalidProblem
-from woundon.io.units import known_units, parse, written
+from woundon.unit_parsing import known_units, parse, written
 
 
 @pytest.mark.parametrize(

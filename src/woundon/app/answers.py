@@ -20,16 +20,16 @@ from pydantic_core import to_json
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
-from ..io.units import parse
 from ..problems.fields import Problem, admissible, bounds, shown
 from ..problems.schedules import Profile
 from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
-from ..show.report import report_parts
+from ..show.reports import report_parts
 from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
+from ..unit_parsing import parse
 from .catalogue import LIMITS, tables_of, told_of
 from .panels import panels_of
 

@@ -16,11 +16,11 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
-from ..io.units import MILL, alike, definitions
 from ..problems.fields import Description, Family
 from ..problems.materials import MATERIALS, Material
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from ..solve_command import solver_options
+from ..unit_parsing import MILL, alike, definitions
 
 __all__ = ["LIMITS", "catalogue", "exhibits", "tables_of", "told_of"]
 

@@ -19,10 +19,10 @@ from ..errors import InvalidProblem, did_you_mean
 from ..problems.fields import Problem, is_word, no_such_field, shown
 from ..problems.materials import Material, material
 from ..quantities import Place, Quantity, find, is_item, is_list, members_of
+from ..unit_parsing import parse
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
 from .files import read_whole
-from .units import parse
 
 __all__ = [
     "apply_settings", "check_like_a_case", "load_case", "make_problem", "read_case",

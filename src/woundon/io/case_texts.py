@@ -17,7 +17,7 @@ from ..errors import one_of
 from ..problems.fields import Description, Family, Problem, bounds
 from ..problems.materials import MATERIALS
 from ..quantities import Quantity, members_of, quantity_of
-from .units import written
+from ..unit_parsing import written
 
 __all__ = ["SCHEMA", "described", "template", "to_toml"]
 

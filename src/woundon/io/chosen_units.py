@@ -9,7 +9,7 @@ from typing import Any
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import outputs, pattern, shown_in, walk
-from .units import factor
+from ..unit_parsing import factor
 
 __all__ = ["units", "units_of"]
 

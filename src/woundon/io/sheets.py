@@ -23,8 +23,8 @@ from xml.parsers import expat
 
 from ..errors import InvalidProblem
 from ..problems.fields import shown
+from ..unit_parsing import is_unit
 from .files import read_whole
-from .units import is_unit
 
 __all__ = [
     "Sheet", "check_cells", "check_header", "check_lines", "need_openpyxl", "read_sheet",

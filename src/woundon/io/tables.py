@@ -19,8 +19,8 @@ import numpy as np
 from ..errors import InvalidProblem, nearest, one_of
 from ..problems.fields import shown
 from ..quantities import Quantity, pattern
+from ..unit_parsing import factor, is_unit, parse
 from .sheets import Sheet
-from .units import factor, is_unit, parse
 
 __all__ = ["Column", "Names", "decimal_sign", "match_columns", "numbers", "tell"]
 

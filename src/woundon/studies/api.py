@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..io.units import parse
 from ..problems.fields import Problem, not_one_of, shown
 from ..quantities import Quantity, scalar_outputs
+from ..unit_parsing import parse
 from .design import Design, make_design
 from .engine import Progress, run_study
 from .fit import FitResult, fit_parameters

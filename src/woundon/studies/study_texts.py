@@ -10,9 +10,9 @@ from textwrap import fill
 from .. import kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA, to_toml
-from ..io.units import written
 from ..problems.fields import Problem
 from ..quantities import Quantity, find, scalar_outputs
+from ..unit_parsing import written
 from .kind_model import options_of
 
 __all__ = ["study_template"]

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
 from ..io.case_files import load_case, make_problem, read_case
-from ..io.units import parse
 from ..problems.fields import Problem
+from ..unit_parsing import parse
 from .design import DESIGNS
 from .kind_model import field_quantity
 

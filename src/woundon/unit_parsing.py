@@ -14,7 +14,7 @@ from functools import cache, lru_cache
 from math import isfinite
 from typing import Any, NamedTuple
 
-from ..errors import InvalidProblem, did_you_mean
+from .errors import InvalidProblem, did_you_mean
 
 __all__ = ["MILL", "alike", "definitions", "factor", "is_unit", "known_units", "parse", "written"]
 
