@@ -30,36 +30,51 @@ NOT_CONVERGED = 3
 STOPPED = 130  # by Ctrl-C, as shells have it
 COMMANDS = "woundon.commands"
 
-# imported when they are called: name, where, what they do
+# commands that are imported when they are called, with their help
 _LATE = {
-    "app": ("woundon.app.commands:app", "Open the nip and the roll in the browser."),
-    "report": (
-        "woundon.app.commands:report",
-        "Write a report of solved cases: one HTML file that prints well.",
-    ),
-    "design": (
-        "woundon.design_command:design",
-        "Find the wound-on tension that leaves a wanted pressure in a roll.",
-    ),
-    "sweep": ("woundon.studies.commands:sweep", "Solve all cases of a study file."),
-    "fit": ("woundon.studies.commands:fit", "Fit fields of a case to measured data."),
-    "find": (
-        "woundon.studies.find_command:find",
-        "Find the value of a field for which an output reaches a target.",
-    ),
-    "table": (
-        "woundon.studies.table_command:table",
-        "Solve the cases of a spreadsheet, one in each row.",
-    ),
-    "compare": (
-        "woundon.studies.compare_command:compare",
-        "Compare measured values with the predictions for a case.",
-    ),
-    "sensitivity": (
-        "woundon.studies.commands:sensitivity",
-        "Tell which inputs of a study file matter (Sobol indices).",
-    ),
+    "app": "Open the nip and the roll in the browser.",
+    "report": "Write a report of solved cases: one HTML file that prints well.",
+    "design": "Find the wound-on tension for a prescribed pressure in a roll.",
+    "sweep": "Solve all cases of a study file.",
+    "fit": "Fit fields of a case to measured data.",
+    "find": "Find the value of a field for which an output reaches a target.",
+    "table": "Solve the cases of a spreadsheet, one in each row.",
+    "compare": "Compare measured values with the predictions for a case.",
+    "sensitivity": "Rank the inputs of a study file by their influence (Sobol indices).",
 }
+
+
+def _late_command(name: str) -> click.Command:
+    """Import a command."""
+    if name in ("app", "report"):
+        from .app import commands as of_app
+
+        return of_app.app if name == "app" else of_app.report
+    if name == "design":
+        from .design_command import design
+
+        return design
+    if name in ("find", "table", "compare"):
+        return _late_question(name)
+    from . import study_commands
+
+    found: click.Command = getattr(study_commands, name)
+    return found
+
+
+def _late_question(name: str) -> click.Command:
+    """Import a command that answers a question on a case."""
+    if name == "find":
+        from .find_command import find
+
+        return find
+    if name == "table":
+        from .table_command import table
+
+        return table
+    from .compare_command import compare
+
+    return compare
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -147,7 +162,7 @@ class Commands(click.Group):
         if name in self.commands:
             return self.commands[name]
         if name in _LATE:
-            return kinds.fetch(_LATE[name][0])
+            return _late_command(name)
         for found in entry_points(group=COMMANDS, name=name):
             return found.load()
         own = next((kind for kind in kinds.every() if kind.command == name), None)
@@ -180,7 +195,7 @@ class Commands(click.Group):
 
     def _about(self, ctx: click.Context, name: str) -> str:
         if name in _LATE:
-            return _LATE[name][1]
+            return _LATE[name]
         try:
             command = self.get_command(ctx, name)
         except ImportError as fault:
@@ -238,9 +253,15 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
     named = [*([kind] if kind else []), *(name for name, asked in flags.items() if asked)]
     if len(named) > 1:
         raise InvalidProblem.at("kind", f"must be one, got {one_of(named, 'and')}")
-    room = "studies.study_texts:study_" if study else "io.case_texts:"
-    text = kinds.fetch(f"woundon.{room}template")(*named or ["nip"])
-    click.echo(text, nl=False)
+    chosen = named[0] if named else "nip"
+    if study:
+        from .studies.study_texts import study_template
+
+        click.echo(study_template(chosen), nl=False)
+    else:
+        from .io.case_texts import template
+
+        click.echo(template(chosen), nl=False)
 
 
 @commands.command(

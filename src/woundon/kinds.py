@@ -2,9 +2,8 @@
 
     kinds.register(MyProblem, my_solver, MyResult)
 
-is all that a new kind needs.  ``wo.solve``, case files, result files, studies and the command line
-look it up here.  What is heavy or comes later on the data's way (solvers, plots, reports) is named
-by text, "package.module:name", and fetched when first used: nobody imports it in a circle.
+is all that a new kind needs.  ``wo.solve``, case files, result files, studies, reports and the
+command line look it up here.  The kinds of this package import their classes when they are used.
 
 Plug-ins are found by the entry-point group ``woundon.plugins``: a module named there is imported
 once, before the first look-up, in worker processes too.
@@ -15,8 +14,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
-from importlib import import_module, metadata
+from functools import cache
+from importlib import metadata
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from .errors import InputWarning, InvalidProblem, did_you_mean, one_of, warn
@@ -33,17 +32,11 @@ if TYPE_CHECKING:
     from .winding.result import WindingResult
 
 __all__ = [
-    "Kind", "Option", "entry_points", "every", "fetch", "for_fields", "load_plugins", "named", "of",
+    "Kind", "Option", "entry_points", "every", "for_fields", "load_plugins", "named", "of",
     "register", "solve",
 ]  # fmt: skip
 
 PLUGINS = "woundon.plugins"
-
-
-def fetch(name: str) -> Any:
-    """Return what "package.module:name" names."""
-    module, _, attribute = name.partition(":")
-    return getattr(import_module(module), attribute)
 
 
 class Option(NamedTuple):
@@ -55,50 +48,53 @@ class Option(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A kind of problem; see :func:`register`."""
+    """A kind of problem; see :func:`register`.
+
+    Attributes
+    ----------
+    name, about : str
+    problem_class, solver_function, result_class, check_function : callables
+        Without arguments; they import and return the class of the problems, the solver
+        (problem, **options) -> result, the class of the results, and the function (**options) that
+        checks options before anything is solved, or None.
+    options : mapping
+        Help texts and choices of the solver's options by name.
+    report, plot : callable or None
+        (result) -> parts of a report, and panels of a figure by name, of a plug-in's kind.
+    """
 
     name: str
     about: str
-    _problem: Any
-    _solver: Any
-    _result: Any
-    _report: Any
-    _plot: Any
-    _check: Any
+    problem_class: Callable[[], type[Any]]
+    solver_function: Callable[[], Callable[..., Any]]
+    result_class: Callable[[], type[Any]]
+    check_function: Callable[[], Callable[..., Any] | None] = lambda: None
     options: Mapping[str, Option] = field(default_factory=dict)
+    report: Callable[..., Any] | None = None
+    plot: Callable[..., Any] | None = None
 
-    @cached_property
+    @property
     def problem(self) -> type[Any]:
         """The class of its problems."""
-        return _got(self._problem)
+        return self.problem_class()
 
-    @cached_property
+    @property
     def solver(self) -> Callable[..., Any]:
-        """What solves them: (problem, **options) -> result."""
-        return _got(self._solver)
+        """The solver: (problem, **options) -> result."""
+        return self.solver_function()
 
-    @cached_property
+    @property
     def result(self) -> type[Any]:
         """The class of its results."""
-        return _got(self._result)
+        return self.result_class()
 
-    @cached_property
-    def report(self) -> Callable[..., Any]:
-        """What tells a result in tables: (result) -> parts of a report."""
-        return _got(self._report)
-
-    @cached_property
-    def plot(self) -> Callable[..., Any]:
-        """What draws a result: (result) -> panels of a figure, by name."""
-        return _got(self._plot)
-
-    @cached_property
+    @property
     def check(self) -> Callable[..., Any] | None:
-        """What refuses options before anything is solved: (**options); None without."""
-        return None if self._check is None else _got(self._check)
+        """Checks options before anything is solved: (**options); None if there is no check."""
+        return self.check_function()
 
     def example(self) -> Any:
-        """Return a problem to start from.
+        """Return an example problem.
 
         Raises
         ------
@@ -113,136 +109,211 @@ class Kind:
 
     @property
     def command(self) -> str:
-        """The kind's own command: ``woundon roll CASE``."""
+        """The name on the command line: ``woundon new NAME``."""
         return self.name.replace("_", "-")
 
 
-def _got(named: Any) -> Any:
-    return fetch(named) if isinstance(named, str) else named
+# ---- the kinds of this package ------------------------------------------------------------------
 
 
-_KINDS: dict[str, Kind] = {}
+def _nip_problem() -> type[Any]:
+    from .problems.nip import NipProblem
+
+    return NipProblem
+
+
+def _solve_nip() -> Callable[..., Any]:
+    from .nip.solve import solve_nip
+
+    return solve_nip
+
+
+def _nip_result() -> type[Any]:
+    from .nip.result import NipResult
+
+    return NipResult
+
+
+def _check_nip() -> Callable[..., Any]:
+    from .nip.solve import check_options
+
+    return check_options
+
+
+def _roller_problem() -> type[Any]:
+    from .problems.rollers import RollerProblem
+
+    return RollerProblem
+
+
+def _solve_rollers() -> Callable[..., Any]:
+    from .nip.solve_rollers import solve_rollers
+
+    return solve_rollers
+
+
+def _roller_result() -> type[Any]:
+    from .nip.roller_result import RollerResult
+
+    return RollerResult
+
+
+def _check_rollers() -> Callable[..., Any]:
+    from .nip.solve_rollers import check_options
+
+    return check_options
+
+
+def _roll_problem() -> type[Any]:
+    from .problems.roll import RollProblem
+
+    return RollProblem
+
+
+def _solve_roll() -> Callable[..., Any]:
+    from .roll.solve import solve_wound_roll
+
+    return solve_wound_roll
+
+
+def _roll_result() -> type[Any]:
+    from .roll.result import RollResult
+
+    return RollResult
+
+
+def _check_roll() -> Callable[..., Any]:
+    from .roll.solve import check_options
+
+    return check_options
+
+
+def _winding_problem() -> type[Any]:
+    from .problems.winding import WindingProblem
+
+    return WindingProblem
+
+
+def _solve_winding() -> Callable[..., Any]:
+    from .winding.solve import solve_winding
+
+    return solve_winding
+
+
+def _winding_result() -> type[Any]:
+    from .winding.result import WindingResult
+
+    return WindingResult
+
+
+def _check_winding() -> Callable[..., Any]:
+    from .winding.solve import check_options
+
+    return check_options
+
+
+_KINDS = {
+    kind.name: kind for kind in (
+        Kind(
+            "nip", "The winding nip: stick and slip, nip-induced and wound-on tension.",
+            _nip_problem, _solve_nip, _nip_result, _check_nip,
+            {
+                "nodes": Option(
+                    "Nodes of the nip on the last mesh, 13 to 1025. By default as many as it takes "
+                    "until the estimated error of the wound-on tension is below 0.1 % of it, and "
+                    "that of the nip-induced tension below 2 %."
+                ),
+                "rtol": Option(
+                    "Relative error of the wound-on tension in place of 0.1 %; 1e-5 to 0.1. The "
+                    "nip-induced tension may have 20 times this error."
+                ),
+            },
+        ),
+        Kind(
+            "rollers", "Two rollers in contact without a web, rolling or static.",
+            _roller_problem, _solve_rollers, _roller_result, _check_rollers,
+            {
+                "nodes": Option("Nodes of the contact on the last mesh, 7 to 2049."),
+                "rtol": Option(
+                    "Relative error of half width, largest pressure, and creepage or tangential "
+                    "load, in place of 0.1 %; 1e-5 to 0.1."
+                ),
+            },
+        ),
+        Kind(
+            "roll", "The stresses in a roll of given wound-on tension.",
+            _roll_problem, _solve_roll, _roll_result, _check_roll,
+            {
+                "rtol": Option(
+                    "Accepted error of the pressure, relative to the largest; 1e-8 to 0.1."
+                ),
+            },
+        ),
+        Kind(
+            "winding", "A winding: nips and roll coupled over the radius, stresses and margins.",
+            _winding_problem, _solve_winding, _winding_result, _check_winding,
+            {
+                "rtol": Option(
+                    "Accepted error of the interpolation between the nips, relative to the "
+                    "wound-on tension, and of the pressure in the roll; 1e-6 to 0.1."
+                ),
+                "nodes": Option(
+                    "Nodes of every nip, 25 to 1025; with fewer there is no error estimate."
+                ),
+                "agreed": Option(
+                    "Accepted difference of the wound-on tensions of nips and roll, relative, 1e-8 "
+                    "to 1e-2; by default 1e-6, and 1e-5 with a direct roll."
+                ),
+            },
+        ),
+    )
+}  # fmt: skip
 
 
 def register(
-    problem: type[Any] | str,
-    solver: Callable[..., Any] | str,
-    result: type[Any] | str,
+    problem: type[Any],
+    solver: Callable[..., Any],
+    result: type[Any],
     *,
     name: str | None = None,
     about: str | None = None,
-    report: Callable[..., Any] | str = "woundon.show.report:outputs_report",
-    plot: Callable[..., Any] | str = "woundon.show.plots:output_panels",
-    check: Callable[..., Any] | str | None = None,
+    report: Callable[..., Any] | None = None,
+    plot: Callable[..., Any] | None = None,
+    check: Callable[..., Any] | None = None,
     options: Mapping[str, Option] | None = None,
 ) -> None:
     """Register a kind of problem.
 
     Parameters
     ----------
-    problem, solver, result : class, callable, class
-        Themselves, or their names, "package.module:name".  The problem's class is a
-        :class:`~woundon.problems.fields.Problem`, the result's a
-        :class:`~woundon.results.Result`; ``solver(problem, **options)`` returns one.
+    problem : class
+        A :class:`~woundon.problems.fields.Problem`.
+    solver : callable
+        (problem, **options) -> result.
+    result : class
+        A :class:`~woundon.results.Result`.
     name : str
-        By default the snake-case of the problem's class less "Problem": ``wound_roll`` of
-        ``RollProblem``.
+        By default the class of the problem in snake case without "Problem": ``capstan`` of
+        ``CapstanProblem``.
     about : str
-        One line for the command line's help; by default the first of the class's text.
-    report, plot : callable or name
-        What tells and draws a result: its parts of a report, its panels by name; by default all
-        outputs, all arrays.
-    check : callable or name
-        What refuses options of the solver before anything is solved.
+        One line for the command line's help; by default the first line of the class's docstring.
+    report, plot : callable
+        (result) -> parts of a report, and panels of a figure by name; by default all outputs and
+        all arrays.
+    check : callable
+        Checks options before anything is solved: (**options).
     options : mapping
-        Help texts and choices of the solver's options by name; by default those of the docstring
-        of the solver, which Python does not have under ``-OO``.
+        Help texts and choices of the solver's options by name; by default those of the solver's
+        docstring, which Python does not have under ``-OO``.
     """
-    title = problem.rpartition(":")[2] if isinstance(problem, str) else problem.__name__
+    title = problem.__name__
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
     name = name or snake
     text = about or (getattr(problem, "__doc__", "") or title).strip().partition("\n")[0]
-    _KINDS[name] = Kind(name, text, problem, solver, result, report, plot, check, options or {})
-
-
-NIP_OPTIONS = {
-    "nodes": Option(
-        "Nodes of the nip on the last mesh, 13 to 1025. By default as many as it takes until the "
-        "estimated error of the wound-on tension is below 0.1 % of it, and that of the "
-        "nip-induced tension below 2 %."
-    ),
-    "rtol": Option(
-        "Relative error of the wound-on tension in place of 0.1 %; 1e-5 to 0.1. The "
-        "nip-induced tension may have 20 times this error."
-    ),
-}
-
-
-register(
-    "woundon.problems.nip:NipProblem",
-    "woundon.nip.solve:solve_nip",
-    "woundon.nip.result:NipResult",
-    about="The winding nip: stick and slip, nip-induced and wound-on tension.",
-    report="woundon.show.report:nip_report",
-    plot="woundon.show.nip_plots:nip_panels",
-    check="woundon.nip.solve:check_options",
-    options=NIP_OPTIONS,
-)
-register(
-    "woundon.problems.rollers:RollerProblem",
-    "woundon.nip.solve_rollers:solve_rollers",
-    "woundon.nip.roller_result:RollerResult",
-    name="rollers",
-    about="Two rollers in contact without a web, rolling or static.",
-    report="woundon.show.report:roller_report",
-    plot="woundon.show.roller_plots:roller_panels",
-    check="woundon.nip.solve_rollers:check_options",
-    options={
-        "nodes": Option("Nodes of the contact on the last mesh, 7 to 2049."),
-        "rtol": Option(
-            "Relative error of half width, largest pressure, and creepage or tangential load, in "
-            "place of 0.1 %; 1e-5 to 0.1."
-        ),
-    },
-)
-
-
-register(
-    "woundon.problems.roll:RollProblem",
-    "woundon.roll.solve:solve_wound_roll",
-    "woundon.roll.result:RollResult",
-    about="The stresses that winding leaves in a roll.",
-    report="woundon.show.wound_roll_report:wound_roll_report",
-    plot="woundon.show.wound_roll_plots:wound_roll_panels",
-    check="woundon.roll.solve:check_options",
-    options={
-        "rtol": Option(
-            "Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.",
-        ),
-    },
-)
-register(
-    "woundon.problems.winding:WindingProblem",
-    "woundon.winding.solve:solve_winding",
-    "woundon.winding.result:WindingResult",
-    about="The winding of a roll: what its nips add as it grows, and the stresses that stay.",
-    report="woundon.show.winding_report:winding_report",
-    plot="woundon.show.winding_plots:winding_panels",
-    check="woundon.winding.solve:check_options",
-    options={
-        "rtol": Option(
-            "Accepted error of the interpolation between the nips, relative to the wound-on "
-            "tension, and of the roll's pressure; 1e-6 to 0.1.",
-        ),
-        "nodes": Option(
-            "Of every nip, 25 to 1025: on fewer none tells its error.",
-        ),
-        "agreed": Option(
-            "To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by "
-            "default 1e-6, and 1e-5 with a direct roll.",
-        ),
-    },
-)
+    _KINDS[name] = Kind(
+        name, text, lambda: problem, lambda: solver, lambda: result, lambda: check, options or {},
+        report, plot,
+    )  # fmt: skip
 
 
 @cache
@@ -295,12 +366,8 @@ def of(thing: Any) -> Kind:
     """
     cls = thing if isinstance(thing, type) else type(thing)
     for kind in every():
-        # a class not yet imported has no instances
-        for name in (kind._problem, kind._result):
-            if name is cls or (
-                isinstance(name, str) and name == f"{cls.__module__}:{cls.__name__}"
-            ):
-                return kind
+        if cls is kind.problem or cls is kind.result:
+            return kind
     from .problems.fields import shown
 
     names = one_of(kind.problem.__name__ for kind in every())

@@ -7,7 +7,7 @@ A result's outputs are its fields and properties that carry a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from enum import IntEnum
 from types import MappingProxyType
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, overl
 
 import numpy as np
 
-from . import kinds
 from .errors import RESOLUTION, NotConverged, warn
 from .quantities import Quantity, pure, scalar_outputs, value_of
 
@@ -133,6 +132,33 @@ def _residuals(laws: dict[str, float]) -> Residuals:
     return Residuals(**laws)
 
 
+class Presented:
+    """Base of what users print, draw and export: results, margins, sensitivities, fits, tables.
+
+    The packages ``show`` and ``io`` are imported when they are used; they depend on all others.
+    """
+
+    def __str__(self) -> str:
+        from .show.presentation import text_of
+
+        return text_of(self)
+
+    def _repr_html_(self) -> str:
+        from .show.presentation import html_of
+
+        return html_of(self)
+
+    def _html_of_table(self, head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
+        from .show.presentation import html_of_table
+
+        return html_of_table(head, frame, remarks)
+
+    def _figure(self, *options: Any) -> Any:
+        from .show.presentation import figure_of
+
+        return figure_of(self, *options)
+
+
 class ReadOnly:
     """A dataclass whose arrays cannot be written to, nor can those of a copy or of a pickle."""
 
@@ -147,7 +173,7 @@ class ReadOnly:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Result(ReadOnly):
+class Result(Presented, ReadOnly):
     """What a solve returns; immutable.
 
     Attributes
@@ -263,11 +289,13 @@ class Result(ReadOnly):
         -------
         matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.fetch("woundon.show.plots:plot")(self, path, ax, panels)
+        return self._figure(path, ax, panels)
 
     def save(self, path: Any) -> None:
         """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
-        kinds.fetch("woundon.io.result_files:save_result")(self, path)
+        from .io.result_files import save_result
+
+        save_result(self, path)
 
     def in_units(self, /, *chosen: str, **by_name: str) -> ResultInUnits:
         """Return the result with outputs as numbers in chosen units.
@@ -295,14 +323,15 @@ class Result(ReadOnly):
         InvalidProblem
             For an unknown unit or name, or a unit that no output has.
         """
-        found: ResultInUnits = kinds.fetch("woundon.io.chosen_units:in_units")(
-            self, chosen, by_name
-        )
-        return found
+        from .io.chosen_units import in_units
+
+        return in_units(self, chosen, by_name)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the result as an xarray Dataset, every variable with unit and symbol."""
-        return kinds.fetch("woundon.io.result_files:to_dataset")(self)
+        from .io.result_files import to_dataset
+
+        return to_dataset(self)
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return the arrays as columns of a pandas DataFrame, SI units.
@@ -310,10 +339,9 @@ class Result(ReadOnly):
         Of a result without arrays its numbers, in a single row.  ``attrs["units"]`` and
         ``attrs["long_names"]`` tell what each column is.
         """
-        return kinds.fetch("woundon.io.frames:to_frame")(self)
+        from .io.frames import to_frame
 
-    def __str__(self) -> str:
-        return kinds.fetch("woundon.show.report:report_text")(self)
+        return to_frame(self)
 
     def __dir__(self) -> list[str]:
         # what is of use: not what its kind is made of, nor what it has something else in place of
@@ -321,10 +349,6 @@ class Result(ReadOnly):
         hidden = {*unsaved, *self.REPLACED, "relabelled"}
         names = set(super().__dir__()) - hidden
         return sorted(name for name in names if not name.startswith("_") and not name.isupper())
-
-    def _repr_html_(self) -> str:
-        html: str = kinds.fetch("woundon.show.html:result_html")(self)
-        return html
 
     def __repr__(self) -> str:
         known, told = scalar_outputs(self), []

@@ -99,7 +99,7 @@ class SolveCommand(click.Command):
         _check_options(kind, asked, sensitivity)
         _check_outputs(save, plot)
         # most runs choose none, and need not wait for the fields of all kinds
-        units = kinds.fetch("woundon.io.chosen_units:units_of")(chosen) if chosen else nullcontext()
+        units = _chosen_units(chosen) if chosen else nullcontext()
         with units:
             result = _solved(problem, asked)
             slopes = result.sensitivity() if sensitivity else None
@@ -108,7 +108,9 @@ class SolveCommand(click.Command):
             if plot:
                 result.plot(plot)
             if as_json:
-                click.echo(kinds.fetch("woundon.io.result_files:to_json")(result, slopes), nl=False)
+                from .io.result_files import to_json
+
+                click.echo(to_json(result, slopes), nl=False)
             else:
                 _show(result, slopes)
 
@@ -255,9 +257,13 @@ def _which_fits(case: Mapping[str, Any], kind: Kind, other: Kind) -> str:
 def _check_outputs(save: Path | None, plot: Path | None) -> None:
     """Refuse unusable output paths before anything is solved."""
     if save:
-        kinds.fetch("woundon.io.result_files:writer_for")(save)
+        from .io.result_files import writer_for
+
+        writer_for(save)
     if plot:
-        kinds.fetch("woundon.show.figures:check_format")(plot)
+        from .show.figures import check_format
+
+        check_format(plot)
     for path in filter(None, (save, plot)):
         check_writable(path)
 
@@ -266,13 +272,14 @@ def _solved(problem: Any, options: Mapping[str, Any]) -> Any:
     """Solve, with a bar in a terminal if the solver reports its progress."""
     tells = "progress" in inspect.signature(kinds.of(problem).solver).parameters
     watched = tells and sys.stderr.isatty()
-    shows = kinds.fetch("woundon.studies.progress:fraction_bar")() if watched else nullcontext()
+    shows = _progress_bar() if watched else nullcontext()
     with shows as progress, unwarned():  # the report shows the warnings
         return kinds.solve(problem, **options, **({"progress": progress} if watched else {}))
 
 
 def _show(result: Any, sensitivity: Any) -> None:
-    from .show.report import print_report, print_sensitivity
+    from .show.report import print_sensitivity
+    from .show.reports import print_report
 
     paper = console()
     print_report(result, paper)
@@ -336,3 +343,15 @@ def _output_table(result: type[Any]) -> _Table:
          + (f" [{quantity.unit}]" if quantity.unit != "1" else ""))
         for name, quantity in told if quantity
     ]  # fmt: skip
+
+
+def _chosen_units(chosen: Any) -> Any:
+    from .io.chosen_units import units_of
+
+    return units_of(chosen)
+
+
+def _progress_bar() -> Any:
+    from .studies.progress import fraction_bar
+
+    return fraction_bar()

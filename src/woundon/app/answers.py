@@ -27,7 +27,7 @@ from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
-from ..show.report import report_parts
+from ..show.reports import report_parts
 from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
 from .catalogue import LIMITS, tables_of, told_of

@@ -23,13 +23,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from .. import kinds
 from ..contact.newton import friction_residual, system_matrix
 from ..contact.refinement import CHANGES, MeshSolution, error_estimate
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
 from ..quantities import walk
-from ..results import ReadOnly
+from ..results import Presented, ReadOnly
 from .entrained_air import film_of_state
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ MOST_SHOWN = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sensitivity(ReadOnly):
+class Sensitivity(Presented, ReadOnly):
     """First derivatives of a nip's outputs at one problem.
 
     Attributes
@@ -121,10 +120,6 @@ class Sensitivity(ReadOnly):
         columns = {"value": self.fields, **dict(zip(self.outputs, self.elasticities, strict=True))}
         return pd.DataFrame(columns, index=pd.Index(self.parameters, name="parameter"))
 
-    def __str__(self) -> str:
-        text: str = kinds.fetch("woundon.show.report:sensitivity_text")(self)
-        return text
-
     def __repr__(self) -> str:
         first = self.sorted()
         largest = zip(first.parameters[:MOST_SHOWN], first.elasticities[0], strict=False)
@@ -135,10 +130,7 @@ class Sensitivity(ReadOnly):
     def _repr_html_(self) -> str:
         head = "Elasticities: percent of output per percent of parameter"
         remarks = [f"At a zone change: {self.zone_change}"] if self.zone_change else []
-        html: str = kinds.fetch("woundon.show.html:table_html")(
-            head, self.sorted().to_dataframe(), remarks
-        )
-        return html
+        return self._html_of_table(head, self.sorted().to_dataframe(), remarks)
 
     def sorted(self) -> Sensitivity:
         """Return the same, the parameters of the largest elasticity of the first output first."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import FrozenInstanceError
-from importlib import import_module
+from html import escape
 from inspect import Signature
 from math import inf, pi
 from numbers import Real
@@ -43,7 +43,16 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
-from ..quantities import counterpart, find, is_item, members_of, quantity_of
+from ..quantities import (
+    Quantity,
+    counterpart,
+    find,
+    is_item,
+    members_of,
+    quantity_of,
+    walk,
+)
+from .help_texts import documentation, signature
 from .inputs import (
     Context,
     FloatWithUnit,
@@ -51,8 +60,8 @@ from .inputs import (
     convert,
     convert_fields,
     in_order,
-    takes_a_number,
 )
+from .permitted import admissible, bounds, unit_of
 
 __all__ = [
     "Description", "Family", "Number", "NumberOfField", "Numbers", "NumbersOfField", "Problem",
@@ -134,11 +143,11 @@ class Described(ModelMetaclass):
 
     @property
     def __doc__(cls) -> str:  # type: ignore[override]  # noqa: N805
-        return str(_help_texts().documentation(cls))
+        return documentation(cls)
 
     @property
     def __signature__(cls) -> Signature:  # noqa: N805
-        made: Signature = _help_texts().signature(cls)
+        made: Signature = signature(cls)
         return made
 
     @__signature__.setter
@@ -148,10 +157,6 @@ class Described(ModelMetaclass):
     def __dir__(cls) -> list[str]:  # noqa: N805
         names = set(super().__dir__()) - set(dir(BaseModel))
         return sorted(name for name in names if not name.startswith(("_", "model_")))
-
-
-def _help_texts() -> Any:
-    return import_module("woundon.problems.help_texts")  # which knows the descriptions
 
 
 class Description(BaseModel, metaclass=Described):
@@ -234,9 +239,17 @@ class Description(BaseModel, metaclass=Described):
         return type(self)(**fields)
 
     def _repr_html_(self) -> str:
-        # what comes later on the way of the data is found by name
-        html: str = import_module("woundon.show.html").description_html(self)
-        return html
+        """Return a table of the fields."""
+        rows = [
+            (place.path, *_in_display_unit(place.quantity, place.value))
+            for place in walk(self) if place.value is not None
+        ]  # fmt: skip
+        cells = "\n".join(
+            f"<tr><td>{escape(name)}</td><td>{escape(value)}</td><td>{escape(unit)}</td></tr>"
+            for name, value, unit in rows
+        )
+        caption = f"<caption><b>{escape(type(self).__name__)}</b></caption>"
+        return f"<table>{caption}<tbody>\n{cells}\n</tbody></table>"
 
     def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
         """Return changes by dotted name with texts as numbers in SI."""
@@ -378,7 +391,9 @@ class Problem(Description):
 
 
 def _grades() -> Any:
-    return import_module("woundon.problems.grades")  # which knows the descriptions
+    from . import grades  # which depend on descriptions
+
+    return grades
 
 
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
@@ -506,39 +521,6 @@ def _words(field: FieldInfo) -> list[str]:
     return [quantity.symbol, *quantity.meaning.replace(",", "").replace("'s", "").split()]
 
 
-# ---- what is admissible, from the field itself ------------------------------------------------
-
-
-def bounds(field: FieldInfo) -> list[tuple[str, float]]:
-    """Return the limits of a field, each with its sign, as (">", 0.0)."""
-    signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-    return [(sign, getattr(part, name)) for name, sign in signs.items()
-            for part in field.metadata if hasattr(part, name)]  # fmt: skip
-
-
-def _unit(field: FieldInfo) -> str:
-    quantity = quantity_of(field)
-    return quantity.unit if quantity else ""
-
-
-def admissible(field: FieldInfo) -> str:
-    """Return what a field takes: "> 0 and <= 10", "Rigid, HalfPlane or Cylinder", ..."""
-    models = members_of(field.annotation)
-    if models:
-        names = one_of(model.__name__ for model in models)
-        if takes_a_number(field.annotation):
-            unit = _unit(field)
-            names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
-        by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
-        return f"{names} (or a table of its fields{by_name})"
-    words = [part for part in get_args(field.annotation) if isinstance(part, str)]
-    if words:
-        return one_of(map(repr, words))
-    unit = _unit(field)
-    limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
-    return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
-
-
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
 
 
@@ -549,10 +531,17 @@ def _slip(value: Any, field: FieldInfo) -> str:
     tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
     fits = [
         f"{value:g} {unit} is {value * factor:g}"
-        for unit, factor in _OTHER_UNITS.get(_unit(field), {}).items()
+        for unit, factor in _OTHER_UNITS.get(unit_of(field), {}).items()
         if all(tests[sign](value * factor, float(bound)) for sign, bound in bounds(field))
     ]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
+
+
+def _in_display_unit(quantity: Quantity | None, value: Any) -> tuple[str, str]:
+    """Return a value and its unit as text."""
+    if quantity is None or not isinstance(value, (int, float)):
+        return str(value), ""
+    return f"{quantity.shown(value):.6g}", quantity.display
 
 
 _repr = Repr()

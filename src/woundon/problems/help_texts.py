@@ -10,14 +10,14 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from ..quantities import quantity_of
-from .fields import Description, admissible
+from .permitted import admissible
 
 __all__ = ["documentation", "signature"]
 
 WIDTH = 92
 
 
-def signature(model: type[Description]) -> Signature:
+def signature(model: Any) -> Signature:
     """Return the arguments that make a description, without pydantic's marks."""
     return Signature([
         Parameter(
@@ -28,7 +28,7 @@ def signature(model: type[Description]) -> Signature:
     ], return_annotation=None)  # fmt: skip
 
 
-def documentation(model: type[Description]) -> str:
+def documentation(model: Any) -> str:
     """Return a description's own text, with a table of its fields before its sections."""
     own, fields = cleandoc(vars(model)["__doc__"] or ""), model.model_fields
     if not fields:

@@ -25,11 +25,12 @@ from ..quantities import (
     is_list,
     members_of,
 )
+from .permitted import takes_a_number
 from .units import has_dimension, parse
 
 __all__ = [
     "Context", "FloatWithUnit", "context_of", "convert", "convert_fields", "in_order",
-    "is_word", "takes_a_number",
+    "is_word",
 ]  # fmt: skip
 
 Faults = list[tuple[str, str]]
@@ -357,8 +358,3 @@ def _words_of(annotation: Any) -> tuple[str, ...]:
     if get_origin(annotation) is Literal:
         return parts
     return tuple(word for part in parts for word in _words_of(part))
-
-
-def takes_a_number(annotation: Any) -> bool:
-    """Tell whether an annotation admits a number."""
-    return annotation is float or any(map(takes_a_number, get_args(annotation)[:2]))

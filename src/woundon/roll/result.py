@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from .. import kinds
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 
@@ -128,7 +127,9 @@ class RollResult(Result):
         self,
     ) -> Annotated[Array, stress("P_h", "what laps of finite thickness add to the pressure")]:
         """What laps of the web's thickness add to P, which is that of thin ones [Pa]."""
-        return kinds.fetch("woundon.roll.laps:finite_laps")(self)[0]
+        from .laps import finite_laps
+
+        return finite_laps(self)[0]
 
     @property
     def lap_effect(
@@ -185,7 +186,9 @@ class RollResult(Result):
         self,
     ) -> Annotated[Array, Quantity("rho_r", "kg/m^3", "density of the wound layers")]:
         """Of the finished roll, pressed and drawn laps, at the nodes [kg/m^3]; nan as ``mass``."""
-        return np.asarray(kinds.fetch("woundon.roll.density:in_the_roll")(self))
+        from .density import in_the_roll
+
+        return np.asarray(in_the_roll(self))
 
     @property
     def density_as_wound(
@@ -194,21 +197,27 @@ class RollResult(Result):
         Array, Quantity("rho_w", "kg/m^3", "web laid over the volume that the roll grew by")
     ]:
         """What a density analyser on the winder draws, at the nodes [kg/m^3]; nan as ``mass``."""
-        return np.asarray(kinds.fetch("woundon.roll.density:as_wound")(self, self.radius))
+        from .density import as_wound
+
+        return np.asarray(as_wound(self, self.radius))
 
     @property
     def wound_mass(
         self,
     ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web, its laps pressed thinner")]:
         """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
-        return float(kinds.fetch("woundon.roll.density:wound_mass")(self))
+        from .density import wound_mass
+
+        return float(wound_mass(self))
 
     @property
     def mean_density(
         self,
     ) -> Annotated[float, Quantity("rho_m", "kg/m^3", "mean density of the wound layers")]:
         """The wound mass over the volume that it fills [kg/m^3]; nan as ``mass``."""
-        return self.wound_mass / float(kinds.fetch("woundon.roll.density:volume")(self))
+        from .density import volume
+
+        return self.wound_mass / float(volume(self))
 
     def at_radius(self, radius: Any) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.
@@ -228,7 +237,9 @@ class RollResult(Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        return dict(kinds.fetch("woundon.roll.stages:between")(self, radius))
+        from .stages import between
+
+        return dict(between(self, radius))
 
     def at(self, radius: float) -> RollResult:
         """Return the roll when its surface was at a radius: a stage of its build-up.
@@ -243,7 +254,9 @@ class RollResult(Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        stage: RollResult = kinds.fetch("woundon.roll.stages:at")(self, radius)
+        from .stages import at as stage_at
+
+        stage: RollResult = stage_at(self, radius)
         return stage
 
     def certified(self) -> Residuals:

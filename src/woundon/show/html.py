@@ -10,34 +10,19 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from ..problems.fields import Description
 from ..results import zone_runs
 from .parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
-from .report import field_rows, report_parts
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..results import Result
-
-__all__ = ["description_html", "parts_html", "result_html", "table_html"]
+__all__ = ["parts_html", "table_html"]
 
 LEFT = "text-align:left"
 RIGHT = "text-align:right"
 QUIET = "opacity:0.75"
 ALARM = "display:inline-block;background:#B00020;color:#FFFFFF;font-weight:bold;padding:0 0.4em"
 _ZONES = {-1: "#E69F00", 0: "#BBBBBB", 1: "#56B4E9"}
-
-
-def result_html(result: Result) -> str:
-    """Return the report of a result of any kind."""
-    return parts_html(report_parts(result))
-
-
-def description_html(description: Description) -> str:
-    """Return the fields of a problem, or of a part of one."""
-    rows = tuple(field_rows(description))
-    return parts_html([Section(type(description).__name__, rows)])
 
 
 def table_html(head: str, frame: pd.DataFrame, remarks: Iterable[str]) -> str:

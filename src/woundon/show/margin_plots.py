@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .. import kinds
 from ..roll.result import RollResult
 from ..winding.margins import Margin, Margins
 from .figures import COLOURS, axis_label, quantity_of
-from .panels import NEUTRAL, Case, Panel, cases_of, drawn
+from .panels import NEUTRAL, Case
 
-__all__ = ["Bars", "Disc", "disc_of", "draw_reserves", "levels_of", "plot_schedule"]
+__all__ = ["Bars", "Disc", "disc_of", "draw_reserves", "levels_of"]
 
 ALARM = "#B00020"
 AROUND = 181  # spokes of a disc, its first and last the same
@@ -107,14 +106,6 @@ def disc_of(
     )  # fmt: skip
     axes.fill(x0 + x[0], y0 + y[0], facecolor="#D9D9D9", edgecolor=NEUTRAL, linewidth=0.8)
     return mesh
-
-
-def plot_schedule(found: Any, path: Any = None, choice: Any = None) -> Any:
-    """Draw a winding before and after its schedule was optimised."""
-    cases = cases_of([found.before, found.after], ["before", "after"])
-    panels = dict(kinds.of(found.after).plot(found.after))
-    panels["reserves"] = Panel(Bars(found), "reserves", width=4.2, height=3.2)
-    return drawn(panels, cases, path, choice=choice)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ matplotlib.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, overload
@@ -22,10 +22,20 @@ from ..errors import InvalidProblem, one_of
 from ..problems.fields import shown as said
 from ..results import Result
 from .figures import COLOURS, axis_label, quantity_of, shown, symbol_text, unit_of, wrapped_text
+from .nip_plots import nip_panels
 from .panels import Case, Panel, cases_of, drawn
+from .roller_plots import roller_panels
+from .winding_plots import winding_panels
+from .wound_roll_plots import wound_roll_panels
 
 __all__ = ["output_panels", "panel_columns", "plot", "plotted"]
 
+PANELS: Mapping[str, Callable[[Any], Mapping[str, Panel]]] = {
+    "nip": nip_panels,
+    "rollers": roller_panels,
+    "roll": wound_roll_panels,
+    "winding": winding_panels,
+}
 LINES = ("-", "--", "-.", ":")
 
 
@@ -129,7 +139,9 @@ def _common(results: Sequence[Result]) -> dict[str, Panel]:
 
 def _panels(result: Result) -> dict[str, Panel]:
     """Return the panels of a result's kind, then one for every array, drawn if asked for."""
-    own = dict(kinds.of(result).plot(result))
+    kind = kinds.of(result)
+    panels_of = kind.plot or PANELS.get(kind.name, output_panels)
+    own = dict(panels_of(result))
     along, *names = _drawable(result) or [""]
     for name in names:
         own.setdefault(name, Panel(Curves(along, (name,)), "outputs", height=2.8, shown=False))

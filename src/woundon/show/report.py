@@ -32,39 +32,21 @@ from .parts import (
     Part,
     Row,
     Section,
-    certificate_line,
     field_row,
     nip_zones,
     output_row,
     roller_zones,
     row_of,
-    warning_lines,
 )
-from .terminal import WIDTH, print_columns, print_parts
+from .terminal import WIDTH, print_columns
 
 if TYPE_CHECKING:
     from ..nip.sensitivity import Sensitivity
 
 __all__ = [
-    "field_rows", "nip_report", "outputs_report", "plain_console", "print_report",
-    "print_sensitivity", "report_parts", "report_text", "roller_report", "rows_of",
-    "sensitivity_text",
+    "field_rows", "nip_report", "outputs_report", "plain_console", "print_sensitivity",
+    "roller_report", "rows_of", "sensitivity_text",
 ]  # fmt: skip
-
-
-def report_parts(result: Result) -> list[Part]:
-    """Return the report of a result of any kind: its kind's parts, warnings, certificate."""
-    told = list(kinds.of(result).report(result))
-    remarks = getattr(result.problem, "remarks", ())
-    warnings = warning_lines((*remarks, *result.warnings))
-    return [*told, *warnings, certificate_line(result.residuals)]
-
-
-def report_text(result: Result) -> str:
-    """Return the report of a result of any kind as plain text."""
-    paper = StringIO()
-    print_report(result, plain_console(paper))
-    return paper.getvalue().rstrip("\n")
 
 
 def plain_console(paper: StringIO) -> Console:
@@ -73,11 +55,6 @@ def plain_console(paper: StringIO) -> Console:
         file=paper, width=WIDTH, color_system=None, legacy_windows=False,
         force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
     )  # fmt: skip
-
-
-def print_report(result: Result, console: Console) -> None:
-    """Print the report of a result of any kind."""
-    print_parts(report_parts(result), console)
 
 
 # told by another name, at the end, where they say something, or not at all

@@ -23,7 +23,8 @@ from .figures import figure_bytes
 from .html import parts_html
 from .parts import Row, output_row, row_of
 from .plots import panel_columns, plotted
-from .report import LEFT_OUT, report_parts
+from .report import LEFT_OUT
+from .reports import report_parts
 
 __all__ = ["report_file"]
 

@@ -22,12 +22,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .. import kinds
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..io.units import parse
 from ..problems.fields import Problem, shown
+from ..problems.units import parse
 from ..quantities import Quantity
-from ..results import ReadOnly
+from ..results import Presented, ReadOnly
 from .explanations import Explanation, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
 from .measurements import Observations, error_at, predict, read_observations
@@ -70,7 +69,7 @@ class Agreement(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(ReadOnly):
+class Comparison(Presented, ReadOnly):
     """Measured values, predictions and the error budget; m values, SI units.
 
     Attributes
@@ -204,8 +203,7 @@ class Comparison(ReadOnly):
 
     def _repr_html_(self) -> str:
         head, *others = self.lines()
-        html: str = kinds.fetch("woundon.show.html:table_html")(head, self.to_dataframe(), others)
-        return html
+        return self._html_of_table(head, self.to_dataframe(), others)
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each measured value: prediction, residual and its budget, SI units."""
@@ -261,7 +259,7 @@ class Comparison(ReadOnly):
         -------
         matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.fetch("woundon.show.compare_plots:plot_comparison")(self, path, ax, panels)
+        return self._figure(path, ax, panels)
 
 
 def compare(

@@ -11,6 +11,7 @@ import numpy as np
 from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
+from ..nip.sensitivity import Sensitivity
 from ..quantities import walk
 from ..results import Result
 
@@ -69,9 +70,8 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
 
     values = np.array([float(getattr(result, name)) for name in outputs])
     columns = [_difference(told, result.problem, name, value) for name, value in fields.items()]
-    made = kinds.fetch("woundon.nip.sensitivity:Sensitivity")
     where = np.array(list(fields.values()))
-    return made(outputs, tuple(fields), np.array(columns).T, values, where)
+    return Sensitivity(outputs, tuple(fields), np.array(columns).T, values, where)
 
 
 def _fields(problem: Any, names: tuple[str, ...]) -> dict[str, float]:

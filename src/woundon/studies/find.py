@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .. import kinds
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
-from ..io.units import parse
 from ..problems.fields import Problem, admissible, bounds, shown
+from ..problems.units import parse
 from ..quantities import Quantity
 from ..quantities import find as find_places
-from ..results import ReadOnly
+from ..results import Presented, ReadOnly
 from .kind_model import get_field, model_of
 from .model import quantities_of
 from .root_search import DECADE, Interval, RootSearch, Sample, error_of
@@ -51,7 +50,7 @@ class Solution(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FindResult(ReadOnly):
+class FindResult(Presented, ReadOnly):
     """The values of a field for which an output has the target value.
 
     Attributes
@@ -126,10 +125,7 @@ class FindResult(ReadOnly):
         return f"FindResult({self.name} = {found} for {_target_text(self)})"
 
     def _repr_html_(self) -> str:
-        html: str = kinds.fetch("woundon.show.html:table_html")(
-            _answer(self, 0), self.to_dataframe(), remarks(self)
-        )
-        return html
+        return self._html_of_table(_answer(self, 0), self.to_dataframe(), remarks(self))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each solution: value, uncertainty, output, its error, slope [SI]."""
@@ -176,7 +172,7 @@ class FindResult(ReadOnly):
         -------
         matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.fetch("woundon.show.find_plots:plot_find")(self, path, ax)
+        return self._figure(path, ax)
 
 
 def find(

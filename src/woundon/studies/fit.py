@@ -20,10 +20,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import kinds
 from ..errors import InvalidProblem, NotConverged
 from ..quantities import Quantity
-from ..results import ReadOnly
+from ..results import Presented, ReadOnly
 from . import fitreport
 from .descent import COARSE, FINE, End, descend
 from .predict import Parameter, Predictor
@@ -40,7 +39,7 @@ SAME_MINIMUM = 1e-3  # relative difference of S, or what descents may leave of i
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FitResult(ReadOnly):
+class FitResult(Presented, ReadOnly):
     """A fit and its evidence; m measured values, p parameters.
 
     Attributes
@@ -120,10 +119,7 @@ class FitResult(ReadOnly):
 
     def _repr_html_(self) -> str:
         head, *_ = self.lines()
-        html: str = kinds.fetch("woundon.show.html:table_html")(
-            head, self.to_dataframe(), fitreport.remarks(self)
-        )
-        return html
+        return self._html_of_table(head, self.to_dataframe(), fitreport.remarks(self))
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each parameter: estimate, standard error, 95 % interval, unit [SI]."""
@@ -151,7 +147,7 @@ class FitResult(ReadOnly):
         -------
         matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.fetch("woundon.show.study_plots:plot_fit")(self, path, ax, panels)
+        return self._figure(path, ax, panels)
 
 
 def fit_parameters(

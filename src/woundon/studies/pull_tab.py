@@ -7,8 +7,8 @@ from math import isfinite
 from typing import Any
 
 from ..errors import InvalidProblem
-from ..io.units import parse
 from ..problems.fields import shown
+from ..problems.units import parse
 
 __all__ = ["PullTab"]
 

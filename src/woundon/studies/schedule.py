@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import kinds
 from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import Problem, shown
 from ..quantities import Quantity, value_of
-from ..results import ReadOnly
+from ..results import Presented, ReadOnly
+from ..winding.margins import margins
 from .api import in_si
 from .engine import Progress
 from .kind_model import KindModel, field_quantity, get_field, model_of
@@ -44,7 +44,7 @@ LEAST_EVALUATIONS = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OptimisedSchedule(ReadOnly):
+class OptimisedSchedule(Presented, ReadOnly):
     """The best schedule found, beside that it began with.
 
     Attributes
@@ -142,7 +142,7 @@ class OptimisedSchedule(ReadOnly):
         -------
         matplotlib.figure.Figure
         """
-        return kinds.fetch("woundon.show.margin_plots:plot_schedule")(self, path, panels)
+        return self._figure(path, panels)
 
 
 def optimise_schedule(
@@ -298,7 +298,7 @@ class _Search:
 
     def _solved(self, problem: Any, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
         result = self.model.solve(problem, self._nearest(values))
-        return result, kinds.fetch("woundon.winding.margins:margins")(result, self.limits)
+        return result, margins(result, self.limits)
 
     def _nearest(self, values: tuple[float, ...] | None) -> Any:
         """Return the winding whose fields are nearest, of their ranges; None where none is."""

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import kinds
 from ..errors import InvalidProblem
-from ..results import ReadOnly
+from ..results import Presented, ReadOnly
 from .design import Column, Design, Range
 from .table import Table, failures
 
@@ -31,7 +30,7 @@ MOST_TOLD = 3  # inputs in one line
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SobolIndices(ReadOnly):
+class SobolIndices(Presented, ReadOnly):
     """Share of each output's variance that each input explains, with 95 % intervals.
 
     Attributes
@@ -101,8 +100,7 @@ class SobolIndices(ReadOnly):
         strongest = [k * len(self.inputs) + j for k in range(len(self.outputs))
                      for j in np.argsort(-self.total_order[k])]  # fmt: skip
         table = self.to_dataframe().iloc[strongest]
-        html: str = kinds.fetch("woundon.show.html:table_html")(head, table, ())
-        return html
+        return self._html_of_table(head, table)
 
     def lines(self) -> list[str]:
         """Return the indices as lines of text, by output, the strongest input first."""
@@ -131,7 +129,7 @@ class SobolIndices(ReadOnly):
         -------
         matplotlib.figure.Figure, or ``ax`` where it is given
         """
-        return kinds.fetch("woundon.show.study_plots:plot_indices")(self, path, ax, panels)
+        return self._figure(path, ax, panels)
 
 
 def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:

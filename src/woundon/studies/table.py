@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import kinds
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..quantities import Quantity
+from ..results import Presented
 from .design import Design
 from .evaluate import Block
 
@@ -31,7 +31,7 @@ _REFUSALS = tuple(f"{kind.__name__}: " for kind in (InvalidProblem, NoSteadyStat
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Table:
+class Table(Presented):
     """Every case of a study.
 
     Attributes
@@ -145,7 +145,7 @@ class Table:
 
     def plot(self, output: str, path: Any = None) -> Any:
         """Draw one output over the inputs."""
-        return kinds.fetch("woundon.show.study_plots:plot_sweep")(self, output, path)
+        return self._figure(output, path)
 
 
 def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:

@@ -23,12 +23,13 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from .. import kinds
 from ..errors import InvalidProblem, one_of
+from ..nip.air_films import friction_between
 from ..problems.air import Air
 from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, length, line_load, strain, stress
+from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
 from .criteria import collapse_pressure, sliding_laps_buckle, torque_carried, torque_share
@@ -107,7 +108,7 @@ class Margin:
         return {True: "holds", False: "VIOLATED", None: "not checked"}[self.ok]
 
 
-class Margins(tuple[Margin, ...]):
+class Margins(Presented, tuple[Margin, ...]):
     """All margins of a roll, those without a limit too; by number or by name."""
 
     __slots__ = ()
@@ -130,12 +131,6 @@ class Margins(tuple[Margin, ...]):
     def least(self) -> Margin | None:
         """That with the smallest reserve; None where none was checked."""
         return min((m for m in self if m.checked), key=lambda m: m.reserve, default=None)
-
-    def __str__(self) -> str:
-        return str(kinds.fetch("woundon.show.margins:margins_text")(self))
-
-    def _repr_html_(self) -> str:
-        return str(kinds.fetch("woundon.show.margins:margins_html")(self))
 
 
 # ---- what is known of a winding -----------------------------------------------------------------
@@ -185,7 +180,7 @@ class Pull:
 
 
 def _left(film: float, P: Array, air: Air) -> Array:
-    share: Array = kinds.fetch("woundon.nip.air_films:friction_between")(film, P, air)
+    share: Array = friction_between(film, P, air)
     return share
 
 

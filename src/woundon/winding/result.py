@@ -9,7 +9,6 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from .. import kinds
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
@@ -125,8 +124,9 @@ class WindingResult(WithMargins, Result):
         A result that was loaded winds it again.
         """
         if self.wound is None:
-            again = kinds.fetch("woundon.winding.roll:wound_again")(self)
-            object.__setattr__(self, "wound", again)
+            from .roll import wound_again
+
+            object.__setattr__(self, "wound", wound_again(self))
         assert self.wound is not None
         return self.wound
 

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import kinds
-from ..errors import InvalidProblem
-from ..io.chosen_units import units_of
-from ..io.files import check_writable
+from .errors import InvalidProblem
+from .io.chosen_units import units_of
+from .io.files import check_writable
 
 if TYPE_CHECKING:
-    from .table import Table
+    from .studies.table import Table
 
 __all__ = ["fit", "sensitivity", "sweep"]
 
@@ -67,11 +66,11 @@ def sweep(
     chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...], export_to: Path | None,
 ) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml."""
-    from .api import study_of
-    from .engine import run_study
-    from .export import check_export, export
-    from .runners import runner_for
-    from .studyfile import load_study
+    from .studies.api import study_of
+    from .studies.engine import run_study
+    from .studies.export import check_export, export
+    from .studies.runners import runner_for
+    from .studies.studyfile import load_study
 
     told = load_study(study)
     folder = _export_folder(out, export_to)
@@ -113,7 +112,7 @@ def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
     """Run, warnings in a line each; after Ctrl-C say how to go on."""
     import warnings
 
-    from ..errors import ValidityWarning
+    from .errors import ValidityWarning
 
     def show(message: Warning | str, *where: Any) -> None:
         click.secho(f"warning: {message}", fg="yellow", err=True)
@@ -134,7 +133,7 @@ def _summary(table: Table, seconds: float) -> int:
     """Show what came out; return the exit code, 3 where no case at all was solved."""
     import numpy as np
 
-    from .table import failures
+    from .studies.table import failures
 
     failed, size = table.failed.size, table.design.size
     click.echo(f"{size} cases in {seconds:.1f} s, {failed} failed")
@@ -173,8 +172,8 @@ def sensitivity(
     samples: int | None, export_to: Path | None,
 ) -> None:  # fmt: skip
     """Compute the Sobol indices of the ranges of a study file."""
-    from .api import global_sensitivity
-    from .studyfile import load_study
+    from .studies.api import global_sensitivity
+    from .studies.studyfile import load_study
 
     told = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)
@@ -234,12 +233,14 @@ def fit(
     nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
-    from ..io.case_files import load_case
-    from .api import fit as fit_problem
+    from .io.case_files import load_case
+    from .studies.api import fit as fit_problem
 
     problem = load_case(case, settings)
     if plot:
-        kinds.fetch("woundon.show.figures:check_format")(plot)
+        from .show.figures import check_format
+
+        check_format(plot)
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     for path in filter(None, (save, plot)):
@@ -268,7 +269,7 @@ def _pair(text: str) -> tuple[str, str]:
 
 def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
     """Return field and bounds of "FIELD" or "FIELD=LOW:HIGH"."""
-    from .kind_model import field_quantity, number_in_si
+    from .studies.kind_model import field_quantity, number_in_si
 
     name, sign, bounds = (part.strip() for part in text.partition("="))
     quantity = field_quantity(problem, name)

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import kinds
-from ..errors import InvalidProblem
-from ..io.chosen_units import units_of
-from ..io.files import check_writable, write_whole
+from .errors import InvalidProblem
+from .io.chosen_units import units_of
+from .io.files import check_writable, write_whole
 
 if TYPE_CHECKING:
-    from .find import FindResult
+    from .studies.find import FindResult
 
 __all__ = ["find"]
 
@@ -64,16 +63,18 @@ def find(
     new_case: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Find the value of a field for which an output of a case reaches a target."""
-    from ..errors import unwarned
-    from ..io.case_files import load_case, to_toml
-    from .find import find as find_values
+    from .errors import unwarned
+    from .io.case_files import load_case, to_toml
+    from .studies.find import find as find_values
 
     name, between = _field(vary)
     output, value = _pair(target, "OUTPUT=VALUE")
     if new_case and new_case.suffix != ".toml":
         raise InvalidProblem.at(str(new_case), f"the ending {new_case.suffix!r} is not .toml")
     if plot:
-        kinds.fetch("woundon.show.figures:check_format")(plot)
+        from .show.figures import check_format
+
+        check_format(plot)
     for path in filter(None, (new_case, plot)):
         check_writable(path)
     problem = load_case(case, settings)
@@ -122,7 +123,7 @@ def _number(text: str) -> str | float:
 
 def _lines(found: FindResult) -> Iterator[str]:
     """Yield the solutions, then the table of all points, then the remarks."""
-    from .find import remarks
+    from .studies.find import remarks
 
     count = len(found.solutions)
     yield from found.lines()[:count]

@@ -7,10 +7,9 @@ from typing import Any
 
 import click
 
-from .. import kinds
-from ..errors import InvalidProblem
-from ..io.chosen_units import units_of
-from ..io.files import check_writable
+from .errors import InvalidProblem
+from .io.chosen_units import units_of
+from .io.files import check_writable
 
 __all__ = ["compare"]
 
@@ -66,15 +65,17 @@ def compare(
     rtol: float | None, as_json: bool, save: Path | None, plot: Path | None, **tab: Any,
 ) -> None:  # fmt: skip
     """Compare a table of measured values with the predictions for a case."""
-    from ..io.case_files import load_case
-    from .case_table import check_table_path, write_table
-    from .compare import compare as compare_with
-    from .pull_tab import PullTab
+    from .io.case_files import load_case
+    from .studies.case_table import check_table_path, write_table
+    from .studies.compare import compare as compare_with
+    from .studies.pull_tab import PullTab
 
     if save:
         check_table_path(save)
     if plot:
-        kinds.fetch("woundon.show.figures:check_format")(plot)
+        from .show.figures import check_format
+
+        check_format(plot)
     for path in filter(None, (save, plot)):
         check_writable(path)
     problem = load_case(case, settings)

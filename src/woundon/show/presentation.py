@@ -1,0 +1,76 @@
+"""Text, HTML and figures of results, margins, sensitivities, fits and study tables, by class.
+
+The base class in :mod:`woundon.results` calls these functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
+
+from ..nip.sensitivity import Sensitivity
+from ..results import Result
+from ..winding.margins import Margins
+from .html import parts_html, table_html
+from .margins import margins_html, margins_text
+from .report import sensitivity_text
+from .reports import report_parts, report_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["figure_of", "html_of", "html_of_table", "text_of"]
+
+
+@singledispatch
+def text_of(thing: Any) -> str:
+    """Return a result, margins or a sensitivity as plain text."""
+    raise TypeError(f"a {type(thing).__name__} has no report")
+
+
+text_of.register(Result, report_text)
+text_of.register(Sensitivity, sensitivity_text)
+text_of.register(Margins, margins_text)
+
+
+@singledispatch
+def html_of(thing: Any) -> str:
+    """Return the same as HTML, for a notebook."""
+    raise TypeError(f"a {type(thing).__name__} has no report")
+
+
+html_of.register(Result, lambda result: parts_html(report_parts(result)))
+html_of.register(Margins, margins_html)
+
+
+def html_of_table(head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
+    """Return a table of numbers between its heading and remarks as HTML."""
+    return table_html(head, frame, remarks)
+
+
+def figure_of(thing: Any, *options: Any) -> Any:
+    """Return the figure of a result or of a study."""
+    # drawing takes half a second to import, and text does not need it
+    if isinstance(thing, Result):
+        from .plots import plot
+
+        return plot(thing, *options)
+    from ..studies.compare import Comparison
+    from ..studies.find import FindResult
+    from ..studies.fit import FitResult
+    from ..studies.schedule import OptimisedSchedule
+    from ..studies.sobol import SobolIndices
+    from .compare_plots import plot_comparison
+    from .find_plots import plot_find
+    from .study_plots import plot_fit, plot_indices, plot_sweep
+    from .winding_plots import plot_schedule
+
+    plots: dict[type[Any], Callable[..., Any]] = {
+        Comparison: plot_comparison,
+        FindResult: plot_find,
+        FitResult: plot_fit,
+        OptimisedSchedule: plot_schedule,
+        SobolIndices: plot_indices,
+    }
+    return plots.get(type(thing), plot_sweep)(thing, *options)

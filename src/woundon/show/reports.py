@@ -1,0 +1,46 @@
+"""The report of a result of any kind: its sections, warnings and certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from io import StringIO
+from typing import Any
+
+from rich.console import Console
+
+from .. import kinds
+from ..results import Result
+from .parts import Part, certificate_line, warning_lines
+from .report import nip_report, outputs_report, plain_console, roller_report
+from .terminal import print_parts
+from .winding_report import winding_report
+from .wound_roll_report import wound_roll_report
+
+__all__ = ["print_report", "report_parts", "report_text"]
+
+REPORTS: Mapping[str, Callable[[Any], list[Part]]] = {
+    "nip": nip_report,
+    "rollers": roller_report,
+    "roll": wound_roll_report,
+    "winding": winding_report,
+}
+
+
+def report_parts(result: Result) -> list[Part]:
+    """Return the report of a result of any kind: its sections, warnings and certificate."""
+    kind = kinds.of(result)
+    report = kind.report or REPORTS.get(kind.name, outputs_report)
+    warnings = warning_lines((*getattr(result.problem, "remarks", ()), *result.warnings))
+    return [*report(result), *warnings, certificate_line(result.residuals)]
+
+
+def report_text(result: Result) -> str:
+    """Return the report of a result of any kind as plain text."""
+    paper = StringIO()
+    print_report(result, plain_console(paper))
+    return paper.getvalue().rstrip("\n")
+
+
+def print_report(result: Result, console: Console) -> None:
+    """Print the report of a result."""
+    print_parts(report_parts(result), console)
