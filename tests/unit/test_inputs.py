@@ -11,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import woundon as wo
+from woundon.app.answers import problem_of
+from woundon.app.catalogue import catalogue
 from woundon.io.case_files import apply_settings, make_problem, to_toml
 from woundon.problems.inputs import FloatWithUnit
 
@@ -258,6 +260,15 @@ def test_a_sweep_over_totals_and_diameters():
     assert table.half_width.values[1] == pytest.approx(direct, rel=1e-9)
 
 
+def test_a_target_pressure_with_a_unit():
+    design = wo.design_tension(ROLL, "20 psi")
+    assert design.wanted == pytest.approx(20 * 6894.757293168)
+    profile = wo.Profile(radius=[0.0445, 0.15], value=["200 kPa", "100 kPa"])
+    assert wo.design_tension(ROLL, profile).wanted[0] == pytest.approx(200e3)
+    with pytest.raises(wo.InvalidProblem, match="pressure: '20 N' has the wrong dimension"):
+        wo.design_tension(ROLL, "20 N")
+
+
 # ---- inputs without effect ----------------------------------------------------------------------
 
 
@@ -312,3 +323,28 @@ def test_no_warning_without_a_cause():
     with warnings.catch_warnings():
         warnings.simplefilter("error", wo.InputWarning)
         assert math.isfinite(wo.solve(NIP, nodes=17).half_width)
+
+
+# ---- the page -----------------------------------------------------------------------------------
+
+
+def test_tables_that_the_page_posts():
+    tables = {
+        "grade": "newsprint", "width": "2.5 m", "nip_load": "9 kN", "web_tension": "10 MPa",
+        "roll": {"diameter": "200 mm", "core_diameter": "89 mm"},
+        "drum": {"kind": "rigid", "diameter": "6 in"},
+    }  # fmt: skip
+    problem = problem_of(tables)
+    assert problem.nip_load == 3600.0
+    assert problem.web_tension == 10e6 * 66e-6
+    assert problem.drum.radius == pytest.approx(0.0762)
+    with pytest.raises(wo.InvalidProblem, match="grades: no such field"):  # no file is opened
+        problem_of({**tables, "grades": "/etc/passwd"})
+
+
+def test_the_page_knows_how_fields_may_be_entered():
+    fields = {field["name"]: field for field in catalogue()["forms"]["WindingProblem"]["fields"]}
+    assert fields["web_tension"]["other_form"] == "stress"
+    assert fields["density"]["other_form"] == "basis weight"
+    assert fields["nip_load"]["other_form"] == ""
+    assert fields["width"]["shown_unit"] == "m"

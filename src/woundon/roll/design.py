@@ -21,8 +21,11 @@ from ..arguments import check_type, tolerance
 from ..errors import InvalidProblem, NotConverged
 from ..parallel import one_thread
 from ..problems.fields import shown
+from ..problems.inputs import Context, convert
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
+from ..problems.wound_roll import WoundRoll
+from ..quantities import find
 from .build_up import in_cells, nodes_between
 from .certificate import equations_of
 from .equations import Solved, pressure_between
@@ -84,7 +87,7 @@ class TensionDesign:
 
 @one_thread
 def design_tension(
-    problem: RollProblem, pressure: float | Profile, *, rtol: float = 1e-4
+    problem: RollProblem, pressure: float | str | Profile, *, rtol: float = 1e-4
 ) -> TensionDesign:
     """Find the wound-on tension over the radius that leaves a wanted pressure in the roll.
 
@@ -92,10 +95,10 @@ def design_tension(
     ----------
     problem : RollProblem
         The roll; its own tension plays no part.
-    pressure : float or Profile
-        Wanted between the laps [Pa], from the core to the surface, > 0.  A pressure has no kinks:
-        through the values of a profile goes a curve over ln r, a cubic spline if it is ``smooth``,
-        or else one that stays between the values.
+    pressure : float, str or Profile
+        Wanted between the laps [Pa], or a text with a unit, "200 kPa", from the core to the
+        surface, > 0.  A pressure has no kinks: through the values of a profile goes a curve over
+        ln r, a cubic spline if it is ``smooth``, or else one that stays between the values.
     rtol : float
         Accepted miss of the pressure inside, relative to the largest; 1e-6 to 0.01.
 
@@ -119,7 +122,8 @@ def design_tension(
             "problem", "changes after winding; must be a roll as wound: temperature_change and "
             "core_shrinkage 0"
         )  # fmt: skip
-    wanted = _Wanted(problem, _checked(problem, pressure))
+    (place,) = find(WoundRoll, "pressure")
+    wanted = _Wanted(problem, _checked(problem, convert(pressure, place, Context())))
     found = _Stages(equations_of(problem), wanted)
     x = _refined(found, rtol)
     WOT = np.array([found.tension(s) for s in x]) * problem.web_thickness
