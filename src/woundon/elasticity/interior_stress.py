@@ -36,14 +36,18 @@ In real space a line load P then gives the radial stress field of Lekhnitskii (A
     N = (x^2 + lambda_1^2 z^2)(x^2 + lambda_2^2 z^2).
 
 For large n the cylinder's B tends to that of the half-plane of its outermost layer, at the depth
-R ln(R/r).  Of a single layer only the difference is summed by :mod:`.layers`, up to the harmonic
-from which on the tractions contribute little.
+R ln(R/r).  The difference is interpolated between harmonics by a cubic spline of ln n.
+
+The harmonics of the half-plane have the period 2 pi R.  The images of a tangential load Q add the
+far field of tau, 2 m z Q/(pi x^2), at x = +- 2 pi R, +- 4 pi R, ..., which is subtracted,
+
+    sum = 2 m z Q pi/(3 L^2),   L = 2 pi R;     other images cancel or fall faster.
 """
 
 from __future__ import annotations
 
 from cmath import sqrt as csqrt
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, log, log1p, pi, sqrt
 
 import numpy as np
@@ -63,12 +67,10 @@ DAMPING = 10.0
 FEWEST_HARMONICS, MOST_HARMONICS = 64, 1 << 17
 # Points per wavelength of the last harmonic, and on the whole period: the largest stress on the
 # grid is then within 0.1 % of that between the points.
-POINTS, FEWEST_POINTS = 4, 4096
-# Period of the half-plane's harmonics in circumferences: the next images of a load are so far away.
-PERIODS = 4
-# Wave number times the half width of the tractions, up to which the cylinder's difference from the
-# half-plane is summed.  It is of the order z/R of harmonics that are below 1 % there.
-CURVED = 10.0
+POINTS, FEWEST_POINTS = 2, 4096
+# Harmonics at which a cylinder is evaluated: all up to the first number, then each larger by the
+# given share.  Its difference from the half-plane is a smooth function of ln n.
+EVERY, SKIPPED = 32, 0.06
 # Difference of the roots, over their mean, below which the limit of equal roots is taken: the
 # error is the square, and the difference quotient would lose as many digits.
 EQUAL_ROOTS = 1e-5
@@ -142,14 +144,13 @@ def half_plane_sections(
     stiffness : (A_rr, A_tt, A_rt, G) or (A_rr, A_tt, A_rt, G, D)
         Plane-strain stiffness [Pa]; D as of :func:`.strip.stiffness_along`.
     """
-    roots = _Roots.of(stiffness)
-    loads = _Loads(x, p, q, 2 * pi * radius * PERIODS)
-    found = []
+    roots, loads = _Roots.of(stiffness), _Loads(x, p, q, 2 * pi * radius)
+    Q, found = float(np.trapezoid(q, x)), []
     for z in depths.tolist():
         n = np.arange(loads.count(roots.slowest * z) + 1)
-        section = loads.section(z, roots.transfer(n * (z / (radius * PERIODS))))
-        inside = np.abs(section.x) <= pi * radius
-        found.append(Section(z, section.x[inside], section.normal[inside], section.shear[inside]))
+        section = loads.section(z, roots.transfer(n * (z / radius)))
+        images = 2 * roots.mean * z * Q * pi / (3 * loads.period**2)
+        found.append(replace(section, shear=section.shear - images))
     return tuple(found)
 
 
@@ -171,18 +172,25 @@ def cylinder_sections(
     free : bool
         Whether the core is an open bore; else it is rigid.
     """
+    from scipy.interpolate import CubicSpline  # problems are read and written without SciPy
+
     roots, loads = _Roots.of(layers[0][1:]), _Loads(x, p, q, 2 * pi * radius)
-    curved = max(64, ceil(CURVED * radius / loads.half_width))
     found = []
     for z in depths.tolist():
         y = -log1p(-z / radius)
         n = np.arange(loads.count(roots.slowest * radius * y) + 1)
-        B = roots.transfer(n * y)
-        summed = n[: curved + 1] if len(layers) == 1 else n
-        upper, lower = _cut(layers, y)
-        B[:, :, : summed.size] = traction_transfer(summed, upper, lower, free)
+        B, at = roots.transfer(n * y), _sampled(n.size - 1)
+        difference = traction_transfer(at, *_cut(layers, y), free) - B[:, :, at]
+        B[:, :, 0] += difference[:, :, 0]
+        B[:, :, 1:] += CubicSpline(np.log(at[1:]), difference[:, :, 1:], axis=2)(np.log(n[1:]))
         found.append(loads.section(z, B * (radius / (radius - z))))
     return tuple(found)
+
+
+def _sampled(last: int) -> Array:
+    """Return the harmonics from 0 to the last at which a cylinder is evaluated, (k,) int."""
+    skipping = EVERY * np.exp(np.arange(0.0, log(max(last / EVERY, 1.0)), log1p(SKIPPED)))
+    return np.unique([*range(EVERY + 1), *np.rint(skipping).astype(int).tolist(), last])
 
 
 def _cut(layers: Layers, depth: float) -> tuple[Layers, Layers]:
@@ -241,8 +249,6 @@ class _Loads:
     def __init__(self, x: Array, p: Array, q: Array, period: float) -> None:
         self.x, self.tractions, self.period = x, (p, q), period
         self._known = np.zeros((2, 0), dtype=complex)
-        pressed = x[p >= p.max() / 2]
-        self.half_width = float(pressed[-1] - pressed[0] + np.diff(x).min()) / 2
 
     def count(self, damping: float) -> int:
         """Return the number of harmonics, from their decay exp(-2 pi n damping/period)."""

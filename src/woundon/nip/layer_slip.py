@@ -138,7 +138,7 @@ def layer_slip(result: NipResult) -> LayerSlip | None:
     >>> import woundon as wo
     >>> slip = wo.solve(wo.NipProblem.example()).layer_slip
     >>> print(f"ratio {slip.ratio:.2f}, {slip.layers} layers")
-    ratio 2.42, 75 layers
+    ratio 2.43, 75 layers
     """
     h, mu = result.problem.web.thickness, result.problem.roll_friction
     rows, ends, layer = [], [], np.zeros(0, dtype=int)

@@ -34,11 +34,11 @@ class Limits(Description):
         That the core bears [Pa]; without it the elastic collapse of a thin tube.
     web_strength : float, optional
         Tension that the web bears [N/m].
+    slack_tension : float, optional
+        Tension at and below which the web runs slack [N/m].
     yield_strain : float, optional
         Strain along the web at which it yields, so that the lane of a gauge band stays longer and
         is baggy [1].
-    slack_tension : float, optional
-        Tension at and below which the web runs slack [N/m].
 
     Raises
     ------
