@@ -261,12 +261,13 @@ def _values(
         values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign)
         if any(f"column {column.header!r}" == text.partition(": ")[0] for _, text in reasons):
             raise InvalidProblem(reasons)  # the header is at fault
-        fields[column.name] = values.tolist()
         for k, number in enumerate(sheet.numbers) if reasons else ():
             row, cell = sheet._replace(numbers=[number]), column._replace(cells=[column.cells[k]])
             cell_reasons: list[tuple[str, str]] = []
-            numbers(row, cell, quantity, cell_reasons, gaps=True, sign=sign)
+            # again cell by cell: the reader of columns stops after many faults
+            values[k] = numbers(row, cell, quantity, cell_reasons, gaps=True, sign=sign)[0]
             faults[k] += [text.removeprefix(f"row {number}, ") for _, text in cell_reasons]
+        fields[column.name] = values.tolist()
     return fields, ["; ".join(texts) for texts in faults]
 
 
