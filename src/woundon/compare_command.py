@@ -79,19 +79,23 @@ def compare(
     for path in filter(None, (save, plot)):
         check_writable(path)
     problem = load_case(case, settings)
-    given = {name: _number(value) for name in _TAB if (value := tab[f"tab_{name}"]) is not None}
+    calibration = {
+        name: _number(value) for name in _TAB if (value := tab[f"tab_{name}"]) is not None
+    }
     with units_of(chosen):
-        found = compare_with(
-            problem, measured, tab=PullTab(**given) if given else None,
+        comparison = compare_with(
+            problem, measured, tab=PullTab(**calibration) if calibration else None,
             spread={name: _number(value) for name, value in map(_pair, spreads) if value},
             columns={name: of or None for name, of in map(_pair, columns)},
             tie=dict(map(_pair, ties)), nodes=nodes, rtol=rtol,
         )  # fmt: skip
         if save:
-            write_table(found.to_dataframe(), save)
+            write_table(comparison.to_dataframe(), save)
         if plot:
-            found.plot(plot)
-        for line in [found.to_json()] if as_json else [*found.lines(), "", *found.table()]:
+            comparison.plot(plot)
+        for line in (
+            [comparison.to_json()] if as_json else [*comparison.lines(), "", *comparison.table()]
+        ):
             click.echo(line)
 
 

@@ -81,17 +81,17 @@ def find(
     tie = dict(_pair(text, "FIELD=FIELD") for text in ties)
     aim: dict[str, Any] = {output: _number(value)}
     with units_of(chosen), unwarned():
-        found = find_values(
+        outcome = find_values(
             problem, name, between=between, points=points, tie=tie, progress=not as_json,
             nodes=nodes, rtol=rtol, **aim,
         )  # fmt: skip
         if new_case:
-            write_whole(new_case, to_toml(found.problem).encode())
+            write_whole(new_case, to_toml(outcome.problem).encode())
         if plot:
-            found.plot(plot)
-        for line in [found.to_json()] if as_json else _lines(found):
+            outcome.plot(plot)
+        for line in [outcome.to_json()] if as_json else _lines(outcome):
             click.echo(line)
-    for text in () if as_json else found.result.warnings:
+    for text in () if as_json else outcome.result.warnings:
         click.secho(f"warning: {text}", fg="yellow", err=True)
 
 
@@ -121,23 +121,23 @@ def _number(text: str) -> str | float:
         return text
 
 
-def _lines(found: FindResult) -> Iterator[str]:
+def _lines(outcome: FindResult) -> Iterator[str]:
     """Yield the solutions, then the table of all points, then the remarks."""
     from .studies.find import remarks
 
-    count = len(found.solutions)
-    yield from found.lines()[:count]
+    count = len(outcome.solutions)
+    yield from outcome.lines()[:count]
     yield ""
-    field, output = found.quantities[found.name], found.quantities[found.output]
+    field, output = outcome.quantities[outcome.name], outcome.quantities[outcome.output]
     heads = [f"{name} [{quantity.display}]" if quantity.display else name
-             for name, quantity in ((found.name, field), (found.output, output))]  # fmt: skip
-    reasons = dict(found.failures)
-    values = {value for value, _ in found.solutions}
+             for name, quantity in ((outcome.name, field), (outcome.output, output))]  # fmt: skip
+    reasons = dict(outcome.failures)
+    values = {value for value, _ in outcome.solutions}
     yield "  ".join(heads)
-    for value, reached in zip(found.values.tolist(), found.outputs.tolist(), strict=True):
+    for value, reached in zip(outcome.values.tolist(), outcome.outputs.tolist(), strict=True):
         left = f"{field.shown(value):{len(heads[0])}.6g}"
         right = f"{output.shown(reached):.6g}" if isfinite(reached) else "-"
         note = "  solution" if value in values else f"  {reasons.get(value, '')}".rstrip()
         yield f"{left}  {right:>{len(heads[1])}}{note}"
     yield ""
-    yield from remarks(found)
+    yield from remarks(outcome)

@@ -62,6 +62,14 @@ def test_a_table_of_faulty_rows_alone_is_returned():
     assert "wrong dimension" in found.failure[1]
 
 
+def test_rows_after_very_many_faults_are_solved_too():
+    """The reader of columns stops after a thousand faulty cells."""
+    found = solved({"nip_load": ["abc"] * 1001 + [2500.0]})
+    expected = wo.solve(NIP.replace(nip_load=2500.0), nodes=33).wound_on_tension
+    assert found[WOT][1001] == pytest.approx(expected, rel=1e-8)
+    assert (found.failure[:1001] == "column 'nip_load': 'abc' is not a number").all()
+
+
 COMPLETE = {
     "web.thickness [um]": [66, 60, 66],
     "web.material": ["newsprint"] * 3,

@@ -22,40 +22,40 @@ RESIDUALS = "_residuals"
 
 
 def plot_comparison(
-    found: Comparison, path: Any = None, ax: Axes | None = None,
+    comparison: Comparison, path: Any = None, ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
 ) -> Any:  # fmt: skip
     """Draw measured against predicted values of each output, and below them the residuals.
 
     Parameters
     ----------
-    found : Comparison
+    comparison : Comparison
     path, ax, panels
         As of :func:`~woundon.show.panels.drawn`; a panel has its output's name, the residuals have
         "_residuals" behind it.
     """
     known = {}
-    for output in found.outputs:
+    for output in comparison.outputs:
         known[output] = Panel(partial(_draw_agreement, output), output, 3.6, 3.2)
         # below the agreement, but along another quantity: a column of its own
         known[output + RESIDUALS] = Panel(
             partial(_draw_residuals, output), output + RESIDUALS, 3.8, 3.2
         )
-    return drawn(known, [Case(found)], path, ax, panels, lettered=False)
+    return drawn(known, [Case(comparison)], path, ax, panels, lettered=False)
 
 
 def _draw_agreement(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-    found = cases[0].result
-    rows, quantity = found.of(output), found.quantities[output]
-    x, y = quantity.shown(found.predicted[rows]), quantity.shown(found.measured[rows])
-    model = np.hypot(np.nan_to_num(found.error[rows]), found.spread[rows])
+    comparison = cases[0].result
+    rows, quantity = comparison.of(output), comparison.quantities[output]
+    x, y = quantity.shown(comparison.predicted[rows]), quantity.shown(comparison.measured[rows])
+    model = np.hypot(np.nan_to_num(comparison.error[rows]), comparison.spread[rows])
     axes.errorbar(
-        x, y, xerr=_bars(quantity, model), yerr=_bars(quantity, found.deviation[rows]),
+        x, y, xerr=_bars(quantity, model), yerr=_bars(quantity, comparison.deviation[rows]),
         fmt="o", color=COLOURS[0], markersize=4, elinewidth=0.9, label="two standard deviations",
     )  # fmt: skip
     ends = [min(x.min(), y.min()), max(x.max(), y.max())]
     axes.plot(ends, ends, color="#888888", linewidth=0.8)
-    name = output.replace("_", " ")
+    name = quantity.meaning.partition(",")[0]
     axes.set_xlabel(axis_label(f"predicted {name}", quantity))
     axes.set_ylabel(axis_label(f"measured {name}", quantity))
     return []
@@ -67,29 +67,31 @@ def _bars(quantity: Quantity, deviation: np.ndarray) -> np.ndarray:
 
 
 def _draw_residuals(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-    found = cases[0].result
-    rows, quantity = found.of(output), found.quantities[output]
-    at, text = _along(found, rows)
-    residual = quantity.shown(found.residual[rows])
+    comparison = cases[0].result
+    rows, quantity = comparison.of(output), comparison.quantities[output]
+    at, text = _along(comparison, rows)
+    residual = quantity.shown(comparison.residual[rows])
     bars = axes.errorbar(
-        at, residual, yerr=_bars(quantity, found.total[rows]), fmt="o", color=COLOURS[0],
+        at, residual, yerr=_bars(quantity, comparison.total[rows]), fmt="o", color=COLOURS[0],
         markersize=4, elinewidth=0.9, label="two standard uncertainties",
     )  # fmt: skip
     axes.axhline(0.0, color="#888888", linewidth=0.8)
-    bias = quantity.shown(found.agreement(output).bias)
+    bias = quantity.shown(comparison.agreement(output).bias)
     mean = axes.axhline(bias, color=COLOURS[1], linestyle="--", label="mean")
     axes.set_xlabel(text)
     axes.set_ylabel(f"measured - predicted [{unit_of(quantity)}]".replace(" []", ""))
     return [bars, mean]
 
 
-def _along(found: Comparison, rows: np.ndarray) -> tuple[np.ndarray, str]:
-    """Return what the residuals are drawn over: radius, the most varied input, or the row."""
-    if np.isfinite(found.position[rows]).all():
-        return 1e3 * found.position[rows], "radius [mm]"
-    counts = {name: np.unique(values[rows]).size for name, values in found.inputs.items()}
+def _along(comparison: Comparison, rows: np.ndarray) -> tuple[np.ndarray, str]:
+    """Return the abscissa of the residuals: radius, the most varied input, or the row."""
+    if np.isfinite(comparison.position[rows]).all():
+        return 1e3 * comparison.position[rows], "radius [mm]"
+    counts = {name: np.unique(values[rows]).size for name, values in comparison.inputs.items()}
     name = max(counts, key=lambda each: counts[each], default="")
     if counts.get(name, 0) < 2:
-        return np.array(found.numbers)[rows], "row"
-    quantity = found.quantities[name]
-    return quantity.shown(found.inputs[name][rows]), axis_label(name.replace("_", " "), quantity)
+        return np.array(comparison.numbers)[rows], "row"
+    quantity = comparison.quantities[name]
+    return quantity.shown(comparison.inputs[name][rows]), axis_label(
+        name.replace("_", " "), quantity
+    )

@@ -154,10 +154,10 @@ class _RowModel(KindModel):
 
     def variant(self, inputs: Mapping[str, Any]) -> Any:
         """Return the problem of one row; None and nan stand for a field without a value."""
-        given = {name: value for name, value in inputs.items() if not _is_missing(value)}
+        fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:
-            return super().variant(given)
-        problem = make_problem({"schema": SCHEMA, **_nested(given)}, self.kind.name)
+            return super().variant(fields)
+        problem = make_problem({"schema": SCHEMA, **_nested(fields)}, self.kind.name)
         ties = {follower: get_field(problem, to) for follower, to in self.tie.items()}
         return problem.replace(**ties) if ties else problem
 
@@ -181,11 +181,11 @@ def _is_missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and isnan(value))
 
 
-def _nested(given: Mapping[str, Any]) -> dict[str, Any]:
+def _nested(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of dotted names; items of a list, whose names are numbers, as a list."""
     tables: dict[str, Any] = {}
     # a body or material in a cell comes before its fields in further columns
-    for path, value in sorted(given.items()):
+    for path, value in sorted(fields.items()):
         *heads, leaf = path.split(".")
         inner = tables
         for k, head in enumerate(heads):
@@ -224,7 +224,7 @@ def _named(kind: str) -> kinds.Kind:
 
 def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> kinds.Kind:
     """Return the kind of problem whose fields the headers are, with the fewest fields missing."""
-    found: list[tuple[int, int, kinds.Kind]] = []
+    candidates: list[tuple[int, int, kinds.Kind]] = []
     faults: list[InvalidProblem] = []
     for kind in kinds.every():
         try:
@@ -236,12 +236,12 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
         fields = kind.problem.model_fields
         heads = {column.name.partition(".")[0] for column in matched}
         missing = sum(field.is_required() and name not in heads for name, field in fields.items())
-        found.append((missing, len(fields), kind))
-    if not found:
+        candidates.append((missing, len(fields), kind))
+    if not candidates:
         known = one_of(kind.command for kind in kinds.every())
         text = f"without a case the columns must be fields of one kind of problem: {known}"
         raise InvalidProblem([(sheet.where, text), *faults[0].faults])
-    return min(found, key=lambda entry: entry[:2])[2]
+    return min(candidates, key=lambda entry: entry[:2])[2]
 
 
 def _values(
@@ -249,26 +249,26 @@ def _values(
 ) -> tuple[dict[str, list[Any]], list[str]]:
     """Return the values of each column in SI, gaps as nan or None, and the faults of each row."""
     names, sign = Names(columns_of(problem)), decimal_sign(sheet)
-    found: dict[str, list[Any]] = {}
+    fields: dict[str, list[Any]] = {}
     faults: list[list[str]] = [[] for _ in sheet.numbers]
     for column in inputs:
         quantity = names.quantity(column.name)
         if quantity is None:
-            found[column.name] = [_thing(problem, column, k, faults[k])
+            fields[column.name] = [_thing(problem, column, k, faults[k])
                                   for k in range(len(sheet.numbers))]  # fmt: skip
             continue
-        told: list[tuple[str, str]] = []
-        values = numbers(sheet, column, quantity, told, gaps=True, sign=sign)
-        if any(f"column {column.header!r}" == text.partition(": ")[0] for _, text in told):
-            raise InvalidProblem(told)  # the header is at fault
-        found[column.name] = values.tolist()
-        for k, number in enumerate(sheet.numbers) if told else ():
-            one = sheet._replace(numbers=[number])
-            own: list[tuple[str, str]] = []
-            numbers(one, column._replace(cells=[column.cells[k]]), quantity, own, gaps=True,
-                    sign=sign)  # fmt: skip
-            faults[k] += [text.removeprefix(f"row {number}, ") for _, text in own]
-    return found, ["; ".join(texts) for texts in faults]
+        reasons: list[tuple[str, str]] = []
+        values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign)
+        if any(f"column {column.header!r}" == text.partition(": ")[0] for _, text in reasons):
+            raise InvalidProblem(reasons)  # the header is at fault
+        for k, number in enumerate(sheet.numbers) if reasons else ():
+            row, cell = sheet._replace(numbers=[number]), column._replace(cells=[column.cells[k]])
+            cell_reasons: list[tuple[str, str]] = []
+            # again cell by cell: the reader of columns stops after many faults
+            values[k] = numbers(row, cell, quantity, cell_reasons, gaps=True, sign=sign)[0]
+            faults[k] += [text.removeprefix(f"row {number}, ") for _, text in cell_reasons]
+        fields[column.name] = values.tolist()
+    return fields, ["; ".join(texts) for texts in faults]
 
 
 def _thing(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:
@@ -317,9 +317,9 @@ def _solved(
         return values, warnings
     columns = []
     for name, column in cells.items():
-        own = [column[k] for k in rows]
-        own = [present.get(name, value) if _is_missing(value) else value for value in own]
-        columns.append(designs.Column.of(name, own))
+        entries = [column[k] for k in rows]
+        entries = [present.get(name, entry) if _is_missing(entry) else entry for entry in entries]
+        columns.append(designs.Column.of(name, entries))
     design = _RowDesign("table", tuple(columns))
     solved = run_study(model, design, runner, chunk=chunk, progress=progress)
     for name, of_rows in solved.outputs.items():
@@ -358,7 +358,7 @@ def _joined(
 
     names = {column.header: column for column in matched}
     written = any(column.name in BESIDE for column in matched)  # by this function or by a sweep
-    found: dict[str, Any] = {}
+    cells_of: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
         column = names.get(header)
         text = f"{header} [{sheet.units[header]}]" if header in sheet.units else header
@@ -366,7 +366,7 @@ def _joined(
             if written:
                 continue
             text += GIVEN
-        found[text] = cells
+        cells_of[text] = cells
     quantities: Mapping[str, Quantity] = quantities_of(model, model.outputs)
     units: dict[str, str] = {}
     for name, column_values in values.items():
@@ -374,8 +374,8 @@ def _joined(
             continue
         unit, shown = quantities[name].in_table(column_values)
         header = name if unit == "1" else f"{name} [{unit}]"
-        found[header], units[header] = shown, unit
-    frame = pd.DataFrame(found)
+        cells_of[header], units[header] = shown, unit
+    frame = pd.DataFrame(cells_of)
     frame.attrs["units"] = units
     return frame
 

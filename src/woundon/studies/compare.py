@@ -42,7 +42,7 @@ TAB = "pull tab"  # name of the uncertainty of its calibration
 
 
 class Agreement(NamedTuple):
-    """How one measured output agrees with its predictions, SI units.
+    """Agreement of a measured output with its predictions, SI units.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Agreement(NamedTuple):
         Mean residual over the mean of the predictions.
     rms, expected_rms : float
         Root mean square of the residuals, and of their total standard uncertainties.
-    within : float
+    coverage : float
         Share of the residuals within two standard uncertainties, 0.95 is expected; nan without the
         standard deviations of the measurement.
     """
@@ -65,7 +65,7 @@ class Agreement(NamedTuple):
     relative_bias: float
     rms: float
     expected_rms: float
-    within: float
+    coverage: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,7 +144,7 @@ class Comparison(Presented, ReadOnly):
         return np.asarray(self.residual / np.where(np.isnan(self.deviation), nan, self.total))
 
     def of(self, output: str) -> Array:
-        """Return which values are of an output and have a prediction, (m,) of bool.
+        """Return the mask of the values of an output that have a prediction, (m,) of bool.
 
         Raises
         ------
@@ -157,7 +157,7 @@ class Comparison(Presented, ReadOnly):
         return np.array([name == output for name in self.names]) & np.isfinite(self.predicted)
 
     def agreement(self, output: str) -> Agreement:
-        """Return how an output agrees with its predictions."""
+        """Return the agreement of an output with its predictions."""
         rows = self.of(output)
         n = int(rows.sum())
         if n == 0:
@@ -172,34 +172,34 @@ class Comparison(Presented, ReadOnly):
         error = float(np.nan_to_num(self.error[rows]).mean())
         uncertainty = sqrt(float(np.sum(random**2)) / n**2 + float(np.sum(common**2)) + error**2)
         mean = float(np.mean(self.predicted[rows]))
-        within = nan if np.isnan(deviation).any() else np.mean(np.abs(residual) <= 2 * total)
+        coverage = nan if np.isnan(deviation).any() else np.mean(np.abs(residual) <= 2 * total)
         return Agreement(
             n, bias, uncertainty, bias / mean if mean else nan, _rms(residual), _rms(total),
-            float(within),
+            float(coverage),
         )  # fmt: skip
 
     def lines(self) -> list[str]:
         """Return the agreement of every output and the possible explanations as lines of text."""
-        told = [_agreement_text(self, output) for output in self.outputs]
+        texts = [_agreement_text(self, output) for output in self.outputs]
         failed = [(n, why) for n, why in zip(self.numbers, self.failures, strict=True) if why]
         if failed:
             number, reason = failed[0]
-            told.append(f"{len(failed)} values without a prediction, e.g. row {number}: {reason}")
+            texts.append(f"{len(failed)} values without a prediction, e.g. row {number}: {reason}")
         for name in self.covariates:
-            told.append(f"{name} is not part of this problem: it is used for trends only")
+            texts.append(f"{name} is not part of this problem: it is used for trends only")
         for explanation in self.explanations:
-            told += explanation.lines()
-        return told
+            texts += explanation.lines()
+        return texts
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
     def __repr__(self) -> str:
-        told = []
+        texts = []
         for output in self.outputs:
             of = self.agreement(output)
-            told.append(f"{output}: {of.size} values, {100 * of.relative_bias:+.2g} %")
-        return f"Comparison({'; '.join(told)})"
+            texts.append(f"{output}: {of.size} values, {100 * of.relative_bias:+.2g} %")
+        return f"Comparison({'; '.join(texts)})"
 
     def _repr_html_(self) -> str:
         head, *others = self.lines()
@@ -225,14 +225,14 @@ class Comparison(Presented, ReadOnly):
     def table(self) -> list[str]:
         """Return all values as lines of text, in units for display."""
         head = f"{'row':>5}  {'output':20} {'measured':>11} {'predicted':>11} {'residual':>11}"
-        told = [f"{head} {'uncertainty':>11}  unit"]
+        texts = [f"{head} {'uncertainty':>11}  unit"]
         columns = (self.measured, self.predicted, self.residual, self.total)
         for k, (number, name) in enumerate(zip(self.numbers, self.names, strict=True)):
             quantity = self.quantities[name]
             cells = " ".join(f"{quantity.shown(column[k]):11.5g}" for column in columns)
             note = f"  {self.failures[k]}" if self.failures[k] else ""
-            told.append(f"{number:5}  {name:20} {cells}  {quantity.display}{note}")
-        return told
+            texts.append(f"{number:5}  {name:20} {cells}  {quantity.display}{note}")
+        return texts
 
     def to_json(self) -> str:
         """Return the comparison as JSON, SI units."""
@@ -314,11 +314,11 @@ def compare(
     [0.53, 0.71]
     """
     data = read_observations(problem, measured, tab, columns)
-    given = {"nodes": nodes, "rtol": rtol, **(options or {})}
+    settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
     scalars = tuple(dict.fromkeys(
         name for name, place in zip(data.names, data.position, strict=True) if place != place
     ))  # fmt: skip
-    model = model_of(problem, scalars or ("residual",), tie, given)
+    model = model_of(problem, scalars or ("residual",), tie, settings)
     deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
     model.check_varied([*data.inputs, *deviations])
     twice = sorted(set(data.inputs) & set(deviations))
@@ -354,19 +354,19 @@ def compare(
     sources = (*deviations, *([TAB] if data.common.any() else []))
     if data.common.any():
         effects = np.column_stack([effects, data.common])
-    found = Comparison(
+    comparison = Comparison(
         names=data.names, numbers=data.numbers, position=data.position, measured=data.measured,
         predicted=predicted, deviation=data.deviation, error=error, sources=sources,
         effects=effects, failures=tuple(failures), quantities=data.quantities, problem=problem,
         inputs={name: values[data.rows] for name, values in data.inputs.items()},
         covariates=covariates,
     )  # fmt: skip
-    return replace(found, explanations=explain(found))
+    return replace(comparison, explanations=explain(comparison))
 
 
 def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
     """Return the columns of optional fields that this problem does not admit."""
-    found = []
+    names = []
     for name, values in data.inputs.items():
         if get_field(problem, name) is not None:
             continue
@@ -374,8 +374,8 @@ def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
             problem.replace(**{name: float(values[0])})
         except InvalidProblem as fault:
             if any(path == name for path, _ in fault.faults):
-                found.append(name)
-    return tuple(found)
+                names.append(name)
+    return tuple(names)
 
 
 def _groups(
@@ -383,11 +383,11 @@ def _groups(
 ) -> list[tuple[list[int], dict[str, float]]]:
     """Return the values that one solution predicts, with its inputs."""
     varied = {name: values for name, values in data.inputs.items() if name not in covariates}
-    found: dict[tuple[float, ...], list[int]] = {}
+    groups: dict[tuple[float, ...], list[int]] = {}
     for k, row in enumerate(data.rows):
         key = tuple(float(values[row]) for values in varied.values())
-        found.setdefault(key, []).append(k)
-    return [(rows, dict(zip(varied, key, strict=True))) for key, rows in found.items()]
+        groups.setdefault(key, []).append(k)
+    return [(rows, dict(zip(varied, key, strict=True))) for key, rows in groups.items()]
 
 
 def _deviation(problem: Problem, name: str, value: float | str) -> float:
@@ -410,10 +410,10 @@ def _effects(
     model: KindModel, result: Any, inputs: Mapping[str, float],
     places: Sequence[tuple[str, float]], deviations: Mapping[str, float],
 ) -> Array:  # fmt: skip
-    """Return what one standard deviation of each uncertain input changes, (places, inputs)."""
-    names, found = tuple(deviations), np.zeros((len(places), len(deviations)))
+    """Return the changes by one standard deviation of each input, (places, inputs)."""
+    names, effects = tuple(deviations), np.zeros((len(places), len(deviations)))
     if not names:
-        return found
+        return effects
     if all(place != place for _, place in places):
         gradient = model.gradient(result, names)
         if gradient is not None:
@@ -435,8 +435,8 @@ def _effects(
             except (InvalidProblem, NotConverged):  # one-sided, if this side has no solution
                 continue
             sides.append(sign * (np.array([_or_nan(side, *place) for place in places]) - base))
-        found[:, j] = np.mean(sides, axis=0) if sides else nan
-    return found
+        effects[:, j] = np.mean(sides, axis=0) if sides else nan
+    return effects
 
 
 def _or_nan(result: Any, name: str, place: float) -> float:
@@ -454,9 +454,9 @@ def _finite(table: Mapping[str, Any]) -> dict[str, Any]:
     return {name: None if value != value else value for name, value in table.items()}
 
 
-def _agreement_text(found: Comparison, output: str) -> str:
+def _agreement_text(comparison: Comparison, output: str) -> str:
     """Return the agreement of an output as a line."""
-    of, quantity = found.agreement(output), found.quantities[output]
+    of, quantity = comparison.agreement(output), comparison.quantities[output]
     if of.size == 0:
         return f"{output}: no value with a prediction"
 
@@ -469,7 +469,7 @@ def _agreement_text(found: Comparison, output: str) -> str:
         f" ({100 * of.relative_bias:+.2g} %)",
         f"RMS {text(of.rms)}",
     ]
-    if of.within == of.within:
+    if of.coverage == of.coverage:
         parts.append(f"expected {text(of.expected_rms)}")
-        parts.append(f"{100 * of.within:.0f} % within two standard uncertainties")
+        parts.append(f"{100 * of.coverage:.0f} % within two standard uncertainties")
     return ", ".join(parts)

@@ -150,23 +150,23 @@ class Explanation(NamedTuple):
         return [f"{head}. Possible causes:", *(f"  - {cause}" for cause in self.causes)]
 
 
-def explain(found: Comparison) -> tuple[Explanation, ...]:
+def explain(comparison: Comparison) -> tuple[Explanation, ...]:
     """Return the findings of all outputs with the causes that rules name for them."""
-    return tuple(entry for output in found.outputs for entry in _of_output(found, output))
+    return tuple(entry for output in comparison.outputs for entry in _of_output(comparison, output))
 
 
-def _of_output(found: Comparison, output: str) -> Iterator[Explanation]:
-    of = found.agreement(output)
+def _of_output(comparison: Comparison, output: str) -> Iterator[Explanation]:
+    of = comparison.agreement(output)
     if of.size < 2:
         return
-    rows = found.of(output)
-    causes = list(_trends(found, output, rows))
+    rows = comparison.of(output)
+    causes = list(_trends(comparison, output, rows))
     yield from causes
     significant = abs(of.bias) > SIGNIFICANT * of.bias_uncertainty
     if significant:
-        yield _bias(found, output, rows)
-    yield from _budget(found, output, rows, significant)
-    yield from _outliers(found, output, rows)
+        yield _bias(comparison, output, rows)
+    yield from _budget(comparison, output, rows, significant)
+    yield from _outliers(comparison, output, rows)
     if not significant and not causes and of.bias_uncertainty == of.bias_uncertainty:
         yield Explanation(output, "no systematic difference beyond the error budget")
 
@@ -177,17 +177,17 @@ def _class_of(output: str) -> str:
     )
 
 
-def _bias(found: Comparison, output: str, rows: Array) -> Explanation:
+def _bias(comparison: Comparison, output: str, rows: Array) -> Explanation:
     """Return the explanation of a mean difference."""
-    of, residual = found.agreement(output), found.residual[rows]
+    of, residual = comparison.agreement(output), comparison.residual[rows]
     sign = 1 if of.bias > 0 else -1
     same = int(np.sum(np.sign(residual) == sign))
     word = "larger" if sign > 0 else "smaller"
     share = f"by {100 * abs(of.relative_bias):.2g} % of the mean, in {same} of {of.size} values"
     causes = list(_BIAS.get((_class_of(output), sign), ()))
-    if getattr(found.problem, "air", None) is not None:
+    if getattr(comparison.problem, "air", None) is not None:
         causes = [c.replace("entrained air", "more entrained air than assumed") for c in causes]
-    ratio = found.measured[rows] / found.predicted[rows]
+    ratio = comparison.measured[rows] / comparison.predicted[rows]
     constant = np.std(ratio) < CONSTANT * abs(np.mean(ratio))
     if _class_of(output) == PRESSURE and constant and of.size >= FEWEST:
         text = f"the ratio is nearly constant ({np.mean(ratio):.2g}): the calibration of the tab"
@@ -195,16 +195,16 @@ def _bias(found: Comparison, output: str, rows: Array) -> Explanation:
     return Explanation(output, f"measured {word} than predicted {share}", tuple(causes))
 
 
-def _trends(found: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+def _trends(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
     """Yield the explanations of trends with the varied inputs, and with the radius."""
     from scipy.stats import linregress
 
-    places = {name: values[rows] for name, values in found.inputs.items()}
-    if np.isfinite(found.position[rows]).all():
-        places["radius"] = found.position[rows]
-    y, predicted = found.residual[rows], found.predicted[rows]
+    places = {name: values[rows] for name, values in comparison.inputs.items()}
+    if np.isfinite(comparison.position[rows]).all():
+        places["radius"] = comparison.position[rows]
+    y, predicted = comparison.residual[rows], comparison.predicted[rows]
     mean = float(np.mean(predicted))
-    budget = sqrt(float(np.mean(found.total[rows] ** 2)))
+    budget = sqrt(float(np.mean(comparison.total[rows] ** 2)))
     least = budget if budget > 0 else LEAST_TREND * abs(mean)
     # neither an offset nor a wrong factor is a trend: it must show in y and in y/predicted
     measures = [y, y * mean / predicted] if np.all(predicted * mean > 0) else [y]
@@ -218,48 +218,54 @@ def _trends(found: Comparison, output: str, rows: Array) -> Iterator[Explanation
                    for line, change in zip(lines, changes, strict=True)):  # fmt: skip
             continue
         word = "rises" if sign > 0 else "falls"
-        ends = " to ".join(_shown(found.quantities.get(name), v) for v in (x.min(), x.max()))
-        text = _shown(found.quantities[output], abs(changes[0]))
+        ends = " to ".join(_shown(comparison.quantities.get(name), v) for v in (x.min(), x.max()))
+        text = _shown(comparison.quantities[output], abs(changes[0]))
         finding = f"measured - predicted {word} by {text} with {name} from {ends}"
         causes = _TRENDS.get((_class_of(output), name.rpartition(".")[2], sign), ())
         yield Explanation(output, finding, causes)
 
 
 def _budget(
-    found: Comparison, output: str, rows: Array, significant: bool
+    comparison: Comparison, output: str, rows: Array, significant: bool
 ) -> Iterator[Explanation]:
     """Yield what the parts of the error budget say."""
-    of = found.agreement(output)
-    if np.isnan(found.deviation[rows]).any():
+    of = comparison.agreement(output)
+    if np.isnan(comparison.deviation[rows]).any():
         text = (
             "no standard deviations of the measurement: the scatter of the rows stands in for them"
         )
         yield Explanation(output, text)
-    total2, error = float(np.sum(found.total[rows] ** 2)), np.nan_to_num(found.error[rows])
-    if float(np.sum(error**2)) > 0.5 * total2 > 0 and not np.isnan(found.deviation[rows]).any():
+    total2, error = (
+        float(np.sum(comparison.total[rows] ** 2)),
+        np.nan_to_num(comparison.error[rows]),
+    )
+    if (
+        float(np.sum(error**2)) > 0.5 * total2 > 0
+        and not np.isnan(comparison.deviation[rows]).any()
+    ):
         text = (
             "the discretisation error is the largest part of the error budget: use a smaller rtol"
         )
         yield Explanation(output, text)
-    common = found.effects[rows].mean(axis=0) if found.sources else np.zeros(0)
+    common = comparison.effects[rows].mean(axis=0) if comparison.sources else np.zeros(0)
     if common.size and not significant:
         rest2 = max(of.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
         if abs(of.bias) > SIGNIFICANT * sqrt(rest2):
-            largest = found.sources[int(np.argmax(np.abs(common)))]
+            largest = comparison.sources[int(np.argmax(np.abs(common)))]
             text = ("the mean difference lies within the spread of the inputs; the largest "
                     f"contribution is that of {largest}")  # fmt: skip
             yield Explanation(output, text)
 
 
-def _outliers(found: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+def _outliers(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
     """Yield single values far outside the error budget while the others are inside."""
-    ratio = np.abs(found.ratio[rows])
+    ratio = np.abs(comparison.ratio[rows])
     far = ratio > OUTLYING
     if ratio.size < FEWEST or not far.any() or far.sum() > 0.2 * ratio.size:
         return
     if np.mean(ratio[~far] <= SIGNIFICANT) < 0.8:
         return
-    numbers = np.array(found.numbers)[rows][far]
+    numbers = np.array(comparison.numbers)[rows][far]
     text = f"row {', '.join(map(str, numbers))}: more than {OUTLYING:g} standard uncertainties off"
     yield Explanation(output, text, ("the reading or the setting of this row is wrong",))
 

@@ -61,6 +61,8 @@ class FindResult(Presented, ReadOnly):
         SI units.
     solutions : tuple of (value, result)
         In ascending order of the value, SI units.
+    reached, errors : (k,) arrays
+        The output at the solutions, and its estimated discretisation error.
     uncertainties : (k,) array
         The estimated discretisation error of the output over the magnitude of the slope, in units
         of the field; nan where the error is not known.
@@ -80,6 +82,8 @@ class FindResult(Presented, ReadOnly):
     output: str
     target: float
     solutions: tuple[Solution, ...]
+    reached: Array
+    errors: Array
     uncertainties: Array
     slopes: Array
     values: Array
@@ -121,8 +125,8 @@ class FindResult(Presented, ReadOnly):
         return "\n".join(self.lines())
 
     def __repr__(self) -> str:
-        found = ", ".join(_text(self, self.name, value) for value, _ in self.solutions)
-        return f"FindResult({self.name} = {found} for {_target_text(self)})"
+        outcome = ", ".join(_text(self, self.name, value) for value, _ in self.solutions)
+        return f"FindResult({self.name} = {outcome} for {_target_text(self)})"
 
     def _repr_html_(self) -> str:
         return self._html_of_table(_answer(self, 0), self.to_dataframe(), remarks(self))
@@ -131,13 +135,11 @@ class FindResult(Presented, ReadOnly):
         """Return a row for each solution: value, uncertainty, output, its error, slope [SI]."""
         import pandas as pd
 
-        outputs = [_output_of(result, self.output) for _, result in self.solutions]
-        errors = [error_of(result, self.output) for _, result in self.solutions]
         columns = {
             self.name: [value for value, _ in self.solutions],
             "uncertainty": self.uncertainties,
-            self.output: outputs,
-            f"errors.{self.output}": errors,
+            self.output: self.reached,
+            f"errors.{self.output}": self.errors,
             "slope": self.slopes,
         }
         return pd.DataFrame(columns)
@@ -238,8 +240,8 @@ def find(
     4.0
     """
     output, value = _one_target(target)
-    given = {"nodes": nodes, "rtol": rtol, **(options or {})}
-    model = model_of(problem, output, tie, given)
+    settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
+    model = model_of(problem, output, tie, settings)
     model.check_varied([name])
     quantities = quantities_of(model, (name, output))
     base = get_field(problem, name)
@@ -248,22 +250,23 @@ def find(
     aim = parse(value, quantities[output].unit, output)
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
-    with _told(progress, count) as tell:
+    with _progress_reporter(progress, count) as tell:
         search = RootSearch(model, name, output, aim, interval, tell)
         search.scan(count, base)
-        found = search.solutions()
-    slopes = np.array([_slope(search, sample) for sample in found])
+        roots = search.solutions()
+    slopes = np.array([_slope(search, sample) for sample in roots])
     scan = np.array([[sample.value, sample.output] for sample in search.samples])
     failures = tuple((s.value, s.failure) for s in search.samples if s.failure)
-    if not found:
+    if not roots:
         raise _no_solution(search, quantities, scan, failures)
-    errors = np.array([error_of(sample.result, output) for sample in found])
+    errors = np.array([error_of(sample.result, output) for sample in roots])
     with np.errstate(divide="ignore", invalid="ignore"):
         uncertainties = np.where(slopes == 0, nan, errors / np.abs(slopes))
-    warn(found[0].result.warnings)
+    warn(roots[0].result.warnings)
     return FindResult(
         name=name, output=output, target=aim,
-        solutions=tuple(Solution(sample.value, sample.result) for sample in found),
+        solutions=tuple(Solution(sample.value, sample.result) for sample in roots),
+        reached=np.array([sample.output for sample in roots]), errors=errors,
         uncertainties=uncertainties, slopes=slopes, values=scan[:, 0].copy(),
         outputs=scan[:, 1].copy(), failures=failures, jumps=tuple(search.jumps),
         quantities=quantities,
@@ -276,8 +279,8 @@ def find(
 def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
     """Return the output and its target."""
     if len(target) != 1:
-        given = ", ".join(target) or "none"
-        text = f"{given} given; must be one output, e.g. wound_on_tension=300.0"
+        names = ", ".join(target) or "none"
+        text = f"{names} given; must be one output, e.g. wound_on_tension=300.0"
         raise InvalidProblem.at("target", text)
     ((output, value),) = target.items()
     return output, value
@@ -345,7 +348,7 @@ def _usual_range(
 
 
 @contextmanager
-def _told(progress: bool | Progress, expected: int) -> Iterator[Callable[[int], None]]:
+def _progress_reporter(progress: bool | Progress, expected: int) -> Iterator[Callable[[int], None]]:
     """Provide a function that reports how many points are evaluated."""
     if progress is True:
         from .progress import fraction_bar
@@ -359,13 +362,6 @@ def _told(progress: bool | Progress, expected: int) -> Iterator[Callable[[int], 
 
 
 # ---- output -------------------------------------------------------------------------------------
-
-
-def _output_of(result: Any, output: str) -> float:
-    if output.startswith("errors."):
-        return float(result.errors.get(output.removeprefix("errors."), nan))
-    value = getattr(result, output)
-    return float(value() if callable(value) else value)
 
 
 def _slope(search: RootSearch, sample: Sample) -> float:
@@ -417,39 +413,41 @@ def _shown(quantity: Quantity, value: float, digits: int = 6) -> str:
     return f"{quantity.shown(float(value)):.{digits}g} {quantity.display}".rstrip()
 
 
-def _text(found: FindResult, name: str, value: float, digits: int = 6) -> str:
-    return _shown(found.quantities[name], value, digits)
+def _text(outcome: FindResult, name: str, value: float, digits: int = 6) -> str:
+    return _shown(outcome.quantities[name], value, digits)
 
 
-def _target_text(found: FindResult) -> str:
-    return f"{found.output} = {_text(found, found.output, found.target)}"
+def _target_text(outcome: FindResult) -> str:
+    return f"{outcome.output} = {_text(outcome, outcome.output, outcome.target)}"
 
 
-def _answer(found: FindResult, k: int) -> str:
+def _answer(outcome: FindResult, k: int) -> str:
     """Return a solution as a line: value, uncertainty, output."""
-    value, result = found.solutions[k]
-    spread = found.uncertainties[k]
-    known = f" +- {_text(found, found.name, spread, 2)}" if isfinite(spread) else ""
-    reached = _text(found, found.output, _output_of(result, found.output))
-    return f"{found.name} = {_text(found, found.name, value)}{known}: {found.output} = {reached}"
+    value = outcome.solutions[k].value
+    spread = outcome.uncertainties[k]
+    known = f" +- {_text(outcome, outcome.name, spread, 2)}" if isfinite(spread) else ""
+    reached = _text(outcome, outcome.output, outcome.reached[k])
+    text = _text(outcome, outcome.name, value)
+    return f"{outcome.name} = {text}{known}: {outcome.output} = {reached}"
 
 
-def remarks(found: FindResult) -> list[str]:
-    """Return what a reader must know in addition to the values."""
-    told = []
-    if len(found.solutions) > 1:
-        told.append(f"{len(found.solutions)} values give {_target_text(found)}; "
+def remarks(outcome: FindResult) -> list[str]:
+    """Return remarks on the solutions: their number, the uncertainty, scan, failures and jumps."""
+    texts = []
+    if len(outcome.solutions) > 1:
+        texts.append(f"{len(outcome.solutions)} values give {_target_text(outcome)}; "
                     "value, problem and result are those of the first")  # fmt: skip
-    if np.isfinite(found.uncertainties).any():
-        told.append("+- is the estimated discretisation error of the output over the slope")
-    low, high = (_text(found, found.name, end) for end in found.values[[0, -1]])
-    ends = " to ".join(_text(found, found.output, end) for end in found.reachable)
-    told.append(f"scanned: {found.name} from {low} to {high}, {found.output} {ends}")
-    if found.failures:
-        value, reason = found.failures[0]
-        told.append(f"{len(found.failures)} of {len(found.values)} points have no solution, e.g. "
-                    f"{_text(found, found.name, value)}: {reason}")  # fmt: skip
-    for jump in found.jumps:
-        told.append(f"{found.output} jumps across the target at {found.name} = "
-                    f"{_text(found, found.name, jump[0])}")  # fmt: skip
-    return told
+    if np.isfinite(outcome.uncertainties).any():
+        texts.append("+- is the estimated discretisation error of the output over the slope")
+    low, high = (_text(outcome, outcome.name, end) for end in outcome.values[[0, -1]])
+    ends = " to ".join(_text(outcome, outcome.output, end) for end in outcome.reachable)
+    texts.append(f"scanned: {outcome.name} from {low} to {high}, {outcome.output} {ends}")
+    if outcome.failures:
+        value, reason = outcome.failures[0]
+        count = f"{len(outcome.failures)} of {len(outcome.values)} points"
+        at = _text(outcome, outcome.name, value)
+        texts.append(f"{count} have no solution, e.g. {at}: {reason}")
+    for jump in outcome.jumps:
+        texts.append(f"{outcome.output} jumps across the target at {outcome.name} = "
+                    f"{_text(outcome, outcome.name, jump[0])}")  # fmt: skip
+    return texts

@@ -86,23 +86,23 @@ def read_observations(
         known |= {**places, TAB_FORCE: FORCE}
     instead = {name: text for name, text in replaced(problem).items() if name not in known}
     table = read_measured(data, fields, known, columns, instead)
-    found, deviations = dict(table.outputs), dict(table.deviations)
-    radius = _radius(found, table.where, len(table.numbers))
+    values_of, deviations = dict(table.outputs), dict(table.deviations)
+    radius = _radius(values_of, table.where, len(table.numbers))
     common: dict[str, Array] = {}
-    if TAB_FORCE in found:
+    if TAB_FORCE in values_of:
         if tab is None:
             text = f"{TAB_FORCE} needs the calibration of the tab: tab=wo.PullTab(...)"
             raise InvalidProblem.at(table.where, text)
-        if PRESSURE in found:
+        if PRESSURE in values_of:
             text = f"has {PRESSURE} and {TAB_FORCE}; must be one of them"
             raise InvalidProblem.at(table.where, text)
-        found[PRESSURE] = tab.pressure(found.pop(TAB_FORCE))
-        common[PRESSURE] = tab.deviation * np.abs(found[PRESSURE])
+        values_of[PRESSURE] = tab.pressure(values_of.pop(TAB_FORCE))
+        common[PRESSURE] = tab.deviation * np.abs(values_of[PRESSURE])
         if TAB_FORCE in deviations:
             deviations[PRESSURE] = tab.pressure_per_force * deviations.pop(TAB_FORCE)
     entries = []
     scalars = measurable(problem)
-    for name, values in found.items():
+    for name, values in values_of.items():
         nowhere = np.isnan(radius) & np.isfinite(values)
         if name not in scalars and nowhere.any():
             row = table.numbers[int(np.argmax(nowhere))]
@@ -127,12 +127,12 @@ def read_observations(
     )  # fmt: skip
 
 
-def _radius(found: dict[str, Array], where: str, count: int) -> Array:
+def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
     """Take the column of positions out of the outputs; return the radii."""
-    given = [name for name in POSITIONS if name in found]
-    if len(given) > 1:
-        raise InvalidProblem.at(where, f"has {' and '.join(given)}; must be one of them")
-    return POSITIONS[given[0]] * found.pop(given[0]) if given else np.full(count, nan)
+    columns = [name for name in POSITIONS if name in values_of]
+    if len(columns) > 1:
+        raise InvalidProblem.at(where, f"has {' and '.join(columns)}; must be one of them")
+    return POSITIONS[columns[0]] * values_of.pop(columns[0]) if columns else np.full(count, nan)
 
 
 def _over_the_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]:
@@ -141,17 +141,17 @@ def _over_the_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]
     if "radius" not in places:
         return {}
     scalars = scalar_outputs(result)
-    found: dict[str, Quantity] = {}
+    arrays: dict[str, Quantity] = {}
     roll = getattr(result, "roll", None)
     if isinstance(roll, property) and roll.fget is not None:
-        found = _over_the_radius(get_type_hints(roll.fget)["return"], fields)
+        arrays = _over_the_radius(get_type_hints(roll.fget)["return"], fields)
     along = getattr(result, "ALONG", {})
-    found |= {
+    arrays |= {
         name: place.quantity for name, place in places.items()
         if name not in scalars and name not in along and place.quantity is not None
         and np.ndarray in get_args(place.field)
     }  # fmt: skip
-    return {name: of for name, of in found.items() if name not in fields and name != "radius"}
+    return {name: of for name, of in arrays.items() if name not in fields and name != "radius"}
 
 
 # ---- predictions --------------------------------------------------------------------------------
@@ -178,15 +178,15 @@ def predict(result: Any, name: str, position: float) -> float:
             raise InvalidProblem.at(name, "is not known of a stage of the build-up; leave out the "
                                     "column with its radius")  # fmt: skip
         return float(value_of(roll.at(position), name))
-    own = result if hasattr(type(result), name) or name in vars(result) else roll
-    low, high = float(own.radius[0]), float(own.radius[-1])
+    holder = result if hasattr(type(result), name) or name in vars(result) else roll
+    low, high = float(holder.radius[0]), float(holder.radius[-1])
     if not low <= position <= high:
         text = f"{position:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
         raise InvalidProblem.at("measured_radius", text)
-    values = np.asarray(value_of(own, name))
-    if values.shape != np.shape(own.radius):
+    values = np.asarray(value_of(holder, name))
+    if values.shape != np.shape(holder.radius):
         raise InvalidProblem.at(name, "is not an output over the radius")
-    return float(np.interp(position, own.radius, values))
+    return float(np.interp(position, holder.radius, values))
 
 
 def _length_laid(roll: Any, position: float) -> float:

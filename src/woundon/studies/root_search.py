@@ -149,13 +149,13 @@ class RootSearch:
 
     def solutions(self) -> list[Sample]:
         """Return the samples that solve the problem, in ascending order."""
-        found = [
+        roots = [
             sample for sample in self.samples if sample.result is not None and self.is_root(sample)
         ]
         for a, b in self._brackets():
             if not any(self.is_root(end) for end in (a, b)):
-                found += self._solve_bracket(a, b, SEARCHES)
-        return sorted(found, key=lambda sample: sample.value)
+                roots += self._solve_bracket(a, b, SEARCHES)
+        return sorted(roots, key=lambda sample: sample.value)
 
     def _pairs(self) -> list[tuple[Sample, Sample]]:
         return list(zip(self.samples, self.samples[1:], strict=False))
@@ -267,14 +267,16 @@ class RootSearch:
     def _around_unsolved(self, low: float, high: float, depth: int) -> list[Sample]:
         """Return the solutions in the parts of a bracket next to a point that was not solved."""
         inside = [pair for pair in self._pairs() if low <= pair[0].value and pair[1].value <= high]
-        for one, two in inside:
-            if (one.result is None) != (two.result is None):
-                self._approach_limit(*((one, two) if one.result is not None else (two, one)))
-        found: list[Sample] = []
-        for one, two in self._brackets():
-            if low <= one.value and two.value <= high and depth:
-                found += self._solve_bracket(one, two, depth - 1)
-        return found
+        for first, second in inside:
+            if (first.result is None) != (second.result is None):
+                self._approach_limit(
+                    *((first, second) if first.result is not None else (second, first))
+                )
+        roots: list[Sample] = []
+        for first, second in self._brackets():
+            if low <= first.value and second.value <= high and depth:
+                roots += self._solve_bracket(first, second, depth - 1)
+        return roots
 
     def on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
         """Return the model on the finer mesh of two results, where the solver chooses the mesh."""
