@@ -295,7 +295,8 @@ def in_processes(
                 future = wait(busy, return_when=FIRST_COMPLETED).done.pop()
                 number, worker = busy.pop(future)
                 idle.append(worker)
-                dead = isinstance(future.exception(), BrokenExecutor)
+                fault = future.exception()
+                dead = isinstance(fault, BrokenExecutor)
                 if retry := dead and number not in suspects:
                     suspects.add(number)
                     todo.appendleft(number)
@@ -307,7 +308,7 @@ def in_processes(
                 elif died is not None:
                     yield items[number], died(items[number])
                 else:
-                    raise WorkerDied("two worker processes died over this item")
+                    raise WorkerDied("two worker processes died over this item") from fault
         finally:
             for worker in crew:
                 worker.kill()

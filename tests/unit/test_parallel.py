@@ -15,6 +15,7 @@ import chores
 import pytest
 from seldom import seldom
 
+import woundon as wo
 from woundon import parallel
 from woundon.parallel import WORKER_SETTINGS, Cancelled, Worker, WorkerDied, in_processes
 
@@ -113,6 +114,20 @@ def test_work_is_cancelled_at_its_next_progress_and_the_worker_goes_on():
 def test_a_cancelled_case_is_no_failed_case():
     """No handler of exceptions in a solver or a study catches it."""
     assert not issubclass(Cancelled, Exception)
+
+
+@pytest.mark.parametrize("problem", [wo.NipProblem, wo.RollerProblem, wo.WoundRollProblem])
+def test_solvers_report_fractions_and_can_be_cancelled(problem: type):
+    seen: list[float] = []
+    wo.solve(problem.example(), progress=seen.append)
+    assert seen
+    assert 0 <= min(seen) <= max(seen) <= 1
+
+    def cancel(fraction: float) -> None:
+        raise Cancelled
+
+    with pytest.raises(Cancelled):
+        wo.solve(problem.example(), progress=cancel)
 
 
 def test_progress_outside_of_workers_does_nothing():

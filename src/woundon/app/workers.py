@@ -207,8 +207,8 @@ class Pool:
         if seat is None or seat.stopping:
             return
         seat.stopping = True
-        seat.worker.cancel()
         asyncio.get_running_loop().call_later(PATIENCE, self._kill, request, seat)
+        seat.worker.cancel()
 
     def _kill(self, request: _Request, seat: _Seat) -> None:
         if request.seat is seat:

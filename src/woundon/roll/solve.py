@@ -72,7 +72,7 @@ def solve_wound_roll(
     problem: RollProblem,
     *,
     rtol: float = DEFAULT_RTOL,
-    told: Told | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> RollResult:
     """Solve for the pressure and the stresses that winding leaves in a roll.
 
@@ -84,8 +84,8 @@ def solve_wound_roll(
     problem : RollProblem
     rtol : float
         Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.
-    told : callable, optional
-        Is called with the radius reached [m].
+    progress : callable, optional
+        Is called with the fraction of the build-up that is computed, of each discretisation.
 
     Returns
     -------
@@ -100,7 +100,13 @@ def solve_wound_roll(
     """
     check_type("problem", problem, RollProblem)
     check_options(rtol=rtol)
-    return solve_thin_laps(problem, rtol, told).with_laps()
+    core, R = problem.core.radius, problem.radius
+
+    def reached(radius: float) -> None:
+        if progress is not None:
+            progress(min(max((radius - core) / (R - core), 0.0), 1.0))
+
+    return solve_thin_laps(problem, rtol, reached).with_laps()
 
 
 class ThinLaps(NamedTuple):
@@ -166,7 +172,7 @@ def solve_thin_laps(problem: RollProblem, rtol: float, told: Told | None = None)
     )
 
 
-def check_options(*, rtol: Any = DEFAULT_RTOL, told: Any = None) -> None:
+def check_options(*, rtol: Any = DEFAULT_RTOL) -> None:
     """Check the options of :func:`solve_wound_roll`.
 
     Raises
