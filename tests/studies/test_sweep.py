@@ -14,7 +14,6 @@ from thesis_cases import paper_nip
 import woundon as wo
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
-from woundon.problems.units import parse
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8

@@ -116,7 +116,7 @@ def test_a_cancelled_case_is_no_failed_case():
     assert not issubclass(Cancelled, Exception)
 
 
-@pytest.mark.parametrize("problem", [wo.NipProblem, wo.RollerProblem, wo.WoundRollProblem])
+@pytest.mark.parametrize("problem", [wo.NipProblem, wo.RollerProblem, wo.RollProblem])
 def test_solvers_report_fractions_and_can_be_cancelled(problem: type):
     seen: list[float] = []
     wo.solve(problem.example(), progress=seen.append)

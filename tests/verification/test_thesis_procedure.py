@@ -288,7 +288,7 @@ def test_invalid_input_is_rejected(changes: dict, options: dict, names: str) -> 
 
 
 def test_wrapped_nip_is_rejected() -> None:
-    with pytest.raises(wo.InvalidProblem, match="roll_wrap: 3.14159 is not possible"):
+    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: 3\.14159 is not possible"):
         procedure.solve(PROBLEM.replace(roll_wrap=np.pi))
 
 
