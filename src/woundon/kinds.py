@@ -399,7 +399,7 @@ def solve(problem: Any, **options: Any) -> Any:
     ==================================  =================================================
     :class:`~woundon.NipProblem`        one rolling nip: the wound-on tension
     :class:`~woundon.RollerProblem`     two rollers in contact without a web
-    :class:`~woundon.RollProblem`  stresses in a roll of given wound-on tension
+    :class:`~woundon.RollProblem`       stresses in a roll of given wound-on tension
     :class:`~woundon.WindingProblem`    a winding: nip and roll coupled over the radius
     ==================================  =================================================
 
