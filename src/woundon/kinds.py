@@ -289,7 +289,7 @@ def register(
     problem : class
         A :class:`~woundon.problems.fields.Problem`.
     solver : callable
-        (problem, **options) -> result.
+        ``(problem, **options) -> result``.
     result : class
         A :class:`~woundon.results.Result`.
     name : str
@@ -301,7 +301,7 @@ def register(
         (result) -> parts of a report, and panels of a figure by name; by default all outputs and
         all arrays.
     check : callable
-        Checks options before anything is solved: (**options).
+        Checks options before anything is solved: ``(**options)``.
     options : mapping
         Help texts and choices of the solver's options by name; by default those of the solver's
         docstring, which Python does not have under ``-OO``.

@@ -40,12 +40,12 @@ def draw_map(axes: Axes, cases: Cases) -> Handles:
     for case, slip in known:
         x, z, excess = _map(case.result, slip)
         x, z = quantity_of(result, "x").shown(x), quantity_of(result, "half_width").shown(z)
-        excess = quantity_of(result, "pressure").shown(excess)
+        excess = quantity_of(result, "drum_pressure").shown(excess)
         if case.alone:
             top = max(float(excess.max()), 1e-3)
             levels = MaxNLocator(16, symmetric=True).tick_values(-top, top)
             filled = axes.contourf(x, z, excess, levels, cmap="RdBu_r", extend="min")
-            label = axis_label(r"$|\tau| - \mu(P_0 + p)$", quantity_of(result, "pressure"))
+            label = axis_label(r"$|\tau| - \mu(P_0 + p)$", quantity_of(result, "drum_pressure"))
             axes.figure.colorbar(filled, ax=axes, label=label)
         axes.contour(x, z, excess, [0.0], colors=[case.or_own("#000000")], linewidths=1.2)
         handles += axes.plot([], [], color=case.or_own("#000000"), label="border of slip")[:1]
@@ -81,7 +81,7 @@ def _lowest(slip: LayerSlip) -> float:
 def draw_shear(axes: Axes, cases: Cases) -> Handles:
     """Draw the largest shear, what friction carries, and the largest excess over the depth."""
     known, result = _known(cases), cases[0].result
-    stress, depth = quantity_of(result, "pressure"), quantity_of(result, "half_width")
+    stress, depth = quantity_of(result, "drum_pressure"), quantity_of(result, "half_width")
     handles: Handles = []
     for case, slip in known:
         z, own = depth.shown(slip.interface_depth), []
