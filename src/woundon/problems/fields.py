@@ -254,6 +254,8 @@ class Description(BaseModel, metaclass=Described):
     def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
         """Return changes by dotted name with texts as numbers in SI."""
         found: dict[str, Any] = dict(changes)
+        if not any(isinstance(value, (str, FloatWithUnit)) for value in changes.values()):
+            return found
         context = context_of(self)
         for path in in_order(changes):
             name = path.removeprefix("web.")

@@ -13,6 +13,7 @@ convert the other forms before a description is validated:
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from ..errors import InvalidProblem
@@ -137,9 +138,17 @@ def convert(value: Any, place: Place, context: Context) -> Any:
 
 
 def _may_be_converted(name: str, value: Any, model: type[Any]) -> bool:
-    if name not in model.model_fields:
-        return True
-    if type(value) is float or value is None:
+    return name not in model.model_fields or _holds_other_form(value)
+
+
+def _holds_other_form(value: Any) -> bool:
+    if type(value) in (list, tuple):
+        return any(map(_is_other_form, value))
+    return _is_other_form(value)
+
+
+def _is_other_form(value: Any) -> bool:
+    if type(value) in (float, int) or value is None:
         return False
     return isinstance(value, (str, Mapping, list, tuple, FloatWithUnit)) or _has_units(value)
 
@@ -162,10 +171,11 @@ def _table(
         first = [*(name for name in first if name != "density"), "density"]
     found: dict[str, Any] = {}
     for name in dict.fromkeys((*first, *given)):
-        places = [p for m in models for p in find(m, str(name), of_field)]
-        if not places:
-            places = [p for m in models for p in _input_only(m, str(name))]
-        found[name] = _value(given[name], places, f"{prefix}{name}", faults, context)
+        found[name] = given[name]
+        if _holds_other_form(given[name]):
+            places = [p for m in models for p in find(m, str(name), of_field)]
+            places = places or [p for m in models for p in _input_only(m, str(name))]
+            found[name] = _value(given[name], places, f"{prefix}{name}", faults, context)
         context = context.with_field(name, found[name])
     helpers = {name for m in models for name in getattr(m, "_input_only", ())} & found.keys()
     for name in helpers:
@@ -260,14 +270,18 @@ def _text(value: Any) -> Any:
 
 def _has_units(value: Any) -> bool:
     """Tell whether a schedule holds values with units."""
-    model = type(value)
-    if not hasattr(model, "model_fields"):
-        return False
-    held = (
-        getattr(value, name) for name, f in model.model_fields.items() if OF_FIELD in f.metadata
-    )
-    return any(_has_unit(item) for part in held
-               for item in (part if isinstance(part, tuple) else (part,)))  # fmt: skip
+    for name in _values_of_field(value.__class__):
+        held = getattr(value, name)
+        if any(map(_has_unit, held if isinstance(held, tuple) else (held,))):
+            return True
+    return False
+
+
+@cache
+def _values_of_field(model: Any) -> tuple[str, ...]:
+    """Return the names of the fields that are in the unit of the field that holds them all."""
+    fields = getattr(model, "model_fields", {})
+    return tuple(name for name, field in fields.items() if OF_FIELD in field.metadata)
 
 
 def _schedule(value: Any, places: list[Place], path: str, faults: Faults, context: Context) -> Any:
@@ -276,7 +290,7 @@ def _schedule(value: Any, places: list[Place], path: str, faults: Faults, contex
         name: _value(getattr(value, name),
                      [p for of in places for p in find(type(value), name, of.quantity)],
                      f"{path}.{name}", faults, context)
-        for name, field in type(value).model_fields.items() if OF_FIELD in field.metadata
+        for name in _values_of_field(value.__class__)
     }  # fmt: skip
     return value.replace(**changed)
 
