@@ -18,7 +18,7 @@ from woundon.elasticity.hardening_surface import HardeningSurface
 from woundon.elasticity.influence import InfluenceSurface
 from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.ring_elements import Fineness
-from woundon.nip.equations import NipEquations
+from woundon.nip.outputs import NipSystem
 from woundon.problems.wound_roll import ring_of
 
 Array = np.ndarray
@@ -78,10 +78,10 @@ def test_the_jacobian_is_the_derivative(
     problem: Any = nip(roll())
     problem = problem.replace(**{"web.material": roll().stack})
     problem = problem.replace(**wraps)
-    system: Any = NipEquations(problem, 13)
+    system: Any = NipSystem(problem, 13)
     u, active = system.initial_guess()
     solution, _ = SemismoothNewton(system).solve(system.evaluate(u), active, 1e-6)
-    system = NipEquations(problem, 13)  # without the surfaces of a neighbouring half width
+    system = NipSystem(problem, 13)  # without the surfaces of a neighbouring half width
     state = system.evaluate(solution.u)
     jacobian, columns = system.jacobian(state), system.half_width_column(state)
     rng = np.random.default_rng(0)
@@ -239,7 +239,7 @@ def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch)
 
 
 def solve(problem: Any, nodes: int) -> Refinement:
-    return refine(lambda size: NipEquations(problem, size), nodes=nodes)
+    return refine(lambda size: NipSystem(problem, size), nodes=nodes)
 
 
 @pytest.mark.parametrize("wraps", [None, {"roll_wrap": pi / 2}], ids=["plain", "wrapped"])

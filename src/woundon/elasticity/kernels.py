@@ -17,12 +17,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from .lag import Lag
 
 __all__ = ["Kernel", "SurfaceKernels", "singular", "smooth_parts"]
 
@@ -44,7 +41,7 @@ class Kernel:
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
     twice: Callable[[Array], Array] | None = None
-    lag: Lag | None = None
+    lag: Any = None  # a Lag
 
     def singular(self, t: Array) -> Array:
         """Return the singular parts and the lag at t (k,), t != 0."""
@@ -97,7 +94,7 @@ class SurfaceKernels:
     truncation_error: float = 0.0
     terms: int = 0
     together: Callable[[Array], Array] | None = None
-    lag: Lag | None = None
+    lag: Any = None  # a Lag
     normal_together: Callable[[Array], Array] | None = None
     reach: float | None = None
 

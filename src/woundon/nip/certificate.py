@@ -24,6 +24,7 @@ from .energy import power_balance, rolling_resistance
 from .entrained_air import air_conditions
 from .outputs import (
     SLIP_RATIOS,
+    NipSystem,
     approach,
     roll_wound_on_tension,
     slip_ratios,
@@ -50,9 +51,7 @@ INCONSISTENT, FALLEN = 3.0, 0.3
 
 def equations_of(result: Any) -> NipEquations:
     """Return the equations on the mesh of a result."""
-    from .equations import NipEquations
-
-    return NipEquations(result.without_air, result.nodes)
+    return NipSystem(result.without_air, result.nodes)
 
 
 def state_of(result: Any, equations: NipEquations) -> NipState:

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from ..problems.bodies import Body
     from ..problems.nip import NipProblem
     from .equations import NipEquations, NipState
-    from .result import NipResult
 
 __all__ = [
     "AirFilm", "air_conditions", "air_film", "air_warnings", "film_of_state", "films_of",
@@ -229,7 +228,7 @@ def _thickness(problem: NipProblem, pressure: Array, half_width: float, in_nip: 
     return np.asarray(mass / (p_a + pressure))
 
 
-def air_conditions(result: NipResult) -> dict[str, float]:
+def air_conditions(result: Any) -> dict[str, float]:
     """Return the violations of the equations of the film, relative.
 
     ``air_inlet``: the gradient K by the pressure of the result.  ``air_film``: films and friction

@@ -33,7 +33,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, log, pi
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -43,7 +43,6 @@ from ..elasticity.surface import Deformation, SurfaceResponse, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from .layout import Layout
 from .load_limit import frictionless_half_width
-from .outputs import main_outputs, nip_outputs
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
@@ -197,9 +196,9 @@ class NipEquations:
         """Tractions on the drum: their slip contains the creepage."""
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
 
-    def for_problem(self, problem: Any) -> NipEquations:
+    def for_problem(self, problem: Any) -> Self:
         """Return the equations of a neighbouring problem with the same numbering."""
-        return NipEquations(problem, self.size, self._first_mesh)
+        return type(self)(problem, self.size, self._first_mesh)
 
     def node_names(self, tractions: Array) -> list[str]:
         """Return the faces and nodes of some tractions in words."""
@@ -354,14 +353,6 @@ class NipEquations:
             (moved.slip - state.slip) / step,
             (moved.bound - state.bound) / step,
         )
-
-    def main_outputs(self, state: NipState) -> dict[str, float]:
-        """Return the outputs that decide where mesh refinement ends."""
-        return main_outputs(self, state)
-
-    def outputs(self, state: NipState, active: Array) -> dict[str, float]:
-        """Return the outputs whose discretisation error is estimated."""
-        return nip_outputs(self, state, active)
 
     # ---- transfer to another mesh --------------------------------------------------------------
 

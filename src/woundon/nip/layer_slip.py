@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import ceil, isinf
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -37,9 +37,6 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import length, pure
 from ..results import ReadOnly
-
-if TYPE_CHECKING:
-    from .result import NipResult
 
 __all__ = ["LayerSlip", "interior_stress", "layer_slip", "wound_in_pressure"]
 
@@ -116,7 +113,7 @@ class LayerSlip(ReadOnly):
         )
 
 
-def layer_slip(result: NipResult) -> LayerSlip | None:
+def layer_slip(result: Any) -> LayerSlip | None:
     """Return the index of slip between the layers of the roll.
 
     Parameters
@@ -173,7 +170,7 @@ def layer_slip(result: NipResult) -> LayerSlip | None:
     )  # fmt: skip
 
 
-def interior_stress(result: NipResult, depths: Array) -> tuple[Section, ...] | None:
+def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
     """Return the stresses that the nip adds in the roll.
 
     Parameters
@@ -200,7 +197,7 @@ def interior_stress(result: NipResult, depths: Array) -> tuple[Section, ...] | N
     return result.problem.roll.interior_stress(x, p, q, np.asarray(depths), a)
 
 
-def wound_in_pressure(result: NipResult, depths: Array) -> Array:
+def wound_in_pressure(result: Any, depths: Array) -> Array:
     """Return P0 at depths z [m] below the surface of the roll, (m,) [Pa]."""
     problem, z = result.problem, np.asarray(depths, dtype=float)
     roll, T = problem.roll, max(float(result.tension[-1]), 0.0) / problem.web.thickness
@@ -216,7 +213,7 @@ def wound_in_pressure(result: NipResult, depths: Array) -> Array:
         return np.minimum(P0, stack.radial.highest)
 
 
-def _blocks(result: NipResult) -> list[Array]:
+def _blocks(result: Any) -> list[Array]:
     """Return the numbers of the interfaces to be evaluated, from the surface, in blocks."""
     roll, h = result.problem.roll, result.problem.web.thickness
     deepest = HALF_PLANE * roll.radius if isinf(roll.thickness) else roll.thickness

@@ -12,18 +12,16 @@ T/R of a closed layer.  T_closed is the wound-on tension of the roll.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .energy import rolling_resistance
+from .equations import NipEquations, NipState
 from .zones import slip_lengths
 
-if TYPE_CHECKING:
-    from .equations import NipEquations, NipState
-
 __all__ = [
-    "SLIP_RATIOS", "approach", "main_outputs", "nip_outputs", "roll_wound_on_tension",
+    "SLIP_RATIOS", "NipSystem", "approach", "main_outputs", "nip_outputs", "roll_wound_on_tension",
     "slip_ratios", "web_arrays",
 ]  # fmt: skip
 
@@ -168,3 +166,15 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
     dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
     values = np.array([leading, trailing, dual]) / (x[-1] - x[0])
     return dict(zip(SLIP_RATIOS, values.tolist(), strict=True))
+
+
+class NipSystem(NipEquations):
+    """The equations of a nip with their outputs, as mesh refinement needs them."""
+
+    def main_outputs(self, state: NipState) -> dict[str, float]:
+        """Return the outputs that decide where mesh refinement ends."""
+        return main_outputs(self, state)
+
+    def outputs(self, state: NipState, active: Array) -> dict[str, float]:
+        """Return the outputs whose discretisation error is estimated."""
+        return nip_outputs(self, state, active)

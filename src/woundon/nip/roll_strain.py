@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidProblem
 from .certificate import equations_of
 
-if TYPE_CHECKING:
-    from .result import NipResult
-
 __all__ = ["roll_strain", "wound_on_tension_estimate"]
 
 Array = np.ndarray
 
 
-def roll_strain(result: NipResult, s: Array) -> Array:
+def roll_strain(result: Any, s: Array) -> Array:
     """Return the tangential strain of the roll's surface under the tractions of the nip.
 
     Parameters
@@ -48,7 +45,7 @@ def roll_strain(result: NipResult, s: Array) -> Array:
     return np.asarray(surface.strain_outside(result.roll_pressure, result.roll_traction, s))
 
 
-def wound_on_tension_estimate(result: NipResult, angle: float) -> float:
+def wound_on_tension_estimate(result: Any, angle: float) -> float:
     """Return the tension of a web that sticks to the roll up to an angle (thesis eq. 183) [N/m].
 
     The strain of the web follows that of the roll from the trailing edge to the angle where it is

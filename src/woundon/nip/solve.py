@@ -21,7 +21,7 @@ from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_warnings
 from .equations import NipEquations
 from .load_limit import check_load
-from .outputs import SLIP_RATIOS, web_arrays
+from .outputs import SLIP_RATIOS, NipSystem, web_arrays
 from .result import NipResult
 from .solve_air import solve_with_air
 from .validity import nip_warnings, web_far_outside
@@ -125,7 +125,7 @@ def _solve(
     criterion = _criterion(problem, rtol or default)
     try:
         found = refine(
-            lambda size: NipEquations(problem, size), nodes=nodes, criterion=criterion,
+            lambda size: NipSystem(problem, size), nodes=nodes, criterion=criterion,
             most_nodes=MOST_NODES_RTOL if rtol else most, progress=progress,
             start=getattr(start, "refinement", None),
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),

@@ -20,12 +20,9 @@ counted.
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from .result import RollResult
 
 __all__ = ["as_wound", "in_the_roll", "volume", "wound_mass"]
 
@@ -33,13 +30,13 @@ Array = np.ndarray
 GAUSS = 4  # points of a cell
 
 
-def _drawn(result: RollResult, r: Array) -> tuple[Array, Array]:
+def _drawn(result: Any, r: Array) -> tuple[Array, Array]:
     """Return (1 + kappa) T/E_t and T/E_t at radii."""
     strain = result.problem.tension_curve.at(r) / result.problem.stack.tangential
     return (1 + result.kappa(np.log(r))) * strain, strain
 
 
-def as_wound(result: RollResult, r: Array) -> Array:
+def as_wound(result: Any, r: Array) -> Array:
     """Return the density by which the roll has grown [kg/m^3]; nan without that of the web.
 
     Also where the roll below gives way by more than a lap's thickness, which no small strain tells.
@@ -49,7 +46,7 @@ def as_wound(result: RollResult, r: Array) -> Array:
     return np.asarray(_of_the_web(result) / (grown * (1 + strain)))
 
 
-def in_the_roll(result: RollResult) -> Array:
+def in_the_roll(result: Any) -> Array:
     """Return the density of the finished roll at the nodes [kg/m^3]."""
     problem, r = result.problem, result.radius
     stack, hoop = problem.stack, result.hoop_stress
@@ -61,7 +58,7 @@ def in_the_roll(result: RollResult) -> Array:
     return np.asarray(as_wound(result, r) / ((1 + result.displacement / r) * moved))
 
 
-def wound_mass(result: RollResult) -> float:
+def wound_mass(result: Any) -> float:
     """Return the mass of all laps laid, per metre of width [kg/m]."""
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     ends = np.union1d(result.radius, result.stage_radius)
@@ -71,12 +68,12 @@ def wound_mass(result: RollResult) -> float:
     return float(np.sum(half * weights * 2 * pi * r * laid))
 
 
-def volume(result: RollResult) -> float:
+def volume(result: Any) -> float:
     """Return the volume of the finished roll, per metre of width [m^2]."""
     inner, outer = (result.radius + result.displacement)[[0, -1]].tolist()
     return pi * float(outer**2 - inner**2)
 
 
-def _of_the_web(result: RollResult) -> float:
+def _of_the_web(result: Any) -> float:
     density = result.problem.density
     return float("nan") if density is None else float(density)

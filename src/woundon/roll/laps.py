@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -10,21 +10,18 @@ from ..errors import NotConverged
 from .build_up import Laps
 from .certificate import changes, equations_of, shifted
 
-if TYPE_CHECKING:
-    from .result import RollResult
-
 __all__ = ["changed_by_laps", "finite_laps", "laps_of"]
 
 Array = np.ndarray
 
 
-def laps_of(result: RollResult) -> Laps:
+def laps_of(result: Any) -> Laps:
     """Return laps as thick as the web of a result."""
     problem = result.problem
     return Laps(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
 
 
-def finite_laps(result: RollResult) -> tuple[Array, Array]:
+def finite_laps(result: Any) -> tuple[Array, Array]:
     """Return what they add to pressure and hoop stress [Pa]; nan in a roll that is not solved."""
     x = np.log(result.radius)
     if np.isnan(result.lap_growth).any():
@@ -38,7 +35,7 @@ def finite_laps(result: RollResult) -> tuple[Array, Array]:
     return solved.P - P, (P + Q) - (solved.P + solved.Q)
 
 
-def changed_by_laps(result: RollResult) -> dict[str, float]:
+def changed_by_laps(result: Any) -> dict[str, float]:
     """Return how much they change each output that an error is told of [Pa]."""
     pressure, hoop = finite_laps(result)
     middle = (result.radius[0] + result.radius[-1]) / 2

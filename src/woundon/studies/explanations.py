@@ -10,14 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import sqrt
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..quantities import Quantity
-
-if TYPE_CHECKING:
-    from .compare import Comparison
 
 __all__ = ["Explanation", "explain"]
 
@@ -150,12 +147,12 @@ class Explanation(NamedTuple):
         return [f"{head}. Possible causes:", *(f"  - {cause}" for cause in self.causes)]
 
 
-def explain(comparison: Comparison) -> tuple[Explanation, ...]:
+def explain(comparison: Any) -> tuple[Explanation, ...]:
     """Return the findings of all outputs with the causes that rules name for them."""
     return tuple(entry for output in comparison.outputs for entry in _of_output(comparison, output))
 
 
-def _of_output(comparison: Comparison, output: str) -> Iterator[Explanation]:
+def _of_output(comparison: Any, output: str) -> Iterator[Explanation]:
     of = comparison.agreement(output)
     if of.size < 2:
         return
@@ -177,7 +174,7 @@ def _class_of(output: str) -> str:
     )
 
 
-def _bias(comparison: Comparison, output: str, rows: Array) -> Explanation:
+def _bias(comparison: Any, output: str, rows: Array) -> Explanation:
     """Return the explanation of a mean difference."""
     of, residual = comparison.agreement(output), comparison.residual[rows]
     sign = 1 if of.bias > 0 else -1
@@ -195,7 +192,7 @@ def _bias(comparison: Comparison, output: str, rows: Array) -> Explanation:
     return Explanation(output, f"measured {word} than predicted {share}", tuple(causes))
 
 
-def _trends(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
     """Yield the explanations of trends with the varied inputs, and with the radius."""
     from scipy.stats import linregress
 
@@ -225,9 +222,7 @@ def _trends(comparison: Comparison, output: str, rows: Array) -> Iterator[Explan
         yield Explanation(output, finding, causes)
 
 
-def _budget(
-    comparison: Comparison, output: str, rows: Array, significant: bool
-) -> Iterator[Explanation]:
+def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Iterator[Explanation]:
     """Yield what the parts of the error budget say."""
     of = comparison.agreement(output)
     if np.isnan(comparison.deviation[rows]).any():
@@ -257,7 +252,7 @@ def _budget(
             yield Explanation(output, text)
 
 
-def _outliers(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+def _outliers(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
     """Yield single values far outside the error budget while the others are inside."""
     ratio = np.abs(comparison.ratio[rows])
     far = ratio > OUTLYING

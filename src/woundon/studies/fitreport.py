@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-    from .fit import FitResult
     from .profiles import ProfileLikelihood
 
 __all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
@@ -21,7 +20,7 @@ __all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
 MOST_TOLD = 3  # parameters in one line
 
 
-def lines(fit: FitResult) -> list[str]:
+def lines(fit: Any) -> list[str]:
     """Return the fit as lines of text: estimates, intervals, what trades off against what."""
     unit = _rms_unit(fit)
     m, p = fit.measured.size, len(fit.names)
@@ -32,7 +31,7 @@ def lines(fit: FitResult) -> list[str]:
     return [head, *_estimates(fit), *remarks(fit)]
 
 
-def line(fit: FitResult) -> str:
+def line(fit: Any) -> str:
     """Return the fit as one line of text."""
     shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, fit.estimates, strict=True))
     told = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_TOLD]]
@@ -42,13 +41,13 @@ def line(fit: FitResult) -> str:
     return f"FitResult({', '.join(told)}; {rms})"
 
 
-def remarks(fit: FitResult) -> list[str]:
+def remarks(fit: Any) -> list[str]:
     """Return what is to be said beside the estimates: other minima, what trades off."""
     unit = _rms_unit(fit)
     return [*_minima(fit, unit), *_trade_offs(fit, unit)]
 
 
-def to_frame(fit: FitResult) -> pd.DataFrame:
+def to_frame(fit: Any) -> pd.DataFrame:
     """Return a row for each parameter, SI units; the interval is open where it has no end."""
     import pandas as pd
 
@@ -67,7 +66,7 @@ def to_frame(fit: FitResult) -> pd.DataFrame:
     return frame
 
 
-def to_dataset(fit: FitResult) -> xarray.Dataset:
+def to_dataset(fit: Any) -> xarray.Dataset:
     """Return parameters and their covariance, measured and fitted values; SI units."""
     outputs = list(fit.row_outputs)
     units = [_unit(fit, name) for name in outputs]
@@ -83,32 +82,32 @@ def to_dataset(fit: FitResult) -> xarray.Dataset:
     ).assign_attrs(rms=fit.rms, rms_unit=rms_unit)  # fmt: skip
 
 
-def _unit(fit: FitResult, name: str) -> str:
+def _unit(fit: Any, name: str) -> str:
     """Return the SI unit of a parameter or an output, '' of a pure number."""
     unit = fit.quantities[name].unit if name in fit.quantities else ""
     return "" if unit == "1" else unit
 
 
-def _rms_unit(fit: FitResult) -> str:
+def _rms_unit(fit: Any) -> str:
     if fit.weighted:
         return " standard deviations"
     unit, _ = _in_table(fit, fit.row_outputs[0], 1.0)
     return f" {unit}" if unit else ""
 
 
-def _rms(fit: FitResult, value: float) -> float:
+def _rms(fit: Any, value: float) -> float:
     """Return a root mean square in the unit that is told with it."""
     return value if fit.weighted else float(_in_table(fit, fit.row_outputs[0], value)[1])
 
 
-def _in_table(fit: FitResult, name: str, value: Any) -> tuple[str, Any]:
+def _in_table(fit: Any, name: str, value: Any) -> tuple[str, Any]:
     """Return unit, empty for a pure number, and value: in SI, or as somebody chose."""
     about = fit.quantities.get(name)
     unit, shown = about.in_table(value) if about else ("", value)
     return "" if unit == "1" else unit, shown
 
 
-def _estimates(fit: FitResult) -> Iterator[str]:
+def _estimates(fit: Any) -> Iterator[str]:
     profiles = {profile.name: profile for profile in fit.profiles}
     width = max(map(len, fit.names))
     for k, name in enumerate(fit.names):
@@ -125,12 +124,12 @@ def _estimates(fit: FitResult) -> Iterator[str]:
         yield text
 
 
-def _interval(fit: FitResult, profile: ProfileLikelihood) -> str:
+def _interval(fit: Any, profile: ProfileLikelihood) -> str:
     ends = (_in_table(fit, profile.name, end)[1] for end in (profile.low, profile.high))
     return " to ".join(f"{end:.4g}" if isfinite(end) else "open" for end in ends)
 
 
-def _minima(fit: FitResult, unit: str) -> Iterator[str]:
+def _minima(fit: Any, unit: str) -> Iterator[str]:
     m = fit.measured.size
     for S, values in fit.minima[fit.reached : fit.reached + 1]:
         told = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
@@ -138,7 +137,7 @@ def _minima(fit: FitResult, unit: str) -> Iterator[str]:
         yield f"the next minimum has RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {where}"
 
 
-def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
+def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
     """Yield what the data cannot tell apart."""
     p = len(fit.names)
     for j in range(p):
@@ -166,7 +165,7 @@ def _trade_offs(fit: FitResult, unit: str) -> Iterator[str]:
     yield f"{told}; condition number {fit.condition:.3g}"
 
 
-def to_json(fit: FitResult) -> str:
+def to_json(fit: Any) -> str:
     """Return the fit as JSON, SI units; what is not a number or not finite is null."""
     record: dict[str, Any] = {
         name: getattr(fit, name)

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..problems.schedules import Curve
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 
-if TYPE_CHECKING:
-    from .result import WindingResult
-
 __all__ = ["MOST_AGREED", "certificate"]
 
 MOST_AGREED = 1e-2  # largest tolerance that may be requested of nips and roll
 
 
-def certificate(result: WindingResult) -> Residuals:
+def certificate(result: Any) -> Residuals:
     """Measure every law of a result.
 
     roll
@@ -70,7 +67,7 @@ def certificate(result: WindingResult) -> Residuals:
     )
 
 
-def _impossible(result: WindingResult) -> float:
+def _impossible(result: Any) -> float:
     """Return 0 if the nips have widths, pressures and frictions that a nip can have, else inf."""
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
     if result.problem.roll_body == "effective":
@@ -78,7 +75,7 @@ def _impossible(result: WindingResult) -> float:
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 
-def _air_missed(result: WindingResult) -> float:
+def _air_missed(result: Any) -> float:
     """Return by what of a lap the air between laps misses the mean of the nips' films."""
     r, h = result.nip_radius, result.nip_air_film
     mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
