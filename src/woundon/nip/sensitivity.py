@@ -27,9 +27,9 @@ from ..contact.newton import friction_residual, system_matrix
 from ..contact.refinement import CHANGES, MeshSolution, error_estimate
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
-from ..quantities import walk
+from ..quantities import scalar_outputs, value_of, walk
 from ..results import Presented, ReadOnly
-from .entrained_air import film_of_state
+from .entrained_air import AirFilm, film_of_state
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -144,6 +144,11 @@ class Sensitivity(Presented, ReadOnly):
         )
 
 
+def air_outputs() -> tuple[str, ...]:
+    """Return the names of the scalar outputs of an air film in a result."""
+    return tuple(f"air.{name}" for name in scalar_outputs(AirFilm))
+
+
 def continuous_fields(problem: Any) -> dict[str, float]:
     """Return every continuous field of a problem by its dotted name."""
     return {place.path: place.value for place in walk(problem) if isinstance(place.value, float)}
@@ -188,7 +193,8 @@ def contact_sensitivity(
         For a name that is not a continuous field or not an output, and for excluded fields.
     """
     problem, known, excluded = result.problem, continuous_fields(result.problem), excluded or {}
-    available = tuple(meshes[-1].outputs)
+    has_air = getattr(problem, "air", None) is not None
+    available = (*meshes[-1].outputs, *(air_outputs() if has_air else ()))
     for name in outputs:
         if name not in available:
             text = f"no derivative of {name!r} is available{did_you_mean(name, available)}"
@@ -212,7 +218,10 @@ def contact_sensitivity(
     return Sensitivity(
         outputs, names,
         np.array([history[-1][1][key] for key in keys]).reshape(shape),
-        np.array([meshes[-1].outputs[name] for name in outputs]),
+        np.array([
+            meshes[-1].outputs[name] if name in meshes[-1].outputs else value_of(result, name)
+            for name in outputs
+        ]),
         np.array([known[name] for name in names]),
         near_zone_change(meshes[-1]),
         np.array([errors[key] for key in keys]).reshape(shape),
@@ -265,11 +274,16 @@ class _Perturbed:
 
     def __call__(self, problem: Any) -> Array:
         """Return the outputs of a problem next to the solved one."""
-        if getattr(problem, "air", None) is None:
-            system, u = self._solved(problem, self.mesh.state.u)
-        else:
-            system, u = self._solved_with_air(problem)
-        outputs = system.outputs(system.evaluate(u), self.mesh.active)
+        has_air = getattr(problem, "air", None) is not None
+        system, u = (
+            self._solved_with_air(problem) if has_air
+            else self._solved(problem, self.mesh.state.u)
+        )  # fmt: skip
+        state = system.evaluate(u)
+        outputs = dict(system.outputs(state, self.mesh.active))
+        if has_air:
+            film = film_of_state(problem, system, state)
+            outputs |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
         return np.array([outputs[name] for name in self.outputs])
 
     def _solved(self, problem: Any, u: Array) -> tuple[Any, Array]:
