@@ -69,7 +69,7 @@ def test_the_first_page_is_light_and_its_numbers_are_those_of_python(browser, ad
         card = page.get_attribute(f"[data-output={name}] .value", "data-si")
         assert float(card) == pytest.approx(value, rel=SAME)
     assert page.locator("[data-output=wound_on_tension] .error").inner_text().startswith("±")
-    assert "all 17 laws hold" in page.inner_text(".certificate summary")
+    assert "all 17 contact conditions are satisfied" in page.inner_text(".certificate summary")
     page.wait_for_selector(".sections")  # the report comes later, and no plot is made anew for it
     page.evaluate("() => new Promise(requestAnimationFrame)")
     assert page.evaluate("() => made") == page.locator(".uplot").count() > 5

@@ -344,7 +344,7 @@ def test_the_certificate_names_its_largest_residual(examples):
     for result in examples:
         worst, count = result.residuals.worst, len(dict(result.residuals.items()))
         assert str(result).splitlines()[-1] == (
-            f"Certificate: all {count} laws hold; the largest residual is "
+            f"Certificate: all {count} contact conditions are satisfied; the largest residual is "
             f"{result.residual:.1e} ({worst.replace('_', ' ')})"
         )
 
@@ -352,14 +352,22 @@ def test_the_certificate_names_its_largest_residual(examples):
 @pytest.mark.parametrize(
     ("laws", "said", "tone"),
     [
-        ({"stick": 1e-12}, "its one law holds; the largest residual is 1.0e-12 (stick)", "good"),
-        ({"stick": 2e-8, "a_b": 0}, "1 of 2 laws is NOT satisfied: stick 2.0e-08", "bad"),
         (
-            {"stick": 0.5, "a_b": math.nan, "c": 1e-9},
-            "2 of 3 laws are NOT satisfied: stick 5.0e-01, a b not known (nan)",
+            {"stick": 1e-12},
+            "its one condition is satisfied; the largest residual is 1.0e-12 (stick)",
+            "good",
+        ),
+        (
+            {"stick": 2e-8, "a_b": 0},
+            "1 of 2 contact conditions is NOT satisfied: stick 2.0e-08",
             "bad",
         ),
-        ({}, "none; no law was measured", "bad"),
+        (
+            {"stick": 0.5, "a_b": math.nan, "c": 1e-9},
+            "2 of 3 contact conditions are NOT satisfied: stick 5.0e-01, a b not known (nan)",
+            "bad",
+        ),
+        ({}, "none; no contact condition was evaluated", "bad"),
     ],
 )
 def test_a_broken_law_is_never_hidden(laws, said, tone):

@@ -26,7 +26,7 @@ from ..problems.units import parse
 from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
-from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
+from ..show.parts import Section, certificate_of, friction_bounds, zone_strips
 from ..show.reports import report_parts
 from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
@@ -168,7 +168,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
 
 
 def _certificate(result: Result) -> dict[str, Any]:
-    line = certificate_line(result.residuals)
+    line = certificate_of(result)
     return {
         "ok": bool(result.residuals.largest <= ACCEPTED_RESIDUAL),
         "residual": result.residuals.largest,

@@ -27,6 +27,7 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import Quantity
 from ..results import Result
+from .answer import LEAST_FRICTION
 from .parts import (
     Line,
     Part,
@@ -72,7 +73,7 @@ def rows_of(
 
     Those to ``leave`` are left out; ``notes`` stand behind the units, by name.
     """
-    beside = {f"{name}_error" for name in result.errors}
+    beside = {f"{name}_error" for name in result.errors} | _no_friction(result)
     others = [
         name
         for name in quantities.scalar_outputs(result)
@@ -80,6 +81,14 @@ def rows_of(
         and not _is_nan(quantities.value_of(result, name))  # what it does not have, as no speed
     ]  # fmt: skip
     return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
+
+
+def _no_friction(result: Result) -> set[str]:
+    """Return the friction coefficients of an air film that are 0 for all practical purposes."""
+    names = ("air.roll_friction", "air.wrap_friction")
+    film = getattr(result, "air", None)
+    return {name for name in names if film is not None
+            and quantities.value_of(result, name) < LEAST_FRICTION}  # fmt: skip
 
 
 def _is_nan(value: Any) -> bool:

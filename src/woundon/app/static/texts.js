@@ -46,7 +46,7 @@ export const T = {
   results: {
     name: "Results", numbers: "Main results", busy: "solving", shown: "The results of the last valid case are shown.", earlier: "Last valid case.",
     none: "This case has no results.",
-    laws: "Laws and their largest violations", law: "law", violation: "violation", report: "All results, brackets and other theories",
+    laws: "Contact conditions and their residuals", law: "condition", violation: "violation", report: "All results, brackets and other theories",
     warnings: "Where the case leaves the model", error: "estimated error",
     value: "value", unit: "unit",
   },
