@@ -68,9 +68,9 @@ def report(result: wo.NipResult, path: Path) -> str:
 nip = wo.solve(problem, nodes=33)
 text: str = report(nip, Path("nip.nc"))
 tension: float = nip.outlet_tension + nip.wound_on_tension_estimate()
-peak = float(np.max(nip.pressure))
+peak = float(np.max(nip.drum_pressure))
 load: float = nip.problem.nip_load
-wrapped = wo.solve(problem.wrapped(roll_wrap=1.0))
+wrapped = wo.solve(problem.replace(roll_wrap=1.0))
 wound_on: float = wrapped.wound_on_tension
 pair = wo.RollerProblem(upper=steel, lower=steel, load=89e3, friction=0.5)
 share: float = wo.solve(pair).slip_share
@@ -95,7 +95,6 @@ wo.Web(thickness="66 um", material="newsprint")
 wo.Web(thickness=66e-6, material=3.0)
 wo.Web(thickness=66e-6)
 wo.solve(3.0)
-wo.solve(wo.NipProblem.example()).wound_on_tension_estimate()
 wo.solve(wo.NipProblem.example()).half_widht
 wo.no_such_name
 """
@@ -117,7 +116,7 @@ def test_a_strictly_typed_script_is_clean_and_a_wrong_one_is_not(tmp_path: Path)
     assert checked(SCRIPT, tmp_path).startswith("Success")
     told = checked(WRONG, tmp_path)
     lines = [int(line) for line in re.findall(r"script.py:(\d+): error", told)]
-    assert lines == [4, 5, 6, 7, 8, 9, 10], told
+    assert lines == [4, 5, 6, 7, 8, 9], told
 
 
 # ---- public names
@@ -166,8 +165,8 @@ def test_an_instance_offers_its_fields_and_no_more_than_works(kind: str) -> None
 @pytest.mark.parametrize("cls", DESCRIPTIONS)
 def test_help_is_about_the_class(cls: type[Any]) -> None:
     text = pydoc.render_doc(cls, renderer=pydoc.plaintext)
-    # a winding has 21 fields; pydantic's own methods alone would make 450 lines
-    assert text.count("\n") < 170
+    # a winding has 23 fields, two lines each; pydantic's own methods alone would make 450 lines
+    assert text.count("\n") < 190
     for word in ("model_", "pydantic_", "BeforeValidator", "Annotated", "Quantity("):
         assert word not in text
     assert inspect.getdoc(cls) in re.sub(r"^ \| ? ?", "", text, flags=re.M)

@@ -294,12 +294,12 @@ def test_results_in_chosen_units():
     assert view.nip_induced_tension * PLI == pytest.approx(result.nip_induced_tension)
     assert view["half_width"] == pytest.approx(result.half_width * 1e6)
     assert view.units["half_width"] == "um"
-    assert view.web_tension == pytest.approx(result.web_tension / PLI)
+    assert view.tension == pytest.approx(result.tension / PLI)
     assert view.errors["half_width"] == pytest.approx(result.errors["half_width"] * 1e6)
     assert "pli" in str(view)
     frame = view.to_dataframe()
-    assert frame["web_tension"].to_numpy() == pytest.approx(view.web_tension)
-    assert frame.attrs["units"]["web_tension"] == "pli"
+    assert frame["tension"].to_numpy() == pytest.approx(view.tension)
+    assert frame.attrs["units"]["tension"] == "pli"
     total = result.in_units("kN")
     assert total.nip_induced_tension == pytest.approx(result.nip_induced_tension * 2.0 / 1e3)
     assert result.in_units("mill", half_width="mm").units["peak_pressure"] == "psi"

@@ -17,6 +17,8 @@ from woundon import kinds
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
 from woundon.show.panels import Panel
+from woundon.show.plots import PANELS
+from woundon.show.reports import REPORTS
 
 OWN = {
     "nip": (wo.NipProblem, wo.NipResult),
@@ -69,8 +71,8 @@ def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
     assert (kind.name, kind.problem, kind.result) == (name, problem, result)
     assert kind.command == name.replace("_", "-")
     assert kind.about.endswith(".")
-    assert callable(kind.report)
-    assert callable(kind.plot)
+    assert name in REPORTS
+    assert name in PANELS
     assert callable(kind.check)
     option, value = WRONG[name]
     solved = wo.solve(problem.example(), **({"nodes": 33} if option == "nodes" else {}))
@@ -192,19 +194,6 @@ def test_a_class_below_a_kinds_is_no_kind_of_its_own(registry: dict[str, kinds.K
 
     with pytest.raises(wo.InvalidProblem, match=r"LoadedNip.* is out of place"):
         wo.solve(LoadedNip.example())
-
-
-def test_names_are_fetched_when_first_used(registry: dict[str, kinds.Kind]) -> None:
-    kinds.register(
-        f"{__name__}:HammockProblem", "nowhere_at_all:solve", f"{__name__}:HammockResult",
-        about="Late.",
-    )  # fmt: skip
-    kind = kinds.named("hammock")  # the name is the class's
-    with pytest.raises(ModuleNotFoundError, match="nowhere_at_all"):
-        _ = kind.solver
-    assert kinds.fetch("math:pi") == pytest.approx(3.14159, abs=1e-5)
-    with pytest.raises(AttributeError, match="no_such_name"):
-        kinds.fetch("math:no_such_name")
 
 
 def test_kinds_are_known_without_loading_their_solvers() -> None:

@@ -20,11 +20,9 @@ from woundon.show.report import (
     LAYERS,
     nip_report,
     outputs_report,
-    print_report,
     print_sensitivity,
-    report_parts,
-    report_text,
 )
+from woundon.show.reports import print_report, report_parts, report_text
 from woundon.show.terminal import print_parts
 
 NODES = 33  # of three meshes, so that errors are estimated

@@ -121,7 +121,7 @@ def test_both_solvers_have_one_limit(name: str) -> None:
     finest = found[-1]
     assert finest.half_width == pytest.approx(accurate.half_width, rel=2e-4)
     largest = accurate.drum_pressure.max()
-    for name in ("pressure", "roll_traction"):
+    for name in ("drum_pressure", "roll_traction"):
         ours = np.interp(finest.x[::8], accurate.x, getattr(accurate, name))
         np.testing.assert_allclose(getattr(finest, name)[::8], ours, atol=0.01 * largest)
     # the thesis's own condition has the same limit, from below or above, more slowly

@@ -241,12 +241,11 @@ class Description(BaseModel, metaclass=Described):
     def _repr_html_(self) -> str:
         """Return a table of the fields."""
         rows = [
-            (place.path, *_in_display_unit(place.quantity, place.value))
+            _cells(place.path, place.quantity, place.value)
             for place in walk(self) if place.value is not None
         ]  # fmt: skip
         cells = "\n".join(
-            f"<tr><td>{escape(name)}</td><td>{escape(value)}</td><td>{escape(unit)}</td></tr>"
-            for name, value, unit in rows
+            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
         )
         caption = f"<caption><b>{escape(type(self).__name__)}</b></caption>"
         return f"<table>{caption}<tbody>\n{cells}\n</tbody></table>"
@@ -544,11 +543,13 @@ def _slip(value: Any, field: FieldInfo) -> str:
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 
 
-def _in_display_unit(quantity: Quantity | None, value: Any) -> tuple[str, str]:
-    """Return a value and its unit as text."""
+def _cells(path: str, quantity: Quantity | None, value: Any) -> tuple[str, str, str, str]:
+    """Return what a field is, its symbol, its value and its unit as text."""
     if quantity is None or not isinstance(value, (int, float)):
-        return str(value), ""
-    return f"{quantity.shown(value):.6g}", quantity.display
+        return path, "", str(value), ""
+    # the meaning of a nested field does not say of which part it is
+    label = path if "." in path else quantity.meaning
+    return label, quantity.symbol, f"{quantity.shown(value):.6g}", quantity.display
 
 
 _repr = Repr()
