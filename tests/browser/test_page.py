@@ -469,7 +469,7 @@ def test_a_winding_tells_its_margins(look):
     result = wo.solve(wo.WindingProblem.example().replace(tension_law="friction"))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-6)
     told = page.inner_text(".margins tbody")
-    assert all(margin.name in told for margin in result.margins)
+    assert all(margin.title in told for margin in result.margins)
     page.fill("[id='f-limits-core_pressure']", "1")  # [MPa], of 1.2 that press on it
     page.locator("[id='f-limits-core_pressure']").blur()
     seen.rest()

@@ -13,13 +13,11 @@ from ..quantities import find, walk
 from ..results import Result
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
+from .margins import verdict_lines
 from .parts import Line, Row, Section, output_row, row_of
+from .report import LEAST_FRICTION
 
 __all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
-
-# Below, a friction coefficient does not differ from 0: the air film carries the nip load.
-LEAST_FRICTION = 1e-3
-TONES = {True: "good", False: "bad"}
 
 
 def answer(result: Result) -> str:
@@ -31,11 +29,9 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
     """Return the answer as lines; ``full`` adds the effect of entrained air, which solves a nip."""
     if isinstance(result, NipResult):
         lines = [Line(_tensions(result), "answer")]
-        return [*lines, Line(_air(result))] if full and result.air is not None else lines
+        return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
     if isinstance(result, WindingResult):
-        margins, means = result.margins, _values(result, WINDING)
-        tone = TONES[not margins.violated] if margins.least is not None else ""
-        return [Line(margins.verdict, tone), Line(means)]
+        return [*verdict_lines(result.margins), Line(_values(result, WINDING))]
     if isinstance(result, RollResult):
         return [Line(_values(result, ROLL), "answer")]
     if isinstance(result, RollerResult):
@@ -64,7 +60,7 @@ def _tensions(result: NipResult) -> str:
             f"+ nip-induced tension {texts[2]}")  # fmt: skip
 
 
-def _air(result: NipResult) -> str:
+def _air(result: NipResult) -> list[str]:
     """Return by how much entrained air reduces friction and nip-induced tension."""
     air, problem = result.air, result.problem
     assert air is not None
@@ -72,21 +68,21 @@ def _air(result: NipResult) -> str:
     if not air.roll_friction >= LEAST_FRICTION:
         text = "The entrained air carries the nip: no friction remains between web and roll"
     elif share == 1:
-        return "The entrained air reduces neither the friction nor the nip-induced tension."
+        return ["The entrained air reduces neither the friction nor the nip-induced tension."]
     else:
         text = f"The entrained air reduces the friction between web and roll by {1 - share:.1%}"
     try:
         with unwarned():
             dry: Any = kinds.solve(problem.without_air(), nodes=result.nodes)
     except (InvalidProblem, NoSteadyState, NotConverged):
-        return f"{text}; the same nip without air was not solved."
+        return [f"{text}.", "The same nip without air was not solved."]
     row, without = output_row(result, "nip_induced_tension"), dry.nip_induced_tension
     before = output_row(result, "nip_induced_tension", without)
     change = result.nip_induced_tension - without
     word = "reduces" if change < 0 else "increases"
     by = f" ({abs(change / without):.1%})" if without else ""
-    return (f"{text} and {word} the nip-induced tension from {before.value:.4g} to "
-            f"{row.value:.4g} {row.unit}{by}.")  # fmt: skip
+    return [f"{text}.", f"It {word} the nip-induced tension from {before.value:.4g} to "
+            f"{row.value:.4g} {row.unit}{by}."]  # fmt: skip
 
 
 # ---- other kinds --------------------------------------------------------------------------------

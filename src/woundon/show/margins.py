@@ -10,7 +10,7 @@ from .parts import Line, Verdict, Verdicts
 from .report import plain_console
 from .terminal import print_parts
 
-__all__ = ["margins_html", "margins_part", "margins_text"]
+__all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]
 
 TITLE = "Margins"
 SMALL = 0.25  # a reserve below which a hint is given
@@ -25,17 +25,20 @@ def margins_part(margins: Margins) -> Verdicts:
 def margins_text(margins: Margins) -> str:
     """Return the table as plain text."""
     paper = StringIO()
-    print_parts([_verdict_line(margins), margins_part(margins)], plain_console(paper))
+    print_parts([*verdict_lines(margins), margins_part(margins)], plain_console(paper))
     return paper.getvalue().rstrip("\n")
 
 
 def margins_html(margins: Margins) -> str:
     """Return the table for a notebook or a page."""
-    return parts_html([_verdict_line(margins), margins_part(margins)])
+    return parts_html([*verdict_lines(margins), margins_part(margins)])
 
 
-def _verdict_line(margins: Margins) -> Line:
-    return Line(margins.verdict, "bad" if margins.violated else "good" if margins.least else "")
+def verdict_lines(margins: Margins) -> list[Line]:
+    """Return the verdict and what to change, as lines."""
+    tone = "" if margins.least is None else TONES[not margins.violated]
+    lines = [Line(margins.verdict, tone), Line(margins.advice)]
+    return [line for line in lines if line.text]
 
 
 def _verdict(margin: Margin) -> Verdict:
@@ -54,7 +57,7 @@ def _verdict(margin: Margin) -> Verdict:
 def _note(margin: Margin) -> str:
     """Return the note of a margin, with what to change if it is violated or nearly so."""
     small = margin.checked and margin.reserve < SMALL
-    return "; ".join(filter(None, (margin.note, f"to change: {margin.hint}" * small)))
+    return "; ".join(filter(None, (margin.note, f"to enlarge it: {margin.hint}" * small)))
 
 
 def _sign(margin: Margin) -> str:

@@ -212,7 +212,7 @@ def certificate_line(residuals: Residuals, noun: str = "contact condition") -> L
         several = f"all {len(laws)} {noun}s are satisfied"
         held = several if len(laws) > 1 else "its one condition is satisfied"
         worst = f"{residuals.largest:.1e} ({_words(residuals.worst)})"
-        return Line(f"Certificate: {held}; the largest residual is {worst}", "good")
+        return Line(f"Certificate: {held}; largest residual {worst}", "good")
     told = ", ".join(
         f"{_words(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
         for law, value in broken.items()

@@ -27,7 +27,6 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import Quantity
 from ..results import Result
-from .answer import LEAST_FRICTION
 from .parts import (
     Line,
     Part,
@@ -45,8 +44,8 @@ if TYPE_CHECKING:
     from ..nip.sensitivity import Sensitivity
 
 __all__ = [
-    "field_rows", "nip_report", "outputs_report", "plain_console", "print_sensitivity",
-    "roller_report", "rows_of", "sensitivity_text",
+    "LEAST_FRICTION", "field_rows", "nip_report", "outputs_report", "plain_console",
+    "print_sensitivity", "roller_report", "rows_of", "sensitivity_text",
 ]  # fmt: skip
 
 
@@ -58,6 +57,8 @@ def plain_console(paper: StringIO) -> Console:
     )  # fmt: skip
 
 
+# Below, a friction coefficient does not differ from 0: the air film carries the nip load.
+LEAST_FRICTION = 1e-3
 # told by another name, at the end, where they say something, or not at all
 LEFT_OUT = frozenset({
     "residual", "half_width", "rig_tension", "inlet_tension", "drum_wrap_traction",

@@ -16,7 +16,7 @@ stages of its build-up.  Sources: docs/theory/margins.md.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import nan
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -26,6 +26,7 @@ import numpy as np
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
 from ..problems.air import Air
+from ..problems.grades import source_of_limit
 from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, length, line_load, strain, stress
@@ -47,6 +48,10 @@ TITLES = {
     "slip": "interlayer slip and telescoping", "compression": "starring (hoop compression)",
     "blocking": "blocking", "core": "core collapse", "strength": "web break",
     "slack": "slack web", "gauge_band": "gauge band (baggy lane)",
+}  # fmt: skip
+FIELDS = {
+    "compression": "compression", "blocking": "blocking_pressure", "core": "core_pressure",
+    "strength": "web_strength", "slack": "slack_tension", "gauge_band": "yield_strain",
 }  # fmt: skip
 HINTS = {
     "slip": "let the drum carry more of the torque, accelerate more slowly, or wind tighter",
@@ -166,11 +171,18 @@ class Margins(Presented, tuple[Margin, ...]):
         rest = f" ({unchecked} of {len(self)} margins not checked)" if unchecked else ""
         if not violated:
             return f"The roll holds; smallest reserve: {least.title}, {least.distance}{rest}."
-        others = [self[name].title for name in violated if name != least.name]
-        also = f" Also violated: {', '.join(others)}." if others else ""
         word = "falls below" if least.name == "slack" else "exceeds"
-        return (f"The roll does not hold: {least.title} {word} its limit by {least.distance}"
-                f"{rest}. To change: {least.hint}.{also}")  # fmt: skip
+        return f"The roll does not hold: {least.title} {word} its limit by {least.distance}{rest}."
+
+    @property
+    def advice(self) -> str:
+        """What to change to enlarge the smallest margin, and what else is violated; "" if none."""
+        least = self.least
+        if least is None:
+            return ""
+        others = [self[name].title for name in self.violated if name != least.name]
+        also = f" Also violated: {', '.join(others)}." if others else ""
+        return f"To enlarge this margin: {least.hint}.{also}"
 
     @property
     def slip(self) -> Annotated[float, strain("m_s", "reserve of interlayer slip and telescoping")]:
@@ -369,12 +381,25 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         )
         raise InvalidProblem.at("limits.acceleration", text)
     pull, states = Pull.of(result), _states(roll)
-    return Margins((
+    found = (
         _slip(states, roll, limits, pull), _compression(states, roll, limits),
         _blocking(states[-1], limits), _core(states, roll.problem.core, limits),
         _strength(states[-1], roll, limits, pull), _slack(roll, limits, pull),
         _gauge_band(roll, limits),
-    ))  # fmt: skip
+    )  # fmt: skip
+    return Margins(_with_source(margin, roll.problem) for margin in found)
+
+
+def _with_source(margin: Margin, problem: Any) -> Margin:
+    """Return a margin whose note says from which grade its limit comes, if it is of one."""
+    field = FIELDS.get(margin.name)
+    if field is None or not margin.checked:
+        return margin
+    thickness, along = float(problem.web_thickness), float(problem.stack.tangential)
+    source = source_of_limit(field, margin.limit, thickness, along)
+    if not source:
+        return margin
+    return replace(margin, note="; ".join(filter(None, (f"limit of the {source}", margin.note))))
 
 
 class _Found(NamedTuple):
