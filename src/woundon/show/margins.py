@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from io import StringIO
 
-from ..winding.margins import Margin, Margins
+from ..winding.margins import SMALL, Margin, Margins
 from .html import parts_html
 from .parts import Line, Verdict, Verdicts
 from .report import plain_console
@@ -13,7 +13,6 @@ from .terminal import print_parts
 __all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]
 
 TITLE = "Margins"
-SMALL = 0.25  # a reserve below which a hint is given
 TONES = {True: "good", False: "bad", None: "quiet"}
 
 

@@ -49,6 +49,7 @@ TITLES = {
     "blocking": "blocking", "core": "core collapse", "strength": "web break",
     "slack": "slack web", "gauge_band": "gauge band (baggy lane)",
 }  # fmt: skip
+SMALL = 0.25  # a reserve below which reports say what to change
 FIELDS = {
     "compression": "compression", "blocking": "blocking_pressure", "core": "core_pressure",
     "strength": "web_strength", "slack": "slack_tension", "gauge_band": "yield_strain",
@@ -170,15 +171,18 @@ class Margins(Presented, tuple[Margin, ...]):
         unchecked = sum(not margin.checked for margin in self)
         rest = f" ({unchecked} of {len(self)} margins not checked)" if unchecked else ""
         if not violated:
-            return f"The roll holds; smallest reserve: {least.title}, {least.distance}{rest}."
+            so_far = " as far as it is checked" if unchecked else ""
+            return (
+                f"The roll holds{so_far}; smallest reserve: {least.title}, {least.distance}{rest}."
+            )
         word = "falls below" if least.name == "slack" else "exceeds"
         return f"The roll does not hold: {least.title} {word} its limit by {least.distance}{rest}."
 
     @property
     def advice(self) -> str:
-        """What to change to enlarge the smallest margin, and what else is violated; "" if none."""
+        """What to change if the smallest reserve is below 25 %, and what else is violated."""
         least = self.least
-        if least is None:
+        if least is None or least.reserve >= SMALL:
             return ""
         others = [self[name].title for name in self.violated if name != least.name]
         also = f" Also violated: {', '.join(others)}." if others else ""
