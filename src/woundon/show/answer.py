@@ -64,13 +64,14 @@ def _air(result: NipResult) -> list[str]:
     """Return by how much entrained air reduces friction and nip-induced tension."""
     air, problem = result.air, result.problem
     assert air is not None
-    share = air.friction_share
-    if not air.roll_friction >= LEAST_FRICTION:
-        text = "The entrained air carries the nip: no friction remains between web and roll"
-    elif share == 1:
+    places = [("in the nip", air.roll_friction, problem.roll_friction)]
+    if problem.roll_wrap:
+        places.append(("on the roll wrap", air.wrap_friction, problem.friction_on_wrap))
+    reduced = [(place, mu, dry) for place, mu, dry in places if mu < dry]
+    if not reduced:
         return ["The entrained air reduces neither the friction nor the nip-induced tension."]
-    else:
-        text = f"The entrained air reduces the friction between web and roll by {1 - share:.1%}"
+    shares = " and ".join(f"{place} {_reduction(mu, dry)}" for place, mu, dry in reduced)
+    text = f"The entrained air reduces the friction between web and roll: {shares}"
     try:
         with unwarned():
             dry: Any = kinds.solve(problem.without_air(), nodes=result.nodes)
@@ -83,6 +84,10 @@ def _air(result: NipResult) -> list[str]:
     by = f" ({abs(change / without):.1%})" if without else ""
     return [f"{text}.", f"It {word} the nip-induced tension from {before.value:.4g} to "
             f"{row.value:.4g} {row.unit}{by}."]  # fmt: skip
+
+
+def _reduction(friction: float, dry: float) -> str:
+    return f"by {1 - friction / dry:.1%}" if friction >= LEAST_FRICTION else "to 0"
 
 
 # ---- other kinds --------------------------------------------------------------------------------
