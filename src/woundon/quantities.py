@@ -19,7 +19,7 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, cached_property
 from inspect import Parameter, signature
 from math import pi
 from types import MappingProxyType
@@ -375,7 +375,7 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
         part = name.partition(".")[0]
-        if part != name and thing is not of and getattr(thing, part) is None:
+        if part != name and thing is not of and vars(thing).get(part, "") is None:
             continue
         value = value_of(thing, name) if values and thing is not of else None
         yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
@@ -403,7 +403,10 @@ def _annotated(of: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
     for base in reversed(of.__mro__):
         for name, made in vars(base).items():
             hint = _returned(made)
-            if hint is not None and not name.startswith("_"):
+            if getattr(hint, "part_of_result", False):
+                inner = _annotated(hint, version)
+                found |= {f"{name}.{each}": part for each, (_, part) in inner.items()}
+            elif hint is not None and not name.startswith("_"):
                 found[name] = hint
     return {
         name: (quantity, hint)
@@ -413,7 +416,9 @@ def _annotated(of: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
 
 
 def _returned(made: Any) -> Any:
-    """Return what a property, or a method that needs no argument, is annotated to return."""
+    """Return the annotation of a property, or of a method that needs no argument."""
+    if isinstance(made, cached_property):
+        made = property(made.func)
     function: Callable[..., Any] | None = made.fget if isinstance(made, property) else made
     hint = getattr(function, "__annotations__", {}).get("return")
     if function is None or hint is None:

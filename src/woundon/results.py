@@ -260,6 +260,11 @@ class Result(Presented, ReadOnly):
         """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
         return {}
 
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return tuple(getattr(self.problem, "assumptions", ()))
+
     def replace(self, **changes: Any) -> Self:
         """Return the same result with other fields."""
         return replace(self, **changes)

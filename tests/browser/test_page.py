@@ -69,7 +69,7 @@ def test_the_first_page_is_light_and_its_numbers_are_those_of_python(browser, ad
         card = page.get_attribute(f"[data-output={name}] .value", "data-si")
         assert float(card) == pytest.approx(value, rel=SAME)
     assert page.locator("[data-output=wound_on_tension] .error").inner_text().startswith("±")
-    assert "all 17 laws hold" in page.inner_text(".certificate summary")
+    assert "all 17 contact conditions are satisfied" in page.inner_text(".certificate summary")
     page.wait_for_selector(".sections")  # the report comes later, and no plot is made anew for it
     page.evaluate("() => new Promise(requestAnimationFrame)")
     assert page.evaluate("() => made") == page.locator(".uplot").count() > 5
@@ -469,7 +469,7 @@ def test_a_winding_tells_its_margins(look):
     result = wo.solve(wo.WindingProblem.example().replace(tension_law="friction"))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-6)
     told = page.inner_text(".margins tbody")
-    assert all(margin.name in told for margin in result.margins)
+    assert all(margin.title in told for margin in result.margins)
     page.fill("[id='f-limits-core_pressure']", "1")  # [MPa], of 1.2 that press on it
     page.locator("[id='f-limits-core_pressure']").blur()
     seen.rest()

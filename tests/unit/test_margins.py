@@ -212,11 +212,11 @@ def test_none_is_silently_absent(roll: wo.RollResult) -> None:
     assert found.least is None
     told = str(found)
     for name in NAMES:
-        assert f" {name}: " in told
+        assert f" {found[name].title}: " in told
         assert found[name].left_out.split(",")[0][:20] in " ".join(told.split())
     assert told.count("not checked") == 7
     assert told.count("no limit given") == 6
-    assert "the friction between laps is not given" in told
+    assert "the friction between layers is not given" in told
 
 
 def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.RollProblem) -> None:

@@ -25,6 +25,7 @@ from woundon.show.report import (
 from woundon.show.reports import print_report, report_parts, report_text
 from woundon.show.terminal import print_parts
 
+OF_ROLLS = (wo.RollResult, wo.WindingResult)
 NODES = 33  # of three meshes, so that errors are estimated
 
 
@@ -142,7 +143,11 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
             value = quantities.value_of(result, name)
             if value != value:  # what it does not have, as elastic rollers a rolling resistance
                 continue
-            if name not in otherwise and name.removesuffix("_error") not in result.errors:
+            if (
+                name not in otherwise
+                and not name.startswith("margins.")
+                and name.removesuffix("_error") not in result.errors
+            ):
                 start = f"{quantity.meaning} {quantity.symbol} "
                 assert any(line.startswith(start) for line in said), name
 
@@ -341,8 +346,9 @@ def test_the_default_report_has_every_field_and_output(examples):
 def test_the_certificate_names_its_largest_residual(examples):
     for result in examples:
         worst, count = result.residuals.worst, len(dict(result.residuals.items()))
+        noun = "conditions" if isinstance(result, OF_ROLLS) else "contact conditions"
         assert str(result).splitlines()[-1] == (
-            f"Certificate: all {count} laws hold; the largest residual is "
+            f"Certificate: all {count} {noun} are satisfied; largest residual "
             f"{result.residual:.1e} ({worst.replace('_', ' ')})"
         )
 
@@ -350,14 +356,22 @@ def test_the_certificate_names_its_largest_residual(examples):
 @pytest.mark.parametrize(
     ("laws", "said", "tone"),
     [
-        ({"stick": 1e-12}, "its one law holds; the largest residual is 1.0e-12 (stick)", "good"),
-        ({"stick": 2e-8, "a_b": 0}, "1 of 2 laws is NOT satisfied: stick 2.0e-08", "bad"),
         (
-            {"stick": 0.5, "a_b": math.nan, "c": 1e-9},
-            "2 of 3 laws are NOT satisfied: stick 5.0e-01, a b not known (nan)",
+            {"stick": 1e-12},
+            "its one condition is satisfied; largest residual 1.0e-12 (stick)",
+            "good",
+        ),
+        (
+            {"stick": 2e-8, "a_b": 0},
+            "1 of 2 contact conditions is NOT satisfied: stick 2.0e-08",
             "bad",
         ),
-        ({}, "none; no law was measured", "bad"),
+        (
+            {"stick": 0.5, "a_b": math.nan, "c": 1e-9},
+            "2 of 3 contact conditions are NOT satisfied: stick 5.0e-01, a b not known (nan)",
+            "bad",
+        ),
+        ({}, "none; no contact condition was evaluated", "bad"),
     ],
 )
 def test_a_broken_law_is_never_hidden(laws, said, tone):
@@ -387,7 +401,7 @@ def test_lines_are_neither_cut_nor_folded(wrapped, monkeypatch):
 
 
 def test_columns_stand_below_each_other(nip):
-    rows = [line for line in str(nip).splitlines() if line.endswith(" N/m")]
+    rows = [line for line in str(nip).splitlines()[1:] if line.endswith(" N/m")]
     assert len(rows) >= 6
     assert len({line.index("N/m") for line in rows}) == 1
 
@@ -402,7 +416,7 @@ def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     assert sum(length for _, length in runs) == 60
     assert runs[0][1] == 1
     assert abs(runs[2][1] - 30) <= 1
-    (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll ")]
+    (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll  ")]
     assert roll.split()[1].count("▶") == pytest.approx(60 * nip.trailing_roll, abs=2)
 
 

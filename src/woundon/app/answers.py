@@ -26,7 +26,8 @@ from ..problems.units import parse
 from ..quantities import find, scalar_outputs, value_of, walk
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
-from ..show.parts import Section, certificate_line, friction_bounds, zone_strips
+from ..show.answer import answer_lines
+from ..show.parts import Section, certificate_of, friction_bounds, zone_strips
 from ..show.reports import report_parts
 from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
@@ -159,6 +160,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
             for name in scalar_outputs(result)
         },
         **({"panels": panels_of(result, told_of)} if drawn else _arrays(result)),
+        "answer": [line.text for line in answer_lines(result, full=report)],
         "certificate": _certificate(result),
         "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
         "warnings": [*getattr(result.problem, "remarks", ()), *result.warnings],
@@ -168,7 +170,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
 
 
 def _certificate(result: Result) -> dict[str, Any]:
-    line = certificate_line(result.residuals)
+    line = certificate_of(result)
     return {
         "ok": bool(result.residuals.largest <= ACCEPTED_RESIDUAL),
         "residual": result.residuals.largest,
@@ -178,9 +180,8 @@ def _certificate(result: Result) -> dict[str, Any]:
 
 
 def _margin(margin: Any) -> dict[str, Any]:
-    told = {
-        name: getattr(margin, name) for name in ("name", "value", "limit", "radius", "ok", "note")
-    }
+    shown = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
+    told = {name: getattr(margin, name) for name in shown}
     return told | {"quantity": told_of(margin.quantity)}
 
 

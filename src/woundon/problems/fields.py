@@ -385,6 +385,11 @@ class Problem(Description):
         """Inputs that have no effect or contradict each other, as sentences."""
         return ()
 
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return ()
+
     @classmethod
     def example(cls) -> Self:
         """Return a case to start from: what ``woundon new`` writes."""

@@ -7,6 +7,7 @@ Users write grades of their own in a file of the same form, complete or ``like``
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -364,6 +365,33 @@ def with_grade(
     for name, value in _supplied(found, model, given).items():
         given[name] = _merged(given[name], value) if name in given else value
     return given
+
+
+def source_of_limit(name: str, value: float, thickness: float, tangential: float) -> str:
+    """Return the grade and the source of a limit that is that of a known grade; "" if it is not.
+
+    Parameters
+    ----------
+    name : str
+        Field of :class:`Limits`.
+    value : float
+        The limit [SI].
+    thickness, tangential : float
+        Of the web [m], [Pa].  They identify the grade.
+    """
+    for known in _library():
+        if (
+            getattr(known.limits, name) == value
+            and abs(known.thickness - thickness) <= SAME * thickness
+            and abs(known.tangential - tangential) <= SAME * tangential
+        ):
+            return f"grade {known.name}, {known.sources.get(f'limits.{name}', 'no source')}"
+    return ""
+
+
+@cache
+def _library() -> tuple[Grade, ...]:
+    return tuple(grades().values())
 
 
 def warn_of_contradictions(found: Grade, problem: Any) -> None:

@@ -18,7 +18,7 @@ class Limits(Description):
     Parameters
     ----------
     layer_friction : float, optional
-        Coefficient of friction between laps; by default that of web and roll where the winding
+        Coefficient of friction between layers; by default that of web and roll where the winding
         is known.
     torque_share : float
         Largest share of the torque which friction between laps can carry that may be asked of it;
@@ -29,7 +29,7 @@ class Limits(Description):
     compression : float, optional
         Largest stress along the web in compression [Pa]; 0 allows none.
     blocking_pressure : float, optional
-        Between laps, beyond which they stick or mark each other [Pa].
+        Between layers, beyond which they stick or mark each other [Pa].
     core_pressure : float, optional
         That the core bears [Pa]; without it the elastic collapse of a thin tube.
     web_strength : float, optional
@@ -47,7 +47,7 @@ class Limits(Description):
     """
 
     layer_friction: Annotated[
-        Number | None, pure("mu_l", "friction between laps", (0.1, 0.6)), Field(gt=0, le=10)
+        Number | None, pure("mu_l", "friction between layers", (0.1, 0.6)), Field(gt=0, le=10)
     ] = None
     torque_share: Annotated[
         Number, pure("S_M", "largest share of the torque that friction can carry", (0.1, 1.0)),
@@ -66,7 +66,7 @@ class Limits(Description):
     ] = None
     blocking_pressure: Annotated[
         Number | None,
-        stress("P_b", "pressure at which laps block", typical=(100e3, 3e6)),
+        stress("P_b", "pressure at which layers block", typical=(100e3, 3e6)),
         Field(gt=0, le=1e12),
     ] = None
     core_pressure: Annotated[

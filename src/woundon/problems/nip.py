@@ -25,6 +25,7 @@ from ..quantities import (
 )
 from . import wound_roll as wound_roll  # it joins the bodies
 from .air import Air
+from .assumptions import of_nip
 from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
 from .consistency import different_moduli
 from .fields import Description, Number
@@ -344,6 +345,11 @@ class NipProblem(ContactProblem):
         elif "roll_friction" in changes:
             changes["wrap_friction"] = self.friction_on_wrap
         return self.replace(**changes)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return of_nip(self)
 
     @classmethod
     def example(cls) -> Self:

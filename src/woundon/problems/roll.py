@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, strain, stress, tension, web_density, web_thickness
+from .assumptions import of_roll
 from .fields import Description, Number, Problem, shown
 from .materials import AnyMaterial, Isotropic
 from .radial_laws import Pfeiffer
@@ -226,6 +227,11 @@ class RollProblem(Problem):
     def tension_curve(self) -> Curve:
         """The wound-on stress T = WOT/2h over the radius [Pa]."""
         return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return of_roll(self)
 
     @classmethod
     def example(cls) -> Self:

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import line_load, pure, strain, velocity
+from .assumptions import of_rollers
 from .bodies import AnyBody, ContactProblem, HalfPlane
 from .fields import Number
 from .materials import material
@@ -100,6 +101,11 @@ class RollerProblem(ContactProblem):
                 "or the rollers slide",
             )
         return self
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return of_rollers(self)
 
     @classmethod
     def example(cls) -> Self:

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity, web_density
 from .air import Air, with_film
+from .assumptions import of_winding
 from .bodies import AnyBody, Body, Rigid, unused_speed
 from .consistency import different_moduli
 from .fields import Number, Problem, not_one_of, shown
@@ -144,7 +145,7 @@ class WindingProblem(Problem):
     roll_friction: RollFriction
     drum_friction: DrumFriction
     web_tension: Annotated[
-        WindingSchedule, tension("T_in", "web tension before the nip", (50.0, 1000.0))
+        WindingSchedule, tension("T_in", "web tension upstream of the nip", (50.0, 1000.0))
     ]
     nip_load: Annotated[WindingSchedule, line_load("P", "nip load", (500.0, 10e3))]
     winding_force: Annotated[
@@ -345,6 +346,11 @@ class WindingProblem(Problem):
             gauge_excess=self.gauge_excess,
         )  # fmt: skip
         return roll if self.air is None else with_film(roll, film, self.air)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return of_winding(self)
 
     @classmethod
     def example(cls) -> Self:

@@ -70,26 +70,24 @@ class RollResult(Result):
     ESTIMATES: ClassVar[frozenset[str]] = frozenset({"lap_growth", "steps", "surface_slope"})
 
     radius: Annotated[Array, length("r", "radius")]
-    pressure: Annotated[Array, stress("P", "pressure between the laps")]
+    pressure: Annotated[Array, stress("P", "pressure between the layers")]
     hoop_stress: Annotated[Array, stress("sigma_t", "stress along the web, > 0 tension")]
-    displacement: Annotated[Array, length("u", "outward displacement since the lap was laid", "um")]
-    lap_strain: Annotated[Array, strain("eps_t", "strain of the laps along the web")]
+    displacement: Annotated[Array, length("u", "outward displacement of a layer as wound", "um")]
+    lap_strain: Annotated[Array, strain("eps_t", "strain of the layers along the web")]
     radial_modulus: Annotated[
         Array, stress("E_r", "modulus through the stack, the roll's hardness", "MPa")
     ]
-    source: Annotated[Array, stress("C", "source, frozen since the lap was laid", "MPa")]
+    source: Annotated[Array, stress("C", "source, frozen since the layer was laid", "MPa")]
     pressure_gradient: Annotated[Array, stress("rP'", "radius times the slope of the pressure")]
     stage_radius: Annotated[Array, length("s", "surface at the stages of the build-up")]
-    growth: Annotated[Array, pure("kappa", "growth below the surface of a further lap's pressure")]
+    growth: Annotated[Array, pure("kappa", "growth below the surface of the pressure of a layer")]
     stage_order: Annotated[
         Array, pure("n_k", "stages that the growth's polynomial goes through"), int
     ]
     lap_growth: Annotated[
-        Array, pure("kappa_h", "the same with laps of the web's thickness, not thin ones")
+        Array, pure("kappa_h", "the same with layers of the web's thickness, not thin ones")
     ]
-    surface_slope: Annotated[
-        float, strain("e_s", "by how much the slope at the surface misses the tension")
-    ]
+    surface_slope: Annotated[float, strain("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "linear systems solved")] = 0
 
     @property
@@ -125,7 +123,7 @@ class RollResult(Result):
     @property
     def finite_laps(
         self,
-    ) -> Annotated[Array, stress("P_h", "what laps of finite thickness add to the pressure")]:
+    ) -> Annotated[Array, stress("P_h", "pressure added by layers of finite thickness")]:
         """What laps of the web's thickness add to P, which is that of thin ones [Pa]."""
         from .laps import finite_laps
 
@@ -134,7 +132,7 @@ class RollResult(Result):
     @property
     def lap_effect(
         self,
-    ) -> Annotated[float, strain("e_h", "change of the pressure by finite laps, of the largest")]:
+    ) -> Annotated[float, strain("e_h", "change of the pressure by layers of finite thickness")]:
         """Largest of ``finite_laps``, of the largest pressure; contained in the told errors [1]."""
         by = self.finite_laps
         return float(by[np.argmax(np.abs(by))]) / self.peak_pressure
@@ -160,7 +158,7 @@ class RollResult(Result):
         return pi * (R**2 - core**2) / float(self.problem.web_thickness)
 
     @property
-    def laps(self) -> Annotated[float, pure("n", "laps on the roll")]:
+    def laps(self) -> Annotated[float, pure("n", "layers on the roll")]:
         """How many laps of the web's full thickness there is room for [1]."""
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 
@@ -177,7 +175,7 @@ class RollResult(Result):
     @property
     def residual_tension(
         self,
-    ) -> Annotated[Array, line_load("T_r", "tension that is left in the laps")]:
+    ) -> Annotated[Array, line_load("T_r", "tension that remains in the layers")]:
         """The web's thickness times sigma_t, > 0 tension [N/m]."""
         return np.asarray(self.hoop_stress * self.problem.web_thickness)
 
@@ -204,7 +202,7 @@ class RollResult(Result):
     @property
     def wound_mass(
         self,
-    ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web, its laps pressed thinner")]:
+    ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web, its layers compressed")]:
         """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
         from .density import wound_mass
 

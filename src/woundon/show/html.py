@@ -53,7 +53,7 @@ def _paragraph(text: str, style: str = "") -> str:
 
 
 def _line(line: Line) -> str:
-    loud = {"quiet": QUIET, "warning": "font-weight:bold", "bad": "font-weight:bold"}
+    loud = {"quiet": QUIET, **dict.fromkeys(("answer", "warning", "bad"), "font-weight:bold")}
     return _paragraph(line.text, loud.get(line.tone, ""))
 
 

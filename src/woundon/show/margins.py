@@ -1,18 +1,18 @@
-"""The margins of a roll, told and drawn."""
+"""The margins of a roll as text and HTML."""
 
 from __future__ import annotations
 
 from io import StringIO
 
-from ..winding.margins import Margin, Margins
+from ..winding.margins import SMALL, Margin, Margins
 from .html import parts_html
-from .parts import Verdict, Verdicts
+from .parts import Line, Verdict, Verdicts
 from .report import plain_console
 from .terminal import print_parts
 
-__all__ = ["margins_html", "margins_part", "margins_text"]
+__all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]
 
-TITLE = "Will the roll hold?"
+TITLE = "Margins"
 TONES = {True: "good", False: "bad", None: "quiet"}
 
 
@@ -24,13 +24,20 @@ def margins_part(margins: Margins) -> Verdicts:
 def margins_text(margins: Margins) -> str:
     """Return the table as plain text."""
     paper = StringIO()
-    print_parts([margins_part(margins)], plain_console(paper))
+    print_parts([*verdict_lines(margins), margins_part(margins)], plain_console(paper))
     return paper.getvalue().rstrip("\n")
 
 
 def margins_html(margins: Margins) -> str:
     """Return the table for a notebook or a page."""
-    return parts_html([margins_part(margins)])
+    return parts_html([*verdict_lines(margins), margins_part(margins)])
+
+
+def verdict_lines(margins: Margins) -> list[Line]:
+    """Return the verdict and what to change, as lines."""
+    tone = "" if margins.least is None else TONES[not margins.violated]
+    lines = [Line(margins.verdict, tone), Line(margins.advice)]
+    return [line for line in lines if line.text]
 
 
 def _verdict(margin: Margin) -> Verdict:
@@ -41,9 +48,15 @@ def _verdict(margin: Margin) -> Verdict:
     )
     place = "" if margin.radius != margin.radius else f"r = {1e3 * margin.radius:.4g} mm"
     return Verdict(
-        f"{margin.name}: {quantity.meaning}", value, limit, quantity.display, place,
-        _word(margin), TONES[margin.ok], margin.note, margin.left_out,
+        f"{margin.title}: {quantity.meaning}", value, limit, quantity.display, place,
+        _word(margin), TONES[margin.ok], _note(margin), margin.left_out,
     )  # fmt: skip
+
+
+def _note(margin: Margin) -> str:
+    """Return the note of a margin, with what to change if it is violated or nearly so."""
+    small = margin.checked and margin.reserve < SMALL
+    return "; ".join(filter(None, (margin.note, f"to enlarge it: {margin.hint}" * small)))
 
 
 def _sign(margin: Margin) -> str:
@@ -53,7 +66,5 @@ def _sign(margin: Margin) -> str:
 def _word(margin: Margin) -> str:
     if margin.ok is None:
         return margin.verdict
-    by = f"{100 * abs(margin.reserve):.3g} %"
-    if margin.limit == 0:  # of which there is no share
-        by = f"{abs(margin.quantity.shown(margin.value)):.4g} {margin.quantity.display}"
-    return f"{margin.verdict}, {by} to spare" if margin.ok else f"{margin.verdict} by {by}"
+    by = margin.distance
+    return f"{margin.verdict}, reserve {by}" if margin.ok else f"{margin.verdict} by {by}"

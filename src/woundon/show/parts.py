@@ -22,8 +22,8 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
     "Line", "Part", "Row", "Section", "Verdict", "Verdicts", "ZoneStrips", "certificate_line",
-    "field_row", "friction_bounds", "nip_zones", "output_row", "roller_zones", "row_of",
-    "warning_lines", "zone_line", "zone_strips",
+    "certificate_of", "field_row", "friction_bounds", "nip_zones", "output_row", "roller_zones",
+    "row_of", "warning_lines", "zone_line", "zone_strips",
 ]  # fmt: skip
 
 Array = np.ndarray
@@ -106,7 +106,7 @@ class ZoneStrips:
 
 @dataclass(frozen=True)
 class Line:
-    """A text; ``tone`` is one of "quiet", "warning", "good", "bad"."""
+    """A text; ``tone`` is one of "quiet", "answer", "warning", "good", "bad"."""
 
     text: str
     tone: str = ""
@@ -202,22 +202,29 @@ def warning_lines(warnings: Iterable[str]) -> list[Line]:
     return [Line(f"warning: {warning}", "warning") for warning in warnings]
 
 
-def certificate_line(residuals: Residuals) -> Line:
-    """Return what the certificate says: all laws hold, or which do not."""
+def certificate_line(residuals: Residuals, noun: str = "contact condition") -> Line:
+    """Return the line of the certificate: all conditions are satisfied, or which are not."""
     laws = dict(residuals.items())
     if not laws:
-        return Line("Certificate: none; no law was measured", "bad")
+        return Line(f"Certificate: none; no {noun} was evaluated", "bad")
     broken = {law: value for law, value in laws.items() if not value <= ACCEPTED_RESIDUAL}
     if not broken:
-        held = f"all {len(laws)} laws hold" if len(laws) > 1 else "its one law holds"
+        several = f"all {len(laws)} {noun}s are satisfied"
+        held = several if len(laws) > 1 else "its one condition is satisfied"
         worst = f"{residuals.largest:.1e} ({_words(residuals.worst)})"
-        return Line(f"Certificate: {held}; the largest residual is {worst}", "good")
+        return Line(f"Certificate: {held}; largest residual {worst}", "good")
     told = ", ".join(
         f"{_words(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
         for law, value in broken.items()
     )
-    count = f"{len(broken)} of {len(laws)} laws {'is' if len(broken) == 1 else 'are'}"
+    count = f"{len(broken)} of {len(laws)} {noun}s {'is' if len(broken) == 1 else 'are'}"
     return Line(f"Certificate: {count} NOT satisfied: {told}", "bad")
+
+
+def certificate_of(result: Result) -> Line:
+    """Return the line of the certificate of a result of any kind."""
+    contact = isinstance(result, NipResult | RollerResult)
+    return certificate_line(result.residuals, "contact condition" if contact else "condition")
 
 
 def _words(law: str) -> str:

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from ..nip.sensitivity import Sensitivity
 
 __all__ = [
-    "field_rows", "nip_report", "outputs_report", "plain_console", "print_sensitivity",
-    "roller_report", "rows_of", "sensitivity_text",
+    "LEAST_FRICTION", "field_rows", "nip_report", "outputs_report", "plain_console",
+    "print_sensitivity", "roller_report", "rows_of", "sensitivity_text",
 ]  # fmt: skip
 
 
@@ -57,6 +57,8 @@ def plain_console(paper: StringIO) -> Console:
     )  # fmt: skip
 
 
+# Below, a friction coefficient does not differ from 0: the air film carries the nip load.
+LEAST_FRICTION = 1e-3
 # told by another name, at the end, where they say something, or not at all
 LEFT_OUT = frozenset({
     "residual", "half_width", "rig_tension", "inlet_tension", "drum_wrap_traction",
@@ -72,7 +74,7 @@ def rows_of(
 
     Those to ``leave`` are left out; ``notes`` stand behind the units, by name.
     """
-    beside = {f"{name}_error" for name in result.errors}
+    beside = {f"{name}_error" for name in result.errors} | _no_friction(result)
     others = [
         name
         for name in quantities.scalar_outputs(result)
@@ -80,6 +82,14 @@ def rows_of(
         and not _is_nan(quantities.value_of(result, name))  # what it does not have, as no speed
     ]  # fmt: skip
     return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
+
+
+def _no_friction(result: Result) -> set[str]:
+    """Return the friction coefficients of an air film that are 0 for all practical purposes."""
+    names = ("air.roll_friction", "air.wrap_friction")
+    film = getattr(result, "air", None)
+    return {name for name in names if film is not None
+            and quantities.value_of(result, name) < LEAST_FRICTION}  # fmt: skip
 
 
 def _is_nan(value: Any) -> bool:

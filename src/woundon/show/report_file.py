@@ -1,7 +1,8 @@
 """A report to file: one HTML page that stands alone, prints well, and says where it comes from.
 
-Of one state or of several beside each other: inputs with units and sources, results with errors
-and certificate, figures, warnings, version and date, and room for remarks.
+Of one state or of several: the answer with warnings and certificate, figures, results with errors,
+inputs with units and sources, version and date, and room for remarks.  A state takes at most two
+A4 pages.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from ..quantities import Place, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html
-from .parts import Row, output_row, row_of
+from .parts import Line, Row, Section, output_row, row_of
 from .plots import panel_columns, plotted
 from .report import LEFT_OUT
 from .reports import report_parts
@@ -32,31 +33,38 @@ __all__ = ["report_file"]
 _APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _STYLE = """\
 :root { color-scheme: light; }
-body { font: 10.5pt/1.4 "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; color: #111;
+body { font: 9.5pt/1.3 "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; color: #111;
   background: #fff; max-width: 180mm; margin: 12mm auto; padding: 0 6mm; }
-h1 { font-size: 18pt; margin: 0 0 1mm; }
-h2 { font-size: 13pt; margin: 8mm 0 2mm; border-bottom: 0.3mm solid #0072B2; break-after: avoid; }
+h1 { font-size: 15pt; margin: 0 0 1mm; }
+h2 { font-size: 11.5pt; margin: 4mm 0 1mm; border-bottom: 0.3mm solid #0072B2; break-after: avoid; }
 h3 { font-size: 11pt; margin: 5mm 0 1mm; break-after: avoid; }
-p.about { margin: 0 0 4mm; color: #444; }
-table { border-collapse: collapse; margin: 2mm 0 4mm; width: 100%; font-size: 9pt; }
+p.about { margin: 0 0 2mm; color: #444; }
+table { border-collapse: collapse; margin: 1mm 0 2mm; width: 100%; font-size: 7.5pt;
+  line-height: 1.15; }
 caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoid; }
-th, td { text-align: left; padding: 0.7mm 2mm 0.7mm 0; border-bottom: 0.2mm solid #ccc;
+th, td { text-align: left; padding: 0.3mm 1.5mm 0.3mm 0; border-bottom: 0.2mm solid #ccc;
   vertical-align: top; }
+td { max-width: none !important; }
 td:first-child { overflow-wrap: anywhere; }
 th { border-bottom: 0.4mm solid #555; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
 tr, figure, div table { break-inside: avoid; }
-div p { font-size: 9pt; }
+div p { font-size: 8.5pt; }
+div.columns { columns: 2; column-gap: 6mm; }
+div.columns > table { break-inside: auto; margin-top: 0; }
+div.figures { display: flex; gap: 4mm; align-items: flex-start; }
+div.figures figure { flex: 1; min-width: 0; }
+div.columns p { font-size: 7.5pt; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
-figure svg { width: 100%; height: auto; max-height: 108mm; }
+figure svg { width: 100%; height: auto; max-height: 92mm; }
 tr.differs td { background: #FFF3D6; }
-p.source { margin: 0; font-size: 9pt; color: #444; }
+p.source { margin: 0; font-size: 7.5pt; color: #444; }
 * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-div.remarks { min-height: 35mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
+div.remarks { min-height: 15mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
   break-inside: avoid; }
-footer { margin-top: 4mm; font-size: 8.5pt; color: #444; }
-@page { size: A4; margin: 15mm; }
+footer { margin-top: 2mm; font-size: 7.5pt; color: #444; }
+@page { size: A4; margin: 12mm; }
 @media print { body { margin: 0; padding: 0; max-width: none; } }
 """
 
@@ -99,9 +107,11 @@ def report_file(
     body = "\n".join([
         f"<h1>{escape(title)}</h1>",
         f'<p class="about">woundon {escape(__version__)}, {escape(when)}{_from(sources)}</p>',
-        *_inputs(results, names),
+        *_answers(results, names),
+        *_figure(results, names if len(results) > 1 else None),
         *(_comparison(results, names) if len(results) > 1 else ()),
         *_results(results, names),
+        *_inputs(results, names),
         _footer(results),
         "<h2>Remarks</h2>",
         f'<div class="remarks">{escape(remarks)}</div>',
@@ -120,13 +130,23 @@ def _from(sources: Sequence[str]) -> str:
     return f", from {escape(', '.join(sources))}" if sources else ""
 
 
+def _answers(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+    """Yield the answer, the warnings and the certificate of each state."""
+    for result, name in zip(results, names, strict=True):
+        if len(results) > 1:
+            yield f"<h2>{escape(name)}</h2>"
+        lines = [part for part in report_parts(result) if isinstance(part, Line)]
+        yield parts_html([line for line in lines if line.tone != "quiet"])
+
+
 def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield the report of each state, and the figure of all."""
+    """Yield the sections of the report of each state, those of values in two columns."""
     for result, name in zip(results, names, strict=True):
         yield f"<h2>{escape(name)}: results</h2>" if len(results) > 1 else "<h2>Results</h2>"
-        yield parts_html(report_parts(result))
-    yield "<h2>Figures</h2>" if len(results) > 1 else ""
-    yield from _figure(results, names if len(results) > 1 else None)
+        parts = [part for part in report_parts(result) if not isinstance(part, Line)]
+        narrow = [part for part in parts if isinstance(part, Section)]
+        yield f'<div class="columns">{parts_html(narrow)}</div>'
+        yield parts_html([part for part in parts if not isinstance(part, Section)])
 
 
 # ---- inputs -----------------------------------------------------------------------------------
@@ -137,13 +157,20 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     yield "<h2>Inputs</h2>"
     told = [{place.path: place for place in walk(result.problem)} for result in results]
     rows = []
+    not_given = []
     for path in dict.fromkeys(path for one in told for path in one):
+        if all(path not in one or one[path].value is None for one in told):
+            not_given.append(path)
+            continue
         cells = [_row(one[path]) if path in one else Row("", "", "-") for one in told]
         known = next(_row(one[path]) for one in told if path in one)
         values = [f"{row.value_text} {row.unit}".strip() for row in cells]
         mark = ' class="differs"' if len(set(values)) > 1 else ""
         rows.append((mark, [path, known.meaning, known.symbol], values))
-    yield _table(["field", "meaning", "symbol"], names if len(names) > 1 else ["value"], rows)
+    table = _table(["field", "meaning", "symbol"], names if len(names) > 1 else ["value"], rows)
+    yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
+    if not_given:
+        yield f'<p class="source">Not given: {escape(", ".join(not_given))}.</p>'
     sources = dict.fromkeys(named for result in results for named in _named(result.problem))
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
@@ -238,16 +265,18 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
     except InvalidProblem as fault:
         yield f"<p>{escape(str(fault))}</p>"
         return
-    for number, panels in enumerate(columns):  # below each other, for a page is not wide
+    yield '<div class="figures">'
+    for number, panels in enumerate(columns):
         drawn = figure_bytes(plotted(results, labels=names, panels=panels), ".svg").decode()
         svg = _APART.sub("", drawn[drawn.index("<svg") :])
         # two drawings of one page may not name their parts alike
         svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
         yield f'<figure role="img" aria-label="{escape(", ".join(panels))}">{svg}</figure>'
+    yield "</div>"
 
 
 def _footer(results: Sequence[Result]) -> str:
     laws = ", ".join(f"{result.residual:.1e}" for result in results)
-    return (f"<footer>Computed by woundon {escape(__version__)}; largest residual of the contact "
-            f"laws: {laws}. Errors (±) are the estimated errors of discretisation; those of the "
-            "model and of the inputs come on top.</footer>")  # fmt: skip
+    return (f"<footer>Computed by woundon {escape(__version__)}; largest residual of the "
+            f"conditions: {laws}. Errors (±) are the estimated errors of discretisation; those of "
+            "the model and of the inputs come on top.</footer>")  # fmt: skip

@@ -10,7 +10,8 @@ from rich.console import Console
 
 from .. import kinds
 from ..results import Result
-from .parts import Part, certificate_line, warning_lines
+from .answer import answer_lines, assumptions_section, defaults_section
+from .parts import Part, certificate_of, warning_lines
 from .report import nip_report, outputs_report, plain_console, roller_report
 from .terminal import print_parts
 from .winding_report import winding_report
@@ -27,11 +28,14 @@ REPORTS: Mapping[str, Callable[[Any], list[Part]]] = {
 
 
 def report_parts(result: Result) -> list[Part]:
-    """Return the report of a result of any kind: its sections, warnings and certificate."""
+    """Return the report of any result: answer, sections, warnings and certificate."""
     kind = kinds.of(result)
     report = kind.report or REPORTS.get(kind.name, outputs_report)
     warnings = warning_lines((*getattr(result.problem, "remarks", ()), *result.warnings))
-    return [*report(result), *warnings, certificate_line(result.residuals)]
+    return [
+        *answer_lines(result), *report(result), *assumptions_section(result),
+        *defaults_section(result.problem), *warnings, certificate_of(result),
+    ]  # fmt: skip
 
 
 def report_text(result: Result) -> str:

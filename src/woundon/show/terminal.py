@@ -17,7 +17,9 @@ ZONES_WIDTH = 60
 MARKS = {-1: "◀", 0: "·", 1: "▶"}
 ASCII_MARKS = {-1: "<", 0: ".", 1: ">"}
 ZONE_STYLES = {-1: "yellow", 0: "dim", 1: "blue"}
-TONES = {"quiet": "dim", "warning": "bold yellow", "good": "green", "bad": "bold red"}
+TONES = {
+    "quiet": "dim", "warning": "bold yellow", "answer": "bold", "good": "green", "bad": "bold red",
+}  # fmt: skip
 
 
 def print_parts(parts: Iterable[Part], console: Console) -> None:

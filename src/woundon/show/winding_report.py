@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ..problems.schedules import Profile, Taper
 from ..quantities import find
+from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .margins import margins_part
 from .parts import Line, Part, Row, Section, field_row, output_row
@@ -21,6 +22,7 @@ LEFT_OUT = frozenset({
     "mean_wound_on_tension", "mean_nip_induced_tension", "interpolation_error",
     "core_interpolation_error", "torque_share", "largest_compression", "largest_core_pressure",
     "largest_tension", "least_tension", "least_reserve", "band_strain", "ridge_height",
+    *(f"margins.{name}" for name in TITLES),
 })  # fmt: skip
 LAWS = {
     "friction": "Tension by the law T_in + F + mu P: a nip that slips throughout.",

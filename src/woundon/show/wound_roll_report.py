@@ -37,7 +37,7 @@ def wound_roll_report(result: RollResult) -> list[Part]:
     notes = {
         "peak_pressure": _place(r, result.pressure, int(np.argmax(result.pressure))),
         "least_hoop_stress": _place(r, hoop, int(np.argmin(hoop))),
-        "lap_effect": ", in the errors told",
+        "lap_effect": ", included in the errors",
     }
     return [
         Line(how, "quiet"),
@@ -105,5 +105,5 @@ def _other_theories(result: RollResult) -> Iterator[Section]:
     if not isinstance(tension, float) or not isinstance(law, Pfeiffer):
         return
     plateau = plateau_pressure(problem.stack, tension / problem.web_thickness)
-    label = "plateau of thin laps, its curvature left out"
+    label = "plateau of thin layers, without its curvature"
     yield Section("Other theories", (output_row(result, "mid_pressure", plateau, meaning=label),))

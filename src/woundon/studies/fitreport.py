@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
 
+# Relative standard error from which a parameter is not identified: its 95 % interval spans a
+# factor of e^2 in both directions.
+UNIDENTIFIED = 1.0
 MOST_TOLD = 3  # parameters in one line
 
 
@@ -114,7 +117,9 @@ def _estimates(fit: Any) -> Iterator[str]:
         unit, value = _in_table(fit, name, fit.estimates[k])
         _, error = _in_table(fit, name, fit.standard_errors[k])
         text = f"{name:<{width}}  {value:.4g} {unit}".rstrip()
-        if isfinite(error):
+        if value and error >= UNIDENTIFIED * abs(value):
+            text += "; the data do not identify it (standard error above 100 %)"
+        elif isfinite(error):
             text += f", standard error {error:.2g}"
             text += f" ({error / abs(value):.0%})" if value else ""
         if name in profiles:

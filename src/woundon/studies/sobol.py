@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import log2
+from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +26,8 @@ __all__ = ["SobolIndices", "saltelli_design", "sobol_indices_of"]
 
 Array = np.ndarray
 RESAMPLES = 200
+WIDE = 0.2  # of a 95 % interval: with it, an index of 0.5 could as well be 0.4 or 0.6
+ROUNDING = 1e-9  # of two equal indices
 MOST_TOLD = 3  # inputs in one line
 
 
@@ -100,7 +102,7 @@ class SobolIndices(Presented, ReadOnly):
         strongest = [k * len(self.inputs) + j for k in range(len(self.outputs))
                      for j in np.argsort(-self.total_order[k])]  # fmt: skip
         table = self.to_dataframe().iloc[strongest]
-        return self._html_of_table(head, table)
+        return self._html_of_table(head, table, self.remarks())
 
     def lines(self) -> list[str]:
         """Return the indices as lines of text, by output, the strongest input first."""
@@ -109,11 +111,54 @@ class SobolIndices(Presented, ReadOnly):
             out.append(f"{output}: share of the variance, alone / with interactions")
             for j in np.argsort(-self.total_order[k]):
                 ends = self.total_interval[:, k, j]
+                mark = "  *" if self.uncertain[k, j] else ""
                 out.append(
                     f"  {self.inputs[j]:<28} {self.first_order[k, j]:6.3f} / "
-                    f"{self.total_order[k, j]:.3f}  (95 %: {ends[0]:.3f} to {ends[1]:.3f})"
+                    f"{self.total_order[k, j]:.3f}  (95 %: {ends[0]:.3f} to {ends[1]:.3f}){mark}"
                 )
-        return out
+        return out + self.remarks()
+
+    @property
+    def samples(self) -> int:
+        """Number of samples, the cases without those of mixed columns."""
+        return self.table.design.size // (len(self.inputs) + 2)
+
+    @property
+    def uncertain(self) -> Array:
+        """Indices that the samples do not determine, an (outputs, inputs) array of bool.
+
+        One of the two 95 % intervals is wider than 0.2, or the first-order index, which cannot
+        exceed the total index, does so.
+        """
+        widths = np.maximum(*(np.ptp(ends, axis=0) for ends in self._intervals))
+        uncertain: Array = (widths > WIDE) | (self.first_order > self.total_order + ROUNDING)
+        return uncertain
+
+    @property
+    def _intervals(self) -> tuple[Array, Array]:
+        return self.first_interval, self.total_interval
+
+    @property
+    def proposed_samples(self) -> int:
+        """Number of samples with which all 95 % intervals are expected to be narrower than 0.2.
+
+        The width falls as the square root of the number of samples; a power of 2, the present
+        number if that is sufficient.
+        """
+        if not self.uncertain.any():
+            return self.samples
+        width = max(float(np.nanmax(np.ptp(ends, axis=0))) for ends in self._intervals)
+        needed = self.samples * max(2.0, (width / WIDE) ** 2)
+        return int(2 ** ceil(log2(needed)))
+
+    def remarks(self) -> list[str]:
+        """Return a remark on the indices that the samples do not determine, if there are any."""
+        if not self.uncertain.any():
+            return []
+        return [
+            f"* not determined by {self.samples} samples (interval wider than {WIDE:g}, or first "
+            f"order above total): use samples={self.proposed_samples}"
+        ]
 
     def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
         """Draw the indices as bars, the input that explains most on top.

@@ -16,16 +16,17 @@ stages of its build-up.  Sources: docs/theory/margins.md.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import nan
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
 from ..problems.air import Air
+from ..problems.grades import source_of_limit
 from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, length, line_load, strain, stress
@@ -42,6 +43,26 @@ PLACES = 400  # radii of each
 # The outermost laps carry by tension what the formula asks of their friction, one lap after the
 # other: P = WOT/r a lap gives a share of 1/(2 pi mu n) to the n-th, below 2 % at the fiftieth
 TAIL_LAPS = 50
+# Names that winder operators use, and what to change if a margin is small.
+TITLES = {
+    "slip": "interlayer slip and telescoping", "compression": "starring (hoop compression)",
+    "blocking": "blocking", "core": "core collapse", "strength": "web break",
+    "slack": "slack web", "gauge_band": "gauge band (baggy lane)",
+}  # fmt: skip
+SMALL = 0.25  # a reserve below which reports say what to change
+FIELDS = {
+    "compression": "compression", "blocking": "blocking_pressure", "core": "core_pressure",
+    "strength": "web_strength", "slack": "slack_tension", "gauge_band": "yield_strain",
+}  # fmt: skip
+HINTS = {
+    "slip": "let the drum carry more of the torque, accelerate more slowly, or wind tighter",
+    "compression": "wind tighter at the core and taper less steeply, or use a stiffer core",
+    "blocking": "reduce web tension or nip load, or taper them towards the surface",
+    "core": "reduce the wound-on tension at the core, or use a stronger core",
+    "strength": "reduce web tension or nip load",
+    "slack": "increase the web tension",
+    "gauge_band": "reduce the wound-on tension, even out the thickness, or oscillate the web",
+}
 ALIKE = 1e-3  # by which stages differ that are told to be alike: what they err by default
 
 
@@ -92,6 +113,23 @@ class Margin:
         """How far the value is from its limit, as a share of it; < 0 if violated, nan unchecked."""
         return float(self.reserve_of(self.value))
 
+    @property
+    def title(self) -> str:
+        """The name used in practice, e.g. "interlayer slip and telescoping"."""
+        return TITLES.get(self.name, self.name)
+
+    @property
+    def hint(self) -> str:
+        """What to change to enlarge the margin."""
+        return HINTS.get(self.name, "")
+
+    @property
+    def distance(self) -> str:
+        """The distance from the limit as text, in percent; from a limit 0 in its unit."""
+        if self.limit == 0:
+            return f"{abs(self.quantity.shown(self.value)):.4g} {self.quantity.display}"
+        return f"{100 * abs(self.reserve):.3g} %"
+
     def reserve_of(self, value: Any) -> Any:
         """Return the reserve that other values would have."""
         room = value - self.limit if self.name == "slack" else self.limit - value
@@ -109,9 +147,86 @@ class Margin:
 
 
 class Margins(Presented, tuple[Margin, ...]):
-    """All margins of a roll, those without a limit too; by number or by name."""
+    """All margins of a roll, those without a limit too; by number or by name.
+
+    The attributes ``slip``, ``compression``, ``blocking``, ``core``, ``strength``, ``slack`` and
+    ``gauge_band`` are the reserves, outputs of a winding: ``"margins.blocking"`` in studies.
+
+    >>> import woundon as wo
+    >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
+    >>> found = wo.margins(wo.solve(problem), wo.Limits(blocking_pressure=2e6))
+    >>> found.blocking == found["blocking"].reserve
+    True
+    """
 
     __slots__ = ()
+    part_of_result: ClassVar[bool] = True
+
+    @property
+    def verdict(self) -> str:
+        """Whether the roll holds, with the margin that has the smallest reserve, in a sentence."""
+        least, violated = self.least, self.violated
+        if least is None:
+            return "No margin of the roll is checked: give limits, or a grade."
+        unchecked = sum(not margin.checked for margin in self)
+        rest = f" ({unchecked} of {len(self)} margins not checked)" if unchecked else ""
+        if not violated:
+            so_far = " as far as it is checked" if unchecked else ""
+            return (
+                f"The roll holds{so_far}; smallest reserve: {least.title}, {least.distance}{rest}."
+            )
+        word = "falls below" if least.name == "slack" else "exceeds"
+        return f"The roll does not hold: {least.title} {word} its limit by {least.distance}{rest}."
+
+    @property
+    def advice(self) -> str:
+        """What to change if the smallest reserve is below 25 %, and what else is violated."""
+        least = self.least
+        if least is None or least.reserve >= SMALL:
+            return ""
+        others = [self[name].title for name in self.violated if name != least.name]
+        also = f" Also violated: {', '.join(others)}." if others else ""
+        return f"To enlarge this margin: {least.hint}.{also}"
+
+    @property
+    def slip(self) -> Annotated[float, strain("m_s", "reserve of interlayer slip and telescoping")]:
+        """Reserve of interlayer slip and telescoping, as a share of the limit [1]."""
+        return self._reserve("slip")
+
+    @property
+    def compression(
+        self,
+    ) -> Annotated[float, strain("m_c", "reserve of starring (hoop compression)")]:
+        """Reserve of starring (hoop compression), as a share of the limit [1]."""
+        return self._reserve("compression")
+
+    @property
+    def blocking(self) -> Annotated[float, strain("m_b", "reserve of blocking")]:
+        """Reserve of blocking, as a share of the limit [1]."""
+        return self._reserve("blocking")
+
+    @property
+    def core(self) -> Annotated[float, strain("m_cc", "reserve of core collapse")]:
+        """Reserve of core collapse, as a share of the limit [1]."""
+        return self._reserve("core")
+
+    @property
+    def strength(self) -> Annotated[float, strain("m_t", "reserve of web break")]:
+        """Reserve of web break, as a share of the limit [1]."""
+        return self._reserve("strength")
+
+    @property
+    def slack(self) -> Annotated[float, strain("m_0", "reserve of slack web")]:
+        """Reserve of slack web, as a share of the limit [1]."""
+        return self._reserve("slack")
+
+    @property
+    def gauge_band(self) -> Annotated[float, strain("m_g", "reserve of gauge band (baggy lane)")]:
+        """Reserve of gauge band (baggy lane), as a share of the limit [1]."""
+        return self._reserve("gauge_band")
+
+    def _reserve(self, name: str) -> float:
+        return float(self[name].reserve)
 
     def __getitem__(self, key: Any) -> Any:
         """Return a margin by its number or name."""
@@ -210,19 +325,19 @@ def _state(roll: RollResult) -> _State:
 
 # ---- the margins --------------------------------------------------------------------------------
 
-SHARE = strain("M/M_c", "torque, of what friction between laps carries")
+SHARE = strain("M/M_c", "torque, of what friction between the layers carries")
 COMPRESSION = stress("S", "largest compression along the web")
-BLOCKING = stress("P_max", "largest pressure between laps")
+BLOCKING = stress("P_max", "largest pressure between layers")
 CORE = stress("P_c,max", "largest pressure on the core")
 STRENGTH = line_load("T_max", "largest tension of the web")
-SLACK = line_load("T_min", "least tension before and behind the nip")
+SLACK = line_load("T_min", "smallest tension upstream and downstream of the nip")
 BAND = strain("eps_b", "largest strain of the thickest lane")
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um")
 LEFT_OUT = {
-    "slip": "air between laps, friction that falls once they slide, the slip under the nip, the "
-    f"outermost {TAIL_LAPS} laps, the drum's help at a start or stop, impacts",
-    "compression": "how far friction between laps keeps them from buckling: stars need "
-    "compression, but supported laps bear some of it; impacts, moisture, uneven thickness",
+    "slip": "air between layers, friction that falls once they slide, the slip under the nip, the "
+    f"outermost {TAIL_LAPS} layers, the drum's help at a start or stop, impacts",
+    "compression": "how far friction between layers keeps them from buckling: stars need "
+    "compression, but supported layers bear some of it; impacts, moisture, uneven thickness",
     "blocking": "time, temperature, moisture and the chemistry of the surfaces; ridges across the "
     "width, where the pressure is higher",
     "core": "the core's own strength and creep, a tube of paper's layers, the roll's support "
@@ -270,12 +385,25 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         )
         raise InvalidProblem.at("limits.acceleration", text)
     pull, states = Pull.of(result), _states(roll)
-    return Margins((
+    found = (
         _slip(states, roll, limits, pull), _compression(states, roll, limits),
         _blocking(states[-1], limits), _core(states, roll.problem.core, limits),
         _strength(states[-1], roll, limits, pull), _slack(roll, limits, pull),
         _gauge_band(roll, limits),
-    ))  # fmt: skip
+    )  # fmt: skip
+    return Margins(_with_source(margin, roll.problem) for margin in found)
+
+
+def _with_source(margin: Margin, problem: Any) -> Margin:
+    """Return a margin whose note says from which grade its limit comes, if it is of one."""
+    field = FIELDS.get(margin.name)
+    if field is None or not margin.checked:
+        return margin
+    thickness, along = float(problem.web_thickness), float(problem.stack.tangential)
+    source = source_of_limit(field, margin.limit, thickness, along)
+    if not source:
+        return margin
+    return replace(margin, note="; ".join(filter(None, (f"limit of the {source}", margin.note))))
 
 
 class _Found(NamedTuple):
@@ -321,7 +449,7 @@ def _slip(states: list[_State], roll: RollResult, limits: Limits, pull: Pull) ->
     friction = limits.layer_friction or pull.friction
     if friction is None:
         nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
-        return _margin("slip", nothing, nan, SHARE, "the friction between laps is not given")
+        return _margin("slip", nothing, nan, SHARE, "the friction between layers is not given")
     # each stage below the surface of the one before: what is new on it holds by its own tension
     tail, core = TAIL_LAPS * float(roll.problem.web_thickness), float(roll.radius[0])
     R = states[-1].surface
@@ -351,7 +479,7 @@ def _if_laps_slid(final: _State, roll: RollResult) -> str:
     depth = float(r[-1] - r[0])
     mean = float(np.trapezoid(E_r, r)) / depth
     limit = sliding_laps_buckle(mean, stack.tangential, float(roll.problem.web_thickness), depth)
-    return f"laps that slid freely would buckle at about {1e-3 * limit:.3g} kPa (estimate)"
+    return f"layers that slid freely would buckle at about {1e-3 * limit:.3g} kPa (estimate)"
 
 
 def _blocking(final: _State, limits: Limits) -> Margin:
@@ -457,7 +585,7 @@ class WithMargins:
 
     @property
     def least_tension(self) -> Annotated[float, SLACK]:
-        """Least tension of the web before and behind the nip [N/m]."""
+        """Smallest tension of the web upstream and downstream of the nip [N/m]."""
         return float(self.margins["slack"].value)
 
     @property

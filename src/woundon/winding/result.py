@@ -84,7 +84,7 @@ class WindingResult(WithMargins, Result):
 
     problem: WindingProblem
     radius: Annotated[Array, length("r", "radius")]
-    web_tension: Annotated[Array, line_load("T_in", "web tension before the nip")]
+    web_tension: Annotated[Array, line_load("T_in", "web tension upstream of the nip")]
     nip_load: Annotated[Array, line_load("P", "nip load")]
     winding_force: Annotated[Array, line_load("F", "winding force")]
     nip_induced_tension: Annotated[Array, line_load("NIT", "nip-induced tension, WOT - T_in")]
@@ -101,7 +101,7 @@ class WindingResult(WithMargins, Result):
     ]
     nip_air_film: Annotated[Array, length("h_k", "film of air that they leave", "um")]
     nip_friction: Annotated[Array, pure("mu+_k", "friction that air leaves in them")]
-    air_film: Annotated[float, length("h", "film of air between the laps", "um")]
+    air_film: Annotated[float, length("h", "air film between the layers", "um")]
     nip_error: Annotated[Array, line_load("WOT_k error", "their estimated discretisation error")]
     nip_residual: Annotated[Array, pure("r_k", "their largest violation of a contact law")]
     interpolation_error: Annotated[

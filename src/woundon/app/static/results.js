@@ -34,6 +34,15 @@ export function errorText(units, output, { value, error }) {
   return shown < last ? `± < ${digits(last, 1)}` : `± ${digits(shown, 2)}`;
 }
 
+/** The answer in one line: of a nip in the shown units, else as the reports have it. */
+function answer({ units, kind, state: { result } }) {
+  const [total, added] = ["wound_on_tension", "nip_induced_tension"].map((name) => kind.outputs.find((output) => output.name === name && !output.array));
+  const web = result.problem.web_tension;
+  if (!total || !added || typeof web !== "number") return result.answer[0] ?? "";
+  const value = (si) => `${digits(Number(units.shown(total, si).toPrecision(4)))} ${units.text(total)}`;
+  return T.results.sum(...[result.outputs[total.name].value, web, result.outputs[added.name].value].map(value));
+}
+
 function difference(units, output, from, to) {
   if (from == null || to == null) return "–";
   const value = units.shown(output, to) - units.shown(output, from);
@@ -44,6 +53,7 @@ export function Numbers({ store }) {
   const { units, kind, state } = store;
   const { result } = state;
   return html`<section class="numbers" aria-label=${T.results.numbers}>
+    <p class="answer">${answer(store)}</p>
     ${headlines(kind, result).map((output) => {
       const told = result.outputs[output.name];
       return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}

@@ -1,0 +1,89 @@
+"""The assumptions of the models, as sentences, for each kind of problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+__all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
+
+PLANE = "Steady state, small strains, plane strain."
+FRICTION = "Coulomb friction with constant coefficients."
+UNIFORM = "The web has a uniform thickness and tension across its width."
+BONDED = "The layers of the roll are bonded: they do not slip on each other."
+AIR = ("The air film is isothermal, as wide as the web, and escapes only through the web; friction "
+       "falls linearly with its thickness.")  # fmt: skip
+WRAPPED = "The web is held to the roll at the end of the roll wrap."
+HELD = "The web does not slip on the roll downstream of the nip: it is held at its trailing edge."
+
+
+def of_nip(problem: Any) -> tuple[str, ...]:
+    """Return the assumptions of a nip."""
+    bodies = (text for name in ("roll", "drum") for text in _body(name, getattr(problem, name)))
+    web = "linear elastic" if problem.web.linear else "a stack that hardens under pressure"
+    return (
+        PLANE, FRICTION, UNIFORM, f"The web is a thin strip, {web}.", *bodies, BONDED,
+        WRAPPED if problem.roll_wrap else HELD, *([AIR] if problem.air is not None else []),
+    )  # fmt: skip
+
+
+def of_rollers(problem: Any) -> tuple[str, ...]:
+    """Return the assumptions of two rollers."""
+    state = "Steady rolling" if problem.motion == "rolling" else "A static load, applied once"
+    bodies = (
+        text
+        for name in ("upper", "lower")
+        for text in _body(f"{name} roller", getattr(problem, name))
+    )
+    return f"{state}, small strains, plane strain.", FRICTION, *bodies
+
+
+def _body(name: str, body: Any) -> Iterator[str]:
+    """Yield the assumptions on a body."""
+    if body.rigid:
+        yield f"The {name} is rigid."
+    elif getattr(body, "viscoelastic", False):
+        yield f"The {name} is linear viscoelastic."
+    elif body.linear:
+        yield f"The {name} is linear elastic: its moduli do not depend on the pressure."
+    else:
+        yield f"The {name} hardens under the pressure wound in and that of the nip, elastically."
+
+
+def of_roll(problem: Any) -> tuple[str, ...]:
+    """Return the assumptions of a wound roll."""
+    axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
+    change = "Temperature and shrinkage change the finished roll at once, without creep."
+    changes = problem.temperature_change or problem.core_shrinkage
+    return (
+        axisymmetric, "The web has a uniform thickness across its width.",
+        "The radial stiffness depends on the pressure alone, loading and unloading alike.",
+        "The layers neither slip nor creep.", *([change] if changes else []),
+    )  # fmt: skip
+
+
+ROLL_BODIES = {
+    "effective": "In the nip the roll is linear, with its moduli at the pressure of wound roll "
+    "and nip.",
+    "direct": "In the nip the roll hardens under the pressure wound in and that of the nip.",
+    "linear": "In the nip the roll is linear, with the moduli of the web.",
+}
+LAWS = {
+    "friction": "The web slips throughout the nip: WOT = T_in + F + mu P.",
+    "fixed": "The nip-induced tension is given.",
+}
+
+
+def of_winding(problem: Any) -> tuple[str, ...]:
+    """Return the assumptions of a winding."""
+    law = problem.tension_law
+    if law == "nip":
+        drum = "The drum is rigid." if problem.drum.rigid else ""
+        of = (PLANE, FRICTION, ROLL_BODIES[problem.roll_body], *filter(None, [drum]), BONDED)
+    else:
+        text = LAWS.get(law, "") if isinstance(law, str) else ""
+        of = (text or "The wound-on tension is given over the radius.",)
+    return (
+        *of, "The roll is axisymmetric, its layers elastic, and without creep.", UNIFORM,
+        *([AIR] if problem.air is not None else []),
+    )  # fmt: skip

@@ -1,0 +1,156 @@
+"""The answer of a result: the first lines of every report, page and terminal output."""
+
+from __future__ import annotations
+
+from math import floor, isnan, log10
+from typing import Any
+
+from .. import kinds, quantities
+from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
+from ..nip.result import NipResult
+from ..nip.roller_result import RollerResult
+from ..quantities import find, walk
+from ..results import Result
+from ..roll.result import RollResult
+from ..winding.result import WindingResult
+from .margins import verdict_lines
+from .parts import Line, Row, Section, output_row, row_of
+from .report import LEAST_FRICTION
+
+__all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
+
+
+def answer(result: Result) -> str:
+    """Return the answer in one line: the main outputs, or whether a wound roll holds."""
+    return answer_lines(result)[0].text
+
+
+def answer_lines(result: Result, full: bool = True) -> list[Line]:
+    """Return the answer as lines; ``full`` adds the effect of entrained air, which solves a nip."""
+    if isinstance(result, NipResult):
+        lines = [Line(_tensions(result), "answer")]
+        return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
+    if isinstance(result, WindingResult):
+        return [*verdict_lines(result.margins), Line(_values(result, WINDING))]
+    if isinstance(result, RollResult):
+        return [Line(_values(result, ROLL), "answer")]
+    if isinstance(result, RollerResult):
+        return [Line(_values(result, _of_rollers(result)), "answer")]
+    names = [name for name in kinds.of(result).result.MAIN if quantities.output(result, name)]
+    return [Line(_values(result, dict.fromkeys(names, "")), "answer")] if names else []
+
+
+# ---- a nip --------------------------------------------------------------------------------------
+
+
+def _tensions(result: NipResult) -> str:
+    """Return the wound-on tension as the sum of web tension and nip-induced tension."""
+    rows = [output_row(result, "wound_on_tension"), output_row(result, "nip_induced_tension")]
+    place = find(result.problem, "web_tension")[0]
+    assert place.quantity is not None
+    total, added = (float(row.value) for row in rows)
+    web = float(row_of(place.quantity, result.problem.web_tension).value)
+    size = abs(added) or abs(total) or 1.0
+    digits = min(3, max(0, 2 - floor(log10(size))))  # three digits of the nip-induced tension
+    # The difference of the rounded values: the printed sum is exact.
+    shown, web_shown = round(total, digits), round(web, digits)
+    texts = [f"{value:.{digits}f} {rows[0].unit}"
+             for value in (shown, web_shown, shown - web_shown)]  # fmt: skip
+    return (f"Wound-on tension {texts[0]} = web tension {texts[1]} "
+            f"+ nip-induced tension {texts[2]}")  # fmt: skip
+
+
+def _air(result: NipResult) -> list[str]:
+    """Return by how much entrained air reduces friction and nip-induced tension."""
+    air, problem = result.air, result.problem
+    assert air is not None
+    places = [("in the nip", air.roll_friction, problem.roll_friction)]
+    if problem.roll_wrap:
+        places.append(("on the roll wrap", air.wrap_friction, problem.friction_on_wrap))
+    reduced = [(place, mu, dry) for place, mu, dry in places if mu < dry]
+    if not reduced:
+        return ["The entrained air reduces neither the friction nor the nip-induced tension."]
+    shares = " and ".join(f"{place} {_reduction(mu, dry)}" for place, mu, dry in reduced)
+    text = f"The entrained air reduces the friction between web and roll: {shares}"
+    try:
+        with unwarned():
+            dry: Any = kinds.solve(problem.without_air(), nodes=result.nodes)
+    except (InvalidProblem, NoSteadyState, NotConverged):
+        return [f"{text}.", "The same nip without air was not solved."]
+    row, without = output_row(result, "nip_induced_tension"), dry.nip_induced_tension
+    before = output_row(result, "nip_induced_tension", without)
+    change = result.nip_induced_tension - without
+    word = "reduces" if change < 0 else "increases"
+    by = f" ({abs(change / without):.1%})" if without else ""
+    return [f"{text}.", f"It {word} the nip-induced tension from {before.value:.4g} to "
+            f"{row.value:.4g} {row.unit}{by}."]  # fmt: skip
+
+
+def _reduction(friction: float, dry: float) -> str:
+    return f"by {1 - friction / dry:.1%}" if friction >= LEAST_FRICTION else "to 0"
+
+
+# ---- other kinds --------------------------------------------------------------------------------
+
+ROLL = {
+    "core_pressure": "Pressure on the core", "mid_pressure": "halfway to the surface",
+    "least_hoop_stress": "smallest stress along the web",
+}  # fmt: skip
+WINDING = {
+    "mean_wound_on_tension": "Mean wound-on tension", "core_pressure": "pressure on the core",
+    "mid_pressure": "halfway to the surface",
+}  # fmt: skip
+
+
+def _of_rollers(result: RollerResult) -> dict[str, str]:
+    if result.problem.motion != "rolling":
+        head = {"tangential_load": "Tangential load"}
+    elif result.problem.creepage is None:
+        head = {"creepage": "Creepage"}
+    else:
+        head = {"tangential_load": "Tangential load"}
+    return {**head, "nip_width": "width of the contact", "peak_pressure": "largest pressure"}
+
+
+def _values(result: Result, names: dict[str, str]) -> str:
+    """Return outputs with their names and units, separated by commas."""
+    texts = []
+    for name, label in names.items():
+        row = output_row(result, name)
+        if not isnan(float(row.value)):
+            label = label or (row.meaning if texts else _capital(row.meaning))
+            texts.append(f"{label} {_short(row)}")
+    return ", ".join(texts)
+
+
+def _short(row: Row) -> str:
+    return f"{float(row.value):.4g} {row.unit}".rstrip()
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+# ---- assumptions and defaults -------------------------------------------------------------------
+
+
+def assumptions_section(result: Result) -> list[Section]:
+    """Return the section of the assumptions of the model, if any are known."""
+    told = result.assumptions
+    return [Section("Assumptions", (), " ".join(told))] if told else []
+
+
+def defaults_section(problem: Any) -> list[Section]:
+    """Return the section of the fields that have their default values; none if there are none."""
+    texts = []
+    for place in walk(problem):
+        default = getattr(place.field, "default", None)
+        value = place.value
+        if value is None or type(value) is not type(default) or value != default:
+            continue
+        if isinstance(value, str) or place.quantity is None:
+            texts.append(f"{place.path} = {value}")
+        elif isinstance(value, int | float):
+            row = row_of(place.quantity, value)
+            texts.append(f"{place.path} = {row.value_text} {row.unit}".rstrip())
+    return [Section("Defaults used", (), ", ".join(texts))] if texts else []

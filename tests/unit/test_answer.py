@@ -1,0 +1,153 @@
+"""The first lines of reports, assumptions and default values, limits of grades."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import woundon as wo
+from woundon.show.answer import answer, answer_lines
+
+NODES = 33
+
+
+@pytest.fixture(scope="module")
+def nip() -> wo.NipResult:
+    return wo.solve(wo.NipProblem.example(), nodes=NODES)
+
+
+@pytest.fixture(scope="module")
+def winding() -> wo.WindingResult:
+    """A winding of a grade, whose tension does not need nips."""
+    return wo.solve(wo.WindingProblem(
+        grade="newsprint", core=wo.Core(radius=0.05, stiffness=1e9), drum=wo.Rigid(radius=0.25),
+        radius=0.15, web_tension=150.0, nip_load=500.0, tension_law="friction",
+    ))  # fmt: skip
+
+
+def tensions(line: str) -> list[float]:
+    return [float(number) for number in re.findall(r"(-?[0-9.]+) N/m", line)]
+
+
+def test_the_first_line_is_a_sum_of_tensions(nip: wo.NipResult) -> None:
+    first = str(nip).splitlines()[0]
+    assert first == answer(nip)
+    total, web, added = tensions(first)
+    assert total == web + added  # the printed digits, exactly
+    # printed to three digits of the nip-induced tension; the last digit balances the sum
+    assert total == pytest.approx(nip.wound_on_tension, abs=0.5)
+    assert added == pytest.approx(nip.nip_induced_tension, abs=1.0)
+
+
+def test_small_added_tensions_keep_three_digits() -> None:
+    light = wo.solve(wo.NipProblem.example().replace(nip_load=20.0), nodes=NODES)
+    total, web, added = tensions(answer(light))
+    assert added == pytest.approx(light.nip_induced_tension, rel=1e-2)  # three digits
+    assert total == pytest.approx(web + added, abs=1e-9)
+
+
+def test_the_answer_is_in_the_chosen_units(nip: wo.NipResult) -> None:
+    assert str(nip.in_units("pli")).splitlines()[0].count("pli") == 3
+
+
+def test_entrained_air_is_compared_with_the_same_nip_without_it() -> None:
+    problem = wo.NipProblem.example().replace(web_speed=30.0, air=wo.Air(roughness=0.12e-6))
+    result = wo.solve(problem, nodes=NODES)
+    assert result.air is not None
+    texts = [line.text for line in answer_lines(result)]
+    assert 0 < result.air.friction_share < 1
+    assert f"in the nip by {1 - result.air.friction_share:.1%}" in texts[1]
+    assert texts[1].endswith("on the roll wrap to 0.")
+    dry = wo.solve(problem.without_air(), nodes=NODES)
+    before, after = re.findall(r"from ([0-9.]+) to ([0-9.]+)", texts[2])[0]
+    assert float(before) == pytest.approx(dry.nip_induced_tension, rel=1e-3)  # four digits
+    assert float(after) == pytest.approx(result.nip_induced_tension, rel=1e-3)
+    # the page asks on every move of a slider: without the second nip
+    assert len(answer_lines(result, full=False)) == 1
+
+
+def test_no_friction_coefficient_of_a_floating_web_is_printed() -> None:
+    """A film of three roughnesses and more leaves no friction."""
+    problem = wo.NipProblem.example().replace(
+        web_speed=40.0, nip_load=200.0, air=wo.Air(roughness=0.1e-6), roll_wrap=0.0
+    )
+    result = wo.solve(problem, nodes=NODES)
+    assert result.air is not None
+    assert result.air.roll_friction < 1e-3
+    told = str(result)
+    assert "mu+ eff" not in told
+    assert "in the nip to 0." in told
+
+
+def test_other_kinds_begin_with_their_main_outputs(winding: wo.WindingResult) -> None:
+    assert str(winding).splitlines()[0] == winding.margins.verdict
+    roll = str(winding.roll).splitlines()[0]
+    assert f"{1e-3 * winding.roll.core_pressure:.4g} kPa" in roll
+    rollers = wo.solve(wo.RollerProblem.example(), nodes=NODES)
+    assert str(rollers).startswith(f"Creepage {100 * rollers.creepage:.4g} %")
+
+
+# ---- assumptions and defaults -------------------------------------------------------------------
+
+
+def test_assumptions_follow_the_case(nip: wo.NipResult, winding: wo.WindingResult) -> None:
+    assert "The drum is rigid." in nip.assumptions
+    assert any("bonded" in text for text in nip.assumptions)
+    assert not any("air" in text for text in nip.assumptions)
+    soft = nip.problem.replace(drum=wo.HalfPlane(radius=0.1, material="newsprint"))
+    assert "The drum is rigid." not in soft.assumptions
+    held = nip.problem.replace(roll_wrap=0.0)
+    assert len(set(held.assumptions) ^ set(nip.assumptions)) == 2  # where the web is held
+    bodies = {body: wo.WindingProblem.example().replace(roll_body=body).assumptions
+              for body in ("effective", "direct", "linear")}  # fmt: skip
+    assert len(set(bodies.values())) == 3
+    for result in (nip, winding, winding.roll):
+        for text in result.assumptions:
+            assert text in " ".join(str(result).split())
+
+
+def test_defaults_are_named_and_other_values_are_not(nip: wo.NipResult) -> None:
+    assert "roll_wrap = 180 deg" in str(nip)
+    other = wo.solve(nip.problem.replace(roll_wrap=2.0), nodes=NODES)
+    assert "roll_wrap =" not in str(other)
+    assert "drum_wrap = 0 deg" in str(other)
+
+
+# ---- margins ------------------------------------------------------------------------------------
+
+
+def test_limits_of_a_grade_are_marked_with_their_source(winding: wo.WindingResult) -> None:
+    grade = wo.grade("newsprint")
+    for name, field in (("blocking", "blocking_pressure"), ("slack", "slack_tension")):
+        margin = winding.margins[name]
+        assert margin.limit == getattr(grade.limits, field)
+        assert margin.note.startswith("limit of the grade newsprint, typical")
+    own = wo.margins(winding, wo.Limits(blocking_pressure=123e3))["blocking"]
+    assert "grade" not in own.note
+
+
+def test_the_verdict_names_the_smallest_reserve_and_what_to_change(
+    winding: wo.WindingResult,
+) -> None:
+    loose = wo.margins(winding, wo.Limits(blocking_pressure=1e9))
+    assert loose.verdict.startswith("The roll holds as far as it is checked; smallest reserve: ")
+    assert loose.advice == ""
+    tight = wo.margins(winding, wo.Limits(blocking_pressure=1e3, slack_tension=151.0))
+    assert tight.verdict.startswith("The roll does not hold: blocking exceeds its limit by ")
+    assert tight["blocking"].hint in tight.advice
+    assert "slack web" in tight.advice
+    assert "No margin" in wo.margins(winding.roll, wo.Limits()).verdict
+
+
+def test_reserves_are_outputs_of_studies(winding: wo.WindingResult) -> None:
+    for margin in winding.margins:
+        reserve = getattr(winding.margins, margin.name)
+        assert reserve == margin.reserve or reserve != reserve
+    swept = wo.sweep(winding.problem, {"web_tension": [150.0, 300.0]}, ["margins.blocking"])
+    values = swept["margins.blocking"].values
+    assert values[0] == winding.margins.blocking > values[1]
+    goal = float(values.mean())
+    found = wo.find(winding.problem, "web_tension", between=(150.0, 300.0),
+                    **{"margins.blocking": goal})  # fmt: skip
+    assert found.result.margins.blocking == pytest.approx(goal, rel=1e-2)
