@@ -43,6 +43,7 @@ __all__ = [
 
 FEW_NODES = 17
 _ERROR = "errors."  # of an output: "errors.half_width"
+_MARGIN = "margins."  # of a winding: "margins.blocking", a reserve
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +98,7 @@ class KindModel:
         twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if twice:
             raise InvalidProblem.at("outputs", f"{twice[0]!r} is given twice")
+        known |= _margins_of(self.kind.result)
         strange = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
         if strange:
             raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in strange)
@@ -198,7 +200,7 @@ class KindModel:
     def quantity(self, name: str) -> Quantity | None:
         """Return what an output or a field is; None for a field that is not a number."""
         output = name.removeprefix(_ERROR)
-        known = scalar_outputs(self.kind.result)
+        known = scalar_outputs(self.kind.result) | _margins_of(self.kind.result)
         if output not in known:
             return field_quantity(self.problem, name)
         of = known[output]
@@ -222,6 +224,12 @@ class KindModel:
         roots = {part.__module__.partition(".")[0] for part in code}
         own = __name__.partition(".")[0]
         return own, *sorted(name for name in roots - {own} if _is_package(name))
+
+
+def _margins_of(result: type[Any]) -> dict[str, Quantity]:
+    """Return the quantities of the margins of a kind's results, by their names as outputs."""
+    known: Mapping[str, Quantity] = getattr(result, "MARGINS", {})
+    return {f"{_MARGIN}{name}": quantity for name, quantity in known.items()}
 
 
 def _is_package(name: str) -> bool:
@@ -423,6 +431,8 @@ def _value(result: Any, name: str) -> Any:
     """Return an output, or the estimated error of one; nan where none is told."""
     if name.startswith(_ERROR):
         return result.errors.get(name.removeprefix(_ERROR), np.nan)
+    if name.startswith(_MARGIN):
+        return result.margins[name.removeprefix(_MARGIN)].reserve
     return value_of(result, name)
 
 

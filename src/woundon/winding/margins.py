@@ -15,11 +15,12 @@ stages of its build-up.  Sources: docs/theory/margins.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import nan
-from typing import Annotated, Any, NamedTuple
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -234,6 +235,7 @@ LEFT_OUT = {
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
 }
 NO_LIMIT = "no limit given"
+NAMES = ("slip", "compression", "blocking", "core", "strength", "slack", "gauge_band")
 
 
 def margins(result: Any, limits: Limits | None = None) -> Margins:
@@ -427,6 +429,12 @@ def _extreme(where: Callable[..., Any], first: tuple[Array, Array], *more: Any) 
 
 class WithMargins:
     """The margins of a winding among its outputs; a base of its result."""
+
+    # outputs of studies, as "margins.blocking": the reserves, nan of margins that are not checked
+    MARGINS: ClassVar[Mapping[str, Quantity]] = MappingProxyType({
+        name: strain("m", f"reserve of the margin {name}, as a share of its limit")
+        for name in NAMES
+    })  # fmt: skip
 
     problem: Any
 
