@@ -31,8 +31,10 @@ _PATH = click.Path(path_type=Path)
               help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.')  # fmt: skip
 @click.option("--nip-load", "nip_load", required=True, metavar="LOW:HIGH",
               help="Range at the core.")  # fmt: skip
-@click.option("--torque-split", "torque_split", metavar="LOW:HIGH",
-              help="Range of the share that the drum pulls; by default as in the case.")  # fmt: skip
+@click.option(
+    "--torque-split", "torque_split", metavar="LOW:HIGH",
+    help="Range of the share that the drum pulls; by default as in the case.",
+)  # fmt: skip
 @click.option(
     "--uncertain", "spreads", multiple=True, metavar="FIELD=DEVIATION",
     help="Relative standard deviation of an input, e.g. roll_friction=0.15; 0 removes that of the "

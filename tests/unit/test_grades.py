@@ -85,9 +85,7 @@ def test_film_stacks_have_an_uncertain_shear_modulus():
 @pytest.mark.parametrize("name", GRADES)
 def test_a_wound_roll_has_a_usual_pressure(name):
     grade = GRADES[name]
-    roll = wo.RollProblem(
-        grade=grade, core=CORE, diameter="1 m", wound_on_tension=grade.tension
-    )
+    roll = wo.RollProblem(grade=grade, core=CORE, diameter="1 m", wound_on_tension=grade.tension)
     result = wo.solve(roll)
     low, high = grade.pressure
     inner = 0.05 + 0.3 * 0.45

@@ -390,6 +390,7 @@ def operating_window(
     NotConverged
         If too few windings can be solved.
     """
+    _check_kind(problem)
     spreads, ties = _spreads(problem, uncertain, tie)
     whole_number("samples", samples, 100, 100_000)
     model = _model(problem, ties, options)
@@ -432,12 +433,15 @@ def _with_value(problem: Any, name: str, value: float) -> dict[str, Any]:
     return {name: value}
 
 
-def _model(problem: Any, tie: Mapping[str, str], options: Mapping[str, Any] | None) -> KindModel:
-    """Return the model whose outputs are the margins that have limits."""
-    known = getattr(kind_of(problem).result, "MARGINS", {})
-    if not known or not hasattr(problem, "nip_load"):
+def _check_kind(problem: Any) -> None:
+    if not hasattr(kind_of(problem).result, "MARGINS"):
         text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
         raise InvalidProblem.at("problem", text)
+
+
+def _model(problem: Any, tie: Mapping[str, str], options: Mapping[str, Any] | None) -> KindModel:
+    """Return the model whose outputs are the margins that have limits."""
+    known = kind_of(problem).result.MARGINS
     given = {**ACCURACY, **(options or {})}
     made = model_of(problem, [f"margins.{name}" for name in known], tie, given)
     return _WindowModel(made.problem, made.outputs, made.options, made.tie)

@@ -5,7 +5,9 @@ r"""Margins over the operating point and the probability that all of them hold.
 
 m_i is a reserve as a share of its limit, so that 1 - m_i is the ratio of value and limit.  Values
 are about powers of the set points and of the inputs, and the logarithm of a power is linear: asinh
-is a logarithm for large ratios that also admits values of zero and of the other sign.  x are the coordinates of the operating point, each scaled to [-1, 1], and z_j the logarithms of the
+is a logarithm for large ratios that also admits values of zero and of the other sign.
+
+x are the coordinates of the operating point, each scaled to [-1, 1], and z_j the logarithms of the
 uncertain inputs in standard deviations from their medians.  M is a Chebyshev interpolant at
 Chebyshev-Lobatto points, G is bilinear in the first two coordinates, C is constant.  One sample of
 z is common to all points, so that the probability is continuous in x and the margins stay
