@@ -35,6 +35,8 @@ _HOME = {
     "NoSolution": "errors",
     "NoSteadyState": "errors",
     "NotConverged": "errors",
+    "OperatingPoint": "studies.window",
+    "OperatingWindow": "studies.window",
     "OptimisedSchedule": "studies.schedule",
     "Orthotropic": "problems.materials",
     "Pfeiffer": "problems.radial_laws",
@@ -78,6 +80,7 @@ _HOME = {
     "load_result": "io.result_files",
     "margins": "winding.margins",
     "material": "problems.materials",
+    "operating_window": "studies.window",
     "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
     "solve": "kinds",
@@ -116,6 +119,8 @@ __all__ = [
     "NoSolution",
     "NoSteadyState",
     "NotConverged",
+    "OperatingPoint",
+    "OperatingWindow",
     "OptimisedSchedule",
     "Orthotropic",
     "Pfeiffer",
@@ -160,6 +165,7 @@ __all__ = [
     "load_result",
     "margins",
     "material",
+    "operating_window",
     "optimise_schedule",
     "plot",
     "solve",
@@ -243,6 +249,9 @@ if TYPE_CHECKING:
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule
     from .studies.sobol import SobolIndices as SobolIndices
+    from .studies.window import OperatingPoint as OperatingPoint
+    from .studies.window import OperatingWindow as OperatingWindow
+    from .studies.window import operating_window as operating_window
     from .winding.margins import Margin as Margin
     from .winding.margins import Margins as Margins
     from .winding.margins import margins as margins

@@ -38,6 +38,7 @@ _LATE = {
     "sweep": "Solve all cases of a study file.",
     "fit": "Fit fields of a case to measured data.",
     "find": "Find the value of a field for which an output reaches a target.",
+    "window": "Map the probability that a winding keeps all its limits.",
     "table": "Solve the cases of a spreadsheet, one in each row.",
     "compare": "Compare measured values with the predictions for a case.",
     "sensitivity": "Rank the inputs of a study file by their influence (Sobol indices).",
@@ -54,7 +55,7 @@ def _late_command(name: str) -> click.Command:
         from .design_command import design
 
         return design
-    if name in ("find", "table", "compare"):
+    if name in ("find", "table", "compare", "window"):
         return _late_question(name)
     from . import study_commands
 
@@ -72,6 +73,10 @@ def _late_question(name: str) -> click.Command:
         from .table_command import table
 
         return table
+    if name == "window":
+        from .window_command import window
+
+        return window
     from .compare_command import compare
 
     return compare

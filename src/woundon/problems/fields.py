@@ -372,7 +372,30 @@ class Problem(Description):
         super().__init__(**fields)
         if "grade" in fields:
             library = _grades()
-            library.warn_of_contradictions(library.grade(fields["grade"]), self)
+            self.__dict__["_grade"] = library.grade(fields["grade"])
+            library.warn_of_contradictions(self.named_grade, self)
+
+    @property
+    def named_grade(self) -> Any:
+        """The :class:`~woundon.Grade` that the problem was made with; None without one."""
+        return self.__dict__.get("_grade")
+
+    def replace(self, /, **changes: Any) -> Self:
+        """Return a variant with some fields changed; nested ones by dotted name, lists by number.
+
+        A value is SI, or a text with its unit; ``diameter`` replaces ``radius``.
+
+        >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
+
+        Raises
+        ------
+        InvalidProblem
+            If a name does not exist or the variant is not admissible.
+        """
+        variant = super().replace(**changes)
+        if self.named_grade is not None:
+            variant.__dict__["_grade"] = self.named_grade
+        return variant
 
     @classmethod
     def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:

@@ -169,6 +169,16 @@ class Grade(Description):
                 found[path] = self.spread[name]
         return found
 
+    def tied_fields(self, problem: Any) -> dict[str, str]:
+        """Return fields of a problem that hold the same value of the grade: follower -> leader."""
+        leaders, found = dict[str, str](), dict[str, str]()
+        names = dict(_FIELDS)
+        for path in self.spread_of(problem):
+            leader = leaders.setdefault(names[path], path)
+            if path != leader:
+                found[path] = leader
+        return found
+
     def __str__(self) -> str:
         rows = [f"{self.name}: {self.title}"]
         for name, text in self.texts():

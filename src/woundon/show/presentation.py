@@ -61,15 +61,18 @@ def figure_of(thing: Any, *options: Any) -> Any:
     from ..studies.fit import FitResult
     from ..studies.schedule import OptimisedSchedule
     from ..studies.sobol import SobolIndices
+    from ..studies.window import OperatingWindow
     from .compare_plots import plot_comparison
     from .find_plots import plot_find
     from .study_plots import plot_fit, plot_indices, plot_sweep
     from .winding_plots import plot_schedule
+    from .window_plots import plot_window
 
     plots: dict[type[Any], Callable[..., Any]] = {
         Comparison: plot_comparison,
         FindResult: plot_find,
         FitResult: plot_fit,
+        OperatingWindow: plot_window,
         OptimisedSchedule: plot_schedule,
         SobolIndices: plot_indices,
     }

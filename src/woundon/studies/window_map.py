@@ -1,0 +1,184 @@
+r"""Margins over the operating point and the probability that all of them hold.
+
+    y_i = asinh(a) - asinh(a (1 - m_i)),     a = 5,     y_i >= 0 if and only if m_i >= 0
+    y_i(x, z) = M_i(x) + sum_j [ G_ij(x) z_j + C_ij z_j^2 / 2 ],     z_j ~ N(0, 1)
+
+m_i is a reserve as a share of its limit, so that 1 - m_i is the ratio of value and limit.  Values
+are about powers of the set points and of the inputs, and the logarithm of a power is linear: asinh
+is a logarithm for large ratios that also admits values of zero and of the other sign.
+
+x are the coordinates of the operating point, each scaled to [-1, 1], and z_j the logarithms of the
+uncertain inputs in standard deviations from their medians.  M is a Chebyshev interpolant at
+Chebyshev-Lobatto points, G is bilinear in the first two coordinates, C is constant.  One sample of
+z is common to all points, so that the probability is continuous in x and the margins stay
+correlated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+__all__ = ["MarginMap", "fitted", "from_reserve", "lobatto", "standard_normal", "to_reserve"]
+
+Array = np.ndarray
+# Share of the points that polynomials may have as coefficients if points are missing: least squares
+# through scattered points oscillate when there are as many coefficients as points.
+USED_SHARE = 0.7
+
+
+RATIO = 5.0  # a: logarithmic from a fifth of the limit
+
+
+def from_reserve(m: Array) -> Array:
+    """Return y of reserves."""
+    return np.asarray(np.arcsinh(RATIO) - np.arcsinh(RATIO * (1 - m)))
+
+
+def to_reserve(y: Array) -> tuple[Array, Array]:
+    """Return the reserves of y, and their derivatives with respect to y."""
+    inner = np.arcsinh(RATIO) - y
+    return 1 - np.sinh(inner) / RATIO, np.cosh(inner) / RATIO
+
+
+def lobatto(count: int) -> Array:
+    """Return the Chebyshev-Lobatto points in [-1, 1], ascending, (count,)."""
+    return np.round(-np.cos(np.pi * np.arange(count) / (count - 1)), 15) + 0.0
+
+
+def standard_normal(inputs: int, samples: int, seed: int) -> Array:
+    """Return scrambled Sobol points of the standard normal distribution, (samples, inputs)."""
+    from scipy.stats import norm, qmc
+
+    power = int(np.ceil(np.log2(samples)))
+    points = qmc.Sobol(max(inputs, 1), rng=seed).random_base2(power)[:samples, :inputs]
+    # The first point of a scrambled sequence may be 0 after rounding.
+    return np.asarray(norm.ppf(np.clip(points, 1e-12, 1 - 1e-12)))
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomial:
+    """A sum of products of Chebyshev polynomials.
+
+    Attributes
+    ----------
+    powers : tuple of tuple of int
+        Degree along each coordinate, of every term.
+    coefficients : (terms, ...) array
+    """
+
+    powers: tuple[tuple[int, ...], ...]
+    coefficients: Array
+
+    def __call__(self, x: Array) -> Array:
+        """Return the values at points, (points, ...)."""
+        return np.tensordot(_terms(self.powers, x), self.coefficients, axes=1)
+
+
+def fitted(x: Array, values: Array, degrees: Sequence[int]) -> Polynomial:
+    """Return the polynomial through values at points.
+
+    Parameters
+    ----------
+    x : (points, d) array
+        In [-1, 1].
+    values : (points, ...) array
+    degrees : sequence of int
+        Largest degree along each coordinate.
+
+    Returns
+    -------
+    Polynomial
+        The interpolant if the points are the tensor product of Lobatto points of these degrees;
+        otherwise a least-squares fit of a lower total degree.
+    """
+    powers = list(product(*(range(degree + 1) for degree in degrees)))
+    if len(x) < len(powers):
+        most = max(1, int(USED_SHARE * len(x)))
+        total = sum(degrees)
+        while len(powers) > most:
+            total -= 1
+            powers = [power for power in powers if sum(power) <= total]
+    flat = values.reshape(len(x), -1)
+    coefficients = np.linalg.lstsq(_terms(tuple(powers), x), flat, rcond=1e-10)[0]
+    return Polynomial(tuple(powers), coefficients.reshape(len(powers), *values.shape[1:]))
+
+
+def _terms(powers: tuple[tuple[int, ...], ...], x: Array) -> Array:
+    degree = max(max(power) for power in powers)
+    basis = [chebyshev.chebvander(column, degree) for column in x.T]
+    return np.stack(
+        [np.prod([basis[k][:, p] for k, p in enumerate(power)], axis=0) for power in powers],
+        axis=1,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class MarginMap:
+    """The margins as functions of the operating point and the uncertain inputs.
+
+    Attributes
+    ----------
+    nominal : Polynomial
+        M, of (margins,) coefficients.
+    slopes : tuple of Polynomial
+        G of each input, in the first two coordinates.
+    curvature : (margins, inputs) array
+        C.
+    sample : (draws, inputs) array
+        z.
+    """
+
+    nominal: Polynomial
+    slopes: tuple[Polynomial, ...]
+    curvature: Array
+    sample: Array
+
+    def slopes_at(self, x: Array) -> Array:
+        """Return G, (points, margins, inputs)."""
+        if not self.slopes:
+            return np.zeros((len(x), len(self.curvature), 0))
+        return np.stack([slope(x[:, :2]) for slope in self.slopes], axis=-1)
+
+    def moments(self, x: Array) -> tuple[Array, Array]:
+        """Return mean and standard deviation of y, (points, margins) each."""
+        mean = self.nominal(x) + self.curvature.sum(axis=1) / 2
+        return mean, np.sqrt(self.variances(x).sum(axis=-1))
+
+    def reserves(self, x: Array) -> tuple[Array, Array]:
+        """Return the reserves with median inputs and their standard deviations (first order)."""
+        reserve, derivative = to_reserve(self.nominal(x))
+        return reserve, derivative * np.sqrt(self.variances(x).sum(axis=-1))
+
+    def variances(self, x: Array) -> Array:
+        """Return the contributions to the variance of y, (points, margins, inputs)."""
+        return self.slopes_at(x) ** 2 + self.curvature**2 / 2
+
+    def probability(self, x: Array, shift: Array | float = 0.0, linear: bool = False) -> Array:
+        """Return the probability that all margins hold, (points,).
+
+        Parameters
+        ----------
+        x : (points, d) array
+        shift : (margins,) array, optional
+            Added to y.
+        linear : bool
+            Leave out C.
+        """
+        return self.holds(x, shift, linear).all(axis=1).mean(axis=-1)
+
+    def holds(self, x: Array, shift: Array | float = 0.0, linear: bool = False) -> Array:
+        """Return whether each margin holds for each draw, (points, margins, draws)."""
+        mean, slopes = self.nominal(x) + shift, self.slopes_at(x)
+        found = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
+        squares = self.sample.T**2 / 2
+        for k, curvature in enumerate(self.curvature):
+            change = slopes[:, k] @ self.sample.T
+            if not linear:
+                change = change + curvature @ squares
+            found[:, k] = mean[:, k, None] + change >= 0
+        return found

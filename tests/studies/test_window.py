@@ -1,0 +1,281 @@
+"""The operating window: closed forms, Monte Carlo simulation with windings, resuming, the command.
+
+Evidence: closed form (probabilities of linear margins, a strength margin that is a power law of the
+friction), independent method (every sample a winding), invariance (workers, resuming).
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+import woundon as wo
+from woundon.cli import main
+from woundon.io.case_files import to_toml
+from woundon.studies.window import _with_value
+from woundon.studies.window_map import (
+    MarginMap,
+    fitted,
+    from_reserve,
+    lobatto,
+    standard_normal,
+    to_reserve,
+)
+
+RANGES = {"web_tension": (150.0, 450.0), "nip_load": (500.0, 3000.0)}
+STRENGTH = 700.0  # N/m
+
+
+def winding(**changes) -> wo.WindingProblem:
+    """Return a small roll; the wound-on tension is T_in + mu N, so that no nip is solved."""
+    given = {
+        "grade": "newsprint", "core": wo.Core(radius=0.05, stiffness=1e9), "radius": 0.15,
+        "drum": wo.Rigid(radius=0.25), "web_tension": 300.0, "nip_load": 1500.0,
+        "tension_law": "friction", "limits": wo.Limits(web_strength=STRENGTH), **changes,
+    }  # fmt: skip
+    with pytest.warns(wo.InputWarning) if "roll_friction" in changes else _nothing():
+        return wo.WindingProblem(**given)
+
+
+class _nothing:  # noqa: N801
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+# ---- maps ---------------------------------------------------------------------------------------
+
+
+def grid(n: int) -> np.ndarray:
+    return np.stack(np.meshgrid(lobatto(n), lobatto(n), indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def test_polynomials_are_interpolated_exactly():
+    """Closed form: a polynomial of degree 4 is its own interpolant at 5 x 5 points."""
+
+    def f(x):
+        return np.stack([x[:, 0] ** 4 * x[:, 1] ** 3 - x[:, 1], 2 + x[:, 0]], axis=1)
+
+    x = np.random.default_rng(0).uniform(-1, 1, (50, 2))
+    # 1e-12: rounding of a least-squares solution with a condition number of about 10
+    np.testing.assert_allclose(fitted(grid(5), f(grid(5)), [4, 4])(x), f(x), atol=1e-12)
+
+
+def test_a_quadratic_is_fitted_without_some_points():
+    """Closed form: without a corner of the 5 x 5 points the terms of degree 2 remain exact."""
+
+    def f(x):
+        return (1 + x[:, 0] - 2 * x[:, 0] * x[:, 1] + x[:, 1] ** 2)[:, None]
+
+    points = grid(5)[grid(5).sum(axis=1) < 0.9]
+    x = np.random.default_rng(0).uniform(-1, 1, (50, 2))
+    np.testing.assert_allclose(fitted(points, f(points), [4, 4])(x), f(x), atol=1e-12)
+
+
+def test_points_are_nested():
+    assert set(lobatto(3)) <= set(lobatto(5))
+
+
+def test_reserves_are_transformed_and_back():
+    """Closed form: the inverse function, its derivative by differences, and the same sign."""
+    m = np.array([-3.0, -0.1, 0.0, 0.2, 1.0, 4.0])
+    back, derivative = to_reserve(from_reserve(m))
+    np.testing.assert_allclose(back, m, atol=1e-14)
+    step = 1e-6  # its square is the relative error of the central difference
+    numeric = 2 * step / (from_reserve(m + step) - from_reserve(m - step))
+    np.testing.assert_allclose(derivative, numeric, rtol=1e-8)
+    assert (np.sign(from_reserve(m)) == np.sign(m)).all()
+
+
+@pytest.mark.parametrize(
+    ("slopes", "expected"),
+    [
+        # independent margins: the product; the same margin twice: one of them
+        ([[1.0, 0.0], [0.0, 1.0]], norm.cdf(0.5) * norm.cdf(1.0)),
+        ([[1.0, 0.0], [1.0, 0.0]], norm.cdf(0.5)),
+        # opposite margins: both ends of one distribution
+        ([[1.0, 0.0], [-1.0, 0.0]], norm.cdf(0.5) + norm.cdf(1.0) - 1),
+    ],
+)
+def test_the_probability_of_linear_margins(slopes, expected):
+    """Closed form: margins 0.5 + s_1 z and 1 + s_2 z of standard normal z."""
+    centre = np.zeros((1, 2))
+    nominal = fitted(centre, np.array([[0.5, 1.0]]), [0, 0])
+    parts = tuple(fitted(centre, np.array([column]), [0, 0]) for column in np.array(slopes).T)
+    mapped = MarginMap(nominal, parts, np.zeros((2, 2)), standard_normal(2, 4096, 0))
+    # 0.003: Sobol points err by less than 1/5 of the standard deviation of independent draws
+    assert mapped.probability(centre)[0] == pytest.approx(expected, abs=0.003)
+
+
+def test_schedules_keep_their_shape():
+    """Invariance: the ratio of the value at two radii is that of the given schedule."""
+    for schedule in (
+        300.0,
+        wo.Taper(start=300.0, taper=0.3),
+        wo.Profile(radius=(0.04, 0.1, 0.2), value=(310.0, 280.0, 250.0)),
+    ):
+        problem = winding(web_tension=schedule)
+        scaled = problem.replace(**_with_value(problem, "web_tension", 450.0))
+        r = np.array([0.05, 0.09, 0.15])
+        before, after = problem.at("web_tension", r), scaled.at("web_tension", r)
+        assert after[0] == pytest.approx(450.0)
+        np.testing.assert_allclose(after / after[0], before / before[0], rtol=1e-12)
+
+
+# ---- what is rejected ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"uncertain": {"stack.radial.K9": 0.1}}, "stack.radial.K9"),
+        ({"uncertain": {"roll_friction": -0.1}}, "uncertain.roll_friction"),
+        ({"uncertain": {"winding_force": 0.1}}, "uncertain.winding_force"),
+        ({"uncertain": 0.1}, "uncertain"),
+        ({"web_tension": (400, 200)}, "web_tension"),
+        ({"nip_load": 1000.0}, "nip_load"),
+        ({"samples": 3}, "samples"),
+        ({"resume": True}, "resume"),
+    ],
+)
+def test_invalid_arguments_are_named(changes, field):
+    with pytest.raises(wo.InvalidProblem) as fault:
+        wo.operating_window(winding(), **{**RANGES, **changes})
+    assert field in [name for name, _ in fault.value.faults]
+
+
+def test_spreads_are_required_without_a_grade():
+    problem = wo.WindingProblem.example()
+    with pytest.raises(wo.InvalidProblem, match="uncertain: missing"):
+        wo.operating_window(problem, **RANGES)
+    with pytest.raises(wo.InvalidProblem, match="must be a WindingProblem"):
+        wo.operating_window(wo.NipProblem.example(), **RANGES)
+
+
+def test_a_problem_remembers_its_grade():
+    problem = winding()
+    assert problem.replace(nip_load=900.0).named_grade == wo.grade("newsprint")
+    assert wo.WindingProblem.example().named_grade is None
+    assert problem.named_grade.tied_fields(problem) == {
+        "stack.tangential": "web.material.tangential"
+    }
+
+
+def test_margins_are_outputs_of_studies():
+    """Invariance: the reserve of a sweep is that of the result."""
+    problem = winding()
+    data = wo.sweep(problem, {"nip_load": [1500.0]}, ["margins.strength", "margins.core"])
+    result = wo.solve(problem)
+    assert float(data["margins.strength"][0]) == result.margins["strength"].reserve
+    assert np.isnan(float(data["margins.core"][0]))
+
+
+# ---- windows of windings ------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def strength() -> wo.OperatingWindow:
+    return wo.operating_window(winding(), **RANGES, uncertain={
+        **dict.fromkeys(wo.grade("newsprint").spread_of(winding()), 0), "roll_friction": 0.3,
+    }, workers=1)  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_probability_of_a_strength_margin(strength):
+    """Closed form: T + mu N <= T_b, mu log-normal."""
+    sigma = np.sqrt(np.log(1 + 0.3**2))
+    for T, N in ((300.0, 2000.0), (400.0, 1500.0), (200.0, 2500.0), (420.0, 2800.0)):
+        expected = norm.cdf(np.log((STRENGTH - T) / N / 0.19) / sigma)
+        point = strength.at(T, N)
+        # 0.03: interpolation in the set points and the second-order expansion in mu
+        assert point.probability == pytest.approx(expected, abs=0.03), (T, N)
+        assert point.contributions == {"roll_friction": 1.0}
+    reserve, _ = strength.at(300.0, 2000.0).margins["strength"]
+    assert reserve == pytest.approx(1 - (300 + 0.19 * 2000) / STRENGTH, abs=2e-3)
+
+
+@pytest.mark.slow
+def test_the_best_point_and_the_table(strength):
+    best = strength.best
+    assert best.probability == np.nanmax(strength.probability)
+    table = strength.to_dataframe()
+    assert len(table) == strength.probability.size
+    assert set(table["binding"]) <= set(strength.margins)
+    assert all(error < 0.1 for error in strength.errors.values())
+    assert json.loads(strength.to_json())["windings"] == strength.windings
+    with pytest.raises(wo.InvalidProblem, match="the range of the map"):
+        strength.at(1000.0, 1500.0)
+
+
+@pytest.mark.slow
+def test_monte_carlo_simulation_agrees():
+    """Independent method: 128 windings with drawn inputs, three points."""
+    problem = winding(limits=wo.Limits(blocking_pressure=400e3, compression=300e3), radius=0.3)
+    window = wo.operating_window(problem, **RANGES, uncertain={
+        "roll_friction": 0.15, "stack.radial.K1": 0.5, "stack.radial.K2": 0.3,
+        "stack.poissons_ratio": 0, "density": 0, "drum_friction": 0, "stack.shear": 0,
+        "web.material.radial": 0, "web.material.cross": 0, "web.material.shear": 0,
+    }, workers=1)  # fmt: skip
+    for T, N in ((200.0, 800.0), (250.0, 1200.0), (300.0, 2000.0)):
+        simulated = window.simulate(T, N, samples=128, workers=1)
+        # 0.05 is the requested agreement; Sobol points of 128 draws err by about 0.02
+        assert window.at(T, N).probability == pytest.approx(simulated, abs=0.05), (T, N)
+
+
+@pytest.mark.slow
+def test_an_interrupted_window_is_resumed(strength, tmp_path: Path):
+    """Invariance: the map is the same, and no winding is solved twice."""
+
+    def stop(done: int, expected: int) -> None:
+        if done == 15:
+            raise KeyboardInterrupt
+
+    options = {"uncertain": {**dict.fromkeys(wo.grade("newsprint").spread_of(winding()), 0),
+                             "roll_friction": 0.3}, "workers": 1, "out": tmp_path}  # fmt: skip
+    with pytest.raises(KeyboardInterrupt):
+        wo.operating_window(winding(), **RANGES, **options, progress=stop)
+    calls: list[int] = []
+    resumed = wo.operating_window(
+        winding(), **RANGES, **options, resume=True, progress=lambda done, _: calls.append(done)
+    )
+    assert min(calls) > 14
+    np.testing.assert_array_equal(resumed.probability, strength.probability)
+
+
+@pytest.mark.slow
+def test_points_without_a_steady_state_are_not_mapped(tmp_path: Path):
+    """Closed form: the drum slides where torque_split T > mu- N."""
+    window = wo.operating_window(
+        winding(torque_split=0.8), (200.0, 450.0), (600.0, 3000.0), workers=1,
+        uncertain={"roll_friction": 0.3}, options={"rtol": 0.02},
+    )  # fmt: skip
+    T, N = np.meshgrid(*window.axes, indexing="ij")
+    slides = 0.8 * T >= 0.2 * N
+    assert slides.any()
+    # next to a winding that failed for another reason the map may have gaps, but none of the
+    # points where the drum slides has a value
+    assert np.isnan(window.probability[slides]).all()
+    assert np.isfinite(window.probability[~slides]).all()
+    window.plot(tmp_path / "window.png")
+
+
+@pytest.mark.slow
+def test_the_command(tmp_path: Path, capsys):
+    case = tmp_path / "case.toml"
+    case.write_text(to_toml(winding(radius=0.1)), encoding="utf-8")
+    code = main([
+        "window", str(case), "--web-tension", "200 N/m:400 N/m", "--nip-load", "1000:2500",
+        "--uncertain", "roll_friction=0.3", "--at", "300:2 kN/m", "--workers", "1",
+        "--plot", str(tmp_path / "w.png"), "--csv", str(tmp_path / "w.csv"),
+    ])  # fmt: skip
+    text = capsys.readouterr().out
+    assert code == 0
+    assert "highest probability" in text
+    assert "variance of strength: roll_friction 100 %" in text
+    assert (tmp_path / "w.png").stat().st_size > 0
+    header = (tmp_path / "w.csv").read_text("utf-8").splitlines()[0]
+    assert header.startswith("web_tension,nip_load,probability,binding,margins.")
