@@ -30,6 +30,8 @@ _HOME = {
     "Margin": "winding.margins",
     "Margins": "winding.margins",
     "Material": "problems.materials",
+    "Measurement": "studies.planned",
+    "NextExperiment": "studies.experiment",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
     "NoSolution": "errors",
@@ -78,6 +80,7 @@ _HOME = {
     "load_result": "io.result_files",
     "margins": "winding.margins",
     "material": "problems.materials",
+    "next_experiment": "studies.experiment",
     "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
     "solve": "kinds",
@@ -111,6 +114,8 @@ __all__ = [
     "Margin",
     "Margins",
     "Material",
+    "Measurement",
+    "NextExperiment",
     "NipProblem",
     "NipResult",
     "NoSolution",
@@ -160,6 +165,7 @@ __all__ = [
     "load_result",
     "margins",
     "material",
+    "next_experiment",
     "optimise_schedule",
     "plot",
     "solve",
@@ -236,9 +242,12 @@ if TYPE_CHECKING:
     from .studies.compare import Comparison as Comparison
     from .studies.compare import compare as compare
     from .studies.derivatives import derivatives as derivatives
+    from .studies.experiment import NextExperiment as NextExperiment
+    from .studies.experiment import next_experiment as next_experiment
     from .studies.find import FindResult as FindResult
     from .studies.find import find as find
     from .studies.fit import FitResult as FitResult
+    from .studies.planned import Measurement as Measurement
     from .studies.pull_tab import PullTab as PullTab
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule

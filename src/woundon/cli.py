@@ -40,6 +40,7 @@ _LATE = {
     "find": "Find the value of a field for which an output reaches a target.",
     "table": "Solve the cases of a spreadsheet, one in each row.",
     "compare": "Compare measured values with the predictions for a case.",
+    "plan": "Choose the next measurement by its expected information.",
     "sensitivity": "Rank the inputs of a study file by their influence (Sobol indices).",
 }
 

@@ -57,12 +57,14 @@ def figure_of(thing: Any, *options: Any) -> Any:
 
         return plot(thing, *options)
     from ..studies.compare import Comparison
+    from ..studies.experiment import NextExperiment
     from ..studies.find import FindResult
     from ..studies.fit import FitResult
     from ..studies.schedule import OptimisedSchedule
     from ..studies.sobol import SobolIndices
     from .compare_plots import plot_comparison
     from .find_plots import plot_find
+    from .plan_plots import plot_plan
     from .study_plots import plot_fit, plot_indices, plot_sweep
     from .winding_plots import plot_schedule
 
@@ -70,6 +72,7 @@ def figure_of(thing: Any, *options: Any) -> Any:
         Comparison: plot_comparison,
         FindResult: plot_find,
         FitResult: plot_fit,
+        NextExperiment: plot_plan,
         OptimisedSchedule: plot_schedule,
         SobolIndices: plot_indices,
     }
