@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from .figures import COLOURS, wrapped_text
 from .panels import Case, Panel, drawn
@@ -26,8 +27,8 @@ def plot_plan(plan: NextExperiment, path: Any = None, ax: Axes | None = None) ->
     path, ax
         As of :func:`~woundon.show.panels.drawn`.
     """
-    height = 1.6 + 0.45 * len(plan.measurements)
-    panels = {"plan": Panel(_draw_plan, "plan", 6.0, height)}
+    height = 2.0 + 0.45 * len(plan.measurements)
+    panels = {"plan": Panel(_draw_plan, "plan", 7.0, height)}
     return drawn(panels, [Case(plan)], path, ax, None, lettered=False)
 
 
@@ -50,5 +51,10 @@ def _draw_plan(axes: Axes, cases: Sequence[Case]) -> list[Any]:
     axes.set_ylim(steps[-1] + 0.4, -0.4)
     axes.set_xscale("log")
     axes.set_xlabel("expected relative standard error after the measurement [%]")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(axis="x", which="both", alpha=0.3)
-    return handles
+    # names of fields are too long for the row of the figure's own legend
+    axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.3, 1.0), fontsize="small")
+    return []

@@ -36,7 +36,7 @@ from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from .api import solver_options
 from .fit import FitResult
-from .kind_model import field_quantity, get_field, kind_of, options_of
+from .kind_model import field_quantity, get_field, kind_of
 from .planned import Measurement, Planned, plan_measurement
 
 if TYPE_CHECKING:
@@ -81,6 +81,8 @@ class NextExperiment(Presented, ReadOnly):
     candidates : tuple of Measurement
     first_scores : (1 + draws, candidates) array
         Scores as the first measurement, at the problem and at each point drawn.
+    first_errors : (candidates, p) array
+        Expected relative standard errors of the parameters after this candidate alone.
     unidentified : tuple of str
         Parameters whose standard error all candidates together reduce by less than 10 %.
     direction : (p,) array
@@ -105,6 +107,7 @@ class NextExperiment(Presented, ReadOnly):
     covariance: Array
     candidates: tuple[Measurement, ...]
     first_scores: Array
+    first_errors: Array
     unidentified: tuple[str, ...]
     direction: Array
     direction_error: float
@@ -159,7 +162,7 @@ class NextExperiment(Presented, ReadOnly):
         return self._html_of_table(head, self.to_dataframe(), self._remarks())
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Return a row for each step: cost, score, expected standard errors (of the output in SI)."""
+        """Return a row for each step: cost, score, expected standard errors (output: SI)."""
         import pandas as pd
 
         columns: dict[str, Any] = {
@@ -317,6 +320,9 @@ def next_experiment(
         output=goal.output, output_value=local.output_value,
         output_errors=np.sqrt([local.gradient @ C @ local.gradient for C in covariances]),
         covariance=covariances[-1], candidates=tuple(candidates), first_scores=first,
+        first_errors=np.sqrt(
+            [np.diag(np.linalg.inv(local.J0 + each)) for each in local.information]
+        ),
         unidentified=tuple(name for name, is_weak in zip(names, weak, strict=True) if is_weak),
         direction=least, direction_error=float(np.sqrt(variance[-1])), criterion=criterion,
         warnings=tuple(_warnings(first, candidates, covariances[0], names, failures)),
