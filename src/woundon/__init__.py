@@ -30,6 +30,8 @@ _HOME = {
     "Margin": "winding.margins",
     "Margins": "winding.margins",
     "Material": "problems.materials",
+    "Measurement": "studies.planned",
+    "NextExperiment": "studies.experiment",
     "NipProblem": "problems.nip",
     "NipResult": "nip.result",
     "NoSolution": "errors",
@@ -80,6 +82,7 @@ _HOME = {
     "load_result": "io.result_files",
     "margins": "winding.margins",
     "material": "problems.materials",
+    "next_experiment": "studies.experiment",
     "operating_window": "studies.window",
     "optimise_schedule": "studies.schedule",
     "plot": "show.plots",
@@ -114,6 +117,8 @@ __all__ = [
     "Margin",
     "Margins",
     "Material",
+    "Measurement",
+    "NextExperiment",
     "NipProblem",
     "NipResult",
     "NoSolution",
@@ -165,6 +170,7 @@ __all__ = [
     "load_result",
     "margins",
     "material",
+    "next_experiment",
     "operating_window",
     "optimise_schedule",
     "plot",
@@ -242,9 +248,12 @@ if TYPE_CHECKING:
     from .studies.compare import Comparison as Comparison
     from .studies.compare import compare as compare
     from .studies.derivatives import derivatives as derivatives
+    from .studies.experiment import NextExperiment as NextExperiment
+    from .studies.experiment import next_experiment as next_experiment
     from .studies.find import FindResult as FindResult
     from .studies.find import find as find
     from .studies.fit import FitResult as FitResult
+    from .studies.planned import Measurement as Measurement
     from .studies.pull_tab import PullTab as PullTab
     from .studies.schedule import OptimisedSchedule as OptimisedSchedule
     from .studies.schedule import optimise_schedule as optimise_schedule

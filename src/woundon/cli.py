@@ -41,6 +41,7 @@ _LATE = {
     "window": "Map the probability that a winding keeps all its limits.",
     "table": "Solve the cases of a spreadsheet, one in each row.",
     "compare": "Compare measured values with the predictions for a case.",
+    "plan": "Choose the next measurement by its expected information.",
     "sensitivity": "Rank the inputs of a study file by their influence (Sobol indices).",
 }
 

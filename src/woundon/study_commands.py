@@ -1,4 +1,4 @@
-"""The commands ``woundon sweep``, ``fit`` and ``sensitivity``: parse, call, show."""
+"""The commands ``woundon sweep``, ``fit``, ``plan`` and ``sensitivity``: parse, call, show."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .io.files import check_writable
 if TYPE_CHECKING:
     from .studies.table import Table
 
-__all__ = ["fit", "sensitivity", "sweep"]
+__all__ = ["fit", "plan", "sensitivity", "sweep"]
 
 _PATH = click.Path(path_type=Path)
 _EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
@@ -258,6 +258,57 @@ def fit(
         found.plot(plot)
     for line in [found.to_json()] if as_json else found.lines():
         click.echo(line)
+
+
+@click.command(
+    help="""\
+    Rank the candidate measurements of a study file by the expected reduction of uncertainty per
+    cost, e.g. examples/study_next_measurement.toml.
+
+    The file names unknown fields with their prior relative standard deviations [unknown], completed
+    measurements [[completed]] and candidates [[candidate]]: quantity, state, standard deviation and
+    cost. The standard errors that are expected after each measurement are printed.
+    """,
+    short_help="Choose the next measurement by its expected information.",
+)
+@click.argument("study", type=_PATH)
+@click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
+@click.option("--draws", type=click.IntRange(0),
+              help="Points drawn at which the ranking is repeated; 3.")  # fmt: skip
+@click.option(
+    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
+    help="Print an output in another unit; repeatable.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON.")
+@click.option("--save", type=_PATH, metavar="FILE", help="Save the steps as .csv or .xlsx, in SI.")
+@click.option("--plot", type=_PATH, metavar="FILE", help="Draw to .png, .svg or .pdf.")
+def plan(
+    study: Path, count: int | None, draws: int | None, chosen: tuple[str, ...], as_json: bool,
+    save: Path | None, plot: Path | None,
+) -> None:  # fmt: skip
+    """Rank the candidate measurements of a study file."""
+    from .studies.case_table import check_table_path, write_table
+    from .studies.experiment import next_experiment
+    from .studies.plan_file import load_plan
+
+    if save:
+        check_table_path(save)
+    if plot:
+        from .show.figures import check_format
+
+        check_format(plot)
+    for path in filter(None, (save, plot)):
+        check_writable(path)
+    keywords = load_plan(study)
+    settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}
+    with units_of(chosen):
+        found = next_experiment(**{**keywords, **settings})
+        if save:
+            write_table(found.to_dataframe().reset_index(), save)
+        if plot:
+            found.plot(plot)
+        for line in [found.to_json()] if as_json else found.lines():
+            click.echo(line)
 
 
 def _pair(text: str) -> tuple[str, str]:

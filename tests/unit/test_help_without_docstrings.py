@@ -21,7 +21,7 @@ for name in sys.argv[1:]:
         sys.exit(code)
 """
 OTHERS = ("new", "materials", "solve", "app", "report", "design", "sweep", "fit", "sensitivity",
-          "find", "table", "compare", "window", "thesis")  # fmt: skip
+          "find", "table", "compare", "window", "plan", "thesis")  # fmt: skip
 COMMANDS = ("", *OTHERS, *(kind.command for kind in kinds.every()
                            if kind.problem.__module__.startswith("woundon.")))  # fmt: skip
 

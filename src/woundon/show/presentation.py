@@ -57,6 +57,7 @@ def figure_of(thing: Any, *options: Any) -> Any:
 
         return plot(thing, *options)
     from ..studies.compare import Comparison
+    from ..studies.experiment import NextExperiment
     from ..studies.find import FindResult
     from ..studies.fit import FitResult
     from ..studies.schedule import OptimisedSchedule
@@ -64,6 +65,7 @@ def figure_of(thing: Any, *options: Any) -> Any:
     from ..studies.window import OperatingWindow
     from .compare_plots import plot_comparison
     from .find_plots import plot_find
+    from .plan_plots import plot_plan
     from .study_plots import plot_fit, plot_indices, plot_sweep
     from .winding_plots import plot_schedule
     from .window_plots import plot_window
@@ -72,6 +74,7 @@ def figure_of(thing: Any, *options: Any) -> Any:
         Comparison: plot_comparison,
         FindResult: plot_find,
         FitResult: plot_fit,
+        NextExperiment: plot_plan,
         OperatingWindow: plot_window,
         OptimisedSchedule: plot_schedule,
         SobolIndices: plot_indices,

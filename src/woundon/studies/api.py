@@ -35,7 +35,7 @@ from .sobol import SobolIndices, saltelli_design, sobol_indices_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["fit", "global_sensitivity", "in_si", "study_of", "sweep"]
+__all__ = ["fit", "global_sensitivity", "in_si", "solver_options", "study_of", "sweep"]
 
 FIT_NODES = 65
 
@@ -121,7 +121,7 @@ def sweep(
     """
     model, cases = study_of(
         problem, over, outputs, columns=columns, design=design, samples=samples, seed=seed, tie=tie,
-        options=_options(nodes, rtol, options),
+        options=solver_options(nodes, rtol, options),
     )  # fmt: skip
     table = run_study(
         model, cases, runner_for(workers, scheduler),
@@ -173,7 +173,7 @@ def _varied(
     return model
 
 
-def _options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
+def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return all options of the solver that are given."""
     named = {name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None}
     for name in named.keys() & (options or {}).keys():
@@ -236,7 +236,7 @@ def global_sensitivity(
     InvalidProblem
         Also if a case of the ranges cannot be solved: the indices need every one.
     """
-    model = _varied(problem, over, outputs, tie, _options(nodes, rtol, options))
+    model = _varied(problem, over, outputs, tie, solver_options(nodes, rtol, options))
     cases = saltelli_design(in_si(problem, over), samples, seed)
     table = run_study(
         model, cases, runner_for(workers, scheduler),
@@ -300,7 +300,7 @@ def fit(
     """
     outputs = measurable(problem)
     data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
-    given = _on_one_grid(problem, _options(nodes, rtol, options))
+    given = _on_one_grid(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(data.outputs), tie, given)
     bounds = in_si(problem, _bounds(vary))
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())

@@ -27,7 +27,7 @@ from .kind_model import columns_of, kind_of, measurable, replaced
 from .measured import read_measured
 from .pull_tab import PullTab
 
-__all__ = ["Observations", "error_at", "predict", "read_observations"]
+__all__ = ["Observations", "arrays_over_radius", "error_at", "predict", "read_observations"]
 
 Array = np.ndarray
 
@@ -79,7 +79,7 @@ def read_observations(
 ) -> Observations:
     """Return the measured values of a table; see :func:`~.measured.read_measured`."""
     fields = columns_of(problem)
-    positioned = _over_the_radius(kind_of(problem).result, set(fields))
+    positioned = arrays_over_radius(kind_of(problem).result, set(fields))
     known = {**positioned, **measurable(problem)}
     if positioned:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
@@ -135,7 +135,7 @@ def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
     return POSITIONS[columns[0]] * values_of.pop(columns[0]) if columns else np.full(count, nan)
 
 
-def _over_the_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]:
+def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]:
     """Return the arrays of a kind's result that run over the radius; none without a radius."""
     places = {place.path: place for place in outputs(result) if place.quantity is not None}
     if "radius" not in places:
@@ -144,7 +144,7 @@ def _over_the_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]
     arrays: dict[str, Quantity] = {}
     roll = getattr(result, "roll", None)
     if isinstance(roll, property) and roll.fget is not None:
-        arrays = _over_the_radius(get_type_hints(roll.fget)["return"], fields)
+        arrays = arrays_over_radius(get_type_hints(roll.fget)["return"], fields)
     along = getattr(result, "ALONG", {})
     arrays |= {
         name: place.quantity for name, place in places.items()

@@ -16,7 +16,9 @@ from ..problems.fields import Problem
 from .design import DESIGNS
 from .kind_model import field_quantity, number_in_si
 
-__all__ = ["StudyFile", "load_study", "study_of_tables"]
+__all__ = [
+    "SCHEMA", "StudyFile", "base_case", "flat_names", "load_study", "study_of_tables", "table_of",
+]  # fmt: skip
 
 SCHEMA = 1
 _KNOWN = ("schema", "case", "outputs", "over", "columns", "tie", "design", "solver")
@@ -85,8 +87,8 @@ def study_of_tables(
             raise InvalidProblem.at(name, f"no such field{did_you_mean(name, _KNOWN)}")
     if told.get("schema") != SCHEMA:
         raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
-    problem = _base(told.get("case"), folder)
-    design = _design(_table(told, "design"))
+    problem = base_case(told.get("case"), folder)
+    design = _design(table_of(told, "design"))
     drawn = ranges or design.get("design", "grid") not in ("grid", "table")
     over: Mapping[str, Any] | Path
     if isinstance(told.get("over"), str) and not drawn and folder is not None:
@@ -94,11 +96,11 @@ def study_of_tables(
     else:
         over = {
             name: _values(problem, name, given, drawn)
-            for name, given in _flat(_table(told, "over")).items()
+            for name, given in flat_names(table_of(told, "over")).items()
         }
     return StudyFile(
         problem, over, _outputs(told.get("outputs")), _columns(told),
-        _table(told, "tie"), design, _table(told, "solver"),
+        table_of(told, "tie"), design, table_of(told, "solver"),
     )  # fmt: skip
 
 
@@ -106,7 +108,7 @@ def _columns(told: Mapping[str, Any]) -> dict[str, str | None] | None:
     """Return what the columns of the table of cases are; an empty name leaves one out."""
     if "columns" not in told:
         return None
-    columns = _table(told, "columns")
+    columns = table_of(told, "columns")
     if not isinstance(told.get("over"), str):
         raise InvalidProblem.at("columns", "there is no table; write over = 'FILE'")
     for header, name in columns.items():
@@ -115,7 +117,8 @@ def _columns(told: Mapping[str, Any]) -> dict[str, str | None] | None:
     return {header: name or None for header, name in columns.items()}
 
 
-def _base(case: Any, folder: Path | None) -> Problem:
+def base_case(case: Any, folder: Path | None) -> Problem:
+    """Return the base case: the path of a case file, or the case as a table."""
     if isinstance(case, str) and folder is not None:
         return load_case(folder / case)
     if isinstance(case, Mapping):
@@ -123,7 +126,8 @@ def _base(case: Any, folder: Path | None) -> Problem:
     raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
 
 
-def _table(told: Mapping[str, Any], name: str) -> dict[str, Any]:
+def table_of(told: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """Return a table of a file, empty if it is missing."""
     table = told.get(name, {})
     if not isinstance(table, Mapping):
         raise InvalidProblem.at(name, f"{table!r} is not a table; write it under [{name}]")
@@ -150,12 +154,12 @@ def _design(table: dict[str, Any]) -> dict[str, Any]:
     return {"design": kind, **table}
 
 
-def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return dotted names, whether they are written quoted or as TOML's own dotted keys."""
+def flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return dotted names, whether they are written quoted or as the dotted keys of TOML."""
     flat: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, Mapping) and not {"from", "to"} & set(value):
-            flat |= _flat(value, f"{prefix}{name}.")
+            flat |= flat_names(value, f"{prefix}{name}.")
         else:
             flat[f"{prefix}{name}"] = value
     return flat

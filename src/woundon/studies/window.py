@@ -26,7 +26,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.fields import Problem, shown
 from ..problems.grades import Grade, grade
 from ..problems.schedules import Profile, Taper
-from ..quantities import Quantity
+from ..quantities import Quantity, scalar_outputs
 from ..results import Presented, ReadOnly
 from .api import in_si
 from .design import make_design
@@ -433,15 +433,21 @@ def _with_value(problem: Any, name: str, value: float) -> dict[str, Any]:
     return {name: value}
 
 
+def _margin_names(problem: Any) -> tuple[str, ...]:
+    """Return the names of the margins among the outputs of a problem's kind."""
+    names = scalar_outputs(kind_of(problem).result)
+    return tuple(name.removeprefix("margins.") for name in names if name.startswith("margins."))
+
+
 def _check_kind(problem: Any) -> None:
-    if not hasattr(kind_of(problem).result, "MARGINS"):
+    if not _margin_names(problem):
         text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
         raise InvalidProblem.at("problem", text)
 
 
 def _model(problem: Any, tie: Mapping[str, str], options: Mapping[str, Any] | None) -> KindModel:
     """Return the model whose outputs are the margins that have limits."""
-    known = kind_of(problem).result.MARGINS
+    known = _margin_names(problem)
     given = {**ACCURACY, **(options or {})}
     made = model_of(problem, [f"margins.{name}" for name in known], tie, given)
     return _WindowModel(made.problem, made.outputs, made.options, made.tie)
@@ -659,7 +665,7 @@ class _Study:
         )
         if not steady.any():
             raise NotConverged("no steady state exists at any point of the map")
-        known = self.model.kind.result.MARGINS
+        known = _margin_names(self.model.problem)
         return OperatingWindow(
             problem=self.model.problem, names=self.names, ranges=self.ranges,
             margins=tuple(n for n, given in zip(known, checked, strict=True) if given),

@@ -349,7 +349,6 @@ LEFT_OUT = {
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
 }
 NO_LIMIT = "no limit given"
-NAMES = ("slip", "compression", "blocking", "core", "strength", "slack", "gauge_band")
 
 
 def margins(result: Any, limits: Limits | None = None) -> Margins:

@@ -1,0 +1,350 @@
+r"""Planned measurements: predicted values and their derivatives by the logarithms of parameters.
+
+    y(theta; state),     S = d y / d ln theta,     information  sum S^T S / sigma^2
+
+The derivatives are exact for outputs of nips and rollers (``result.sensitivity``) and central
+differences for all other outputs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import exp, isfinite, nan
+from typing import Any
+
+import numpy as np
+
+from ..arguments import check_type
+from ..errors import InvalidProblem, did_you_mean, unwarned
+from ..problems.fields import Problem, shown
+from ..problems.units import parse
+from ..quantities import Quantity
+from .kind_model import (
+    KindModel,
+    columns_of,
+    field_quantity,
+    get_field,
+    kind_of,
+    measurable,
+    model_of,
+    number_in_si,
+)
+from .measurements import POSITIONS, PRESSURE, arrays_over_radius, predict
+
+__all__ = ["Measurement", "Planned", "plan_measurement"]
+
+Array = np.ndarray
+RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll, radius of each
+PULL_TAB = "pull_tab_pressure"
+# of ln(theta): the error of a central difference is about its square, 4e-4; the tolerance of rolls
+# and windings, up to 1e-5 of an output, contributes 1e-5/2e-2
+STEP = 2e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """A measurement that is planned or completed: one value, or a series of values.
+
+    Parameters
+    ----------
+    quantity : str
+        Any scalar output of the problem's result: ``wound_on_tension``, ``nip_width``,
+        ``approach``.  Of a roll or a winding also ``pull_tab_pressure`` and other arrays over the
+        radius, with ``at={"radius": ...}``, and ``length``, with ``at={"diameter": ...}``.
+    at : mapping of str to float, str or sequence of these
+        State: dotted name of a field -> value, SI or a text with unit; a sequence of values
+        for a series, in which single values hold for all.  Of a roll or a winding ``radius`` and
+        ``diameter`` are the position of the measurement.
+    standard_deviation : float or str
+        Of each value, independent of the others: SI, a text with unit, or "20 %" of the predicted
+        value.
+    cost : float
+        Of the complete series, in any unit that is common to all candidates.
+    problem : Problem, optional
+        The problem that predicts the quantity; by default that of the study.
+    fields : mapping of str to str, optional
+        Fields of this other problem -> unknown field of the study that they are equal to, e.g.
+        ``{"stack.radial.K2": "roll.stack.radial.K2"}``.
+    label : str, optional
+        Name in tables.
+
+    Raises
+    ------
+    InvalidProblem
+        For a cost that is not positive, or sequences of different lengths.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> series = wo.Measurement("nip_width", {"nip_load": ["1 kN/m", "3 kN/m"]}, "0.1 mm")
+    >>> series.size
+    2
+    """
+
+    quantity: str
+    at: Mapping[str, Any] = field(default_factory=dict)
+    standard_deviation: Any = None
+    cost: float = 1.0
+    problem: Any = None
+    fields: Mapping[str, str] = field(default_factory=dict)
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        check_type("at", self.at, Mapping)
+        if not isinstance(self.quantity, str):
+            raise InvalidProblem.at("quantity", f"{shown(self.quantity)} is not a name")
+        if isinstance(self.cost, bool) or not isinstance(self.cost, (int, float)):
+            raise InvalidProblem.at("cost", f"{shown(self.cost)} is not a number")
+        if not 0 < self.cost < np.inf:
+            raise InvalidProblem.at("cost", f"{shown(self.cost)} is out of range; must be > 0")
+        if self.standard_deviation is None:
+            raise InvalidProblem.at(f"{self.quantity}: standard_deviation", "missing")
+        sizes = {name: len(value) for name, value in self.at.items() if _is_series(value)}
+        if len(set(sizes.values())) > 1 or 0 in sizes.values():
+            text = ", ".join(f"{name} has {size} values" for name, size in sizes.items())
+            raise InvalidProblem.at(f"{self.quantity}: at", f"{text}; must have the same number")
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return next((len(value) for value in self.at.values() if _is_series(value)), 1)
+
+    @property
+    def name(self) -> str:
+        """The label, or quantity and state."""
+        if self.label:
+            return self.label
+        places = [
+            f"{name} {_short(value[0])} ... {_short(value[-1])}" if _is_series(value)
+            else f"{name} {_short(value)}" for name, value in self.at.items()
+        ]  # fmt: skip
+        series = f"{self.size} values of " if self.size > 1 else ""
+        return f"{series}{self.quantity}" + (f" at {', '.join(places)}" if places else "")
+
+
+def _is_series(value: Any) -> bool:
+    return not isinstance(value, str) and hasattr(value, "__len__")
+
+
+def _short(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A measurement whose names and units are checked; n values, SI.
+
+    Attributes
+    ----------
+    measurement : Measurement
+    model : KindModel
+    states : tuple of mapping
+        Fields of each value.
+    output : str
+    quantity : Quantity
+    position : (n,) array
+        Radius [m]; nan of a value that belongs to no radius.
+    deviation : float
+        Standard deviation, relative if ``is_relative``.
+    paths : mapping of str to tuple of str
+        Unknown -> fields of this problem that follow it.
+    """
+
+    measurement: Measurement
+    model: KindModel
+    states: tuple[Mapping[str, float], ...]
+    output: str
+    quantity: Quantity
+    position: Array
+    deviation: float
+    is_relative: bool
+    paths: Mapping[str, tuple[str, ...]]
+
+    def predict(
+        self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
+    ) -> tuple[Array, Array]:
+        """Return predictions (n,) and their derivatives by ln(theta), (n, p), SI units.
+
+        Parameters
+        ----------
+        theta : mapping
+            Unknown -> value.
+        solved : dict, optional
+            Results that measurements at the same states share; it is extended.
+
+        Raises
+        ------
+        InvalidProblem, NotConverged
+            If a state has no solution.
+        """
+        solved = {} if solved is None else solved
+        values = np.empty(len(self.states))
+        slopes = np.zeros((len(self.states), len(theta)))
+        groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
+        for k, state in enumerate(self.states):
+            groups.setdefault(tuple(sorted(state.items())), []).append(k)
+        start: Any = None
+        for fields, rows in groups.items():
+            state = dict(fields)
+            key = (id(self.model.problem), fields, tuple(theta.items()))
+            if key not in solved:
+                with unwarned():
+                    solved[key] = self.model.solve(self._variant(state, theta), start)
+            start = solved[key]
+            values[rows] = self._values(start, rows)
+            slopes[rows] = self._slopes(start, state, rows, theta)
+        return values, slopes
+
+    def information(
+        self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
+    ) -> Array:
+        """Return the Fisher information on ln(theta), (p, p); arguments as of :meth:`predict`."""
+        values, slopes = self.predict(theta, solved)
+        sigma = self.deviation * (np.abs(values) if self.is_relative else np.ones(values.shape))
+        if not np.all(sigma > 0):
+            text = f"{shown(self.measurement.standard_deviation)} of a predicted value of 0"
+            raise InvalidProblem.at(f"{self.measurement.name}: standard_deviation", text)
+        rows = slopes / sigma[:, None]
+        return np.asarray(rows.T @ rows)
+
+    def _variant(self, state: Mapping[str, float], theta: Mapping[str, float]) -> Any:
+        given = {path: theta[name] for name, paths in self.paths.items() for path in paths}
+        return self.model.variant({**given, **state})
+
+    def _values(self, result: Any, rows: list[int]) -> Array:
+        return np.array([predict(result, self.output, float(self.position[k])) for k in rows])
+
+    def _slopes(
+        self, result: Any, state: Mapping[str, float], rows: list[int],
+        theta: Mapping[str, float],
+    ) -> Array:  # fmt: skip
+        """Return the derivatives by ln(theta) of the values at one state, (rows, p)."""
+        slopes = np.zeros((len(rows), len(theta)))
+        paths = tuple(path for its in self.paths.values() for path in its)
+        gradient = None
+        if paths and np.isnan(self.position[rows]).all():
+            gradient = self.model.gradient(result, paths)
+        fixed = self.model
+        if isinstance(nodes := getattr(result, "nodes", None), int) and not fixed.options:
+            fixed = replace(fixed, options={"nodes": nodes})  # errors of one mesh cancel
+        for j, (name, value) in enumerate(theta.items()):
+            its = self.paths.get(name, ())
+            if gradient is not None:
+                slopes[:, j] = value * sum(float(gradient[0, paths.index(path)]) for path in its)
+            elif its:
+                above, below = (
+                    self._values(self._moved(fixed, result, state, theta, name, step), rows)
+                    for step in (STEP, -STEP)
+                )
+                slopes[:, j] = (above - below) / (2 * STEP)
+        return slopes
+
+    def _moved(
+        self, model: KindModel, start: Any, state: Mapping[str, float],
+        theta: Mapping[str, float], name: str, step: float,
+    ) -> Any:  # fmt: skip
+        """Return the result for a parameter that is larger by the factor exp(step)."""
+        with unwarned():
+            moved = {**theta, name: theta[name] * exp(step)}
+            return model.solve(self._variant(state, moved), start)
+
+
+def plan_measurement(
+    measurement: Measurement, problem: Problem, unknown: Mapping[str, float],
+    tie: Mapping[str, str], options: Mapping[str, Any],
+) -> Planned:  # fmt: skip
+    """Check the names, units and states of a measurement.
+
+    Parameters
+    ----------
+    measurement : Measurement
+    problem : Problem
+        Of the study.
+    unknown : mapping
+        Dotted name -> value.
+    tie, options : mapping
+        Of the study; they do not apply to a measurement with a problem of its own.
+
+    Raises
+    ------
+    InvalidProblem
+        For names, values or units at fault.
+    """
+    check_type("candidates", measurement, Measurement)
+    own = measurement.problem is not None
+    base = measurement.problem if own else problem
+    kind = kind_of(base)
+    arrays = arrays_over_radius(kind.result, set(columns_of(base)))
+    known = {**arrays, **measurable(base)}
+    output = PRESSURE if measurement.quantity == PULL_TAB else measurement.quantity
+    where = measurement.quantity
+    if output not in known:
+        names = (*known, *([PULL_TAB] if PRESSURE in known else []))
+        text = f"is not an output of a {kind.name}{did_you_mean(measurement.quantity, names)}"
+        raise InvalidProblem.at(where, text)
+    state, position = _state(measurement, base, bool(arrays))
+    if output not in measurable(base) and np.isnan(position).any():
+        raise InvalidProblem.at(f"{where}: at", 'missing; write at={"radius": ...}')
+    paths = _paths(measurement, base, tuple(unknown))
+    for name in state:
+        for unknown_name, its in paths.items():
+            if name in its:
+                text = f"is unknown ({unknown_name}), so it cannot be part of a state"
+                raise InvalidProblem.at(f"{where}: at: {name}", text)
+    outputs = (output,) if output in measurable(base) else ("residual",)
+    model = model_of(base, outputs, {} if own else tie, {} if own else options)
+    model.check_varied([*state, *(path for its in paths.values() for path in its)])
+    n = measurement.size
+    states = tuple({name: values[k] for name, values in state.items()} for k in range(n))
+    deviation, is_relative = _deviation(measurement, known[output])
+    return Planned(
+        measurement, model, states, output, known[output], position, deviation, is_relative, paths,
+    )  # fmt: skip
+
+
+def _state(measurement: Measurement, base: Problem, has_radius: bool) -> tuple[Any, Array]:
+    """Return the fields of all values by name, and their radii."""
+    state: dict[str, list[float]] = {}
+    position = np.full(measurement.size, nan)
+    for name, given in measurement.at.items():
+        values = list(given) if _is_series(given) else [given] * measurement.size
+        where = f"{measurement.quantity}: at: {name}"
+        if has_radius and name in RADII:
+            position = RADII[name] * np.array([parse(value, "m", where) for value in values])
+            continue
+        if field_quantity(base, name) is None:
+            raise InvalidProblem.at(where, "is not a number")
+        state[name] = [float(number_in_si(base, name, value, where)) for value in values]
+    return state, position
+
+
+def _paths(
+    measurement: Measurement, base: Problem, unknown: tuple[str, ...]
+) -> dict[str, tuple[str, ...]]:
+    """Return the fields of the measurement's problem that follow each unknown."""
+    if measurement.problem is None:
+        if measurement.fields:
+            text = "needs problem=...; fields of the study's problem are tied by tie=..."
+            raise InvalidProblem.at(f"{measurement.quantity}: fields", text)
+        return {name: (name,) for name in unknown}
+    for path, name in measurement.fields.items():
+        if name not in unknown:
+            text = f"{name!r} is not unknown{did_you_mean(name, unknown)}"
+            raise InvalidProblem.at(f"{measurement.quantity}: fields: {path}", text)
+        get_field(base, path)
+    return {
+        name: tuple(path for path, to in measurement.fields.items() if to == name)
+        for name in unknown
+    }
+
+
+def _deviation(measurement: Measurement, quantity: Quantity) -> tuple[float, bool]:
+    """Return the standard deviation, and whether it is relative to the predicted value."""
+    given = measurement.standard_deviation
+    is_relative = isinstance(given, str) and given.strip().endswith("%")
+    where = f"{measurement.quantity}: standard_deviation"
+    deviation = float(parse(given, "1" if is_relative else quantity.unit, where))
+    if not (isfinite(deviation) and deviation > 0):
+        raise InvalidProblem.at(where, f"{shown(given)} is out of range; must be > 0")
+    return deviation, is_relative
