@@ -114,7 +114,7 @@ def _of_rollers(result: RollerResult) -> dict[str, str]:
 
 def _values(result: Result, names: dict[str, str]) -> str:
     """Return outputs with their names and units, separated by commas."""
-    texts = []
+    texts: list[str] = []
     for name, label in names.items():
         row = output_row(result, name)
         if not isnan(float(row.value)):
@@ -142,7 +142,7 @@ def assumptions_section(result: Result) -> list[Section]:
 
 def defaults_section(problem: Any) -> list[Section]:
     """Return the section of the fields that have their default values; none if there are none."""
-    texts = []
+    texts: list[str] = []
     for place in walk(problem):
         default = getattr(place.field, "default", None)
         value = place.value
