@@ -225,7 +225,7 @@ def test_simulated_mills_with_solved_nips_have_the_predicted_errors():
 @pytest.mark.slow
 def test_the_nip_width_separates_the_moduli_of_table_2(capsys: pytest.CaptureFixture[str]):
     """Ten tensions leave E_r and G uncertain by 28 %; with ten nip widths it is 3 %."""
-    path = EXAMPLES / "study_next_measurement.toml"
+    path = EXAMPLES / "plan_next_measurement.toml"
     assert cli.main(["plan", str(path), "--draws", "0", "--json"]) == 0
     plan = json.loads(capsys.readouterr().out)
     errors = [
