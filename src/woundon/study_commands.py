@@ -263,7 +263,7 @@ def fit(
 @click.command(
     help="""\
     Rank the candidate measurements of a study file by the expected reduction of uncertainty per
-    cost, e.g. examples/study_next_measurement.toml.
+    cost, e.g. examples/plan_next_measurement.toml.
 
     The file names unknown fields with their prior relative standard deviations [unknown], completed
     measurements [[completed]] and candidates [[candidate]]: quantity, state, standard deviation and

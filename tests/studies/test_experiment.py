@@ -224,8 +224,8 @@ def test_simulated_mills_with_solved_nips_have_the_predicted_errors():
 
 @pytest.mark.slow
 def test_the_nip_width_separates_the_moduli_of_table_2(capsys: pytest.CaptureFixture[str]):
-    """Ten tensions leave E_r and G uncertain by about 26 %, ten nip widths make it 3 %."""
-    path = EXAMPLES / "study_next_measurement.toml"
+    """Ten tensions leave E_r and G uncertain by 28 %; with ten nip widths it is 3 %."""
+    path = EXAMPLES / "plan_next_measurement.toml"
     assert cli.main(["plan", str(path), "--draws", "0", "--json"]) == 0
     plan = json.loads(capsys.readouterr().out)
     errors = [
@@ -304,6 +304,7 @@ def test_the_command_prints_draws_and_saves(tmp_path: Path, capsys: pytest.Captu
         (lambda: plan_of({K0: 0.1}, wo.Measurement("extent", {}, 1.0)), "did you mean 'extension'"),
         (lambda: plan_of({K0: 0.1}, pull(1.0), criterion="B"), "criterion: 'B' is unknown"),
         (lambda: plan_of({K0: 0.1}), "candidates: missing"),
+        (lambda: wo.next_experiment(row(*K), {K0: 0.1}, pull(1.0)), "must be a list or tuple"),
         (
             lambda: plan_of({K0: 0.1}, wo.Measurement("end", {}, 1.0, fields={K0: K0})),
             "needs problem",

@@ -283,6 +283,8 @@ def next_experiment(
     theta = {name: _value(base, name) for name in names}
     if criterion not in CRITERIA:
         raise InvalidProblem.at("criterion", not_one_of(criterion, CRITERIA))
+    for name, measurements in (("candidates", candidates), ("completed", completed)):
+        check_type(name, measurements, list, tuple)
     if not candidates:
         raise InvalidProblem.at("candidates", "missing; give at least one wo.Measurement")
     n = len(candidates)
