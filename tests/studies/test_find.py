@@ -273,7 +273,7 @@ def test_tables_texts_and_figures(curves, tmp_path):
 
 def test_the_command_prints_the_answer_first(tmp_path, capsys):
     case = tmp_path / "case.toml"
-    case.write_text(template("wrapped-nip"))
+    case.write_text(template("nip"))
     new = tmp_path / "found.toml"
     given = ["find", str(case), "--vary", "nip_load=1 kN/m:5 kN/m", "--points", "5",
              "--nodes", "33", "--target", "wound_on_tension=700 N/m", "--case", str(new),

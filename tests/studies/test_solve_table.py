@@ -85,7 +85,7 @@ COMPLETE = {
 
 
 def test_without_a_case_the_columns_describe_the_problem():
-    found = solved(COMPLETE, None, kind="wrapped-nip")
+    found = solved(COMPLETE, None, kind="nip")
     other = NIP.replace(
         nip_load=3000.0, web_tension=300.0, **{"web.thickness": 60e-6, "roll.radius": 0.2}
     )
@@ -190,7 +190,7 @@ def test_a_file_without_units_is_rejected_as_a_whole(tmp_path):
 def test_from_excel_to_excel_in_one_command(tmp_path: Path, capsys, monkeypatch):
     pytest.importorskip("openpyxl")
     monkeypatch.chdir(tmp_path)
-    Path("case.toml").write_text(template("wrapped-nip"))
+    Path("case.toml").write_text(template("nip"))
     loads = [1.5, 2.5, -1.0, 3.5]
     table = {"Nr": [1, 2, 3, 4], "nip_load [kN/m]": loads}
     pandas.DataFrame(table).to_excel("cases.xlsx", index=False)
