@@ -236,7 +236,10 @@ class Description(BaseModel, metaclass=Described):
                 faults += fault.under(head).faults
         if faults:
             raise InvalidProblem(faults)
-        return type(self)(**fields)
+        variant = type(self)(**fields)
+        if "_grade" in self.__dict__:  # of a problem that was made with a grade
+            variant.__dict__["_grade"] = self.__dict__["_grade"]
+        return variant
 
     def _repr_html_(self) -> str:
         """Return a table of the fields."""
@@ -379,23 +382,6 @@ class Problem(Description):
     def named_grade(self) -> Any:
         """The :class:`~woundon.Grade` that the problem was made with; None without one."""
         return self.__dict__.get("_grade")
-
-    def replace(self, /, **changes: Any) -> Self:
-        """Return a variant with some fields changed; nested ones by dotted name, lists by number.
-
-        A value is SI, or a text with its unit; ``diameter`` replaces ``radius``.
-
-        >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
-
-        Raises
-        ------
-        InvalidProblem
-            If a name does not exist or the variant is not admissible.
-        """
-        variant = super().replace(**changes)
-        if self.named_grade is not None:
-            variant.__dict__["_grade"] = self.named_grade
-        return variant
 
     @classmethod
     def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:

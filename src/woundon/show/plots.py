@@ -28,7 +28,7 @@ from .roller_plots import roller_panels
 from .winding_plots import winding_panels
 from .wound_roll_plots import wound_roll_panels
 
-__all__ = ["output_panels", "panel_columns", "plot", "plotted"]
+__all__ = ["output_panels", "panel_columns", "panels_of", "plot", "plotted"]
 
 PANELS: Mapping[str, Callable[[Any], Mapping[str, Panel]]] = {
     "nip": nip_panels,
@@ -137,11 +137,16 @@ def _common(results: Sequence[Result]) -> dict[str, Panel]:
     return common
 
 
+def panels_of(result: Result) -> dict[str, Panel]:
+    """Return the panels of the kind of a result."""
+    kind = kinds.of(result)
+    panels = kind.plot or PANELS.get(kind.name, output_panels)
+    return dict(panels(result))
+
+
 def _panels(result: Result) -> dict[str, Panel]:
     """Return the panels of a result's kind, then one for every array, drawn if asked for."""
-    kind = kinds.of(result)
-    panels_of = kind.plot or PANELS.get(kind.name, output_panels)
-    own = dict(panels_of(result))
+    own = panels_of(result)
     along, *names = _drawable(result) or [""]
     for name in names:
         own.setdefault(name, Panel(Curves(along, (name,)), "outputs", height=2.8, shown=False))

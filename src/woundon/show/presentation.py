@@ -66,8 +66,8 @@ def figure_of(thing: Any, *options: Any) -> Any:
     from .compare_plots import plot_comparison
     from .find_plots import plot_find
     from .plan_plots import plot_plan
+    from .schedule_plots import plot_schedule
     from .study_plots import plot_fit, plot_indices, plot_sweep
-    from .winding_plots import plot_schedule
     from .window_plots import plot_window
 
     plots: dict[type[Any], Callable[..., Any]] = {

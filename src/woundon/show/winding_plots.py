@@ -13,8 +13,8 @@ from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .figures import COLOURS, axis_label, quantity_of, shown
-from .margin_plots import Bars, Disc, disc_of, draw_reserves, levels_of
-from .panels import NEUTRAL, Case, Panel, cases_of, drawn
+from .margin_plots import Disc, disc_of, draw_reserves, levels_of
+from .panels import NEUTRAL, Case, Panel
 
 __all__ = ["winding_panels"]
 
@@ -173,11 +173,3 @@ def _along(axes: Axes, cases: Cases) -> None:
     axes.set_xlabel(axis_label("Radius $r$", quantity))
     radii = [quantity.shown(case.result.radius[k]) for case in cases for k in (0, -1)]
     axes.set_xlim(min(radii), max(radii))
-
-
-def plot_schedule(found: Any, path: Any = None, choice: Any = None) -> Any:
-    """Draw a winding before and after its schedule was optimised."""
-    cases = cases_of([found.before, found.after], ["before", "after"])
-    panels = dict(winding_panels(found.after))
-    panels["reserves"] = Panel(Bars(found), "reserves", width=4.2, height=3.2)
-    return drawn(panels, cases, path, choice=choice)

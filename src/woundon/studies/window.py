@@ -2,9 +2,9 @@ r"""The operating window: the probability that a roll keeps all its limits, over
 
 The margins of windings at 5 x 5 Chebyshev-Lobatto points of (ln web tension, ln nip load), with
 three levels of the torque split if it is varied, are interpolated.  Their derivatives with respect
-to the uncertain inputs are differences over one standard deviation: to both sides at the centre,
-which gives the curvature as well, and for the inputs that matter there to one side at four more
-points.  :mod:`.window_map` computes the probabilities.
+to the uncertain inputs are differences over one standard deviation: to one side at the
+centre and, for the inputs that matter there, to the other side, which gives the curvature, and to
+one side at four more points.  :mod:`.window_map` computes the probabilities.
 
 The windings are studies of three stages, each in a folder of its own, that can be resumed.
 """
@@ -565,7 +565,7 @@ class _Study:
         self.rough = [tuple(p) for p in _product(lobatto(3), lobatto(3), *third)]
         self.checks = [(*pair, *(0.0 for _ in third)) for pair in CHECKS]
         # four more slopes for three inputs are expected to be mapped
-        self.expected = len(self.fine) + 2 * self.inputs + len(CHECKS) + 4 * min(3, self.inputs)
+        self.expected = len(self.fine) + self.inputs + len(CHECKS) + 5 * min(3, self.inputs)
 
     def run(self, stage: str, cases: Sequence[tuple[tuple[float, ...], tuple[float, ...]]]) -> None:
         """Solve windings: coordinates of the point, and inputs in standard deviations."""
@@ -600,20 +600,24 @@ class _Study:
         return self.window(self.rough, [2] * len(self.names), is_coarse=True)
 
     def complete(self) -> OperatingWindow:
-        """Solve all points, the second differences and the slopes of the inputs that matter."""
-        steps = [(self.centre, self._step(k, -1.0)) for k in range(self.inputs)]
+        """Solve all points; of the inputs that matter, second differences and slopes."""
+        steps = [(self.centre, self._step(k, -1.0)) for k in self._important()]
         points = [(x, self.median) for x in (*self.fine, *self.checks)]
         self.run("fine", [*points, *steps])
-        slopes, curvature = self._differences(self.centre)
-        variance = slopes**2 + curvature**2 / 2
-        total = variance[self._checked()].sum(axis=1, keepdims=True)
-        share = (variance[self._checked()] / np.where(total > 0, total, 1.0)).max(axis=0)
         outer = [(u, v, *self.centre[2:]) for u in (-INNER, INNER) for v in (-INNER, INNER)]
         self.outer = [min(self.fine, key=lambda f: float(np.sum((np.array(f) - x) ** 2)))
                       for x in map(np.array, outer)]  # fmt: skip
-        self.run("slopes", [(x, self._step(k, 1.0)) for k in np.nonzero(share > MATTERS)[0].tolist()
+        self.run("slopes", [(x, self._step(k, 1.0)) for k in self._important()
                             for x in self.outer])  # fmt: skip
         return self.window(self.fine, [4, 4, *[2] * (len(self.names) - 2)], is_coarse=False)
+
+    def _important(self) -> list[int]:
+        """Return the inputs that matter at the centre, or whose effect is unknown."""
+        slopes, curvature = (part[self._checked()] for part in self._differences(self.centre))
+        variance = slopes**2 + curvature**2 / 2
+        total = np.nansum(variance, axis=1, keepdims=True)
+        share = variance / np.where(total > 0, total, 1.0)
+        return np.nonzero(~(share <= MATTERS).all(axis=0))[0].tolist()
 
     # ---- maps -----------------------------------------------------------------------------------
 
