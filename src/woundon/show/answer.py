@@ -114,7 +114,7 @@ def _of_rollers(result: RollerResult) -> dict[str, str]:
 
 def _values(result: Result, names: dict[str, str]) -> str:
     """Return outputs with their names and units, separated by commas."""
-    texts = []
+    texts: list[str] = []
     for name, label in names.items():
         row = output_row(result, name)
         if not isnan(float(row.value)):
