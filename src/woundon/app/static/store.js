@@ -167,7 +167,7 @@ export class Store {
     const names = this.catalogue.forms[next.form].fields.map((field) => field.name);
     const before = others[name] ?? next.example;
     const shared = Object.entries(now).filter(([field]) => names.includes(field) && field in before);
-    const related = shared.length >= 5; // a nip and a winding, not a nip and a roll
+    const related = shared.length >= 7; // a nip and a winding share eight fields, a roll and a winding five
     this.set({ others: { ...others, [kind]: now } });
     this.take(name, related ? { ...before, ...Object.fromEntries(shared) } : before);
   }
