@@ -7,16 +7,18 @@ from __future__ import annotations
 
 import itertools
 import json
+import sys
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
-from springs import Spring, SpringsProblem
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import cli
+from woundon import cli, kinds
 from woundon.io.case_files import to_toml
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -25,8 +27,21 @@ K = (1000.0, 4000.0)
 SIGMA = 1e-4  # of an extension [m]
 
 
-def row(*stiffness: float, force: float = 10.0) -> SpringsProblem:
-    return SpringsProblem(springs=tuple(Spring(stiffness=k) for k in stiffness), force=force)
+@pytest.fixture(autouse=True)
+def _springs() -> Iterator[None]:
+    """The kind of springs is registered for the time of a test."""
+    before = dict(kinds._KINDS)
+    import_module("springs")
+    yield
+    kinds._KINDS.clear()
+    kinds._KINDS.update(before)
+    del sys.modules["springs"]
+
+
+def row(*stiffness: float, force: float = 10.0) -> wo.Problem:
+    springs = sys.modules["springs"]
+    parts = tuple(springs.Spring(stiffness=k) for k in stiffness)
+    return springs.SpringsProblem(springs=parts, force=force)
 
 
 def pull(force: float, **more: float) -> wo.Measurement:

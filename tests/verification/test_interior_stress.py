@@ -186,7 +186,7 @@ def test_a_uniform_pressure_gives_lames_stresses():
 def test_finite_elements_of_a_linear_cylinder():
     # Independent method: quadratic elements, at their quadrature points below the nip
     nip = wo.solve(newsprint_nip(), nodes=65)
-    x, p, q, a = nip.x, nip.pressure, nip.roll_traction, nip.half_width
+    x, p, q, a = nip.x, nip.roll_pressure, nip.roll_traction, nip.half_width
     A_rr, A_tt, A_rt, G = NEWSPRINT
     nu = A_rt / A_rr
     law = HardeningLaw(
@@ -222,7 +222,7 @@ def test_a_hardening_roll_without_hardening_is_a_cylinder():
     z = np.array([1e-4, 1e-3, 1e-2])
     direct = interior_stress(nip, z)
     linear = cylinder_sections(
-        nip.x, nip.pressure, nip.roll_traction, z, 0.1,
+        nip.x, nip.roll_pressure, nip.roll_traction, z, 0.1,
         ((log(0.1 / 0.0445), *stack.tangent(2e5, 2e5)[:4]),),
     )  # fmt: skip
     for one, other in zip(direct, linear, strict=True):
@@ -241,7 +241,7 @@ def hardening_nip(nodes: int) -> wo.NipResult:
 def test_every_circle_of_a_hardening_roll_carries_force_and_torque():
     # Equilibrium, of stresses interpolated between quadrature points
     nip = hardening_nip(65)
-    given = resultants(nip.x, -nip.pressure, nip.roll_traction, R)
+    given = resultants(nip.x, -nip.roll_pressure, nip.roll_traction, R)
     for s in interior_stress(nip, np.array([1e-4, 5e-4, 2e-3, 1e-2])):
         assert resultants(s.x, s.normal, s.shear, R - s.depth) == pytest.approx(given, rel=5e-3)
 

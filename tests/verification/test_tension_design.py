@@ -65,7 +65,7 @@ def stiff_core() -> wo.RollProblem:
     [
         (lambda: wo.design_tension(ROLL, -5.0), "pressure: -5 is out of range; must be > 0"),
         (lambda: wo.design_tension(ROLL, float("nan")), "pressure: nan is out of range; must"),
-        (lambda: wo.design_tension(ROLL, "hard"), "pressure: 'hard' is out of place; must be a"),
+        (lambda: wo.design_tension(ROLL, "hard"), "pressure: 'hard' is not a number with a unit"),
         (lambda: wo.design_tension(ROLL, wo.Profile(radius=[0.05, R], value=[2e5, 2e5])),
          "pressure.radius.0: 0.05 is out of range; must be core.radius = 0.0445 [m]"),
         (lambda: wo.design_tension(ROLL, wo.Profile(radius=[CORE, 0.2], value=[2e5, 2e5])),

@@ -14,7 +14,7 @@ from wraps import solve_wrapped
 
 import woundon as wo
 from woundon.contact.refinement import refine
-from woundon.nip.equations import NipEquations
+from woundon.nip.outputs import NipSystem
 
 FOAM = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
 RUBBER = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.45)
@@ -51,7 +51,7 @@ def _held_far_away(problem: wo.NipProblem) -> float:
     is the same for all nodes.
     """
 
-    class HeldFarAway(NipEquations):
+    class HeldFarAway(NipSystem):
         def slip_velocities(self, xi: float, f: Any) -> tuple[Any, Any]:
             roll, drum = super().slip_velocities(xi, f)
             return roll + self._far(f), drum

@@ -365,13 +365,17 @@ def compare(
 
 
 def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
-    """Return the columns of optional fields that this problem does not admit."""
+    """Return the columns of optional fields that this problem does not use or admit."""
     names = []
     for name, values in data.inputs.items():
         if get_field(problem, name) is not None:
             continue
         try:
-            problem.replace(**{name: float(values[0])})
+            with unwarned():
+                remarks = problem.replace(**{name: float(values[0])}).remarks
+            # a remark says that nothing depends on the field
+            if any(text.startswith(name) for text in remarks if text not in problem.remarks):
+                names.append(name)
         except InvalidProblem as fault:
             if any(path == name for path, _ in fault.faults):
                 names.append(name)
