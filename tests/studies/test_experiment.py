@@ -200,6 +200,7 @@ def test_two_hundred_simulated_mills_have_the_predicted_errors():
 
 @pytest.mark.slow
 @pytest.mark.campaign
+@pytest.mark.campaign
 def test_simulated_mills_with_solved_nips_have_the_predicted_errors():
     """40 mills, each with tensions and nip widths of solved nips: SDs are known to 11 %."""
     rng, prior, few = np.random.default_rng(1), 0.2, {"nodes": 17}

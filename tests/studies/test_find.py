@@ -102,6 +102,7 @@ def test_the_tension_for_a_pressure_in_a_roll_is_found():
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_the_load_for_a_margin_of_a_winding_is_found():
     problem = wo.WindingProblem.example()
     rough = {"nodes": 25, "rtol": 1e-2}

@@ -227,6 +227,7 @@ def test_monte_carlo_simulation_agrees():
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_an_interrupted_window_is_resumed(strength, tmp_path: Path):
     """Invariance: the map is the same, and no winding is solved twice."""
 
@@ -247,6 +248,7 @@ def test_an_interrupted_window_is_resumed(strength, tmp_path: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_points_without_a_steady_state_are_not_mapped(tmp_path: Path):
     """Closed form: the drum slides where torque_split T > mu- N."""
     window = wo.operating_window(
@@ -264,6 +266,7 @@ def test_points_without_a_steady_state_are_not_mapped(tmp_path: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command(tmp_path: Path, capsys):
     case = tmp_path / "case.toml"
     case.write_text(to_toml(winding(radius=0.1)), encoding="utf-8")
