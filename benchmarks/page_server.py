@@ -35,7 +35,7 @@ class Server(NamedTuple):
         """Return the ids of its worker processes."""
         found = [int(p) for task in Path(f"/proc/{self.pid}/task").iterdir()
                  for p in (task / "children").read_text().split()]  # fmt: skip
-        return [pid for pid in found if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        return [pid for pid in found if b"popen_loky" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 def _resident(pid: int) -> float:
