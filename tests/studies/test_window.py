@@ -212,6 +212,7 @@ def test_the_best_point_and_the_table(strength):
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_monte_carlo_simulation_agrees():
     """Independent method: 128 windings with drawn inputs, three points."""
     problem = winding(limits=wo.Limits(blocking_pressure=400e3, compression=300e3), radius=0.3)
