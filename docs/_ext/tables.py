@@ -215,9 +215,9 @@ class Covers(Sections):
         rows: Rows = []
         for name, table in library()["covers"].items():
             entry = entry_of(table)
-            told = [_with_spread(str(entry.values[key]), entry.spread.get(key))
+            cells = [_with_spread(str(entry.values[key]), entry.spread.get(key))
                     for key in ("youngs_modulus", "poissons_ratio")]  # fmt: skip
-            rows.append((f"`{name}`", *told, entry.sources["youngs_modulus"]))
+            rows.append((f"`{name}`", *cells, entry.sources["youngs_modulus"]))
         yield (
             "",
             _table(("name", "Young's modulus", "Poisson's ratio", "source of the modulus"), rows),

@@ -181,8 +181,8 @@ def _certificate(result: Result) -> dict[str, Any]:
 
 def _margin(margin: Any) -> dict[str, Any]:
     shown = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
-    told = {name: getattr(margin, name) for name in shown}
-    return told | {"quantity": told_of(margin.quantity)}
+    values = {name: getattr(margin, name) for name in shown}
+    return values | {"quantity": told_of(margin.quantity)}
 
 
 def _section(section: Section) -> dict[str, Any]:

@@ -142,7 +142,7 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
 def _field(name: str, field: Any) -> dict[str, Any]:
     annotation, quantity = field.annotation, quantity_of(field)
     members = members_of(annotation)
-    told: dict[str, Any] = {
+    entry: dict[str, Any] = {
         "name": name,
         "symbol": "",
         "label": field.description or _spoken(name).lower(),
@@ -156,27 +156,27 @@ def _field(name: str, field: Any) -> dict[str, Any]:
     }
     if not field.is_required():
         default = field.get_default(call_default_factory=True)
-        told["default"] = tables_of(default) if isinstance(default, Description) else default
+        entry["default"] = tables_of(default) if isinstance(default, Description) else default
     if quantity is not None:
-        told |= told_of(quantity)
-        told["typical"] = list(quantity.typical) if quantity.typical else None
-        told["other_form"] = quantity.other_form
+        entry |= told_of(quantity)
+        entry["typical"] = list(quantity.typical) if quantity.typical else None
+        entry["other_form"] = quantity.other_form
     elif OF_FIELD in field.metadata:
-        told |= {"unit": "holder", "shown_unit": "holder"}
+        entry |= {"unit": "holder", "shown_unit": "holder"}
     if members:
         families = [m for m in members if issubclass(m, Family)]
-        told["members"] = [
+        entry["members"] = [
             {"kind": m.member_name() if m in families and len(families) > 1 else None,
              "form": m.__name__} for m in members
         ]  # fmt: skip
-        told["number"] = not is_list(annotation) and _admits(annotation, float)
-        told["named"] = any(issubclass(m, Material) for m in members)
+        entry["number"] = not is_list(annotation) and _admits(annotation, float)
+        entry["named"] = any(issubclass(m, Material) for m in members)
     words = list(_words(annotation))
     if words:
-        told["choices"] = words
+        entry["choices"] = words
     if is_list(annotation):
-        told |= _marked(field, min_length="min_items", max_length="max_items")
-    return told
+        entry |= _marked(field, min_length="min_items", max_length="max_items")
+    return entry
 
 
 def _type(annotation: Any) -> str:

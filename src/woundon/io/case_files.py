@@ -70,7 +70,7 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
 def read_case(path: str | Path) -> dict[str, Any]:
     """Return the case file's tables as written, values neither converted nor checked.
 
-    A table's ``csv = "file.csv"`` stands for the columns of that file, beside the case, and
+    A table's ``csv = "file.csv"`` stands for the columns of that file, next to the case, and
     ``grades = "file.toml"`` for the file that ``grade`` is looked up in.
 
     Raises

@@ -274,7 +274,7 @@ def _check_nodes(result: Result) -> None:
 
 
 def _accepted(result: Result) -> Result:
-    """Return a result whose laws hold, by its own certificate."""
+    """Return a result whose certificate is satisfied."""
     try:
         return result.checked()
     except NotConverged as fault:

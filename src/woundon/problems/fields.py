@@ -467,8 +467,8 @@ def _with_faults(
     if not faults:
         assert report is not None
         return report
-    told = {field for field, _ in faults}
-    others = [] if report is None else [fault for fault in report.faults if fault[0] not in told]
+    named = {field for field, _ in faults}
+    others = [] if report is None else [fault for fault in report.faults if fault[0] not in named]
     return InvalidProblem([*(fault for fault in faults if fault[1]), *others])
 
 

@@ -230,10 +230,10 @@ class WindingProblem(Problem):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
-        told = [*super().remarks, *different_moduli(self.web, "stack", self.stack)]
+        texts = [*super().remarks, *different_moduli(self.web, "stack", self.stack)]
         if self.web_speed is not None and self.air is None and not self.drum.viscoelastic:
-            told.append(unused_speed("web_speed", self.web_speed))
-        return tuple(told)
+            texts.append(unused_speed("web_speed", self.web_speed))
+        return tuple(texts)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
         """Yield what is wrong with a schedule: numbers out of range, a table too short."""

@@ -136,8 +136,8 @@ def _capital(text: str) -> str:
 
 def assumptions_section(result: Result) -> list[Section]:
     """Return the section of the assumptions of the model, if any are known."""
-    told = result.assumptions
-    return [Section("Assumptions", (), " ".join(told))] if told else []
+    texts = result.assumptions
+    return [Section("Assumptions", (), " ".join(texts))] if texts else []
 
 
 def defaults_section(problem: Any) -> list[Section]:

@@ -74,11 +74,11 @@ def rows_of(
 
     Those to ``leave`` are left out; ``notes`` stand behind the units, by name.
     """
-    beside = {f"{name}_error" for name in result.errors} | _no_friction(result)
+    shown_elsewhere = {f"{name}_error" for name in result.errors} | _no_friction(result)
     others = [
         name
         for name in quantities.scalar_outputs(result)
-        if name not in leave and name not in beside and name not in names
+        if name not in leave and name not in shown_elsewhere and name not in names
         and not _is_nan(quantities.value_of(result, name))  # what it does not have, as no speed
     ]  # fmt: skip
     return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)

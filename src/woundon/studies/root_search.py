@@ -199,8 +199,8 @@ class RootSearch:
     def _next_to(self, solved: Sample, failed: Sample) -> Sample | None:
         """Return the solved neighbour on the other side of a sample."""
         place = self.samples.index(solved) + (1 if solved.value > failed.value else -1)
-        beside = self.samples[place] if 0 <= place < len(self.samples) else None
-        return beside if beside is not None and beside.result is not None else None
+        adjacent = self.samples[place] if 0 <= place < len(self.samples) else None
+        return adjacent if adjacent is not None and adjacent.result is not None else None
 
     def _search_minima(self) -> None:
         """Search for a change of sign at local minima of |f| that may reach zero."""

@@ -232,8 +232,8 @@ class Store:
         except TypeError:  # neither texts nor bytes
             return None
         values = np.frombuffer(outputs, "<f8").reshape(len(cases), len(self.outputs))
-        reasons, told = (np.array(json.loads(t), dtype=object) for t in (failure, warnings))
-        return Block(number, cases, values, reasons, told)
+        reasons, notes = (np.array(json.loads(t), dtype=object) for t in (failure, warnings))
+        return Block(number, cases, values, reasons, notes)
 
     def _insert(self, connection: sqlite3.Connection, block: Block) -> None:
         """Write a chunk, as one transaction."""
