@@ -99,9 +99,9 @@ def effective() -> None:
             except wo.NotConverged as stop:
                 print(f"{name:26s}{r:9.3f}  {str(stop)[:80]}", flush=True)
                 continue
-            told, due = np.interp(r, run.radius, run.wound_on_tension), nip.roll_wound_on_tension
-            of_added = (told - due) / (due - nip.problem.web_tension)
-            print(f"{name:26s}{r:9.3f}{told:9.1f}{due:8.1f}{100 * (told / due - 1):6.1f} %"
+            wound, due = np.interp(r, run.radius, run.wound_on_tension), nip.roll_wound_on_tension
+            of_added = (wound - due) / (due - nip.problem.web_tension)
+            print(f"{name:26s}{r:9.3f}{wound:9.1f}{due:8.1f}{100 * (wound / due - 1):6.1f} %"
                   f"{100 * of_added:6.1f} %", flush=True)  # fmt: skip
 
 

@@ -153,17 +153,17 @@ def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 
 def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield a table of every field, what the states differ in told; named materials' sources."""
+    """Yield a table of every field, what the states differ in fields; named materials' sources."""
     yield "<h2>Inputs</h2>"
-    told = [{place.path: place for place in walk(result.problem)} for result in results]
+    fields = [{place.path: place for place in walk(result.problem)} for result in results]
     rows = []
     not_given = []
-    for path in dict.fromkeys(path for one in told for path in one):
-        if all(path not in one or one[path].value is None for one in told):
+    for path in dict.fromkeys(path for one in fields for path in one):
+        if all(path not in one or one[path].value is None for one in fields):
             not_given.append(path)
             continue
-        cells = [_row(one[path]) if path in one else Row("", "", "-") for one in told]
-        known = next(_row(one[path]) for one in told if path in one)
+        cells = [_row(one[path]) if path in one else Row("", "", "-") for one in fields]
+        known = next(_row(one[path]) for one in fields if path in one)
         values = [f"{row.value_text} {row.unit}".strip() for row in cells]
         mark = ' class="differs"' if len(set(values)) > 1 else ""
         rows.append((mark, [path, known.meaning, known.symbol], values))

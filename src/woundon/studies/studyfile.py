@@ -73,7 +73,7 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
 
 
 def study_of_tables(
-    told: Mapping[str, Any], folder: Path | None, *, ranges: bool = False
+    content: Mapping[str, Any], folder: Path | None, *, ranges: bool = False
 ) -> StudyFile:
     """Return the study that a file's tables describe; without a ``folder`` they may name no file.
 
@@ -82,25 +82,25 @@ def study_of_tables(
     InvalidProblem
         As of :func:`load_study`.
     """
-    for name in told:
+    for name in content:
         if name not in _KNOWN:
             raise InvalidProblem.at(name, f"no such field{did_you_mean(name, _KNOWN)}")
-    if told.get("schema") != SCHEMA:
+    if content.get("schema") != SCHEMA:
         raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
-    problem = base_case(told.get("case"), folder)
-    design = _design(table_of(told, "design"))
+    problem = base_case(content.get("case"), folder)
+    design = _design(table_of(content, "design"))
     drawn = ranges or design.get("design", "grid") not in ("grid", "table")
     over: Mapping[str, Any] | Path
-    if isinstance(told.get("over"), str) and not drawn and folder is not None:
-        over = folder / told["over"]
+    if isinstance(content.get("over"), str) and not drawn and folder is not None:
+        over = folder / content["over"]
     else:
         over = {
             name: _values(problem, name, given, drawn)
-            for name, given in flat_names(table_of(told, "over")).items()
+            for name, given in flat_names(table_of(content, "over")).items()
         }
     return StudyFile(
-        problem, over, _outputs(told.get("outputs")), _columns(told),
-        table_of(told, "tie"), design, table_of(told, "solver"),
+        problem, over, _outputs(content.get("outputs")), _columns(content),
+        table_of(content, "tie"), design, table_of(content, "solver"),
     )  # fmt: skip
 
 
@@ -126,9 +126,9 @@ def base_case(case: Any, folder: Path | None) -> Problem:
     raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
 
 
-def table_of(told: Mapping[str, Any], name: str) -> dict[str, Any]:
+def table_of(content: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Return a table of a file, empty if it is missing."""
-    table = told.get(name, {})
+    table = content.get(name, {})
     if not isinstance(table, Mapping):
         raise InvalidProblem.at(name, f"{table!r} is not a table; write it under [{name}]")
     return dict(table)
