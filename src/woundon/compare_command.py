@@ -7,13 +7,12 @@ from typing import Any
 
 import click
 
+from .command_options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
 from .errors import InvalidProblem
 from .io.chosen_units import units_of
-from .io.files import check_writable
 
 __all__ = ["compare"]
 
-_PATH = click.Path(path_type=Path)
 _TAB = ("slope", "offset", "friction", "area", "faces", "deviation")
 
 
@@ -30,8 +29,8 @@ _TAB = ("slope", "offset", "friction", "area", "faces", "deviation")
     """,
     short_help="Compare measured values with the predictions for a case.",
 )
-@click.argument("measured", type=_PATH)
-@click.argument("case", type=_PATH)
+@click.argument("measured", type=PATH)
+@click.argument("case", type=PATH)
 @click.option("--tab-slope", metavar="VALUE", help='Pressure per force of the pull tab, "2 kPa/N".')
 @click.option("--tab-offset", metavar="VALUE", help="Pressure at zero force.")
 @click.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
@@ -41,24 +40,15 @@ _TAB = ("slope", "offset", "friction", "area", "faces", "deviation")
               help='Relative standard deviation of the calibration, "5 %".')  # fmt: skip
 @click.option("--spread", "spreads", multiple=True, metavar="FIELD=VALUE",
               help='Standard deviation of a field, "1 MPa" or "10 %"; repeatable.')  # fmt: skip
-@click.option(
-    "--column", "columns", multiple=True, metavar="COLUMN=NAME",
-    help="What a column is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: not used.",
-)  # fmt: skip
-@click.option(
-    "--tie", "ties", multiple=True, metavar="FIELD=FIELD",
-    help="A field that follows another, e.g. web.material=roll.material; repeatable.",
-)  # fmt: skip
-@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Print and draw an input or output in another unit; repeatable.",
-)  # fmt: skip
+@COLUMNS
+@TIES
+@SETTINGS
+@UNITS
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--rtol", type=float, help="Relative error of the solver.")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
-@click.option("--save", type=_PATH, metavar="FILE", help="Save all values as .csv or .xlsx, in SI.")
-@click.option("--plot", type=_PATH, metavar="FILE", help="Draw to .png, .svg or .pdf.")
+@click.option("--save", type=PATH, metavar="FILE", help="Save all values as .csv or .xlsx, in SI.")
+@PLOT
 def compare(
     measured: Path, case: Path, spreads: tuple[str, ...], columns: tuple[str, ...],
     ties: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], nodes: int | None,
@@ -72,12 +62,7 @@ def compare(
 
     if save:
         check_table_path(save)
-    if plot:
-        from .show.figures import check_format
-
-        check_format(plot)
-    for path in filter(None, (save, plot)):
-        check_writable(path)
+    check_output_files(plot, save)
     problem = load_case(case, settings)
     calibration = {
         name: _number(value) for name in _TAB if (value := tab[f"tab_{name}"]) is not None

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .command_options import PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
 from .errors import InvalidProblem
 from .io.chosen_units import units_of
-from .io.files import check_writable, write_whole
+from .io.files import write_whole
 
 if TYPE_CHECKING:
     from .studies.find import FindResult
 
 __all__ = ["find"]
-
-_PATH = click.Path(path_type=Path)
 
 
 @click.command(
@@ -30,7 +29,7 @@ _PATH = click.Path(path_type=Path)
     """,
     short_help="Find the value of a field for which an output reaches a target.",
 )
-@click.argument("case", type=_PATH)
+@click.argument("case", type=PATH)
 @click.option(
     "--vary", required=True, metavar="FIELD[=LOW:HIGH]",
     help="The field to find, e.g. nip_load or nip_load='1 kN/m:5 kN/m'; without a range, a decade "
@@ -40,23 +39,17 @@ _PATH = click.Path(path_type=Path)
     "--target", required=True, metavar="OUTPUT=VALUE",
     help='The output and its target, e.g. wound_on_tension="300 N/m"; a plain number is SI.',
 )  # fmt: skip
-@click.option(
-    "--tie", "ties", multiple=True, metavar="FIELD=FIELD",
-    help="A field that follows another, e.g. web.material=roll.material; repeatable.",
-)  # fmt: skip
-@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Print and draw an input or output in another unit; repeatable.",
-)  # fmt: skip
+@TIES
+@SETTINGS
+@UNITS
 @click.option("--points", type=click.IntRange(3, 1000), default=17, show_default=True,
               help="Points of the scan.")  # fmt: skip
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--rtol", type=float, help="Relative error of the solver.")
 @click.option("--json", "as_json", is_flag=True, help="Print solutions and scan as JSON.")
-@click.option("--case", "new_case", type=_PATH, metavar="FILE.toml",
+@click.option("--case", "new_case", type=PATH, metavar="FILE.toml",
               help="Write the case with the first solution.")  # fmt: skip
-@click.option("--plot", type=_PATH, metavar="FILE", help="Draw to .png, .svg or .pdf.")
+@PLOT
 def find(
     case: Path, vary: str, target: str, ties: tuple[str, ...], settings: tuple[str, ...],
     chosen: tuple[str, ...], points: int, nodes: int | None, rtol: float | None, as_json: bool,
@@ -71,12 +64,7 @@ def find(
     output, value = _pair(target, "OUTPUT=VALUE")
     if new_case and new_case.suffix != ".toml":
         raise InvalidProblem.at(str(new_case), f"the ending {new_case.suffix!r} is not .toml")
-    if plot:
-        from .show.figures import check_format
-
-        check_format(plot)
-    for path in filter(None, (new_case, plot)):
-        check_writable(path)
+    check_output_files(plot, new_case)
     problem = load_case(case, settings)
     tie = dict(_pair(text, "FIELD=FIELD") for text in ties)
     aim: dict[str, Any] = {output: _number(value)}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .command_options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
 from .errors import InvalidProblem
 from .io.chosen_units import units_of
 from .io.files import check_writable
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["fit", "plan", "sensitivity", "sweep"]
 
-_PATH = click.Path(path_type=Path)
 _EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
 
 
@@ -28,10 +28,10 @@ def _running(command: Any) -> Any:
         click.option("--workers", type=int, help="Processes; by default one a core."),
         click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
         click.option("--resume", is_flag=True, help="Go on with the study that DIR holds."),
-        click.option("--out", type=_PATH, required=True, metavar="DIR", help="Folder of results."),
+        click.option("--out", type=PATH, required=True, metavar="DIR", help="Folder of results."),
         click.option(
             "--export-to",
-            type=_PATH,
+            type=PATH,
             metavar="FOLDER",
             help="Folder of exported files and figures; by default DIR.",
         ),
@@ -50,13 +50,10 @@ def _running(command: Any) -> Any:
     """,
     short_help="Solve all cases of a study file.",
 )
-@click.argument("study", type=_PATH)
+@click.argument("study", type=PATH)
 @_running
 @click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Write and draw an input or output in another unit; repeatable.",
-)  # fmt: skip
+@UNITS
 @click.option(
     "--export", "exports", multiple=True, type=click.Choice([e[1:] for e in _EXPORTS]),
     default=("nc", "csv"), show_default=True, help="File formats of the result; repeatable.",
@@ -164,7 +161,7 @@ def _written(paths: list[Path]) -> None:
     """,
     short_help="Tell which inputs of a study file matter (Sobol indices).",
 )
-@click.argument("study", type=_PATH)
+@click.argument("study", type=PATH)
 @_running
 @click.option("--samples", type=int, help="Base samples, a power of 2; 256 by default.")
 def sensitivity(
@@ -202,31 +199,22 @@ def sensitivity(
     """,
     short_help="Fit fields of a case to measured data.",
 )
-@click.argument("case", type=_PATH)
-@click.argument("data", type=_PATH)
+@click.argument("case", type=PATH)
+@click.argument("data", type=PATH)
 @click.option(
     "--vary", "varied", multiple=True, required=True, metavar="FIELD[=LOW:HIGH]",
     help="What to fit, e.g. roll.material.shear='1 MPa:100 MPa'; repeatable.",
 )  # fmt: skip
-@click.option(
-    "--tie", "ties", multiple=True, metavar="FIELD=FIELD",
-    help="A field that follows another, e.g. web.material=roll.material; repeatable.",
-)  # fmt: skip
-@click.option(
-    "--column", "columns", multiple=True, metavar="COLUMN=NAME",
-    help="What a column of the data is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: not used.",
-)  # fmt: skip
-@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Tell and draw an input or output in another unit; repeatable.",
-)  # fmt: skip
+@TIES
+@COLUMNS
+@SETTINGS
+@UNITS
 @click.option("--starts", type=click.IntRange(1), default=6, show_default=True)
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--no-profiles", is_flag=True, help="Leave out the profile-likelihood intervals.")
 @click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
-@click.option("--save", type=_PATH, help="Save the fit as .json.")
-@click.option("--plot", type=_PATH, help="Draw to .png, .svg or .pdf.")
+@click.option("--save", type=PATH, help="Save the fit as .json.")
+@PLOT
 def fit(
     case: Path, data: Path, varied: tuple[str, ...], ties: tuple[str, ...],
     columns: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], starts: int,
@@ -271,17 +259,14 @@ def fit(
     """,
     short_help="Choose the next measurement by its expected information.",
 )
-@click.argument("study", type=_PATH)
+@click.argument("study", type=PATH)
 @click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
 @click.option("--draws", type=click.IntRange(0),
               help="Points drawn at which the ranking is repeated; 3.")  # fmt: skip
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Print an output in another unit; repeatable.",
-)  # fmt: skip
+@UNITS
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON.")
-@click.option("--save", type=_PATH, metavar="FILE", help="Save the steps as .csv or .xlsx, in SI.")
-@click.option("--plot", type=_PATH, metavar="FILE", help="Draw to .png, .svg or .pdf.")
+@click.option("--save", type=PATH, metavar="FILE", help="Save the steps as .csv or .xlsx, in SI.")
+@PLOT
 def plan(
     study: Path, count: int | None, draws: int | None, chosen: tuple[str, ...], as_json: bool,
     save: Path | None, plot: Path | None,
@@ -293,12 +278,7 @@ def plan(
 
     if save:
         check_table_path(save)
-    if plot:
-        from .show.figures import check_format
-
-        check_format(plot)
-    for path in filter(None, (save, plot)):
-        check_writable(path)
+    check_output_files(plot, save)
     keywords = load_plan(study)
     settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}
     with units_of(chosen):

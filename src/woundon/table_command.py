@@ -7,13 +7,13 @@ from pathlib import Path
 
 import click
 
+from .command_options import COLUMNS, PATH, TIES, UNITS
 from .errors import InvalidProblem
 from .io.chosen_units import units_of
 from .io.files import check_writable
 
 __all__ = ["table"]
 
-_PATH = click.Path(path_type=Path)
 MOST_REASONS = 5
 
 
@@ -29,27 +29,18 @@ MOST_REASONS = 5
     """,
     short_help="Solve the cases of a spreadsheet, one in each row.",
 )
-@click.argument("cases", type=_PATH)
-@click.option("-o", "--out", type=_PATH, required=True, metavar="FILE",
+@click.argument("cases", type=PATH)
+@click.option("-o", "--out", type=PATH, required=True, metavar="FILE",
               help="Table of the results, .csv or .xlsx.")  # fmt: skip
-@click.option("--case", type=_PATH, metavar="CASE.toml", help="Values of all other fields.")
+@click.option("--case", type=PATH, metavar="CASE.toml", help="Values of all other fields.")
 @click.option("--kind", help="Kind of problem of a table without --case.")
 @click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE",
               help="Change a field of --case; repeatable.")  # fmt: skip
 @click.option("--output", "outputs", multiple=True, metavar="NAME",
               help="An output; repeatable; by default all.")  # fmt: skip
-@click.option(
-    "--column", "columns", multiple=True, metavar="COLUMN=NAME",
-    help="What a column is, e.g. 'Linienlast=nip_load [kN/m]'; without NAME: it is copied.",
-)  # fmt: skip
-@click.option(
-    "--tie", "ties", multiple=True, metavar="FIELD=FIELD",
-    help="A field that follows another, e.g. web.material=roll.material; repeatable.",
-)  # fmt: skip
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Write an output in another unit; repeatable.",
-)  # fmt: skip
+@COLUMNS
+@TIES
+@UNITS
 @click.option("--workers", type=int, help="Processes; by default one a core.")
 @click.option("--nodes", type=int, help="Number of nodes along the nip.")
 @click.option("--rtol", type=float, help="Relative error of the solver.")

@@ -7,13 +7,12 @@ from typing import Any
 
 import click
 
+from .command_options import PATH, SETTINGS, UNITS
 from .errors import InvalidProblem
 from .io.chosen_units import units_of
 from .io.files import check_writable, write_whole
 
 __all__ = ["window"]
-
-_PATH = click.Path(path_type=Path)
 
 
 @click.command(
@@ -26,7 +25,7 @@ _PATH = click.Path(path_type=Path)
     """,
     short_help="Map the probability that a winding keeps all its limits.",
 )
-@click.argument("case", type=_PATH)
+@click.argument("case", type=PATH)
 @click.option("--web-tension", "web_tension", required=True, metavar="LOW:HIGH",
               help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.')  # fmt: skip
 @click.option("--nip-load", "nip_load", required=True, metavar="LOW:HIGH",
@@ -44,19 +43,16 @@ _PATH = click.Path(path_type=Path)
     "--at", "points", multiple=True, metavar="TENSION:LOAD[:SPLIT]",
     help="Print margins and contributions at a point as well; repeatable.",
 )  # fmt: skip
-@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE", help="Change a field.")
-@click.option(
-    "--unit", "chosen", multiple=True, metavar="NAME=UNIT",
-    help="Print and draw an input in another unit; repeatable.",
-)  # fmt: skip
+@SETTINGS
+@UNITS
 @click.option("--samples", type=int, default=2048, show_default=True,
               help="Draws from the distributions of the inputs.")  # fmt: skip
 @click.option("--workers", type=int, help="Processes; by default one for each core.")
-@click.option("--out", type=_PATH, metavar="DIR", help="Store the windings in a folder.")
+@click.option("--out", type=PATH, metavar="DIR", help="Store the windings in a folder.")
 @click.option("--resume", is_flag=True, help="Continue the computation in the folder.")
-@click.option("--plot", type=_PATH, metavar="FILE",
+@click.option("--plot", type=PATH, metavar="FILE",
               help="Draw to .png, .svg or .pdf; a coarse preview is drawn first.")  # fmt: skip
-@click.option("--csv", "csv", type=_PATH, metavar="FILE.csv", help="Write the map as a table.")
+@click.option("--csv", "csv", type=PATH, metavar="FILE.csv", help="Write the map as a table.")
 @click.option("--json", "as_json", is_flag=True, help="Print the best point as JSON.")
 def window(
     case: Path, web_tension: str, nip_load: str, torque_split: str | None,
