@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
-from woundon.problems.fields import bounds
+from woundon.problems.permitted import bounds
 from woundon.quantities import find
 
 __all__ = ["ending", "wide_nip", "wide_rollers", "wide_wrapped_nip"]

@@ -18,10 +18,11 @@ from sphinx.util.docutils import SphinxDirective
 import woundon
 from woundon import kinds, solve
 from woundon.errors import one_of
-from woundon.problems.fields import Family, bounds
+from woundon.problems.family import Family
 from woundon.problems.grades import grades
 from woundon.problems.library import entry_of, library
 from woundon.problems.materials import MATERIALS
+from woundon.problems.permitted import bounds
 from woundon.problems.roll import RollProblem
 from woundon.quantities import (
     OF_FIELD,

@@ -44,7 +44,7 @@ _HOME = {
     "Pfeiffer": "problems.radial_laws",
     "Polynomial": "problems.radial_laws",
     "PowerLaw": "problems.radial_laws",
-    "Problem": "problems.fields",
+    "Problem": "problems.problem",
     "Profile": "problems.schedules",
     "PronyTerm": "problems.materials",
     "PullTab": "studies.pull_tab",
@@ -62,7 +62,7 @@ _HOME = {
     "Taper": "problems.schedules",
     "TensionDesign": "roll.design",
     "ValidityWarning": "errors",
-    "Web": "problems.nip",
+    "Web": "problems.web",
     "WindingProblem": "problems.winding",
     "WindingResult": "winding.result",
     "WoundRoll": "problems.wound_roll",
@@ -207,7 +207,6 @@ if TYPE_CHECKING:
     from .problems.bodies import Layer as Layer
     from .problems.bodies import Layered as Layered
     from .problems.bodies import Rigid as Rigid
-    from .problems.fields import Problem as Problem
     from .problems.grades import Grade as Grade
     from .problems.grades import grade as grade
     from .problems.grades import grades as grades
@@ -218,7 +217,7 @@ if TYPE_CHECKING:
     from .problems.materials import PronyTerm as PronyTerm
     from .problems.materials import material as material
     from .problems.nip import NipProblem as NipProblem
-    from .problems.nip import Web as Web
+    from .problems.problem import Problem as Problem
     from .problems.radial_laws import Pfeiffer as Pfeiffer
     from .problems.radial_laws import Polynomial as Polynomial
     from .problems.radial_laws import PowerLaw as PowerLaw
@@ -231,6 +230,7 @@ if TYPE_CHECKING:
     from .problems.stack import Stack as Stack
     from .problems.viscoelastic import DynamicTest as DynamicTest
     from .problems.viscoelastic import LossAngle as LossAngle
+    from .problems.web import Web as Web
     from .problems.winding import WindingProblem as WindingProblem
     from .problems.wound_roll import WoundRoll as WoundRoll
     from .quantities import Quantity as Quantity

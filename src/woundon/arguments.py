@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .errors import InvalidProblem, one_of
-from .problems.fields import shown
+from .problems.messages import quote
 
 __all__ = ["check_type", "nodes_or_rtol", "tolerance", "whole_number"]
 
@@ -16,15 +16,13 @@ def check_type(name: str, value: Any, *types: type[Any]) -> None:
     """Refuse a value that is none of the types, e.g. the path of a case in place of a problem."""
     if not isinstance(value, types):
         must = one_of(kind.__name__ for kind in types)
-        raise InvalidProblem.at(name, f"{shown(value)} is out of place; must be a {must}")
+        raise InvalidProblem.at(name, f"{quote(value)} is out of place; must be a {must}")
 
 
 def nodes_or_rtol(nodes: Any, rtol: Any) -> None:
-    """Refuse a number of nodes beside a tolerance: one fixes the grid, the other chooses it."""
+    """Raise an error if both are given: one fixes the grid, the other chooses it."""
     if nodes is not None and rtol is not None:
-        text = (
-            f"{shown(nodes)} is given beside rtol, which chooses the nodes; leave one of them out"
-        )
+        text = f"{quote(nodes)} is given together with rtol, which chooses the nodes; omit one"
         raise InvalidProblem.at("nodes", text)
 
 
@@ -35,7 +33,7 @@ def whole_number(name: str, value: Any, low: int, high: int) -> int:
         or not isinstance(value, (int, np.integer))
         or not low <= value <= high
     ):
-        text = f"{shown(value)} is out of range: must be a whole number, {low} to {high}"
+        text = f"{quote(value)} is out of range: must be a whole number, {low} to {high}"
         raise InvalidProblem.at(name, text)
     return int(value)
 
@@ -47,6 +45,6 @@ def tolerance(name: str, value: Any, low: float, high: float) -> float:
         or not isinstance(value, (int, float, np.floating))
         or not low <= value <= high
     ):
-        text = f"{shown(value)} is out of range: must be >= {low:g} and <= {high:g}"
+        text = f"{quote(value)} is out of range: must be >= {low:g} and <= {high:g}"
         raise InvalidProblem.at(name, text)
     return float(value)

@@ -23,8 +23,8 @@ from .errors import InputWarning, InvalidProblem, did_you_mean, one_of, warn
 if TYPE_CHECKING:
     from .nip.result import NipResult
     from .nip.roller_result import RollerResult
-    from .problems.fields import Problem
     from .problems.nip import NipProblem
+    from .problems.problem import Problem
     from .problems.roll import RollProblem
     from .problems.rollers import RollerProblem
     from .problems.winding import WindingProblem
@@ -287,7 +287,7 @@ def register(
     Parameters
     ----------
     problem : class
-        A :class:`~woundon.problems.fields.Problem`.
+        A :class:`~woundon.problems.problem.Problem`.
     solver : callable
         ``(problem, **options) -> result``.
     result : class
@@ -368,15 +368,15 @@ def of(thing: Any) -> Kind:
     for kind in every():
         if cls is kind.problem or cls is kind.result:
             return kind
-    from .problems.fields import shown
+    from .problems.messages import quote
 
     names = one_of(kind.problem.__name__ for kind in every())
-    raise InvalidProblem.at("problem", f"{shown(thing)} is out of place; must be a {names}")
+    raise InvalidProblem.at("problem", f"{quote(thing)} is out of place; must be a {names}")
 
 
 def for_fields(names: Iterable[str]) -> Kind:
     """Return the kind whose problem has the fields, or a file's tables, of these names."""
-    from .problems.fields import best_match
+    from .problems.family import best_match
 
     kinds = every()
     chosen = best_match(names, [kind.problem for kind in kinds])

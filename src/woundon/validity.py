@@ -15,7 +15,8 @@ import numpy as np
 
 from .elasticity.mesh import Wrap, nip_mesh
 from .errors import RESOLUTION
-from .problems.bodies import Body, ContactProblem, half_width_guess
+from .problems.bodies import Body, half_width_guess
+from .problems.contact_problem import ContactProblem
 from .results import Zone
 
 __all__ = ["LIMITS", "Limit", "far_outside", "pair_warnings", "past", "zone_warnings"]

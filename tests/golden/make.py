@@ -76,7 +76,7 @@ import windings
 
 import woundon as wo
 from woundon import theories
-from woundon.problems.fields import Description
+from woundon.problems.description import Description
 from woundon.problems.materials import PronyTerm
 from woundon.quantities import scalar_outputs
 

@@ -10,7 +10,8 @@ from pydantic import Field
 
 from woundon import kinds
 from woundon.errors import NoSteadyState, NotConverged
-from woundon.problems.fields import Number, Problem
+from woundon.problems.fields import Number
+from woundon.problems.problem import Problem
 from woundon.quantities import length, pure
 from woundon.results import Residuals, Result
 

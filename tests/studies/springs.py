@@ -15,7 +15,9 @@ from pydantic import Field
 
 from woundon import kinds
 from woundon.errors import InvalidProblem
-from woundon.problems.fields import Description, Number, Problem
+from woundon.problems.description import Description
+from woundon.problems.fields import Number
+from woundon.problems.problem import Problem
 from woundon.quantities import Quantity, length, pure
 from woundon.results import Residuals, Result
 

@@ -96,7 +96,7 @@ def test_what_is_found_in_a_folder_is_told_in_a_line(
 def test_nodes_and_rtol_are_one_or_the_other(capsys: pytest.CaptureFixture[str]):
     assert cli.main(["nip", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
     assert capsys.readouterr().err == (
-        "error: nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out\n"
+        "error: nodes: 65 is given together with rtol, which chooses the nodes; omit one\n"
     )
 
 

@@ -775,7 +775,7 @@ def test_angles_that_are_meant_in_degrees_are_told(angle: float, text: str) -> N
 
 @pytest.mark.parametrize("kind", [nip, lambda: nip().replace(roll_wrap=np.pi), rollers])
 def test_nodes_and_rtol_are_one_or_the_other(kind: Any) -> None:
-    text = "nodes: 65 is given beside rtol, which chooses the nodes; leave one of them out"
+    text = "nodes: 65 is given together with rtol, which chooses the nodes; omit one"
     assert refusal(wo.solve, kind(), nodes=65, rtol=1e-3) == text
 
 

@@ -19,7 +19,8 @@ from woundon.io import case_files
 from woundon.io.case_files import make_problem, template, to_toml
 from woundon.io.files import read_whole
 from woundon.problems.bodies import AnyBody
-from woundon.problems.fields import Description, Number
+from woundon.problems.description import Description
+from woundon.problems.fields import Number
 from woundon.problems.materials import MATERIALS, AnyMaterial
 from woundon.quantities import length, line_load
 

@@ -89,7 +89,7 @@ def test_its_fields_build_it_again(value: Any) -> None:
     family = next((f for f in (wo.Material, wo.Body) if isinstance(value, f)), None)
     if family:  # members of open sets say which they are
         assert table["kind"] == type(value).member_name()
-        assert family.made(table) == value
+        assert family.coerce(table) == value
     else:
         assert type(value)(**table) == value
 

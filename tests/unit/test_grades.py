@@ -270,3 +270,24 @@ def test_a_grade_is_immutable_and_printable():
     assert "typical" in str(grade)
     with pytest.raises(AttributeError):
         grade.thickness = 1.0
+
+
+def test_replace_with_another_grade():
+    lwc = wo.grade("lwc")
+    with no_input_warning():
+        nip = wo.NipProblem.example().replace(grade="lwc")
+    assert nip == wo.NipProblem(
+        grade="lwc", roll={"radius": 0.1, "core_radius": 0.0445}, drum=wo.Rigid(radius=0.0762),
+        nip_load=3502.0, web_tension=350.0,
+    )  # fmt: skip
+    assert nip.named_grade == lwc
+    with no_input_warning():
+        winding = wo.WindingProblem.example().replace(grade="lwc")
+    assert (winding.web, winding.stack, winding.limits) == (lwc.web(), lwc.stack, lwc.limits)
+    with pytest.warns(wo.InputWarning, match="roll_friction"):
+        assert nip.replace(grade="newsprint", roll_friction=0.3).roll_friction == 0.3
+
+
+def test_replace_with_a_grade_is_rejected_without_a_web():
+    with pytest.raises(wo.InvalidProblem, match="grade: a RollerProblem has no web"):
+        wo.RollerProblem.example().replace(grade="lwc")

@@ -14,7 +14,8 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.problems.fields import Description, Number
+from woundon.problems.description import Description
+from woundon.problems.fields import Number
 from woundon.quantities import Quantity, angle, find, length, line_load, pure, strain, stress, walk
 
 # woundon's own, whatever other tests have registered

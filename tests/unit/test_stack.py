@@ -253,12 +253,12 @@ def test_refused_with_one_line(make: Any, told: str) -> None:
 
 
 def test_a_stack_from_tables() -> None:
-    made = Stack.made({
+    made = Stack.coerce({
         "radial": {"kind": "power_law", "E0": 1e6, "k": 2e7, "m": 0.7},
         "tangential": 3e9, "poissons_ratio": 0.01, "shear": 1e7,
     })  # fmt: skip
     assert made.radial == LAWS["power"]
-    assert Stack.made(made.model_dump()) == made
+    assert Stack.coerce(made.model_dump()) == made
     assert made.replace(**{"radial.m": 0.5}).radial.m == 0.5
     assert stack(radial={"K1": 10e3, "K2": 40}) == stack()
     assert stack(radial=5e6).radial.modulus(3e5) == 5e6

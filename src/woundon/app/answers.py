@@ -20,7 +20,9 @@ from pydantic_core import to_json
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
-from ..problems.fields import Problem, admissible, bounds, shown
+from ..problems.messages import quote
+from ..problems.permitted import admissible, bounds
+from ..problems.problem import Problem
 from ..problems.schedules import Profile
 from ..problems.units import parse
 from ..quantities import find, scalar_outputs, value_of, walk
@@ -56,7 +58,7 @@ def problem_of(tables: Any) -> Problem:
         Also for tables that name files: none is opened for somebody far away.
     """
     if not isinstance(tables, Mapping):
-        text = f"{shown(tables)} is out of place; must be the tables of a case file"
+        text = f"{quote(tables)} is out of place; must be the tables of a case file"
         raise InvalidProblem(text)
     check_like_a_case(tables)
     return make_problem({"schema": SCHEMA, **tables})
@@ -65,7 +67,7 @@ def problem_of(tables: Any) -> Problem:
 def fields_of(body: Any, *known: str) -> Mapping[str, Any]:
     """Return what a body says; it may say only what is known."""
     if not isinstance(body, Mapping):
-        raise InvalidProblem(f"{shown(body)} is out of place; must be a table")
+        raise InvalidProblem(f"{quote(body)} is out of place; must be a table")
     for name in body:
         if name not in known:
             raise InvalidProblem.at(str(name), f"no such field{did_you_mean(name, known)}")
@@ -140,7 +142,7 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
         try:
             read[name] = of(value) if isinstance(value, str) else value
         except ValueError:
-            text = f"must be a {'whole ' * (of is int)}number, got {shown(value)}"
+            text = f"must be a {'whole ' * (of is int)}number, got {quote(value)}"
             raise InvalidProblem.at(name, text) from None
     return read
 
@@ -291,7 +293,7 @@ def curve(
     at = get_field(problem, field)
     quantity = field_quantity(problem, field)
     if quantity is None or isinstance(at, bool) or not isinstance(at, int | float):
-        raise InvalidProblem.at(field, f"{shown(at)} is not a number, so it cannot be varied")
+        raise InvalidProblem.at(field, f"{quote(at)} is not a number, so it cannot be varied")
     if not 2 <= points <= LIMITS["curve_points"]:
         text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
         raise InvalidProblem.at("points", text)
@@ -339,7 +341,7 @@ def _spread(
     span = max(abs(at) / 2, 0.0) or _typical_span(problem, field)
     ends = [at - span if low is None else low, at + span if high is None else high]
     if not ends[0] < ends[1]:
-        text = f"{shown(ends[0])} is out of range; must be < high = {shown(ends[1])}"
+        text = f"{quote(ends[0])} is out of range; must be < high = {quote(ends[1])}"
         raise InvalidProblem.at("low", text)
     asked = ends
     for place in find(problem, field)[:1]:
@@ -348,7 +350,7 @@ def _spread(
             ends = [pick(end, bound) for end in ends]
         if not ends[0] < ends[1]:
             name, value = ("high", asked[1]) if ends[1] > asked[1] else ("low", asked[0])
-            text = f"{shown(value)} is out of range of {field}; must be {admissible(place.field)}"
+            text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
             raise InvalidProblem.at(name, text)
     return [float(value) for value in np.linspace(ends[0], ends[1], points)]
 

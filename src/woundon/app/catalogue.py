@@ -16,7 +16,8 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
-from ..problems.fields import Description, Family
+from ..problems.description import Description
+from ..problems.family import Family
 from ..problems.materials import MATERIALS, Material
 from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of

@@ -16,7 +16,7 @@ from ..io.case_texts import to_toml
 from ..io.chosen_units import units
 from ..io.python_texts import to_python
 from ..io.result_files import writer_for
-from ..problems.fields import shown
+from ..problems.messages import quote
 from .answers import as_json, fields_of, problem_of, solved
 from .catalogue import LIMITS, exhibits, tables_of
 
@@ -27,7 +27,7 @@ def read_case(body: Any) -> bytes:
     """Return the tables that the text of a case file says, complete and in SI."""
     text = fields_of(body, "toml").get("toml")
     if not isinstance(text, str):
-        raise InvalidProblem.at("toml", f"must be the text of a case file, got {shown(text)}")
+        raise InvalidProblem.at("toml", f"must be the text of a case file, got {quote(text)}")
     tables = tables_of_text(text.encode("utf-8", "replace"), "the file")
     _refuse_files(tables)
     problem = make_problem(tables)
@@ -79,7 +79,7 @@ def report(body: Any) -> bytes:
     asked = fields_of(body, "cases", "units", "title", "remarks")
     for name in ("title", "remarks"):
         if not isinstance(asked.get(name, ""), str):
-            raise InvalidProblem.at(name, f"must be a text, got {shown(asked[name])}")
+            raise InvalidProblem.at(name, f"must be a text, got {quote(asked[name])}")
     results, labels = _cases(asked)
     with _units(asked):
         return report_file(
@@ -91,7 +91,7 @@ def exhibit(name: str) -> bytes:
     """Return a figure of a plug-in, computed now, as SVG."""
     owners = {one["name"]: plugin for plugin in exhibits() for one in plugin.known()}
     if name not in owners:
-        raise InvalidProblem.at("name", f"{shown(name)} is unknown{did_you_mean(name, owners)}")
+        raise InvalidProblem.at("name", f"{quote(name)} is unknown{did_you_mean(name, owners)}")
     drawn: bytes = owners[name].drawn(name)
     return drawn
 
@@ -103,7 +103,7 @@ def _cases(asked: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
     """Return the solved cases and their labels."""
     given = asked.get("cases")
     if not isinstance(given, list) or not 1 <= len(given) <= LIMITS["compare"]:
-        text = f"must be a list of 1 to {LIMITS['compare']} cases, got {shown(given)}"
+        text = f"must be a list of 1 to {LIMITS['compare']} cases, got {quote(given)}"
         raise InvalidProblem.at("cases", text)
     results, labels = [], []
     for k, entry in enumerate(given):
@@ -111,7 +111,7 @@ def _cases(asked: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
             told = fields_of(entry, "label", "case")
             label = told.get("label", "ABCD"[k])
             if not isinstance(label, str):
-                raise InvalidProblem.at("label", f"must be a text, got {shown(label)}")
+                raise InvalidProblem.at("label", f"must be a text, got {quote(label)}")
             results.append(solved(problem_of(told.get("case")), {}))
         except InvalidProblem as fault:
             raise fault.under(f"cases.{k}") from None
@@ -122,5 +122,5 @@ def _cases(asked: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
 def _units(asked: Mapping[str, Any]) -> AbstractContextManager[None]:
     chosen = asked.get("units") or {}
     if not isinstance(chosen, Mapping) or not all(isinstance(v, str) for v in chosen.values()):
-        raise InvalidProblem.at("units", f"must be a table of names and units, got {shown(chosen)}")
+        raise InvalidProblem.at("units", f"must be a table of names and units, got {quote(chosen)}")
     return units(chosen) if chosen else nullcontext()

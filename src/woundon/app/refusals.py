@@ -11,7 +11,7 @@ from pydantic_core import to_json
 
 from .. import kinds
 from ..errors import MOST_LINES, InvalidProblem, NoSteadyState, NotConverged
-from ..problems.fields import bounds
+from ..problems.permitted import bounds
 from ..quantities import find
 
 __all__ = ["MEDIA", "Refusal", "body_of", "refusal_of"]

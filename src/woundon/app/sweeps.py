@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..io.case_files import check_like_a_case
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..studies.api import study_of
 from ..studies.evaluate import Chunk, solve_chunk
 from ..studies.kind_model import KindModel
@@ -47,7 +47,7 @@ def begun(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
         If there are more cases than a page's study may have.
     """
     if not isinstance(tables, Mapping):
-        raise InvalidProblem(f"{shown(tables)} is out of place; must be the tables of a study file")
+        raise InvalidProblem(f"{quote(tables)} is out of place; must be the tables of a study file")
     check_like_a_case(tables)
     _check_size(tables)
     study = study_of_tables({"schema": SCHEMA, **tables}, None)

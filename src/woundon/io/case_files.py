@@ -16,9 +16,10 @@ from typing import Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
-from ..problems.fields import Problem, no_such_field, shown
 from ..problems.grades import grade
 from ..problems.materials import Material, material
+from ..problems.messages import no_such_field, quote
+from ..problems.problem import Problem
 from ..quantities import Place, counterpart, find, is_item, members_of
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
@@ -84,7 +85,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
         return tables
     file, name = tables.pop("grades"), tables.get("grade")
     if not isinstance(file, str) or not isinstance(name, str):
-        text = f"{shown(file)} is out of place; must be the name of a file, with grade = 'NAME'"
+        text = f"{quote(file)} is out of place; must be the name of a file, with grade = 'NAME'"
         raise InvalidProblem.at("grades", text)
     return tables | {"grade": grade(name, folder / file)}
 
@@ -324,7 +325,7 @@ def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict
             continue
         table = flat.pop(group)
         if not isinstance(table, Mapping):
-            text = f"{shown(table)} is out of place; must be a table of {', '.join(names)}"
+            text = f"{quote(table)} is out of place; must be a table of {', '.join(names)}"
             faults.append((group, text))
             continue
         for name, value in table.items():

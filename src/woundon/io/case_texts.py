@@ -14,8 +14,11 @@ from typing import Any, NamedTuple, get_args
 
 from .. import kinds
 from ..errors import one_of
-from ..problems.fields import Description, Family, Problem, bounds
+from ..problems.description import Description
+from ..problems.family import Family
 from ..problems.materials import MATERIALS
+from ..problems.permitted import bounds
+from ..problems.problem import Problem
 from ..problems.units import written
 from ..quantities import Quantity, members_of, quantity_of
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..problems.fields import Description, Problem
+from ..problems.description import Description
 from ..problems.materials import MATERIALS
+from ..problems.problem import Problem
 
 __all__ = ["to_python"]
 

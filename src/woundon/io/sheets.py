@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from ..errors import InvalidProblem
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..problems.units import is_unit
 from .files import read_whole
 
@@ -94,7 +94,7 @@ def read_sheet(data: Any, name: str) -> Sheet:
         return _in_memory(data, name)
     if not isinstance(data, (str, os.PathLike)):
         text = "is not a table; must be columns by name, or the path of a .csv or .xlsx file"
-        raise InvalidProblem.at(name, f"{shown(data)} {text}")
+        raise InvalidProblem.at(name, f"{quote(data)} {text}")
     excel = Path(data).suffix.lower() in EXCEL
     if excel:
         need_openpyxl()
@@ -131,7 +131,7 @@ def _listed(cells: Any, where: str) -> list[Any]:
             return list(cells)
         except TypeError:
             pass
-    raise InvalidProblem.at(where, f"{shown(cells)} is not a column; must be a list of its cells")
+    raise InvalidProblem.at(where, f"{quote(cells)} is not a column; must be a list of its cells")
 
 
 # ---- from rows to a sheet -----------------------------------------------------------------------

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..problems.units import factor, is_unit, parse
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
@@ -148,11 +148,11 @@ def _check_renaming(columns: Any) -> None:
     if columns is None:
         return
     if not isinstance(columns, Mapping):
-        text = f"{shown(columns)} is not a mapping; must be {{header: name or None}}"
+        text = f"{quote(columns)} is not a mapping; must be {{header: name or None}}"
         raise InvalidProblem.at("columns", text)
     for header, target in columns.items():
         if not isinstance(header, str) or not isinstance(target, (str, NoneType)):
-            text = f"{shown(header)}: {shown(target)}: header and name must be texts"
+            text = f"{quote(header)}: {quote(target)}: header and name must be texts"
             raise InvalidProblem.at("columns", text)
 
 
@@ -303,7 +303,7 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     text = "inf" if huge else str(cell).strip()
     if len(text) > LONGEST_NUMBER:
         most = f"must have at most {LONGEST_NUMBER} characters"
-        raise InvalidProblem(f"{shown(cell)} is not a number; {most}")
+        raise InvalidProblem(f"{quote(cell)} is not a number; {most}")
     if isinstance(cell, str):
         text = _with_point(text, sign)
     try:
@@ -316,7 +316,7 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     finite = " finite" if text in ("inf", "-inf") else ""
     formula = "; open and save the file in a spreadsheet, which calculates its formulas"
     hint = formula if text.startswith("=") else ""
-    raise InvalidProblem(f"{shown(cell)} is not a{finite} number{hint}")
+    raise InvalidProblem(f"{quote(cell)} is not a{finite} number{hint}")
 
 
 def _with_point(text: str, sign: str) -> str:

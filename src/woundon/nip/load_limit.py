@@ -21,7 +21,8 @@ import numpy as np
 
 from ..elasticity.mesh import Face, Wrap, nip_mesh
 from ..errors import InvalidProblem
-from ..problems.bodies import ContactProblem, half_width_guess
+from ..problems.bodies import half_width_guess
+from ..problems.contact_problem import ContactProblem
 
 __all__ = ["check_load", "frictionless_half_width", "frictionless_pressure", "largest_load"]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InvalidProblem, warn
 from ..problems.air import with_film
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..problems.nip import NipProblem
 from ..problems.roll import RollProblem
 from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
@@ -444,10 +444,10 @@ class NipResult(Dissipation, Result):
         try:
             P = np.asarray(pressure, dtype=float)
         except (TypeError, ValueError):
-            text = f"{shown(pressure)} is out of place; must be numbers >= 0 [Pa]"
+            text = f"{quote(pressure)} is out of place; must be numbers >= 0 [Pa]"
             raise InvalidProblem.at("pressure", text) from None
         if not (P >= 0).all():
-            text = f"{shown(float(np.min(P)))} is out of range; must be >= 0 [Pa]"
+            text = f"{quote(float(np.min(P)))} is out of range; must be >= 0 [Pa]"
             raise InvalidProblem.at("pressure", text)
         air, dry = self.problem.air, self.problem.roll_friction
         if air is None or self.air is None:
@@ -472,7 +472,7 @@ class NipResult(Dissipation, Result):
         if abs(web / self.problem.web.thickness - 1) > 1e-9:
             raise InvalidProblem.at(
                 "web_thickness",
-                f"{shown(web)} is out of range; must be the nip's, "
+                f"{quote(web)} is out of range; must be the nip's, "
                 f"{self.problem.web.thickness:.6g} [m]",
             )
         if self.air is None or self.problem.air is None:

@@ -14,7 +14,7 @@ from ..contact.newton import NewtonFailed
 from ..contact.refinement import CHANGES, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
 from ..parallel import one_thread
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..problems.rollers import RollerProblem
 from ..results import Residuals, measured
 from ..validity import far_outside
@@ -161,7 +161,7 @@ class Criterion:
         name = max(ratios, key=lambda key: ratios[key])
         if not ratios[name] > 1:
             return ""
-        value = shown(float(f"{errors[name]:.2g}"))
+        value = quote(float(f"{errors[name]:.2g}"))
         return (
             f"the estimated error of {name} is {value} with {found.last.size} nodes, "
             f"{ratios[name]:.2g} times the tolerance"

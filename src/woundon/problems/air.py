@@ -10,7 +10,9 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, stress
 from .air_law import AirBetween
-from .fields import Description, Number, shown
+from .description import Description
+from .fields import Number
+from .messages import quote
 from .radial_laws import SolidLaw
 from .roll import RollProblem
 
@@ -65,7 +67,7 @@ class Air(Description):
         if self.no_friction <= self.full_friction:
             raise InvalidProblem.at(
                 "no_friction",
-                f"{shown(self.no_friction)} is out of range; must be > full_friction = "
+                f"{quote(self.no_friction)} is out of range; must be > full_friction = "
                 f"{self.full_friction:.6g} [1]",
             )
         return self
@@ -75,7 +77,7 @@ class Air(Description):
         if self.roughness >= thickness:
             yield (
                 "roughness",
-                f"{shown(self.roughness)} is out of range; must be < the web's thickness, "
+                f"{quote(self.roughness)} is out of range; must be < the web's thickness, "
                 f"{thickness:.6g} [m]",
             )
 

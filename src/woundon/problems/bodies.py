@@ -27,20 +27,21 @@ from ..elasticity.surface import RigidSurface, SurfaceResponse
 from ..errors import InvalidProblem
 from ..quantities import length
 from . import viscoelastic as viscoelastic  # it joins the materials
-from .fields import Description, Family, Number, Problem
+from .description import Description
+from .family import Family
+from .fields import Number
 from .materials import AnyMaterial, Material
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Mapping
 
     from ..elasticity.layers import Layers as Stacked
     from ..elasticity.mesh import Face
-    from .fields import Given
+    from .fields import CoercedField
 
 __all__ = [
-    "AnyBody", "Body", "ContactProblem", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
+    "AnyBody", "Body", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
     "Layer", "Layered", "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
-    "unused_speed",
 ]  # fmt: skip
 
 
@@ -177,9 +178,9 @@ class Body(Family):
 
 
 if TYPE_CHECKING:
-    AnyBody = Given[Body, Body | Mapping[str, Any]]
+    AnyBody = CoercedField[Body, Body | Mapping[str, Any]]
 else:
-    AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.made)]
+    AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.coerce)]
 
 
 class Rigid(Body):
@@ -373,7 +374,7 @@ class Layer(Description):
 
 
 if TYPE_CHECKING:
-    Layers = Given[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
+    Layers = CoercedField[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
 else:
     Layers = tuple[Layer, ...]
 
@@ -470,11 +471,6 @@ class Layered(KernelBody):
         return cylinder_sections(x, p, q, depths, self.radius, self._stack, self.core == "free")
 
 
-def unused_speed(field: str, speed: float) -> str:
-    """Return what is said of a speed on which nothing depends."""
-    return f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
-
-
 def contact_radius(one: Body, two: Body) -> float:
     """Return R* of two bodies, 1/R* = 1/R1 + 1/R2 [m]."""
     return 1 / (1 / one.radius + 1 / two.radius)
@@ -490,82 +486,3 @@ def half_width_guess(load: float, one: Body, two: Body) -> float:
     # a body that tells no compliance: any width is a start, for the load grows with it
     hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
     return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)
-
-
-class ContactProblem(Problem):
-    """Two bodies pressed together; not a problem of its own.
-
-    Attributes
-    ----------
-    pair : (str, str)
-        Names of the fields that hold body 1 and body 2.
-    speed_field : str
-        Name of the field that holds the speed.
-    """
-
-    pair: ClassVar[tuple[str, str]]
-    speed_field: ClassVar[str]
-
-    @cached_property
-    def bodies(self) -> tuple[Body, Body]:
-        """Body 1 and body 2."""
-        one, two = (getattr(self, name) for name in self.pair)
-        return one, two
-
-    @cached_property
-    def contact_radius(self) -> float:
-        """R* with 1/R* = 1/R1 + 1/R2 [m]."""
-        return contact_radius(*self.bodies)
-
-    @cached_property
-    def linear(self) -> bool:
-        """Whether both bodies are."""
-        one, two = self.bodies
-        return one.linear and two.linear
-
-    @property
-    def thinning(self) -> float:
-        """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
-        return 0.0
-
-    @property
-    def rolling_speed(self) -> float | None:
-        """V, at which both surfaces roll along +x [m/s]; None where nothing depends on it."""
-        speed: float | None = getattr(self, self.speed_field)
-        return None if next(self.uses_of_speed(), None) is None else speed
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Inputs that have no effect."""
-        speed = getattr(self, self.speed_field)
-        used = speed is None or self.rolling_speed is not None
-        return super().remarks if used else (unused_speed(self.speed_field, speed),)
-
-    @cached_property
-    def viscoelastic(self) -> bool:
-        """Whether a body is."""
-        return any(body.viscoelastic for body in self.bodies)
-
-    def uses_of_speed(self) -> Iterator[tuple[str, str]]:
-        """Yield what depends on the speed: the field, and a text that says why."""
-        for name, body in zip(self.pair, self.bodies, strict=True):
-            if body.viscoelastic:
-                yield name, f"{name} is of a viscoelastic material"
-
-    @model_validator(mode="after")
-    def _speed_where_it_counts(self) -> Self:
-        use = next(self.uses_of_speed(), None)
-        if use is not None and self.rolling_speed is None:
-            text = f"missing; must be > 0 [m/s], as {use[1]}"
-            raise InvalidProblem.at(self.speed_field, text)
-        return self
-
-    @model_validator(mode="after")
-    def _deforms(self) -> Self:
-        one, two = self.bodies
-        if one.rigid and two.rigid:
-            first, second = self.pair
-            raise InvalidProblem.at(
-                first, f"{first} and {second} are both Rigid; one must be elastic"
-            )
-        return self

@@ -9,7 +9,7 @@ from .materials import Orthotropic
 from .stack import Stack
 
 if TYPE_CHECKING:
-    from .nip import Web
+    from .web import Web
 
 __all__ = ["different_moduli"]
 

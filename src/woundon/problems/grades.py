@@ -17,18 +17,29 @@ from ..errors import InputWarning, InvalidProblem, did_you_mean, warn
 from ..quantities import Quantity, length, pure, quantity_of, stress, tension, web_density
 from ..quantities import web_thickness as thickness_of_web
 from .bodies import Cylinder
-from .fields import Description, Number, Numbers, shown
+from .description import Description
+from .fields import Number, Numbers
 from .library import Entry, entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
-from .nip import Web
+from .messages import quote
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
 from .units import written
+from .web import Web
 from .wound_roll import WoundRoll
 
-__all__ = ["Grade", "Grades", "grade", "grades", "with_grade"]
+__all__ = [
+    "Grade",
+    "Grades",
+    "changes_of_grade",
+    "grade",
+    "grades",
+    "source_of_limit",
+    "warn_of_contradictions",
+    "with_grade",
+]
 
 _Modulus = Field(ge=SOFTEST, le=STIFFEST)
 _Friction = Field(gt=0, le=10)
@@ -295,7 +306,7 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
         return _made(name, known[name], Grades())
     found = grades(path)
     if not isinstance(name, str) or name not in found:
-        text = f"{shown(name)} is not a known grade{did_you_mean(name, found)}"
+        text = f"{quote(name)} is not a known grade{did_you_mean(name, found)}"
         raise InvalidProblem.at("grade", text)
     return found[name]
 
@@ -333,7 +344,7 @@ def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
     if like is None:
         return Entry({}, {}, {})
     if not isinstance(like, str) or like not in known:
-        text = f"{shown(like)} is not a known grade{did_you_mean(like, known)}"
+        text = f"{quote(like)} is not a known grade{did_you_mean(like, known)}"
         raise InvalidProblem.at("like", text)
     base = known[like]
     values = {name: getattr(base, name) for name in Grade.model_fields
@@ -375,6 +386,26 @@ def with_grade(
     for name, value in _supplied(found, model, given).items():
         given[name] = _merged(given[name], value) if name in given else value
     return given
+
+
+def changes_of_grade(found: Grade, problem: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values by dotted name that replace those of a problem's previous grade.
+
+    Parameters
+    ----------
+    found : Grade
+    problem : Problem
+    changes : mapping
+        Other changes by dotted name, which have precedence.
+    """
+    parts = {name: _table(part) for name in ("roll", "air")
+             if isinstance(part := getattr(problem, name, None), Description)}  # fmt: skip
+    values: dict[str, Any] = {}
+    for name, value in _supplied(found, type(problem), parts).items():
+        nested = name in parts or name in ("web", "limits")
+        values |= {f"{name}.{k}": v for k, v in value.items()} if nested else {name: value}
+    heads = {path.partition(".")[0] for path in changes if "." not in path}
+    return {path: value for path, value in values.items() if path.partition(".")[0] not in heads}
 
 
 def source_of_limit(name: str, value: float, thickness: float, tangential: float) -> str:

@@ -7,7 +7,8 @@ from typing import Annotated
 from pydantic import Field
 
 from ..quantities import Quantity, pure, strain, stress, tension
-from .fields import Description, Number
+from .description import Description
+from .fields import Number
 
 __all__ = ["Limits"]
 

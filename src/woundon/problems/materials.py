@@ -21,11 +21,14 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Quantity, pure, stress
-from .fields import Description, Family, Number, shown
+from .description import Description
+from .family import Family
+from .fields import Number
 from .library import entry_of, library
+from .messages import quote
 
 if TYPE_CHECKING:
-    from .fields import Given
+    from .fields import CoercedField
 
 __all__ = [
     "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "OneModulus", "Orthotropic",
@@ -74,10 +77,10 @@ class Material(Solid, abstract=True):
     """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
 
     @classmethod
-    def made(cls, value: Any) -> Any:
+    def coerce(cls, value: Any) -> Any:
         """Return the material of a table, or the named one."""
         if not isinstance(value, str):
-            return super().made(value)
+            return super().coerce(value)
         try:
             return material(value)
         except InvalidProblem as fault:
@@ -86,9 +89,9 @@ class Material(Solid, abstract=True):
 
 # a material itself, a table of its fields, or the name of one
 if TYPE_CHECKING:
-    AnyMaterial = Given[Material, Material | str | Mapping[str, Any]]
+    AnyMaterial = CoercedField[Material, Material | str | Mapping[str, Any]]
 else:
-    AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.made)]
+    AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.coerce)]
 
 # softer than any solid, and soft enough for numbers without dimension around 1
 SOFTEST = 1e-3
@@ -214,7 +217,7 @@ class PronyTerm(Description):
     ]
 
     @classmethod
-    def made(cls, value: Any) -> Any:
+    def coerce(cls, value: Any) -> Any:
         """Return the term of a pair or a table."""
         if isinstance(value, (tuple, list)) and len(value) == 2:
             return cls(modulus=value[0], time=value[1])
@@ -222,12 +225,12 @@ class PronyTerm(Description):
 
 
 if TYPE_CHECKING:
-    Prony = Given[
+    Prony = CoercedField[
         tuple[PronyTerm, ...],
         Iterable[PronyTerm | tuple[float, float] | Mapping[str, Any]],
     ]
 else:
-    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.made)], ...]
+    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...]
 
 
 class Isotropic(OneModulus):
@@ -329,6 +332,6 @@ def material(name: str) -> Orthotropic | Isotropic:
     """
     if not isinstance(name, str) or name not in MATERIALS:
         raise InvalidProblem.at(
-            "material", f"{shown(name)} is not a named material{did_you_mean(name, MATERIALS)}"
+            "material", f"{quote(name)} is not a named material{did_you_mean(name, MATERIALS)}"
         )
     return MATERIALS[name].material

@@ -5,40 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from math import exp, pi
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
-import numpy as np
-from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
+from pydantic import Field, model_validator
 
-from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import (
-    Quantity,
-    angle,
-    length,
-    line_load,
-    pure,
-    tension,
-    velocity,
-    web_density,
-    web_thickness,
-)
+from ..quantities import angle, length, line_load, pure, tension, velocity
 from . import wound_roll as wound_roll  # it joins the bodies
 from .air import Air
 from .assumptions import of_nip
-from .bodies import AnyBody, ContactProblem, Cylinder, Rigid
+from .bodies import AnyBody, Cylinder, Rigid
 from .consistency import different_moduli
-from .fields import Description, Number
-from .materials import Material, Solid, material
-from .radial_laws import Constant
-from .stack import Stack
-
-if TYPE_CHECKING:
-    from .fields import Given
+from .contact_problem import ContactProblem
+from .fields import Number
+from .materials import material
+from .web import Web
 
 __all__ = [
-    "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Web",
-    "Width", "WrapFriction",
+    "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Width",
+    "WrapFriction",
 ]  # fmt: skip
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
@@ -68,78 +53,6 @@ WrapFriction = Annotated[
     Field(ge=1e-6, le=10.0),
 ]
 WRAP_TABLE: Mapping[str, tuple[str, ...]] = {"wrap": ("roll_wrap", "drum_wrap", "wrap_friction")}
-
-
-Array = np.ndarray
-
-
-def _solid(value: Any) -> Any:
-    return Material.made(value) if isinstance(value, str) else Solid.made(value)
-
-
-if TYPE_CHECKING:
-    AnySolid = Given[Solid, Solid | str | Mapping[str, Any]]
-else:
-    AnySolid = Annotated[SerializeAsAny[Solid], BeforeValidator(_solid)]
-
-
-class Web(Description):
-    """The paper or film web, a thin strip (thesis sec. 2.3).
-
-    Parameters
-    ----------
-    thickness : float
-        2h [m], 0.1 um to 10 mm; or a basis weight, "45 gsm", with the ``density`` of the web,
-        "680 kg/m^3".
-    material : Orthotropic, Isotropic or Stack
-        The web's own plane-strain stiffness.  Of a stack the web hardens under the nip's pressure,
-        from none; its shear modulus plays no part.
-    """
-
-    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": web_density()}
-
-    thickness: Annotated[Number, web_thickness((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
-    material: AnySolid
-
-    @property
-    def linear(self) -> bool:
-        """Whether it is as stiff under any pressure: not a stack whose modulus changes."""
-        stack = self.material
-        return not isinstance(stack, Stack) or isinstance(stack.radial, Constant)
-
-    @cached_property
-    def compliance(self) -> Compliance:
-        """Its plane-strain compliances [1/Pa]; c22, through it, is that without pressure."""
-        rr, tt, rt, _, along = self.material.stiffness
-        return compliance(rr, tt, rt, along)
-
-    def thinned(self, p: Array) -> tuple[Array, Array]:
-        """Return by how much pressures [Pa] make it thinner [m], and the derivatives [m/Pa]."""
-        if not isinstance(self.material, Stack):
-            by_p = np.full(p.shape, self.thickness * self.compliance.c22)
-            return by_p * p, by_p
-        radial = self.material.radial
-        return self.thickness * radial.strain_at(p), self.thickness / radial.modulus(p)
-
-    def radial_modulus(self, pressure: float) -> float:
-        """Return A_rr; of a stack the mean modulus up to a pressure, P/F(P) [Pa]."""
-        if isinstance(self.material, Stack):
-            return pressure / float(self.material.radial.strain_at(pressure))
-        return self.material.stiffness.rr
-
-    def refuse(self, pressure: float) -> None:
-        """Refuse a largest pressure [Pa] beyond the law of a stack.
-
-        Raises
-        ------
-        InvalidProblem
-        """
-        if isinstance(self.material, Stack) and pressure > self.material.limit:
-            raise InvalidProblem.at(
-                "web.material",
-                f"the pressure on the web reaches {pressure:.4g} [Pa], and its stack's law ends at "
-                f"{self.material.limit:.4g}: a lower nip load or another law is needed",
-            )
 
 
 class NipProblem(ContactProblem):

@@ -14,13 +14,15 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, mo
 
 from ..errors import InvalidProblem
 from ..quantities import pure, strain, stress
-from .fields import Family, Number, Numbers, shown
+from .family import Family
+from .fields import Number, Numbers
 from .materials import SOFTEST, STIFFEST
+from .messages import quote
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-    from .fields import Given
+    from .fields import CoercedField
 
 # SciPy is imported where it is used: problems are read and written without it
 
@@ -244,7 +246,7 @@ class Polynomial(SolidLaw):
     @classmethod
     def _stiff_at_first(cls, c: tuple[float, ...]) -> tuple[float, ...]:
         if not SOFTEST <= c[0] <= STIFFEST:
-            text = f"{shown(c[0])} is out of range; must be >= {SOFTEST:g} and <= {STIFFEST:g} [Pa]"
+            text = f"{quote(c[0])} is out of range; must be >= {SOFTEST:g} and <= {STIFFEST:g} [Pa]"
             raise InvalidProblem.at("0", f"{text}: E_r at P = 0")
         return c
 
@@ -325,7 +327,7 @@ class PowerLaw(SolidLaw):
                 "E0", "0 is out of range; must be > 0 [Pa] where m >= 1, or the strain is infinite"
             )
         if 0 < self.E0 < SOFTEST:
-            text = f"{shown(self.E0)} is out of range; must be 0 or >= {SOFTEST:g} [Pa]"
+            text = f"{quote(self.E0)} is out of range; must be 0 or >= {SOFTEST:g} [Pa]"
             raise InvalidProblem.at("E0", text)
         return self
 
@@ -397,13 +399,13 @@ class StackTest(SolidLaw):
             )
             raise InvalidProblem.at("strain", text)
         if self.pressure[0] < 0:
-            text = f"{shown(self.pressure[0])} is out of range; must be >= 0 [Pa]"
+            text = f"{quote(self.pressure[0])} is out of range; must be >= 0 [Pa]"
             raise InvalidProblem.at("pressure.0", text)
         for name, unit in (("pressure", " [Pa]"), ("strain", "")):
             values = getattr(self, name)
             for k, (before, value) in enumerate(pairwise(values), start=1):
                 if value <= before:
-                    text = f"{shown(value)} is out of range; must be > {shown(before)}{unit}, the "
+                    text = f"{quote(value)} is out of range; must be > {quote(before)}{unit}, the "
                     raise InvalidProblem.at(f"{name}.{k}", f"{text}value before it")
         return self
 
@@ -490,7 +492,7 @@ def _line(x: Array, y: Array) -> tuple[tuple[float, float], float]:
 def _law(value: Any) -> Any:
     """Return the law of a table; a number is a modulus that does not change."""
     if isinstance(value, (RadialLaw, Mapping)):
-        return RadialLaw.made(value)
+        return RadialLaw.coerce(value)
     try:
         return Constant(youngs_modulus=value)
     except InvalidProblem as fault:
@@ -498,8 +500,8 @@ def _law(value: Any) -> Any:
 
 
 if TYPE_CHECKING:
-    AnyLaw = Given[RadialLaw, RadialLaw | float | Mapping[str, Any]]
-    AnySolidLaw = Given[SolidLaw, SolidLaw | float | Mapping[str, Any]]
+    AnyLaw = CoercedField[RadialLaw, RadialLaw | float | Mapping[str, Any]]
+    AnySolidLaw = CoercedField[SolidLaw, SolidLaw | float | Mapping[str, Any]]
 else:
     AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]
     AnySolidLaw = Annotated[SerializeAsAny[SolidLaw], BeforeValidator(_law)]

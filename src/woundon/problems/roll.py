@@ -10,8 +10,11 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, strain, stress, tension, web_density, web_thickness
 from .assumptions import of_roll
-from .fields import Description, Number, Problem, shown
+from .description import Description
+from .fields import Number
 from .materials import AnyMaterial, Isotropic
+from .messages import quote
+from .problem import Problem
 from .radial_laws import Pfeiffer
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
@@ -88,7 +91,7 @@ class Core(Description):
         if self.inner_radius >= self.radius:
             raise InvalidProblem.at(
                 "inner_radius",
-                f"{shown(self.inner_radius)} is out of range; must be >= 0 and < radius = "
+                f"{quote(self.inner_radius)} is out of range; must be >= 0 and < radius = "
                 f"{self.radius:.6g} [m]",
             )
         return self
@@ -177,13 +180,13 @@ class RollProblem(Problem):
         if core >= radius:
             raise InvalidProblem.at(
                 "core.radius",
-                f"{shown(core)} is out of range; must be > 0 and < radius = {radius:.6g} [m]",
+                f"{quote(core)} is out of range; must be > 0 and < radius = {radius:.6g} [m]",
             )
         thinnest, thickest = ((radius - core) / laps for laps in (MOST_LAPS, FEWEST_LAPS))
         if not thinnest <= self.web_thickness <= thickest:
             raise InvalidProblem.at(
                 "web_thickness",
-                f"{shown(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
+                f"{quote(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
                 f"{thickest:.4g} [m]: {FEWEST_LAPS} to {MOST_LAPS:.0e} laps",
             )
         self._tension_is_positive()
@@ -201,17 +204,17 @@ class RollProblem(Problem):
                     sign, k = ("<=", 0) if k == 0 else (">=", len(schedule.radius) - 1)
                     raise InvalidProblem.at(
                         f"wound_on_tension.radius.{k}",
-                        f"{shown(r)} is out of range; must be {sign} {name} = {edge:.6g} [m], "
+                        f"{quote(r)} is out of range; must be {sign} {name} = {edge:.6g} [m], "
                         "for the whole roll is wound",
                     )
         for name, value in values_of(schedule).items():
             if not 0 < value <= 1e6:
-                text = f"{shown(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
+                text = f"{quote(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"
                 raise InvalidProblem.at(f"wound_on_tension{name}", text)
         if isinstance(schedule, Profile) and schedule.between == "smooth":
             between = schedule.at(np.linspace(self.core.radius, self.radius, 2001))
             if not (between > 0).all():
-                text = f"the smooth curve falls to {shown(float(between.min()))} between its values"
+                text = f"the smooth curve falls to {quote(float(between.min()))} between its values"
                 raise InvalidProblem.at(
                     "wound_on_tension.value",
                     f"{text}; must stay > 0 [N/m]: more values, or between = 'lines'",
@@ -219,7 +222,7 @@ class RollProblem(Problem):
         if isinstance(schedule, Taper) and not self.tension_curve.at(np.array(self.radius)) > 0:
             raise InvalidProblem.at(
                 "wound_on_tension.taper",
-                f"{shown(schedule.taper)} is out of range; must leave a tension > 0 [N/m] at the "
+                f"{quote(schedule.taper)} is out of range; must leave a tension > 0 [N/m] at the "
                 "surface",
             )
 

@@ -9,7 +9,8 @@ from pydantic import Field, model_validator
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import line_load, pure, strain, velocity
 from .assumptions import of_rollers
-from .bodies import AnyBody, ContactProblem, HalfPlane
+from .bodies import AnyBody, HalfPlane
+from .contact_problem import ContactProblem
 from .fields import Number
 from .materials import material
 from .nip import LEAST_FRICTION

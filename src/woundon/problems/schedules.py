@@ -12,18 +12,13 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
-from .fields import (
-    Description,
-    Number,
-    NumberOfField,
-    Numbers,
-    NumbersOfField,
-    best_match,
-    shown,
-)
+from .description import Description
+from .family import best_match
+from .fields import Number, NumberOfField, Numbers, NumbersOfField
+from .messages import quote
 
 if TYPE_CHECKING:
-    from .fields import Given
+    from .fields import CoercedField
 
 __all__ = [
     "Curve", "Profile", "Schedule", "Taper", "WindingSchedule", "at_radius", "values_of",
@@ -64,7 +59,7 @@ class Profile(Description):
         for k, (before, radius) in enumerate(pairwise((0.0, *self.radius))):
             if radius <= before:
                 what = "the radius before it" if k else "0"
-                text = f"{shown(radius)} is out of range; must be > {shown(before)} [m]"
+                text = f"{quote(radius)} is out of range; must be > {quote(before)} [m]"
                 raise InvalidProblem.at(f"radius.{k}", f"{text}, {what}" if k else text)
         return self
 
@@ -131,7 +126,7 @@ class Taper(Description):
     @model_validator(mode="after")
     def _one_taper(self) -> Self:
         if self.law == "constant_torque" and self.taper:
-            text = f"{shown(self.taper)} is given, but law = 'constant_torque' has none"
+            text = f"{quote(self.taper)} is given, but law = 'constant_torque' has none"
             raise InvalidProblem.at("taper", f"{text}; must be left out")
         return self
 
@@ -146,12 +141,14 @@ def _made_winding(value: Any) -> Any:
 
 # a number throughout, or a profile
 if TYPE_CHECKING:
-    Schedule = Given[float | Profile, float | Profile | Mapping[str, Any]]
+    Schedule = CoercedField[float | Profile, float | Profile | Mapping[str, Any]]
 else:
     Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
 # and of what a winder sets, a taper too
 if TYPE_CHECKING:
-    WindingSchedule = Given[float | Profile | Taper, float | Profile | Taper | Mapping[str, Any]]
+    WindingSchedule = CoercedField[
+        float | Profile | Taper, float | Profile | Taper | Mapping[str, Any]
+    ]
 else:
     WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_made_winding)]
 

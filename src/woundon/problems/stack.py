@@ -24,14 +24,15 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import pure, stress
 from . import air_law as air_law  # it joins the laws
-from .fields import Number, shown
+from .fields import Number
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
+from .messages import quote
 from .radial_laws import AnyLaw
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from .fields import Given
+    from .fields import CoercedField
 
 __all__ = ["AnyStack", "Stack"]
 
@@ -94,8 +95,8 @@ class Stack(Solid):
             E = float(self.radial.modulus(np.zeros(1))[0])
             raise InvalidProblem.at(
                 "radial",
-                f"a modulus of {shown(E)} without pressure is out of range; must be < "
-                f"tangential/poissons_ratio^2 = {shown(self.stiffest)} [Pa]",
+                f"a modulus of {quote(E)} without pressure is out of range; must be < "
+                f"tangential/poissons_ratio^2 = {quote(self.stiffest)} [Pa]",
             )
         return self
 
@@ -218,6 +219,6 @@ class Stack(Solid):
 
 
 if TYPE_CHECKING:
-    AnyStack = Given[Stack, Stack | Mapping[str, Any]]
+    AnyStack = CoercedField[Stack, Stack | Mapping[str, Any]]
 else:
-    AnyStack = Annotated[Stack, BeforeValidator(Stack.made)]
+    AnyStack = Annotated[Stack, BeforeValidator(Stack.coerce)]

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
-from .fields import shown
+from .messages import quote
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -76,7 +76,7 @@ def roll_weight(
         )
     )  # fmt: skip
     if np.any(rc > R):
-        least = shown(float(np.min(R)))
+        least = quote(float(np.min(R)))
         text = f"{least} is out of range; must be >= core_radius = {rc:.6g} [m]"
         raise InvalidProblem.at("radius", text)
     return GRAVITY * (np.pi * rho * (R**2 - rc**2) + core)
@@ -134,7 +134,7 @@ def rider_load_for(
         Which one; the web usually arrives on the rear drum.
     """
     if drum not in ("rear", "front"):
-        raise InvalidProblem.at("drum", f"{shown(drum)} is unknown; must be 'rear' or 'front'")
+        raise InvalidProblem.at("drum", f"{quote(drum)} is unknown; must be 'rear' or 'front'")
     share = _shares(radius, drum_radius, gap)[drum == "front"]
     return (_checked("nip_load", nip_load) / share - _checked("weight", weight))[()]
 
@@ -146,10 +146,10 @@ def _shares(
     R, space = _checked("radius", radius), _checked("gap", gap).item()
     drums = _checked("drum_radius", drum_radius)
     if drums.size not in (1, 2) or not (drums > 0).all():
-        text = f"{shown(drum_radius)} is out of range; must be one or two numbers > 0 [m]"
+        text = f"{quote(drum_radius)} is out of range; must be one or two numbers > 0 [m]"
         raise InvalidProblem.at("drum_radius", text)
     if np.any(space >= 2 * R):
-        text = f"{shown(float(np.min(R)))} is out of range; must be > gap/2 = {space / 2:.6g} [m]"
+        text = f"{quote(float(np.min(R)))} is out of range; must be > gap/2 = {space / 2:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, or the roll falls between the drums")
     first, second = np.broadcast_to(drums.ravel(), 2)
     apart = first + second + space
@@ -159,7 +159,7 @@ def _shares(
     if np.any((to_rear <= 0) | (to_front <= 0)):
         small, large = sorted((first, second))
         most = (apart**2 + small**2 - large**2) / (2 * (large - small))
-        text = f"{shown(float(np.max(R)))} is out of range; must be < {most:.6g} [m]"
+        text = f"{quote(float(np.max(R)))} is out of range; must be < {most:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, or the roll rolls off the smaller drum")
     up = np.sqrt((R + first) ** 2 - to_rear**2)
     # sin b/sin(a + b) and sin a/sin(a + b), with sin(a + b) = up * apart/(both lines of centres)
@@ -171,9 +171,9 @@ def _checked(name: str, value: Any) -> np.ndarray:
     try:
         numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
-        raise InvalidProblem.at(name, f"{shown(value)} is not a number; must be >= 0") from None
+        raise InvalidProblem.at(name, f"{quote(value)} is not a number; must be >= 0") from None
     wrong = numbers[~((numbers >= 0) & np.isfinite(numbers))]
     if wrong.size:
-        text = f"{shown(float(wrong.flat[0]))} is out of range; must be >= 0"
+        text = f"{quote(float(wrong.flat[0]))} is out of range; must be >= 0"
         raise InvalidProblem.at(name, text)
     return numbers

@@ -15,8 +15,9 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import Quantity, angle, stress
-from .fields import Number, Numbers, shown
+from .fields import Number, Numbers
 from .materials import SOFTEST, STIFFEST, OneModulus, PoissonsRatio
+from .messages import quote
 
 __all__ = ["DynamicTest", "LossAngle"]
 
@@ -117,12 +118,12 @@ class DynamicTest(OneModulus):
                 raise InvalidProblem.at(name, f"{text}{len(self.frequency)}")
             for k, value in enumerate(values):
                 if not SOFTEST <= value <= STIFFEST:
-                    text = f"{shown(value)} is out of range; must be >= 0.001 and <= 1e+14 [Pa]"
+                    text = f"{quote(value)} is out of range; must be >= 0.001 and <= 1e+14 [Pa]"
                     raise InvalidProblem.at(f"{name}.{k}", text)
         for k, (before, value) in enumerate(pairwise((0.0, *self.frequency))):
             if value <= before:
                 what = ", the value before it" if k else ""
-                text = f"{shown(value)} is out of range; must be > {shown(before)} [1/s]{what}"
+                text = f"{quote(value)} is out of range; must be > {quote(before)} [1/s]{what}"
                 raise InvalidProblem.at(f"frequency.{k}", text)
         return self
 

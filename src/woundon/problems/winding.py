@@ -13,11 +13,13 @@ from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity, web_density
 from .air import Air, with_film
 from .assumptions import of_winding
-from .bodies import AnyBody, Body, Rigid, unused_speed
+from .bodies import AnyBody, Body, Rigid
 from .consistency import different_moduli
-from .fields import Number, Problem, not_one_of, shown
+from .contact_problem import unused_speed
+from .fields import Number
 from .limits import Limits
 from .materials import Material, material
+from .messages import not_one_of, quote
 from .nip import (
     WRAP_TABLE,
     DrumFriction,
@@ -25,17 +27,18 @@ from .nip import (
     NipProblem,
     RollFriction,
     RollWrap,
-    Web,
     Width,
     WrapFriction,
-)  # fmt: skip
+)
+from .problem import Problem
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
+from .web import Web
 
 if TYPE_CHECKING:
-    from .fields import Given
+    from .fields import CoercedField
 
 __all__ = ["WindingProblem"]
 
@@ -64,12 +67,12 @@ def _law(value: Any) -> Any:
         raise InvalidProblem(f"{not_one_of(value, LAWS)}, or a Profile of the wound-on tension")
     if not isinstance(value, str | Profile):
         text = "must be 'nip', 'friction', 'fixed' or a Profile of the wound-on tension"
-        raise InvalidProblem(f"{shown(value)} is out of place; {text}")
+        raise InvalidProblem(f"{quote(value)} is out of place; {text}")
     return value
 
 
 if TYPE_CHECKING:
-    TensionLaw = Given[
+    TensionLaw = CoercedField[
         Literal["nip", "friction", "fixed"] | Profile, str | Profile | Mapping[str, Any]
     ]
 else:
@@ -199,7 +202,7 @@ class WindingProblem(Problem):
         """Yield what does not go together."""
         fixed = self.tension_law == "fixed"
         if fixed != (self.nip_induced_tension is not None):
-            law = shown(self.tension_law) if isinstance(self.tension_law, str) else "a table"
+            law = quote(self.tension_law) if isinstance(self.tension_law, str) else "a table"
             yield ("nip_induced_tension",
                    "missing; must be given [N/m] with tension_law = 'fixed'" if fixed
                    else f"is given beside tension_law = {law}; must be left out")  # fmt: skip
@@ -208,7 +211,7 @@ class WindingProblem(Problem):
         if self.roll_body == "linear" and not isinstance(self.web.material, Material):
             yield "roll_body", "'linear' needs the moduli of a web that does not harden"
         if self.limits.acceleration and self.density is None:
-            text = f"{shown(self.limits.acceleration)} is given without the web's density"
+            text = f"{quote(self.limits.acceleration)} is given without the web's density"
             yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
         if self.air is not None and self.web_speed is None:
             yield "web_speed", "missing; must be given with air"
@@ -244,7 +247,7 @@ class WindingProblem(Problem):
         unit = "" if name == "torque_split" else " [N/m]"
         must = f"must be >= {low:g} and <= {high:g}{unit}"
         wrong = [
-            (f"{name}{part}", f"{shown(value)} is out of range; {must}")
+            (f"{name}{part}", f"{quote(value)} is out of range; {must}")
             for part, value in values_of(schedule).items()
             if not low <= value <= high
         ]
@@ -255,7 +258,7 @@ class WindingProblem(Problem):
             value = float(self.curve(name).at(np.array(self.radius)))
             if not low <= value <= high:
                 at = f"at the radius {self.radius:.6g} [m]"
-                text = f"{shown(schedule.taper)} is out of range; leaves {shown(value)}{unit} {at}"
+                text = f"{quote(schedule.taper)} is out of range; leaves {quote(value)}{unit} {at}"
                 yield f"{name}.taper", f"{text}, {must}"
 
     def _short(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
@@ -266,7 +269,7 @@ class WindingProblem(Problem):
             (last, table.radius[-1] < R * (1 - 1e-9), f">= radius = {R:.6g}"),
         ):
             if beyond:
-                text = f"{shown(table.radius[k])} is out of range; must be {must} [m], for the "
+                text = f"{quote(table.radius[k])} is out of range; must be {must} [m], for the "
                 yield f"{name}.radius.{k}", f"{text}whole roll is wound"
 
     def _has_steady_state(self) -> None:
@@ -283,7 +286,7 @@ class WindingProblem(Problem):
             value = float(self.curve(name).at(r[k]))
             raise NoSteadyState.at(
                 name,
-                f"{shown(value)} at the radius {r[k]:.6g} [m]{means} is out of range; must be > "
+                f"{quote(value)} at the radius {r[k]:.6g} [m]{means} is out of range; must be > "
                 f"{low[k]:.6g} and < {high[k]:.6g} [N/m] there, what friction can carry, or the "
                 "drum slides",
             )

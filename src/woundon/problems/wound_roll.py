@@ -18,12 +18,13 @@ from ..elasticity.interior_stress import Section, cylinder_sections
 from ..errors import InvalidProblem
 from ..quantities import stress
 from .bodies import Body, CoreRadius, core_inside
-from .fields import shown
 from .graded import graded_layers, wound_kernels
+from .messages import quote
 from .schedules import Schedule, at_radius, values_of
 from .stack import AnyStack
 
 if TYPE_CHECKING:
+    from ..elasticity.kernels import SurfaceKernels
     from ..elasticity.mesh import Face
     from ..elasticity.ring_equilibrium import RingPair
     from ..elasticity.surface import SurfaceResponse
@@ -66,7 +67,7 @@ class WoundRoll(Body):
             if not 0 <= P < self.stack.limit:
                 raise InvalidProblem.at(
                     f"pressure{name}",
-                    f"{shown(P)} is out of range; must be >= 0 and < {self.stack.limit:.6g} [Pa], "
+                    f"{quote(P)} is out of range; must be >= 0 and < {self.stack.limit:.6g} [Pa], "
                     "where the stack's law ends or its modulus is tangential/poissons_ratio^2",
                 )
         if self.hardening == "direct" and self.stack.shear_exponent > 0:
@@ -96,18 +97,23 @@ class WoundRoll(Body):
         wound = float(self.wound_pressure(self.radius))
         return coefficients(*self.stack.tangent(wound, wound)[:4]).C
 
+    @property
+    def _kernels(self) -> SurfaceKernels:
+        """The influence functions, linearised at the pressure wound into the roll."""
+        return wound_kernels(self.radius, self.core_radius, self.stack, self.pressure)
+
     def wound_pressure(self, r: Any) -> Any:
         """Return P0 at radii [Pa]."""
         return at_radius(self.pressure, r)
 
     def uniform_strain(self, pressure: float) -> float:
         """Return the surface strain under a uniform pressure, linearised about the wound state."""
-        return pressure * uniform_response(wound_kernels(self).strain_p)
+        return pressure * uniform_response(self._kernels.strain_p)
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
         """Return the response of the surface on a face scaled by the half width."""
         if self.hardening == "frozen":
-            return InfluenceSurface(wound_kernels(self), self.radius, True, face, half_width)
+            return InfluenceSurface(self._kernels, self.radius, True, face, half_width)
         # imported late: SciPy's sparse solvers take a quarter of a second to load
         from ..elasticity.hardening_surface import HardeningSurface
 
@@ -121,7 +127,8 @@ class WoundRoll(Body):
     ) -> tuple[Section, ...]:
         """Return the stresses that the tractions add to those wound in."""
         if self.hardening == "frozen":
-            return cylinder_sections(x, p, q, depths, self.radius, graded_layers(self))
+            layers = graded_layers(self.radius, self.core_radius, self.stack, self.pressure)
+            return cylinder_sections(x, p, q, depths, self.radius, layers)
         from ..elasticity.hardening_surface import hardening_sections
 
         return hardening_sections(ring_of(self), x, p, q, depths, half_width)
@@ -144,7 +151,7 @@ def _has_slope(stack: Any) -> None:
     if not isfinite(float(stack.radial.modulus_slope(np.zeros(())))):
         raise InvalidProblem.at(
             "stack.shear_exponent",
-            f"{shown(stack.shear_exponent)} is out of range; must be 0 with a radial law that "
+            f"{quote(stack.shear_exponent)} is out of range; must be 0 with a radial law that "
             "sets in with an infinite slope, as a PowerLaw with m < 1 does",
         )
 

@@ -20,8 +20,8 @@ import numpy as np
 from ..arguments import check_type, tolerance
 from ..errors import InvalidProblem, NotConverged
 from ..parallel import one_thread
-from ..problems.fields import shown
 from ..problems.inputs import Context, convert
+from ..problems.messages import quote
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
@@ -147,7 +147,7 @@ def _checked(problem: RollProblem, pressure: float | Profile) -> Profile:
         check_type("pressure", pressure, float, int, Profile)
         if not 0 < pressure < limit:
             top = f" and < {limit:.6g}" if np.isfinite(limit) else ""
-            text = f"{shown(pressure)} is out of range; must be > 0{top} [Pa]"
+            text = f"{quote(pressure)} is out of range; must be > 0{top} [Pa]"
             raise InvalidProblem.at("pressure", text)
         pressure = Profile(radius=[core, R], value=[pressure, pressure])
     for k, edge, name in ((0, core, "core.radius"), (-1, R, "radius")):
@@ -155,14 +155,14 @@ def _checked(problem: RollProblem, pressure: float | Profile) -> Profile:
         if abs(r - edge) > 1e-9 * edge:
             raise InvalidProblem.at(
                 f"pressure.radius.{k % len(pressure.radius)}",
-                f"{shown(r)} is out of range; must be {name} = {edge:.6g} [m]",
+                f"{quote(r)} is out of range; must be {name} = {edge:.6g} [m]",
             )
     for k, P in enumerate(pressure.value):
         if not 0 <= P < limit or (P == 0 and k + 1 < len(pressure.value)):
             top = f" and < {limit:.6g}" if np.isfinite(limit) else ""
             raise InvalidProblem.at(
                 f"pressure.value.{k}",
-                f"{shown(P)} is out of range; must be > 0{top} [Pa], or 0 at the surface",
+                f"{quote(P)} is out of range; must be > 0{top} [Pa], or 0 at the surface",
             )
     return pressure
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..problems.roll import FEWEST_LAPS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
@@ -48,7 +48,7 @@ def _inside(result: RollResult, radius: Any) -> np.ndarray:
     try:
         r = np.asarray(radius, dtype=float)
     except (TypeError, ValueError):
-        text = f"{shown(radius)} is not a number; must be a radius on the roll [m]"
+        text = f"{quote(radius)} is not a number; must be a radius on the roll [m]"
         raise InvalidProblem.at("radius", text) from None
     core, surface = float(result.radius[0]), float(result.radius[-1])
     slack = 1e-12 * surface
@@ -56,7 +56,7 @@ def _inside(result: RollResult, radius: Any) -> np.ndarray:
     if wrong.size:
         raise InvalidProblem.at(
             "radius",
-            f"{shown(float(wrong.flat[0]))} is out of range; must be >= {core:.6g} and <= "
+            f"{quote(float(wrong.flat[0]))} is out of range; must be >= {core:.6g} and <= "
             f"{surface:.6g} [m], on the roll",
         )
     return np.clip(r, core, surface)
@@ -78,7 +78,7 @@ def at(result: RollResult, radius: float) -> RollResult:
     surface, problem = float(place), result.problem
     least = problem.core.radius + FEWEST_LAPS * problem.web_thickness
     if surface < least:
-        text = f"{shown(surface)} is out of range; must be >= {least:.6g} [m], {FEWEST_LAPS} laps"
+        text = f"{quote(surface)} is out of range; must be >= {least:.6g} [m], {FEWEST_LAPS} laps"
         raise InvalidProblem.at("radius", text)
     stage, nodes, growth, solved = _laid(result, surface, result.radius.size - 1)
     laps = result.kappa_of_laps.until(growth.x[-1]).kappa

@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..errors import InvalidProblem, nearest, one_of
-from ..problems.fields import shown
+from ..problems.messages import quote
 from .figures import COLOURS, Picture, check_format, legend_above, letter, save_figure, style
 
 __all__ = ["Case", "Panel", "cases_of", "drawn"]
@@ -143,7 +143,7 @@ def _chosen(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
         if name not in panels:
             near = nearest(name, panels)
             meant = f"; did you mean {near!r}?" if near else ""
-            text = f"{shown(name)} is unknown; must be {one_of(panels)}{meant}"
+            text = f"{quote(name)} is unknown; must be {one_of(panels)}{meant}"
             raise InvalidProblem.at("panels", text)
     return [panels[name] for name in names]
 
@@ -151,7 +151,7 @@ def _chosen(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
 def _draw_into(ax: Axes, chosen: list[Panel], choice: Any, cases: Sequence[Case]) -> None:
     """Draw one panel into the axes of a user, whose style and title stay."""
     if not isinstance(ax, Axes):
-        raise InvalidProblem.at("ax", f"{shown(ax)} is out of place; must be matplotlib's Axes")
+        raise InvalidProblem.at("ax", f"{quote(ax)} is out of place; must be matplotlib's Axes")
     if choice is not None and len(chosen) != 1:
         text = f"{len(chosen)} are chosen for one ax; must be one, or ax left out"
         raise InvalidProblem.at("panels", text)

@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from .. import kinds, quantities
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
-from ..problems.fields import shown as said
+from ..problems.messages import quote
 from ..results import Result
 from .figures import COLOURS, axis_label, quantity_of, shown, symbol_text, unit_of, wrapped_text
 from .nip_plots import nip_panels
@@ -121,7 +121,7 @@ def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[
     if labels is None:
         labels = _labels(given) if len(given) > 1 else [""]
     elif isinstance(labels, str) or len(labels) != len(given):
-        raise InvalidProblem.at("labels", f"{said(labels)} must be {len(given)}, one a result")
+        raise InvalidProblem.at("labels", f"{quote(labels)} must be {len(given)}, one a result")
     return given, cases_of(given, labels)
 
 

@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.bodies import Body
-from ..problems.fields import Description
+from ..problems.description import Description
 from ..problems.nip import NipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll

@@ -16,7 +16,7 @@ from typing import Any
 
 from .. import __version__, kinds
 from ..errors import InvalidProblem
-from ..problems.fields import Description
+from ..problems.description import Description
 from ..problems.materials import MATERIALS
 from ..quantities import Place, scalar_outputs, walk
 from ..results import Result

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..problems.fields import Problem, not_one_of, shown
+from ..problems.messages import not_one_of, quote
+from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design
 from .engine import Progress, run_study
@@ -329,7 +330,7 @@ def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]
 def _bounds(vary: Any) -> dict[str, Any]:
     names = [vary] if isinstance(vary, str) else vary
     if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
-        text = f"{shown(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
+        text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
         raise InvalidProblem.at("vary", text)
     given = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
     if not given:
@@ -351,10 +352,10 @@ def _profiled(profiles: bool | Sequence[str], varied: Mapping[str, Any]) -> tupl
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
     base = get_field(problem, name)
     if field_quantity(problem, name) is None or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{shown(base)} is not a number, so it cannot be fitted")
+        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")
     if bounds is None:
         if base is None or base <= 0:
-            raise InvalidProblem.at(name, f"is {shown(base)}: give bounds for it")
+            raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")
         bounds = (base / 10, base * 10)
     try:
         low, high = (float(end) for end in bounds)

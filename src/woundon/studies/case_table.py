@@ -23,7 +23,7 @@ from ..io.case_files import SCHEMA, load_case, make_problem
 from ..io.files import put_in_place
 from ..io.sheets import Sheet, need_openpyxl, read_sheet, write_workbook
 from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
-from ..problems.fields import Problem
+from ..problems.problem import Problem
 from ..quantities import Quantity, pattern, scalar_outputs
 from . import design as designs
 from .engine import Progress, run_study

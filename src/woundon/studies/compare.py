@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..problems.fields import Problem, shown
+from ..problems.messages import quote
+from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
@@ -399,13 +400,13 @@ def _deviation(problem: Problem, name: str, value: float | str) -> float:
     base = get_field(problem, name)
     quantity = field_quantity(problem, name)
     if quantity is None or not isinstance(base, float):
-        raise InvalidProblem.at(f"spread: {name}", f"{shown(base)} is not a number")
+        raise InvalidProblem.at(f"spread: {name}", f"{quote(base)} is not a number")
     if isinstance(value, str) and value.strip().endswith("%"):
         deviation = parse(value, "1", f"spread: {name}") * abs(base)
     else:
         deviation = parse(value, quantity.unit, f"spread: {name}")
     if not 0 < deviation < np.inf:
-        text = f"{shown(value)} is out of range; must be a standard deviation > 0"
+        text = f"{quote(value)} is out of range; must be a standard deviation > 0"
         raise InvalidProblem.at(f"spread: {name}", text)
     return deviation
 

@@ -30,7 +30,8 @@ import numpy as np
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
-from ..problems.fields import Problem, not_one_of, shown
+from ..problems.messages import not_one_of, quote
+from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
@@ -347,7 +348,7 @@ def _prior(base: Problem, unknown: Any, fitted: FitResult | None) -> dict[str, f
     for name, value in unknown.items():
         deviation = float(parse(value, "1", f"unknown: {name}"))
         if not 0 < deviation < np.inf:
-            text = f"{shown(value)} is out of range; must be a relative standard deviation > 0"
+            text = f"{quote(value)} is out of range; must be a relative standard deviation > 0"
             raise InvalidProblem.at(f"unknown: {name}", text)
         prior[name] = deviation
     if not prior:
@@ -358,7 +359,7 @@ def _prior(base: Problem, unknown: Any, fitted: FitResult | None) -> dict[str, f
 def _value(base: Problem, name: str) -> float:
     value = get_field(base, name)
     if field_quantity(base, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{shown(value)} is not a number > 0, of which a relative standard deviation is"
+        text = f"{quote(value)} is not a number > 0, of which a relative standard deviation is"
         raise InvalidProblem.at(f"unknown: {name}", text)
     return value
 

@@ -19,7 +19,9 @@ import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
-from ..problems.fields import Problem, admissible, bounds, shown
+from ..problems.messages import quote
+from ..problems.permitted import admissible, bounds
+from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity
 from ..quantities import find as find_places
@@ -246,7 +248,7 @@ def find(
     quantities = quantities_of(model, (name, output))
     base = get_field(problem, name)
     if name not in quantities or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{shown(base)} is not a number, so it cannot be found")
+        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be found")
     aim = parse(value, quantities[output].unit, output)
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
@@ -300,13 +302,13 @@ def _interval(
         low, high = _ends(between, quantity, name)
         for end in (low, high):
             if not _admits(limits, end):
-                text = f"{shown(end)} is out of range; must be {admissible(info)}"
+                text = f"{quote(end)} is out of range; must be {admissible(info)}"
                 raise InvalidProblem.at(f"between: {name}", text)
         return Interval(low, high, permitted, may_grow=False)
     low, high = _usual_range(base, permitted, quantity.typical)
     low, high = max(low, permitted[0]), min(high, permitted[1])
     if not (isfinite(low) and isfinite(high) and low < high):
-        text = f"{shown(base)} has no scale to search around; give between=(low, high)"
+        text = f"{quote(base)} has no scale to search around; give between=(low, high)"
         raise InvalidProblem.at(name, text)
     return Interval(low, high, permitted, may_grow=True)
 
@@ -314,10 +316,10 @@ def _interval(
 def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
     pair = list(between) if isinstance(between, (list, tuple, np.ndarray)) else []
     if len(pair) != 2:
-        raise InvalidProblem.at("between", f"{shown(between)} is not a range; write (low, high)")
+        raise InvalidProblem.at("between", f"{quote(between)} is not a range; write (low, high)")
     low, high = (parse(_plain(end), quantity.unit, f"between: {name}") for end in pair)
     if not (isfinite(low) and isfinite(high) and low < high):
-        raise InvalidProblem.at("between", f"{shown(between)} is not a range: must be low < high")
+        raise InvalidProblem.at("between", f"{quote(between)} is not a range: must be low < high")
     return low, high
 
 

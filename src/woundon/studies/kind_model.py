@@ -20,8 +20,11 @@ from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
-from ..problems.fields import Description, Problem, best_match, no_such_field, not_one_of
+from ..problems.description import Description
+from ..problems.family import best_match
 from ..problems.inputs import context_of, convert
+from ..problems.messages import no_such_field, not_one_of
+from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import (
     Quantity,

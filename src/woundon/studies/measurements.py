@@ -21,7 +21,7 @@ from typing import Any, get_args, get_type_hints
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..problems.fields import Problem
+from ..problems.problem import Problem
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from .kind_model import columns_of, kind_of, measurable, replaced
 from .measured import read_measured

@@ -17,7 +17,8 @@ import numpy as np
 
 from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean, unwarned
-from ..problems.fields import Problem, shown
+from ..problems.messages import quote
+from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity
 from .kind_model import (
@@ -93,11 +94,11 @@ class Measurement:
     def __post_init__(self) -> None:
         check_type("at", self.at, Mapping)
         if not isinstance(self.quantity, str):
-            raise InvalidProblem.at("quantity", f"{shown(self.quantity)} is not a name")
+            raise InvalidProblem.at("quantity", f"{quote(self.quantity)} is not a name")
         if isinstance(self.cost, bool) or not isinstance(self.cost, (int, float)):
-            raise InvalidProblem.at("cost", f"{shown(self.cost)} is not a number")
+            raise InvalidProblem.at("cost", f"{quote(self.cost)} is not a number")
         if not 0 < self.cost < np.inf:
-            raise InvalidProblem.at("cost", f"{shown(self.cost)} is out of range; must be > 0")
+            raise InvalidProblem.at("cost", f"{quote(self.cost)} is out of range; must be > 0")
         if self.standard_deviation is None:
             raise InvalidProblem.at(f"{self.quantity}: standard_deviation", "missing")
         sizes = {name: len(value) for name, value in self.at.items() if _is_series(value)}
@@ -203,7 +204,7 @@ class Planned:
         values, slopes = self.predict(theta, solved)
         sigma = self.deviation * (np.abs(values) if self.is_relative else np.ones(values.shape))
         if not np.all(sigma > 0):
-            text = f"{shown(self.measurement.standard_deviation)} of a predicted value of 0"
+            text = f"{quote(self.measurement.standard_deviation)} of a predicted value of 0"
             raise InvalidProblem.at(f"{self.measurement.name}: standard_deviation", text)
         rows = slopes / sigma[:, None]
         return np.asarray(rows.T @ rows)
@@ -346,5 +347,5 @@ def _deviation(measurement: Measurement, quantity: Quantity) -> tuple[float, boo
     where = f"{measurement.quantity}: standard_deviation"
     deviation = float(parse(given, "1" if is_relative else quantity.unit, where))
     if not (isfinite(deviation) and deviation > 0):
-        raise InvalidProblem.at(where, f"{shown(given)} is out of range; must be > 0")
+        raise InvalidProblem.at(where, f"{quote(given)} is out of range; must be > 0")
     return deviation, is_relative

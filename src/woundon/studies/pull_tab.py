@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from ..errors import InvalidProblem
-from ..problems.fields import shown
+from ..problems.messages import quote
 from ..problems.units import parse
 
 __all__ = ["PullTab"]
@@ -68,13 +68,13 @@ class PullTab:
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):
                 raise InvalidProblem.at(
-                    f"tab.{name}", f"{shown(value)} is out of range; must be > 0"
+                    f"tab.{name}", f"{quote(value)} is out of range; must be > 0"
                 )
         if not 0 <= self.deviation < 1:
-            text = f"{shown(self.deviation)} is out of range; must be >= 0 and < 1"
+            text = f"{quote(self.deviation)} is out of range; must be >= 0 and < 1"
             raise InvalidProblem.at("tab.deviation", text)
         if self.faces not in (1, 2):
-            raise InvalidProblem.at("tab.faces", f"{shown(self.faces)} is out of range: 1 or 2")
+            raise InvalidProblem.at("tab.faces", f"{quote(self.faces)} is out of range: 1 or 2")
 
     @property
     def pressure_per_force(self) -> float:

@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
-from ..problems.fields import Problem, shown
+from ..problems.messages import quote
+from ..problems.problem import Problem
 from ..quantities import Quantity, value_of
 from ..results import Presented, ReadOnly
 from ..winding.margins import margins
@@ -213,12 +214,13 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
     for name, ends in given.items():
         if field_quantity(problem, name) is None or not isinstance(get_field(problem, name), float):
             raise InvalidProblem.at(
-                name, f"{shown(get_field(problem, name))} is not a number, so it cannot be varied"
+                name,
+                f"{quote(get_field(problem, name))} is not a number, so it cannot be varied",
             )
         try:
             low, high = (float(end) for end in ends)
         except (TypeError, ValueError):
-            text = f"{shown(ends)} is out of place; must be (low, high)"
+            text = f"{quote(ends)} is out of place; must be (low, high)"
             raise InvalidProblem.at(name, text) from None
         if not -inf < low < high < inf:
             raise InvalidProblem.at(
@@ -271,7 +273,7 @@ class _Search:
         if isinstance(evaluations, bool) or not isinstance(evaluations, int) or (
             evaluations < LEAST_EVALUATIONS
         ):  # fmt: skip
-            text = f"{shown(evaluations)} is out of range; must be >= {LEAST_EVALUATIONS}"
+            text = f"{quote(evaluations)} is out of range; must be >= {LEAST_EVALUATIONS}"
             raise InvalidProblem.at("evaluations", text)
         self.model, self.limits, self.goal, self.sign = model, limits, *goal
         self.names = tuple(ranges)

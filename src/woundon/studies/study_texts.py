@@ -10,7 +10,7 @@ from textwrap import fill
 from .. import kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA, to_toml
-from ..problems.fields import Problem
+from ..problems.problem import Problem
 from ..problems.units import written
 from ..quantities import Quantity, find, scalar_outputs
 from .kind_model import options_of

@@ -23,8 +23,9 @@ import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NotConverged
-from ..problems.fields import Problem, shown
 from ..problems.grades import Grade, grade
+from ..problems.messages import quote
+from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from ..results import Presented, ReadOnly
@@ -462,7 +463,7 @@ def _spreads(
     if isinstance(uncertain, (str, Grade)):
         named = grade(uncertain)
     elif uncertain is not None and not isinstance(uncertain, Mapping):
-        text = f"{shown(uncertain)} is out of place; must be {{field: relative deviation}}"
+        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
         raise InvalidProblem.at("uncertain", text)
     spreads: dict[str, float] = {}
     ties = dict(tie or {})
@@ -474,7 +475,7 @@ def _spreads(
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not (
             0 <= value <= MOST_SPREAD
         ):  # fmt: skip
-            text = f"{shown(value)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
+            text = f"{quote(value)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
             raise InvalidProblem.at(f"uncertain.{name}", text)
         spreads[name] = float(value)
     if not spreads:
@@ -483,7 +484,7 @@ def _spreads(
     for name in own:
         value = get_field(problem, name)
         if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
-            text = f"{shown(value)} is not a number > 0, so it has no log-normal distribution"
+            text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
             raise InvalidProblem.at(f"uncertain.{name}", text)
     found = {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}
     return found, ties
@@ -496,7 +497,7 @@ def _ranges(problem: Any, *given: Any) -> dict[str, tuple[float, float]]:
         if ends is None and name == "torque_split":
             continue
         if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
-            raise InvalidProblem.at(name, f"{shown(ends)} is out of place; must be (low, high)")
+            raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
         low, high = (_number(name, end) for end in in_si(problem, {name: ends})[name])
         least = -1e-300 if name == "torque_split" else 0.0
         if not least < low < high < float("inf"):
@@ -508,7 +509,7 @@ def _ranges(problem: Any, *given: Any) -> dict[str, tuple[float, float]]:
 
 def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
-        raise InvalidProblem.at(name, f"{shown(value)} is not a number")
+        raise InvalidProblem.at(name, f"{quote(value)} is not a number")
     return float(value)
 
 

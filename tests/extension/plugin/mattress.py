@@ -18,7 +18,8 @@ from pydantic import Field
 import woundon as wo
 from woundon.elasticity.mesh import Face
 from woundon.elasticity.surface import Deformation, SurfaceTangent
-from woundon.problems.fields import Description, Number
+from woundon.problems.description import Description
+from woundon.problems.fields import Number
 from woundon.quantities import angle, length, line_load, pure, stress
 
 Array = np.ndarray

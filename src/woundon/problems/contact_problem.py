@@ -1,0 +1,99 @@
+"""The base of the problems of two bodies in contact: nip and rollers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import ClassVar, Self
+
+from pydantic import model_validator
+
+from ..errors import InvalidProblem
+from .bodies import Body, contact_radius
+from .problem import Problem
+
+__all__ = ["ContactProblem", "unused_speed"]
+
+
+def unused_speed(field: str, speed: float) -> str:
+    """Return what is said of a speed on which nothing depends."""
+    return f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
+
+
+class ContactProblem(Problem):
+    """Two bodies pressed together; not a problem of its own.
+
+    Attributes
+    ----------
+    pair : (str, str)
+        Names of the fields that hold body 1 and body 2.
+    speed_field : str
+        Name of the field that holds the speed.
+    """
+
+    pair: ClassVar[tuple[str, str]]
+    speed_field: ClassVar[str]
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """Body 1 and body 2."""
+        one, two = (getattr(self, name) for name in self.pair)
+        return one, two
+
+    @cached_property
+    def contact_radius(self) -> float:
+        """R* with 1/R* = 1/R1 + 1/R2 [m]."""
+        return contact_radius(*self.bodies)
+
+    @cached_property
+    def linear(self) -> bool:
+        """Whether both bodies are."""
+        one, two = self.bodies
+        return one.linear and two.linear
+
+    @property
+    def thinning(self) -> float:
+        """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
+        return 0.0
+
+    @property
+    def rolling_speed(self) -> float | None:
+        """V, at which both surfaces roll along +x [m/s]; None where nothing depends on it."""
+        speed: float | None = getattr(self, self.speed_field)
+        return None if next(self.uses_of_speed(), None) is None else speed
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect."""
+        speed = getattr(self, self.speed_field)
+        used = speed is None or self.rolling_speed is not None
+        return super().remarks if used else (unused_speed(self.speed_field, speed),)
+
+    @cached_property
+    def viscoelastic(self) -> bool:
+        """Whether a body is."""
+        return any(body.viscoelastic for body in self.bodies)
+
+    def uses_of_speed(self) -> Iterator[tuple[str, str]]:
+        """Yield what depends on the speed: the field, and a text that says why."""
+        for name, body in zip(self.pair, self.bodies, strict=True):
+            if body.viscoelastic:
+                yield name, f"{name} is of a viscoelastic material"
+
+    @model_validator(mode="after")
+    def _speed_where_it_counts(self) -> Self:
+        use = next(self.uses_of_speed(), None)
+        if use is not None and self.rolling_speed is None:
+            text = f"missing; must be > 0 [m/s], as {use[1]}"
+            raise InvalidProblem.at(self.speed_field, text)
+        return self
+
+    @model_validator(mode="after")
+    def _deforms(self) -> Self:
+        one, two = self.bodies
+        if one.rigid and two.rigid:
+            first, second = self.pair
+            raise InvalidProblem.at(
+                first, f"{first} and {second} are both Rigid; one must be elastic"
+            )
+        return self

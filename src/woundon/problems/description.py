@@ -1,0 +1,208 @@
+"""The base of every description (material, body, problem): immutable and validated.
+
+pydantic validates; :mod:`~woundon.problems.messages` words the errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import FrozenInstanceError
+from html import escape
+from inspect import Signature
+from typing import TYPE_CHECKING, Any, NoReturn, Self, dataclass_transform
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from ..errors import InvalidProblem
+from ..quantities import Quantity, counterpart, find, is_item, walk
+from .help_texts import documentation, signature
+from .inputs import Context, FloatWithUnit, context_of, convert, convert_fields, in_order
+from .messages import no_such_field, validation_error
+
+__all__ = ["Description"]
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+# not frozen_default: type checkers reject a frozen CoercedField
+@dataclass_transform(kw_only_default=True)
+class DocumentedMeta(ModelMetaclass):
+    """How classes of descriptions show themselves to help(), dir() and editors.
+
+    By their fields and their own methods; pydantic's are of no use to who describes a nip.
+    """
+
+    @property
+    def __doc__(cls) -> str:  # type: ignore[override]  # noqa: N805
+        return documentation(cls)
+
+    @property
+    def __signature__(cls) -> Signature:  # noqa: N805
+        made: Signature = signature(cls)
+        return made
+
+    @__signature__.setter
+    def __signature__(cls, value: Any) -> None:  # noqa: N805
+        pass  # pydantic's, with all its marks
+
+    def __dir__(cls) -> list[str]:  # noqa: N805
+        names = set(super().__dir__()) - set(dir(BaseModel))
+        return sorted(name for name in names if not name.startswith(("_", "model_")))
+
+
+class Description(BaseModel, metaclass=DocumentedMeta):
+    """An immutable, validated description; unknown names and values out of range are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*dir(type(self)), *type(self).model_fields})
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        # what is cached beside the fields may hold arrays, which do not compare
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
+    def __init__(self, /, **fields: Any) -> None:
+        faults: list[tuple[str, str]] = []
+        fields = self._converted(fields, faults)
+        report = None
+        try:
+            self.__pydantic_validator__.validate_python(fields, self_instance=self)
+        except ValidationError as rejected:
+            report = rejected
+        if report is not None or faults:
+            raise validation_error(type(self), report, faults)
+
+    @classmethod
+    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        """Return the fields in the forms that are held; see :mod:`~woundon.problems.inputs`."""
+        return convert_fields(cls, fields, faults)
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        """Refuse: a description does not change."""
+        raise FrozenInstanceError(
+            f"a {type(self).__name__} does not change; make a variant by .replace({name}=...)"
+        )
+
+    def __delattr__(self, name: str) -> NoReturn:
+        """Refuse: a description does not change."""
+        raise FrozenInstanceError(f"a {type(self).__name__} does not change; {name} stays")
+
+    def replace(self, /, **changes: Any) -> Self:
+        """Return a variant with some fields changed; nested ones by dotted name, lists by number.
+
+        A value is SI, or a text with its unit; ``diameter`` replaces ``radius``.
+
+        >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
+
+        Raises
+        ------
+        InvalidProblem
+            If a name does not exist or the variant is not admissible.
+        """
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        nested: dict[str, dict[str, Any]] = {}
+        faults: list[tuple[str, str]] = []
+        for path, value in self._changes(changes, faults).items():
+            head, dot, rest = path.partition(".")
+            if not dot and (radius := counterpart(head, "diameter")) in type(self).model_fields:
+                if radius not in changes:
+                    del fields[radius]
+                fields[head] = value
+            elif head not in fields:
+                faults.append((path or "''", no_such_field(head, type(self))))
+            elif dot and rest:
+                nested.setdefault(head, {})[rest] = value
+            elif dot:
+                faults.append((path, "no field is named behind the dot"))
+            else:
+                fields[head] = value
+        for head, inner in nested.items():
+            try:
+                fields[head] = _changed(fields[head], head, inner)
+            except InvalidProblem as fault:
+                faults += fault.under(head).faults
+        if faults:
+            raise InvalidProblem(faults)
+        return type(self)(**fields)
+
+    def _repr_html_(self) -> str:
+        """Return a table of the fields."""
+        rows = [
+            _cells(place.path, place.quantity, place.value)
+            for place in walk(self) if place.value is not None
+        ]  # fmt: skip
+        cells = "\n".join(
+            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
+        )
+        caption = f"<caption><b>{escape(type(self).__name__)}</b></caption>"
+        return f"<table>{caption}<tbody>\n{cells}\n</tbody></table>"
+
+    def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        """Return changes by dotted name with texts as numbers in SI."""
+        found: dict[str, Any] = dict(changes)
+        if not any(isinstance(value, (str, FloatWithUnit)) for value in changes.values()):
+            return found
+        context = context_of(self)
+        for path in in_order(changes):
+            name = path.removeprefix("web.")
+            if isinstance(changes[path], (str, FloatWithUnit)):
+                try:
+                    found[path] = self._change(path, changes[path], context)
+                except InvalidProblem as fault:
+                    faults += fault.faults
+                    found.pop(path)
+            context = context.with_field(name, found.get(path))
+        faults.sort(key=lambda fault: _position(fault[0], changes))
+        return found
+
+    def _change(self, path: str, value: str | FloatWithUnit, context: Context) -> Any:
+        places = find(type(self), path)
+        place = next((p for p in places if p.quantity is not None), None)
+        return value if place is None else convert(value, place, context)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""
+        return self.replace(**update) if update else super().model_copy(deep=deep)
+
+
+def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
+    """Return what a field holds with changes below it, by path; of a list by the item's number."""
+    if isinstance(value, Description):
+        return value.replace(**changes)
+    if not isinstance(value, tuple):
+        raise InvalidProblem([(path, f"{name} has no fields of its own") for path in changes])
+    items = list(value)
+    for path, new in changes.items():
+        place, dot, rest = path.partition(".")
+        if not is_item(place, len(items)):
+            text = f"{name} has no item {place!r}; known: 0 to {len(items) - 1}"
+            raise InvalidProblem.at(path, text)
+        k = int(place)
+        try:
+            items[k] = _changed(items[k], f"{name}.{place}", {rest: new}) if dot else new
+        except InvalidProblem as fault:
+            raise fault.under(place) from None
+    return tuple(items)
+
+
+def _position(field: str, changes: Mapping[str, Any]) -> int:
+    """Return which of the changes a fault belongs to."""
+    paths = list(changes)
+    return next((k for k, path in enumerate(paths) if f"{field}.".startswith(path)), len(paths))
+
+
+def _cells(path: str, quantity: Quantity | None, value: Any) -> tuple[str, str, str, str]:
+    """Return what a field is, its symbol, its value and its unit as text."""
+    if quantity is None or not isinstance(value, (int, float)):
+        return path, "", str(value), ""
+    # the meaning of a nested field does not say of which part it is
+    label = path if "." in path else quantity.meaning
+    return label, quantity.symbol, f"{quantity.shown(value):.6g}", quantity.display

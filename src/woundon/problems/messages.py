@@ -1,0 +1,160 @@
+"""Texts of validation errors: field, value and permitted range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import pi
+from numbers import Real
+from reprlib import Repr
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
+from ..quantities import members_of, quantity_of
+from .permitted import admissible, bounds, unit_of
+
+__all__ = ["no_such_field", "not_one_of", "quote", "validation_error"]
+
+
+def validation_error(
+    model: type[BaseModel], report: ValidationError | None, faults: list[tuple[str, str]]
+) -> InvalidProblem:
+    """Return the error of a description that is not valid.
+
+    Parameters
+    ----------
+    model : type
+        Class of the description.
+    report : pydantic.ValidationError or None
+        Values that pydantic rejects.
+    faults : list of (str, str)
+        Field and text of inputs that could not be converted.  They replace what pydantic reports
+        on the same fields; an empty text only suppresses its report.
+    """
+    if report is None:
+        return InvalidProblem([fault for fault in faults if fault[1]])
+    error = _translate(report, model)
+    if not faults:
+        return error
+    converted = {field for field, _ in faults}
+    rejected = [fault for fault in error.faults if fault[0] not in converted]
+    return InvalidProblem([*(fault for fault in faults if fault[1]), *rejected])
+
+
+def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProblem:
+    """Translate pydantic's report; nested descriptions have translated theirs."""
+    faults: list[tuple[str, str]] = []
+    error: type[InvalidProblem] = InvalidProblem
+    for item in report.errors():
+        # Nested descriptions validate themselves: the location is a field, or an item of its list.
+        name, *rest = item["loc"] or ("",)
+        items = [str(part) for part in rest if isinstance(part, int)]
+        path = ".".join([str(name) or "''", *items]) if item["loc"] else ""
+        inner = item.get("ctx", {}).get("error")
+        if isinstance(inner, InvalidProblem):
+            # pydantic reports every member of a union (number or description); the nested
+            # description's own report is the one that helps.
+            faults = [fault for fault in faults if fault[0] != path or not path]
+            faults += inner.under(path).faults
+            error = NoSteadyState if isinstance(inner, NoSteadyState) else error
+        elif item["type"] == "extra_forbidden":
+            faults.append((path, no_such_field(str(name), model)))
+        elif path not in dict(faults) and not _counts_faults(item):
+            faults.append((path, _fault(item, model.model_fields[str(name)])))
+    return error(faults)
+
+
+def _counts_faults(item: Any) -> bool:
+    """Tell whether a list is called too short for the items of it that are at fault."""
+    return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
+
+
+def _fault(item: Any, field: FieldInfo) -> str:
+    """Return the text for one item of pydantic's report."""
+    value, kind = item["input"], item["type"]
+    if kind == "missing":
+        return f"missing; must be {admissible(field)}"
+    if kind == "not_a_number":
+        return f"{quote(value)} is not a number; must be {admissible(field)}"
+    if kind == "finite_number":
+        return f"{quote(value)} is not a finite number; must be {admissible(field)}"
+    if kind in ("too_short", "too_long"):
+        (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
+        least = "at least" if kind == "too_short" else "at most"
+        return f"{len(value)} values; must be {least} {limit}"
+    if kind in ("tuple_type", "list_type"):
+        return f"{quote(value)} is not a list"
+    if kind == "literal_error":
+        return not_one_of(value, get_args(field.annotation))
+    if members_of(field.annotation):
+        return f"{quote(value)} is out of place; must be {admissible(field)}"
+    value = value if isinstance(value, Real) else float(value)  # an array of no dimension
+    return f"{quote(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
+
+
+def not_one_of(value: Any, known: Iterable[str]) -> str:
+    """Return the text for a value that is none of the known words."""
+    known = list(known)
+    text = f"{quote(value)} is unknown; must be {one_of(map(repr, known))}"
+    near = nearest(value, known)
+    return f"{text}; did you mean {near!r}?" if near else text
+
+
+def no_such_field(name: str, model: type[BaseModel]) -> str:
+    """Return the text for a name that ``model`` does not have: who has it, or what was meant."""
+    own = model.model_fields
+    family = getattr(model, "_members", {}).values()
+    owners = [m.__name__ for m in family if name in m.model_fields]
+    if name == "kind" and family:
+        return f"not a field; for another kind than {model.__name__} give the whole description"
+    if owners:
+        return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
+                f"known: {', '.join(own)}")  # fmt: skip
+    # the symbol of the formulas ("P"), a word of the meaning, a part of the name ("friction")
+    told = [
+        known
+        for known, field in own.items()
+        if name in _words(field) or (len(name) > 2 and name.lower() in known)
+    ]
+    if told:
+        return f"no such field; did you mean {one_of(map(repr, told))}?"
+    return f"no such field{did_you_mean(name, own)}"
+
+
+def _words(field: FieldInfo) -> list[str]:
+    quantity = quantity_of(field)
+    if quantity is None:
+        return []
+    return [quantity.symbol, *quantity.meaning.replace(",", "").replace("'s", "").split()]
+
+
+_OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
+
+
+def _slip(value: Any, field: FieldInfo) -> str:
+    """Return a hint where the number would be right in another unit (66 for 66 um)."""
+    if value < 1:
+        return ""
+    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
+    fits = [
+        f"{value:g} {unit} is {value * factor:g}"
+        for unit, factor in _OTHER_UNITS.get(unit_of(field), {}).items()
+        if all(tests[sign](value * factor, float(bound)) for sign, bound in bounds(field))
+    ]
+    return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
+
+
+_repr = Repr()
+_repr.maxstring = _repr.maxother = 40
+
+
+def quote(value: Any) -> str:
+    """Return a value as an error text shows it: short, numbers without their type."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return _repr.repr(value)
+    try:
+        return f"{float(value):.10g}"
+    except OverflowError:
+        return "a number beyond 1e308"

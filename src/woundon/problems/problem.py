@@ -1,0 +1,91 @@
+"""The base of the problems."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
+
+from ..errors import InvalidProblem
+from .description import Description
+from .grades import Grade, changes_of_grade, grade, warn_of_contradictions, with_grade
+
+__all__ = ["Problem"]
+
+
+class Problem(Description):
+    """What is solved.  Its kind is known by its class, and in files by the names of its fields.
+
+    Attributes
+    ----------
+    tables : mapping of str to tuple of str
+        Fields that a case file groups in a table of their own, by the table's name.
+    graded : tuple of str
+        Fields that a ``grade`` supplies: of a problem that has one, ``grade = "newsprint"`` may
+        stand in their place.
+    """
+
+    tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    graded: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, /, **fields: Any) -> None:
+        super().__init__(**fields)
+        if "grade" in fields:
+            self._set_grade(grade(fields["grade"]))
+
+    @property
+    def named_grade(self) -> Grade | None:
+        """The grade that the problem was created with; None without one."""
+        return self.__dict__.get("_grade")
+
+    def _set_grade(self, found: Grade) -> None:
+        self.__dict__["_grade"] = found
+        warn_of_contradictions(found, self)
+
+    @classmethod
+    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        if "grade" in fields:
+            fields = with_grade(cls, fields, faults)
+        return super()._converted(fields, faults)
+
+    def replace(self, /, **changes: Any) -> Self:
+        """Return a variant with some fields changed; see :meth:`.Description.replace`.
+
+        A ``grade`` replaces all fields that it supplies, except those that are changed with it.
+
+        >>> import woundon as wo
+        >>> nip = wo.NipProblem.example().replace(grade="lwc", roll_friction=0.25)
+        >>> nip.web == wo.grade("lwc").web(), nip.roll_friction
+        (True, 0.25)
+
+        Raises
+        ------
+        InvalidProblem
+            If a name does not exist or the variant is not admissible.
+        """
+        if "grade" not in changes:
+            variant = super().replace(**changes)
+            if self.named_grade is not None:
+                variant.__dict__["_grade"] = self.named_grade
+            return variant
+        if not self.graded:
+            text = f"a {type(self).__name__} has no web; must be left out"
+            raise InvalidProblem.at("grade", text)
+        found = grade(changes.pop("grade"))
+        variant = super().replace(**{**changes_of_grade(found, self, changes), **changes})
+        variant._set_grade(found)
+        return variant
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        return ()
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the model assumes of this case, as sentences."""
+        return ()
+
+    @classmethod
+    def example(cls) -> Self:
+        """Return a case to start from: what ``woundon new`` writes."""
+        raise NotImplementedError(f"{cls.__name__} has no example")

@@ -1,0 +1,95 @@
+"""The web: a thin strip of paper or film."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import BeforeValidator, Field, SerializeAsAny
+
+from ..elasticity.strip import Compliance, compliance
+from ..errors import InvalidProblem
+from ..quantities import Quantity, web_density, web_thickness
+from .description import Description
+from .fields import Number
+from .materials import Material, Solid
+from .radial_laws import Constant
+from .stack import Stack
+
+if TYPE_CHECKING:
+    from .fields import CoercedField
+
+__all__ = ["Web"]
+
+Array = np.ndarray
+
+
+def _solid(value: Any) -> Any:
+    return Material.coerce(value) if isinstance(value, str) else Solid.coerce(value)
+
+
+if TYPE_CHECKING:
+    AnySolid = CoercedField[Solid, Solid | str | Mapping[str, Any]]
+else:
+    AnySolid = Annotated[SerializeAsAny[Solid], BeforeValidator(_solid)]
+
+
+class Web(Description):
+    """The paper or film web, a thin strip (thesis sec. 2.3).
+
+    Parameters
+    ----------
+    thickness : float
+        2h [m], 0.1 um to 10 mm; or a basis weight, "45 gsm", with the ``density`` of the web,
+        "680 kg/m^3".
+    material : Orthotropic, Isotropic or Stack
+        The web's own plane-strain stiffness.  Of a stack the web hardens under the nip's pressure,
+        from none; its shear modulus plays no part.
+    """
+
+    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": web_density()}
+
+    thickness: Annotated[Number, web_thickness((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
+    material: AnySolid
+
+    @property
+    def linear(self) -> bool:
+        """Whether it is as stiff under any pressure: not a stack whose modulus changes."""
+        stack = self.material
+        return not isinstance(stack, Stack) or isinstance(stack.radial, Constant)
+
+    @cached_property
+    def compliance(self) -> Compliance:
+        """Its plane-strain compliances [1/Pa]; c22, through it, is that without pressure."""
+        rr, tt, rt, _, along = self.material.stiffness
+        return compliance(rr, tt, rt, along)
+
+    def thinned(self, p: Array) -> tuple[Array, Array]:
+        """Return by how much pressures [Pa] make it thinner [m], and the derivatives [m/Pa]."""
+        if not isinstance(self.material, Stack):
+            by_p = np.full(p.shape, self.thickness * self.compliance.c22)
+            return by_p * p, by_p
+        radial = self.material.radial
+        return self.thickness * radial.strain_at(p), self.thickness / radial.modulus(p)
+
+    def radial_modulus(self, pressure: float) -> float:
+        """Return A_rr; of a stack the mean modulus up to a pressure, P/F(P) [Pa]."""
+        if isinstance(self.material, Stack):
+            return pressure / float(self.material.radial.strain_at(pressure))
+        return self.material.stiffness.rr
+
+    def refuse(self, pressure: float) -> None:
+        """Refuse a largest pressure [Pa] beyond the law of a stack.
+
+        Raises
+        ------
+        InvalidProblem
+        """
+        if isinstance(self.material, Stack) and pressure > self.material.limit:
+            raise InvalidProblem.at(
+                "web.material",
+                f"the pressure on the web reaches {pressure:.4g} [Pa], and its stack's law ends at "
+                f"{self.material.limit:.4g}: a lower nip load or another law is needed",
+            )
