@@ -28,7 +28,7 @@ from typing import Any
 
 import httpx
 import numpy as np
-from browsing import browsing
+from browser_session import browsing
 from page_server import serving
 from playwright.sync_api import Browser, Page
 

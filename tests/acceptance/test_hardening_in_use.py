@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hardening_cases import NEWSPRINT, linear, nip, roll
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.results import Residuals
@@ -53,7 +53,7 @@ def test_a_case_file_has_it(tmp_path: Path) -> None:
     assert again.certified().largest <= 1e-8
 
 
-@pytest.mark.parametrize("wrapped", [False, seldom(True)])
+@pytest.mark.parametrize("wrapped", [False, slow_case(True)])
 def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
     problem: Any = nip(roll())
     if wrapped:
@@ -76,8 +76,8 @@ def test_sweeps_go_from_neighbour_to_neighbour() -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("roll.stack.radial.K2", 127.0), seldom("roll.pressure", 90e3),
-     seldom("roll.stack.shear", 10e6)],
+    [("roll.stack.radial.K2", 127.0), slow_case("roll.pressure", 90e3),
+     slow_case("roll.stack.shear", 10e6)],
 )  # fmt: skip
 def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
     """Of the implicit function, against central differences over 2 parts in 1000."""
@@ -134,7 +134,7 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> Non
 FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
 
 
-@pytest.mark.parametrize("where", [seldom("roll"), "web"])
+@pytest.mark.parametrize("where", [slow_case("roll"), "web"])
 def test_a_modulus_that_turns_negative_is_refused(where: str) -> None:
     """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
     body = roll().replace(**{"stack.radial": FALLS})

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
-from loops import run
+from coroutines import run
 
 from woundon.cli import main
 

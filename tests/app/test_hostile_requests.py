@@ -8,10 +8,10 @@ import time
 import hostile_requests
 import httpx
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 
 
-@pytest.mark.parametrize("requests", [20, seldom(40)])
+@pytest.mark.parametrize("requests", [20, slow_case(40)])
 def test_hostile_requests_end_in_no_fault_of_the_server(process, requests):
     judge = hostile_requests.run(process, requests=requests, seed=3)
     judge.client.close()

@@ -8,8 +8,8 @@ import threading
 import time
 from contextlib import asynccontextmanager
 
-import chores
-import loops
+import coroutines
+import process_tasks
 import pytest
 
 from woundon import kinds
@@ -20,7 +20,7 @@ from woundon.app.workers import Pool
 
 @asynccontextmanager
 async def pool(**more):
-    made = Pool(1, chores.nothing, **more)
+    made = Pool(1, process_tasks.nothing, **more)
     await made.open()
     try:
         yield made
@@ -30,7 +30,7 @@ async def pool(**more):
 
 def run(test):
     """Run a coroutine with a limit of its own: a pool that hangs is a failure."""
-    return loops.run(asyncio.wait_for(test, 60))
+    return coroutines.run(asyncio.wait_for(test, 60))
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def with_pool():
     def run(test):
         return asyncio.run_coroutine_threadsafe(asyncio.wait_for(test, 60), loop).result()
 
-    shared = Pool(1, chores.nothing)
+    shared = Pool(1, process_tasks.nothing)
     run(shared.open())
     yield lambda test: run(test(shared))
     loop.call_soon_threadsafe(shared.close)
@@ -87,8 +87,8 @@ def test_a_worker_that_dies_while_it_is_idle_is_nobodys_error(with_pool):
 def test_of_one_key_the_newest_request_wins(with_pool):
     async def test(own):
         pid = await own.run(os.getpid)
-        under_way = asyncio.create_task(own.run(chores.waits, 30, key="slider"))
-        waiting = asyncio.create_task(own.run(chores.waits, 30, key="other"))
+        under_way = asyncio.create_task(own.run(process_tasks.waits, 30, key="slider"))
+        waiting = asyncio.create_task(own.run(process_tasks.waits, 30, key="other"))
         await asyncio.sleep(0.2)
         began = time.monotonic()
         newest = await asyncio.gather(
@@ -153,11 +153,11 @@ def test_a_worker_is_bounded_and_stands_back(tmp_path):
 
     async def test():
         async with pool(nice=3) as own:
-            first = await own.run(chores.limits)
+            first = await own.run(process_tasks.limits)
             with pytest.raises(Refusal):
                 await own.run(os._exit, 1)
             # a process that replaces another too
-            return first, await own.run(chores.limits)
+            return first, await own.run(process_tasks.limits)
 
     assert run(test()) == ((workers.MEMORY, os.nice(0) + 3),) * 2
 
@@ -186,7 +186,7 @@ def test_more_requests_than_may_wait_are_refused():
 
 def test_who_is_gone_is_not_worked_for(with_pool):
     async def test(own):
-        task = asyncio.create_task(own.run(chores.waits, 30))
+        task = asyncio.create_task(own.run(process_tasks.waits, 30))
         await asyncio.sleep(0.2)
         task.cancel()
         began = time.monotonic()
@@ -202,7 +202,7 @@ def test_who_is_gone_before_the_work_begins_is_not_worked_for(with_pool):
     async def test(own):
         pid = await own.run(os.getpid)
         for _ in range(5):
-            task = asyncio.create_task(own.run(chores.waits, 30))
+            task = asyncio.create_task(own.run(process_tasks.waits, 30))
             await asyncio.sleep(0)  # it is handed out, and the worker has not heard of it
             task.cancel()
             assert await own.run(os.getpid) == pid

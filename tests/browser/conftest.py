@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon[pages]')")
 
-from browsing import browsing, chromium
+from browser_session import browsing, chromium
 
 HERE = Path(__file__).parent
 # said by the browser of every refusal, which the page tells at its field

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from random_nips import random_wrapped_nip
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -15,7 +15,7 @@ def test_a_web_that_never_settles_at_a_wrong_width_is_told_to_be_slack():
         wo.solve(random_wrapped_nip(306))
 
 
-@pytest.mark.parametrize("seed", [1017081, seldom(1019501)])
+@pytest.mark.parametrize("seed", [1017081, slow_case(1019501)])
 def test_a_slack_web_whose_load_jumps_with_the_width_is_told_to_be_slack(seed: int) -> None:
     """From one width to the next by a tenth, about the load asked: two of 20 000 random nips."""
     with pytest.raises(wo.NoSteadyState, match="leaves the web slack downstream of the nip"):

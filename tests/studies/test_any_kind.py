@@ -9,7 +9,7 @@ from math import pi
 
 import numpy as np
 import pytest
-import toys
+import study_models as models
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
@@ -27,10 +27,10 @@ STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the loa
 def springs():
     """A kind registered for the time of a test."""
     before = dict(kinds._KINDS)
-    yield import_module("springs")
+    yield import_module("spring_problem")
     kinds._KINDS.clear()
     kinds._KINDS.update(before)
-    del sys.modules["springs"]
+    del sys.modules["spring_problem"]
 
 
 @pytest.fixture
@@ -265,7 +265,7 @@ def test_workers_know_the_kind_from_its_module(row):
 
 
 def test_a_start_is_handed_to_the_next_case(row):
-    table = toys.table_of(row, {"force": [1.0, 2.0, 3.0]}, ("solved",))
+    table = models.table_of(row, {"force": [1.0, 2.0, 3.0]}, ("solved",))
     assert table.outputs["solved"].tolist() == [1, 2, 3]
 
 
@@ -323,6 +323,6 @@ def test_bad_studies_of_another_kind_are_refused(row, over, outputs, says):
 
 
 def test_a_case_that_a_list_does_not_admit_fails_alone(row):
-    table = toys.table_of(row, {"springs.0.stiffness": [100.0, -1.0]})
+    table = models.table_of(row, {"springs.0.stiffness": [100.0, -1.0]})
     assert table.failed.tolist() == [1]
     assert table.failure[1].startswith("InvalidProblem: springs.0.stiffness: -1 is out of range")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import toys
+import study_models as models
 import xarray
 from thesis_cases import measured_tensions, paper_nip
 
@@ -368,14 +368,14 @@ def test_figures_of_many_inputs(tmp_path: Path):
         "roll_friction": [0.2, 0.3],
         "web.material": ["paper", "newsprint"],
     }
-    table = toys.table_of(paper_nip(), over, options={"nodes": 13})
+    table = models.table_of(paper_nip(), over, options={"nodes": 13})
     figure = table.plot("wound_on_tension", tmp_path / "grid.png")
     assert len(figure.axes) == 2
     assert all(len(axes.lines) == 2 for axes in figure.axes)
     drawn = figure.axes[0].lines[0].get_ydata()
     assert np.all(np.isin(drawn, table.outputs["wound_on_tension"]))
     ranges = {"nip_load": (1e3, 3e3), "roll.material.shear": (1e6, 1e8, "log")}
-    cases = toys.table_of(
+    cases = models.table_of(
         paper_nip(), ranges, design="latin-hypercube", samples=8, options={"nodes": 13}
     )
     scatter = cases.plot("wound_on_tension")

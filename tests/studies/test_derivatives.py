@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 from thesis_cases import film_nip
 
 import woundon as wo
@@ -89,7 +89,7 @@ def test_exact_ones_are_the_results_own() -> None:
 def test_what_is_refused(names: tuple[str, ...], said: str) -> None:
     """By differences, which options of the solver ask for."""
     result = wo.solve(film_nip(), nodes=17)
-    refused_in_one_line(lambda: wo.derivatives(result, *names, nodes=17), said)
+    assert_rejected(lambda: wo.derivatives(result, *names, nodes=17), said)
 
 
 @pytest.mark.parametrize("given", [3, None, "result.nc"])

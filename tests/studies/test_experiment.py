@@ -31,15 +31,15 @@ SIGMA = 1e-4  # of an extension [m]
 def _springs() -> Iterator[None]:
     """The kind of springs is registered for the time of a test."""
     before = dict(kinds._KINDS)
-    import_module("springs")
+    import_module("spring_problem")
     yield
     kinds._KINDS.clear()
     kinds._KINDS.update(before)
-    del sys.modules["springs"]
+    del sys.modules["spring_problem"]
 
 
 def row(*stiffness: float, force: float = 10.0) -> wo.Problem:
-    springs = sys.modules["springs"]
+    springs = sys.modules["spring_problem"]
     parts = tuple(springs.Spring(stiffness=k) for k in stiffness)
     return springs.SpringsProblem(springs=parts, force=force)
 

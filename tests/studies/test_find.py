@@ -27,10 +27,10 @@ HERE = Path(__file__).parent
 def curves():
     """The kind of closed-form curves, registered for the time of a test."""
     before = dict(kinds._KINDS)
-    yield import_module("curves")
+    yield import_module("curve_problem")
     kinds._KINDS.clear()
     kinds._KINDS.update(before)
-    del sys.modules["curves"]
+    del sys.modules["curve_problem"]
 
 
 def steel_pair() -> wo.RollerProblem:

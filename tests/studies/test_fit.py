@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import toys
+import study_models as models
 from scipy import optimize
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
@@ -49,7 +49,7 @@ def test_an_estimate_that_the_data_push_onto_a_bound_is_told_to_be_there():
 def test_a_line_by_linear_regression():
     """Estimates, errors, covariance and profile intervals have closed forms."""
     y = 2 + 0.5 * X + NOISE
-    fit = _fitted(toys.Line(), y, LINE)
+    fit = _fitted(models.LineModel(), y, LINE)
     from scipy import stats  # the one test that needs it: half a second of every process
 
     known = stats.linregress(X, y)
@@ -70,7 +70,7 @@ def test_a_line_by_linear_regression():
 
 
 def test_known_deviations_give_the_errors():
-    fit = _fitted(toys.Line(), 2 + 0.5 * X + NOISE, LINE, deviation=0.1)
+    fit = _fitted(models.LineModel(), 2 + 0.5 * X + NOISE, LINE, deviation=0.1)
     design = np.column_stack([np.ones_like(X), X])
     expected = 0.1 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
     assert fit.weighted
@@ -83,7 +83,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     rng, hits = np.random.default_rng(3), 0
     for _ in range(200):
         fit = _fitted(
-            toys.Line(), 2 + 0.5 * X + rng.normal(0, 0.1, X.size), LINE, starts=1
+            models.LineModel(), 2 + 0.5 * X + rng.normal(0, 0.1, X.size), LINE, starts=1
         )  # fmt: skip
         hits += fit.profiles[1].low <= 0.5 <= fit.profiles[1].high
     assert 180 <= hits <= 198  # binomial, 95 % of 200: 190 +- 3 standard deviations of 3
@@ -91,7 +91,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
 
 def test_a_product_cannot_be_told_apart():
     bounds = (Parameter("a", 0.1, 10.0, 1.0), Parameter("b", 0.1, 10.0, 1.0))
-    fit = _fitted(toys.Product(), 2 * X + 0.1 * NOISE, bounds)
+    fit = _fitted(models.ProductModel(), 2 * X + 0.1 * NOISE, bounds)
     assert fit.estimate("a") * fit.estimate("b") == pytest.approx(2.0, rel=0.01)
     # a up by as much as b down changes nothing
     assert abs(fit.direction[0] + fit.direction[1]) < 1e-6
@@ -106,8 +106,8 @@ def test_a_product_cannot_be_told_apart():
 def test_several_starts_find_the_deepest_of_several_minima():
     y = X + np.sin(3 * 4.3) + 4.3 / 4
     parameter = (Parameter("a", -2 * pi, 2 * pi, -4.0),)
-    one = _fitted(toys.Waves(), y, parameter, starts=1, profiles=False)
-    many = _fitted(toys.Waves(), y, parameter, starts=12, profiles=False)
+    one = _fitted(models.WaveModel(), y, parameter, starts=1, profiles=False)
+    many = _fitted(models.WaveModel(), y, parameter, starts=12, profiles=False)
     assert one.rms > 0.1
     assert many.rms < 1e-6
     assert many.reached < 12
@@ -117,10 +117,10 @@ def test_several_starts_find_the_deepest_of_several_minima():
 def test_a_profile_that_walks_into_a_deeper_valley_takes_it():
     # sin 3a + a/4 has tops of 1.15 and 1.67 at 0.55 and 2.65; two values allow S to grow 162-fold
     parameter = (Parameter("a", 0.0, 2.8, 0.4),)
-    local = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1, profiles=False)
+    local = _fitted(models.WaveModel(), X[:2] + 1.7, parameter, starts=1, profiles=False)
     # on a top derivatives vanish, so that standard errors are long
     assert local.estimate("a") == pytest.approx(0.55, abs=0.02)
-    deep = _fitted(toys.Waves(), X[:2] + 1.7, parameter, starts=1)
+    deep = _fitted(models.WaveModel(), X[:2] + 1.7, parameter, starts=1)
     assert deep.estimate("a") == pytest.approx(2.65, abs=0.02)
     assert deep.rms < 0.1 * local.rms
     assert [a for _, (a,) in deep.minima] == pytest.approx([2.65, 0.55], abs=0.02)
@@ -159,9 +159,9 @@ def test_intervals_are_those_of_whole_refits_in_a_curved_valley():
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     parameters = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
     data = Measured({"x": X}, {"y": y}, {})
-    fit = _fitted(toys.Saturation(), y, parameters)
+    fit = _fitted(models.SaturationModel(), y, parameters)
     assert fit.correlation[0, 1] < -0.95  # curved and narrow
-    predictor = Predictor(toys.Saturation(), data, parameters)
+    predictor = Predictor(models.SaturationModel(), data, parameters)
     for j, profile in enumerate(fit.profiles):
         known = _ends_by_refits(predictor, fit, j)
         for end, true in zip((profile.low, profile.high), known, strict=True):
@@ -347,7 +347,7 @@ BY_LAST_DIGITS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("output", ["rig_tension", seldom("wound_on_tension")])
+@pytest.mark.parametrize("output", ["rig_tension", slow_case("wound_on_tension")])
 def test_the_measured_tensions_are_fitted(output):
     """To what meshes of 57 to 257 nodes differ by: estimates by 0.07 standard errors, with wraps
     by 0.2, standard errors by 5 and 18 %.
@@ -375,7 +375,7 @@ def test_derivatives_that_mislead_are_made_anew():
     noise = np.random.default_rng(29)
     noise.uniform(size=2)
     y = np.exp(-0.2886747768 * X) * np.sin(4.6445089819 * X) + noise.normal(0, 0.05, X.size)
-    fit = _fitted(toys.Damped(), y, bounds, starts=1, profiles=False)
+    fit = _fitted(models.DampedSineModel(), y, bounds, starts=1, profiles=False)
     assert fit.rms == pytest.approx(0.0428, rel=1e-2)  # stuck on the way it was 0.058
 
 
@@ -399,7 +399,7 @@ def test_a_start_is_at_a_known_minimum_where_that_foretells_it_or_nothing_lies_b
 def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
     begun: list[object] = []
 
-    class Told(toys.Line):
+    class Told(models.LineModel):
         def run(self, inputs, start):
             begun.append(None if start is None else start["a"])
             return super().run(inputs, start)

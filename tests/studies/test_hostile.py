@@ -7,7 +7,7 @@ from pathlib import Path
 
 import hostile_studies as hostile
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="pipes, signals and limits of POSIX")
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="pipes, signals and limi
 OFTEN, SELDOM = range(1000, 1006), range(1006, 1025)
 
 
-@pytest.mark.parametrize("seed", [*OFTEN, *map(seldom, SELDOM)])
+@pytest.mark.parametrize("seed", [*OFTEN, *map(slow_case, SELDOM)])
 def test_damage_is_refused_in_one_line_or_repaired(seed: int, tmp_path: Path):
     hostile.damage(seed, tmp_path)  # raises what it finds
 

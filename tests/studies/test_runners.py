@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import toys
-from seldom import seldom
+import study_models as models
+from slow_cases import slow_case
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -25,21 +25,21 @@ DESIGN = make_design({"a": range(8)})
 
 
 def test_a_model_that_raises_fails_its_case_alone():
-    table = run_study(toys.Faulty(), DESIGN, Here())
+    table = run_study(models.FailingModel(), DESIGN, Here())
     assert table.failed.tolist() == [3]
     assert table.failure[3] == "ZeroDivisionError: a is 3"
     assert np.array_equal(np.delete(table.outputs["y"], 3), np.delete(2.0 * np.arange(8), 3))
 
 
 def test_a_worker_that_dies_changes_nothing(tmp_path: Path):
-    table = run_study(toys.Deadly(once=str(tmp_path / "died")), DESIGN, Pool(2), chunk=2)
+    table = run_study(models.CrashingModel(once=str(tmp_path / "died")), DESIGN, Pool(2), chunk=2)
     assert (tmp_path / "died").exists()
     assert table.failed.size == 0
     assert np.array_equal(table.outputs["y"], 2.0 * np.arange(8))
 
 
 def test_a_chunk_that_kills_every_worker_fails_alone():
-    table = run_study(toys.Deadly(), DESIGN, Pool(2), chunk=2)
+    table = run_study(models.CrashingModel(), DESIGN, Pool(2), chunk=2)
     assert table.failed.tolist() == [2, 3]
     assert set(table.failure[2:4]) == {DIED}
     assert table.outputs["y"][4:].tolist() == [8.0, 10.0, 12.0, 14.0]
@@ -56,8 +56,10 @@ def test_long_studies_move_to_a_pool_and_short_ones_do_not(monkeypatch: pytest.M
             yield from Here().solved(model, chunks)
 
     short, long = Recorded(), Recorded()
-    run_study(toys.Toy(), DESIGN, Here(then=short), chunk=1)
-    run_study(toys.Slow(seconds=0.01), make_design({"a": range(60)}), Here(then=long), chunk=1)
+    run_study(models.LinearModel(), DESIGN, Here(then=short), chunk=1)
+    run_study(
+        models.SlowModel(seconds=0.01), make_design({"a": range(60)}), Here(then=long), chunk=1
+    )
     assert short.chunks == 0
     assert long.chunks > 50
 
@@ -86,7 +88,7 @@ def thread():
 
 
 @pytest.mark.filterwarnings("ignore")  # of Dask's own event loops
-@pytest.mark.parametrize("kind", ["thread", seldom("cluster")])
+@pytest.mark.parametrize("kind", ["thread", slow_case("cluster")])
 def test_dask_gives_the_same_numbers(kind: str, request: pytest.FixtureRequest):
     over = {"nip_load": np.linspace(1000, 3000, 12)}
     address = request.getfixturevalue(kind).scheduler_address
@@ -108,7 +110,7 @@ def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
 
     design = make_design({"a": range(30)})
     table = run_study(
-        toys.Slow(seconds=0.05), design, DaskRunner(cluster.scheduler_address), chunk=2,
+        models.SlowModel(seconds=0.05), design, DaskRunner(cluster.scheduler_address), chunk=2,
         progress=kill_one,
     )  # fmt: skip
     assert killed
@@ -134,19 +136,21 @@ def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys
     design, runner = make_design({"a": range(60)}), DaskRunner(cluster.scheduler_address)
     try:
         with pytest.raises(KeyboardInterrupt):
-            run_study(toys.Slow(), design, runner, chunk=2, out=tmp_path, progress=press)
+            run_study(models.SlowModel(), design, runner, chunk=2, out=tmp_path, progress=press)
     finally:
         signal.signal(signal.SIGINT, before)
     assert capsys.readouterr().err.count("press Ctrl-C again to stop at once") == 1
-    assert 4 <= len(toys.stored(tmp_path)) <= 10
-    resumed = run_study(toys.Slow(seconds=0.0), design, Here(), chunk=2, out=tmp_path, resume=True)
+    assert 4 <= len(models.stored(tmp_path)) <= 10
+    resumed = run_study(
+        models.SlowModel(seconds=0.0), design, Here(), chunk=2, out=tmp_path, resume=True
+    )
     assert np.array_equal(resumed.outputs["y"], 2.0 * np.arange(60))
 
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_out_of_reach_is_told():
     with pytest.raises(wo.InvalidProblem, match=r"'tcp://127\.0\.0\.1:9' cannot be reached"):
-        run_study(toys.Toy(), DESIGN, DaskRunner("tcp://127.0.0.1:9", timeout=0.5))
+        run_study(models.LinearModel(), DESIGN, DaskRunner("tcp://127.0.0.1:9", timeout=0.5))
 
 
 # a study of 240 nips, 4 to 15 ms each, in 48 chunks
@@ -180,7 +184,7 @@ def _stopped_in_the_middle(study: Path, out: Path, with_signal: int, *more: str)
         start_new_session=True, preexec_fn=_hear_ctrl_c,
     )  # fmt: skip
     limit = time.monotonic() + 60
-    while len(toys.stored(out)) < 3 and process.poll() is None and time.monotonic() < limit:
+    while len(models.stored(out)) < 3 and process.poll() is None and time.monotonic() < limit:
         time.sleep(0.005)
     # as a terminal's Ctrl-C does: to the whole group; a kill -9 hits the parent alone
     if with_signal == signal.SIGINT:
@@ -214,18 +218,18 @@ def test_kill_9_loses_no_finished_chunk_and_changes_no_number(
 ):
     code, _ = _stopped_in_the_middle(study, tmp_path / "out", signal.SIGKILL, "--workers", "2")
     assert code == -signal.SIGKILL
-    kept = toys.stored(tmp_path / "out")
+    kept = models.stored(tmp_path / "out")
     assert 3 <= len(kept) < 48
     resumed = subprocess.run(
         _command(study, tmp_path / "out", "--resume"), check=True, capture_output=True, text=True
     )
     assert resumed.stdout.startswith("240 cases in ")
     assert (tmp_path / "out" / "study.csv").read_bytes() == whole
-    assert kept.items() <= toys.stored(tmp_path / "out").items()
+    assert kept.items() <= models.stored(tmp_path / "out").items()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("workers", ["1", seldom("2")])
+@pytest.mark.parametrize("workers", ["1", slow_case("2")])
 def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     out = tmp_path / "out"
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
@@ -234,4 +238,4 @@ def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     assert f"stopped; what was solved is in {out}, --resume goes on from there" in said
     assert "Traceback" not in said
     assert [path.name for path in out.iterdir()] == ["study.sqlite"]
-    assert 3 <= len(toys.stored(out)) < 48
+    assert 3 <= len(models.stored(out)) < 48

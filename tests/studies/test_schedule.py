@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 
 import woundon as wo
 
@@ -158,4 +158,4 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
 )
 def test_bad_input_is_refused(problem: wo.RollProblem, given: dict[str, Any], told: str) -> None:
     options = {"over": OVER, "limits": LIMITS, **given}
-    refused_in_one_line(lambda: wo.optimise_schedule(problem, **options), told)
+    assert_rejected(lambda: wo.optimise_schedule(problem, **options), told)

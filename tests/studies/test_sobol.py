@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
-import toys
+import study_models as models
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -22,8 +22,8 @@ def _indices(model, ranges, samples):
 
 def test_ishigami():
     samples = 2048
-    found = _indices(toys.Ishigami(), dict.fromkeys("abx", (-pi, pi)), samples)
-    first, total = toys.Ishigami.indices()
+    found = _indices(models.IshigamiModel(), dict.fromkeys("abx", (-pi, pi)), samples)
+    first, total = models.IshigamiModel.indices()
     # sampling error of the estimators at 2048 base samples is about 0.02
     assert found.first_order[0] == pytest.approx(first, abs=0.03)
     assert found.total_order[0] == pytest.approx(total, abs=0.03)
@@ -34,7 +34,7 @@ def test_ishigami():
 
 def test_a_sum_has_no_interactions():
     # y = 2 a + b on equal ranges: shares 4/5 and 1/5
-    found = _indices(toys.Toy(), {"a": (0.0, 1.0), "b": (0.0, 1.0)}, 512)
+    found = _indices(models.LinearModel(), {"a": (0.0, 1.0), "b": (0.0, 1.0)}, 512)
     assert found.first_order[0] == pytest.approx([0.8, 0.2], abs=0.02)
     assert found.total_order[0] == pytest.approx([0.8, 0.2], abs=0.02)
 

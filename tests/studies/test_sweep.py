@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 import pytest
-import toys
+import study_models as models
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -85,7 +85,7 @@ def test_numbers_depend_neither_on_workers_nor_on_the_rest_of_the_study():
 def test_a_failed_case_is_a_row_with_its_reason():
     # |F| < mu- P = 400 N/m
     over = {"winding_force": [0.0, 500.0, 100.0]}
-    table = toys.table_of(paper_nip(nip_load=1000.0), over, TENSION, options={"nodes": 17})
+    table = models.table_of(paper_nip(nip_load=1000.0), over, TENSION, options={"nodes": 17})
     assert table.failed.tolist() == [1]
     assert table.failure[1].startswith("NoSteadyState: winding_force: 500 is out of range")
     values = table.outputs["nip_induced_tension"]

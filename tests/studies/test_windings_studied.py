@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import toys
-from refusals import refused_in_one_line
+import study_models as models
+from rejections import assert_rejected
 
 import woundon as wo
 from woundon.cli import main
@@ -50,7 +50,7 @@ def test_a_sweep_killed_and_resumed_gives_bit_for_bit_the_same(tmp_path: Path):
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     assert swept(whole, resume=False).wait() == 0
     worker = swept(cut, resume=False)
-    while worker.poll() is None and not toys.stored(cut):
+    while worker.poll() is None and not models.stored(cut):
         time.sleep(0.05)
     os.kill(worker.pid, signal.SIGKILL)
     assert worker.wait() == -signal.SIGKILL
@@ -116,7 +116,7 @@ def test_a_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 def test_pressures_over_the_radius_are_no_outputs_of_a_fit():
     measured = {"nip_load": LOADS, "pressure": [4e5, 6e5]}
-    refused_in_one_line(
+    assert_rejected(
         lambda: wo.fit(CASE, measured, {"stack.radial.K2": (15.0, 100.0)}),
         "measured: pressure: no such output: it is the roll's, result.roll.pressure; numbers ",
     )

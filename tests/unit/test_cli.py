@@ -11,7 +11,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -109,7 +109,7 @@ def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
     assert wo.load_result(saved).problem == wo.load_case(EXAMPLE, ALONE[1:])
 
 
-@pytest.mark.parametrize("kind", ["nip", seldom("rollers")])
+@pytest.mark.parametrize("kind", ["nip", slow_case("rollers")])
 def test_every_kind_is_made_solved_saved_and_drawn(kind, tmp_path, capsys: Capture):
     assert cli.main(["new", kind]) == 0
     case, saved, drawn = (tmp_path / name for name in ("case.toml", "case.nc", "case.png"))
@@ -133,7 +133,7 @@ def test_a_new_case_is_a_nip(capsys: Capture):
 @pytest.mark.parametrize(
     "kind",
     [  # whose sweeps take long
-        seldom(kind) if kind.name == "roll" else kind for kind in kinds.every()
+        slow_case(kind) if kind.name == "roll" else kind for kind in kinds.every()
     ],
     ids=lambda kind: kind.name,
 )
@@ -487,7 +487,7 @@ SLOW = pytest.mark.slow  # each is a process
     ("reader", "more"),
     [
         ("head -c 10", "--json"),
-        *(seldom(*row) for row in [("true", "--json"), ("true", ""), ("head -c 10", ""),
+        *(slow_case(*row) for row in [("true", "--json"), ("true", ""), ("head -c 10", ""),
                                    ("head -n 1", "--json"), ("head -n 1", "")]),
     ],
 )  # fmt: skip

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 
 PAGE = Path(__file__).parents[2] / "docs" / "start" / "installation.md"
 # what the script of each shell ends with: the shell is told whom to ask
@@ -53,7 +53,7 @@ def test_the_script_of_each_shell_is_written(shell, environment):
 
 @pytest.mark.parametrize(
     ("typed", "completed"),
-    [("woundon so", ["solve"]), ("woundon rollers --rt", ["--rtol"]), seldom("woundon xyz", [])],
+    [("woundon so", ["solve"]), ("woundon rollers --rt", ["--rtol"]), slow_case("woundon xyz", [])],
 )
 def test_bash_completes_commands_and_options(typed, completed, environment):
     words = typed.split()

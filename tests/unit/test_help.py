@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from coarse import coarse
+from coarse_solutions import coarse_solution
 from pydantic import BaseModel
 
 import woundon as wo
@@ -147,7 +147,7 @@ def test_only_public_names_are_offered(cls: type[Any]) -> None:
 def test_an_instance_offers_its_fields_and_no_more_than_works(kind: str) -> None:
     problem = kinds.named(kind).problem.example()
     assert set(type(problem).model_fields) <= set(dir(problem))
-    result = coarse(problem)
+    result = coarse_solution(problem)
     offered = dir(result)
     # an output of a part, as margins.blocking, is offered by the part
     assert {place.path.partition(".")[0] for place in quantities.outputs(result)} <= set(offered)

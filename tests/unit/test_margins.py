@@ -6,8 +6,8 @@ from math import pi
 
 import numpy as np
 import pytest
-from coarse import coarse
-from refusals import refused_in_one_line
+from coarse_solutions import coarse_solution
+from rejections import assert_rejected
 from scipy.integrate import quad
 
 import woundon as wo
@@ -31,12 +31,12 @@ def problem() -> wo.RollProblem:
 
 @pytest.fixture(scope="module")
 def roll(problem: wo.RollProblem) -> wo.RollResult:
-    return coarse(problem)
+    return coarse_solution(problem)
 
 
 def reserve(problem: wo.RollProblem, name: str, **limits: float) -> float:
     """Return the reserve of one margin of a roll wound for it."""
-    found = wo.margins(coarse(problem), wo.Limits(**limits))[name].reserve
+    found = wo.margins(coarse_solution(problem), wo.Limits(**limits))[name].reserve
     assert isinstance(found, float)
     return found
 
@@ -236,18 +236,18 @@ def test_margins_are_found_by_name_and_number(roll: wo.RollResult) -> None:
 
 
 def test_bad_input_is_refused(roll: wo.RollResult, problem: wo.RollProblem) -> None:
-    refused_in_one_line(
+    assert_rejected(
         lambda: wo.margins(problem),  # type: ignore[arg-type]
         "result: RollProblem is out of place; must be a WindingResult or RollResult",
     )
     light = wo.solve(problem.replace(density=None))
-    refused_in_one_line(
+    assert_rejected(
         lambda: wo.margins(light, wo.Limits(acceleration=1.0)),
         "limits.acceleration: 1 is given, but the web has no density",
     )
-    refused_in_one_line(
+    assert_rejected(
         lambda: wo.Limits(torque_share=1.5), "torque_share: 1.5 is out of range; must be > 0"
     )
-    refused_in_one_line(
+    assert_rejected(
         lambda: wo.Limits(compression=-1), "compression: -1 is out of range; must be >= 0"
     )

@@ -11,9 +11,9 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-import chores
+import process_tasks
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon import parallel
@@ -36,8 +36,8 @@ def children() -> set[int]:
 
 
 def test_every_item_comes_with_its_answer():
-    assert sorted(in_processes(chores.square, range(8), 2)) == SQUARES
-    assert list(in_processes(chores.square, [], 2)) == []
+    assert sorted(in_processes(process_tasks.square, range(8), 2)) == SQUARES
+    assert list(in_processes(process_tasks.square, [], 2)) == []
     assert children() == set()
 
 
@@ -45,7 +45,7 @@ def test_workers_have_one_blas_thread_and_this_process_what_it_had(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
     monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
     before = dict(os.environ)
-    assert dict(in_processes(chores.setting, list(WORKER_SETTINGS), 1)) == WORKER_SETTINGS
+    assert dict(in_processes(process_tasks.setting, list(WORKER_SETTINGS), 1)) == WORKER_SETTINGS
     # loky sets this for the OpenMP of its workers
     changed = {k: v for k, v in os.environ.items() if k != "KMP_INIT_AT_FORK"}
     assert changed == {k: v for k, v in before.items() if k != "KMP_INIT_AT_FORK"}
@@ -53,29 +53,29 @@ def test_workers_have_one_blas_thread_and_this_process_what_it_had(monkeypatch):
 
 def test_what_work_raises_has_the_worker_s_traceback():
     with pytest.raises(ZeroDivisionError) as fault:
-        list(in_processes(chores.raises, range(8), 2))
+        list(in_processes(process_tasks.raises, range(8), 2))
     assert "return 1 // (x - 3)" in str(fault.value.__cause__)
     assert children() == set()
 
 
 @posix
 def test_a_worker_that_dies_loses_nothing(tmp_path: Path):
-    work = partial(chores.dies_at_three, once=str(tmp_path / "died"))
+    work = partial(process_tasks.crash_at_three, once=str(tmp_path / "died"))
     assert sorted(in_processes(work, range(8), 2)) == SQUARES
     assert (tmp_path / "died").exists()
 
 
 @posix
 def test_an_item_that_kills_is_told_apart():
-    found = dict(in_processes(chores.dies_at_three, range(8), 2, died=lambda x: -x))
+    found = dict(in_processes(process_tasks.crash_at_three, range(8), 2, died=lambda x: -x))
     assert found == {**dict(SQUARES), 3: -3}
     with pytest.raises(WorkerDied, match="two worker processes died over this item"):
-        list(in_processes(chores.dies_at_three, range(8), 2))
+        list(in_processes(process_tasks.crash_at_three, range(8), 2))
 
 
 @posix
 def test_workers_killed_while_they_wait_are_replaced():
-    found = in_processes(chores.square, range(8), 2)
+    found = in_processes(process_tasks.square, range(8), 2)
     first = next(found)
     for process in children():
         os.kill(process, signal.SIGKILL)
@@ -83,7 +83,7 @@ def test_workers_killed_while_they_wait_are_replaced():
 
 
 def test_a_closed_generator_leaves_no_process():
-    found = in_processes(chores.square, range(8), 2)
+    found = in_processes(process_tasks.square, range(8), 2)
     next(found)
     if sys.platform == "linux":
         assert len(children()) == 2
@@ -92,14 +92,14 @@ def test_a_closed_generator_leaves_no_process():
 
 
 def test_a_worker_starts_no_pool_of_its_own():
-    assert list(in_processes(chores.squares_by_a_pool, [4], 1)) == [(4, [0, 1, 4, 9])]
+    assert list(in_processes(process_tasks.squares_by_a_pool, [4], 1)) == [(4, [0, 1, 4, 9])]
 
 
 def test_work_is_cancelled_at_its_next_progress_and_the_worker_goes_on():
     worker = Worker()
     try:
         process = worker.submit(os.getpid).result()
-        work = worker.submit(chores.waits, 60.0)
+        work = worker.submit(process_tasks.waits, 60.0)
         time.sleep(0.2)
         assert not work.done()
         began = time.monotonic()
@@ -108,7 +108,7 @@ def test_work_is_cancelled_at_its_next_progress_and_the_worker_goes_on():
             work.result(30)
         assert time.monotonic() - began < 5
         assert worker.submit(os.getpid).result() == process  # the flag is cleared
-        assert worker.submit(chores.waits, 0.05).result() == 0.05
+        assert worker.submit(process_tasks.waits, 0.05).result() == 0.05
     finally:
         worker.kill()
 
@@ -142,7 +142,7 @@ def test_a_worker_is_killed_while_it_works():
     worker.kill()
     with pytest.raises(RuntimeError, match="shutdown"):
         work.result(5)
-    assert worker.submit(chores.square, 3).result() == 9
+    assert worker.submit(process_tasks.square, 3).result() == 9
     worker.kill()
 
 
@@ -151,7 +151,7 @@ def test_workers_start_without_signal_masks(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delattr(signal, "pthread_sigmask", raising=False)
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     assert parallel.usable_cores() >= 1
-    assert sorted(in_processes(chores.square, range(8), 2)) == SQUARES
+    assert sorted(in_processes(process_tasks.square, range(8), 2)) == SQUARES
 
 
 def _start(script: str, *args: str) -> subprocess.Popen[str]:
@@ -211,11 +211,11 @@ SLEEPERS = """
 import sys
 from contextlib import suppress
 from functools import partial
-import chores
+import process_tasks
 from woundon.parallel import in_processes
 
 folder, finishing, seconds = sys.argv[1:]
-work = partial(chores.sleeps, folder=folder, seconds=float(seconds))
+work = partial(process_tasks.sleeps, folder=folder, seconds=float(seconds))
 for item, _ in in_processes(work, range(50), 2, finishing=finishing):
     print(item, flush=True)
 """
@@ -253,7 +253,7 @@ def _gone(pids: list[int]) -> bool:
 
 
 @posix
-@pytest.mark.parametrize("send", [seldom(os.kill), os.killpg])
+@pytest.mark.parametrize("send", [slow_case(os.kill), os.killpg])
 def test_ctrl_c_stops_at_once_and_leaves_no_worker(tmp_path: Path, send):
     """To the parent alone, and to the whole group as a terminal does; its work takes a minute."""
     script, pids = _asleep(tmp_path, "", 60)

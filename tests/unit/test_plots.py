@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coarse import coarse, coarse_anew
+from coarse_solutions import coarse_solution, solve_coarsely
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import film_nip, newsprint_nip
 
 import woundon as wo
@@ -66,7 +66,7 @@ def results(nip, wrapped) -> dict[str, Any]:
         "free rolling": rubber,
     }
     solved = {name: wo.solve(problem, nodes=NODES) for name, problem in more.items()}
-    examples = {k.name: coarse(k.problem.example(), NODES) for k in kinds.every()}
+    examples = {k.name: coarse_solution(k.problem.example(), NODES) for k in kinds.every()}
     return {**examples, **solved, "without wraps": nip, "wrapped on both": wrapped}
 
 
@@ -294,7 +294,7 @@ MORE_FIGURES: dict[str, Callable[[dict[str, Any]], Any]] = {
     "draw",
     [
         *(
-            (seldom if name in LIKE_OTHERS else pytest.param)(draw, id=name)
+            (slow_case if name in LIKE_OTHERS else pytest.param)(draw, id=name)
             for name, draw in FIGURES.items()
         ),
         *(pytest.param(draw, id=name, marks=SLOW) for name, draw in MORE_FIGURES.items()),
@@ -339,7 +339,7 @@ def _shrunk(axes: Any) -> Any:
 )  # fmt: skip
 def test_the_same_result_gives_the_same_bytes(results, tmp_path, kind, ending, panels):
     """A second result too, that is solved anew."""
-    again = coarse_anew(results[kind].problem, NODES)
+    again = solve_coarsely(results[kind].problem, NODES)
     one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
     results[kind].plot(one, panels=panels)
     again.plot(other, panels=panels)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import pytest
-from coarse import coarse
+from coarse_solutions import coarse_solution
 from pydantic import Field
 from thesis_cases import newsprint_nip, paper_nip
 
@@ -299,7 +299,7 @@ def test_an_output_set_on_a_class_is_one_from_then_on() -> None:
 
 @each_kind
 def test_every_output_of_every_kind_can_be_told(kind: kinds.Kind) -> None:
-    result = coarse(kind.problem.example(), 33)
+    result = coarse_solution(kind.problem.example(), 33)
     names = set()
     for place in walk(result):
         names.add(place.path)

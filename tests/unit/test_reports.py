@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coarse import coarse
+from coarse_solutions import coarse_solution
 from rich.console import Console
 from thesis_cases import newsprint_nip
 
@@ -59,7 +59,7 @@ def wrapped() -> wo.NipResult:
 @pytest.fixture(scope="module")
 def examples() -> list[Any]:
     """One solved case of every kind."""
-    return [coarse(kind.problem.example(), NODES) for kind in kinds.every()]
+    return [coarse_solution(kind.problem.example(), NODES) for kind in kinds.every()]
 
 
 def rollers(**changes: Any) -> wo.RollerResult:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray
-from coarse import coarse, coarse_options
+from coarse_solutions import coarse_options, coarse_solution
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -34,7 +34,7 @@ BOUNDS = {"roll_friction": (0.1, 0.4), "roll.material.shear": (3e6, 3e7)}
 def told() -> dict[str, Any]:
     """A result of every kind, and of every study."""
     made: dict[str, Any] = {
-        kind.name: coarse(kind.problem.example(), NODES) for kind in kinds.every()
+        kind.name: coarse_solution(kind.problem.example(), NODES) for kind in kinds.every()
     }
     problem = newsprint_nip()
     loads = (1000.0, 2000.0, 3500.0, 5000.0)
@@ -91,7 +91,7 @@ def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
     options = coarse_options(kinds.of(problem), NODES)
     flags = [f"--{name}={value}" for name, value in options.items()]
     assert cli.main(["solve", str(case), *flags]) == 0
-    assert capsys.readouterr().out == f"{coarse(problem, NODES)}\n"
+    assert capsys.readouterr().out == f"{coarse_solution(problem, NODES)}\n"
 
 
 def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:

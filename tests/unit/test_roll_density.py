@@ -8,9 +8,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from coarse import coarse
+from coarse_solutions import coarse_solution
 from matplotlib import pyplot as plt
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -27,7 +27,7 @@ ROLLS = {
     "stiff": NEWSPRINT.replace(stack=NEWSPRINT.stack.replace(radial=40e6)),
 }
 rolls = pytest.mark.parametrize(
-    "name", ["newsprint", "taper", seldom("kink"), seldom("cooled"), "stiff"]
+    "name", ["newsprint", "taper", slow_case("kink"), slow_case("cooled"), "stiff"]
 )
 
 
@@ -72,7 +72,7 @@ def test_laps_without_tension_are_as_dense_as_the_web():
 
 def test_a_tighter_roll_is_denser_and_without_a_density_none_is_told():
     tight = wo.solve(NEWSPRINT.replace(wound_on_tension=500.0))
-    assert tight.mean_density > coarse(NEWSPRINT).mean_density > 680.0
+    assert tight.mean_density > coarse_solution(NEWSPRINT).mean_density > 680.0
     untold = wo.solve(NEWSPRINT.replace(density=None))
     assert np.isnan([untold.mean_density, untold.wound_mass, *untold.density]).all()
     assert "density" not in str(untold)
@@ -80,13 +80,13 @@ def test_a_tighter_roll_is_denser_and_without_a_density_none_is_told():
 
 
 def test_what_is_left_of_the_tension():
-    result = coarse(NEWSPRINT)
+    result = coarse_solution(NEWSPRINT)
     np.testing.assert_allclose(result.residual_tension, 66e-6 * result.hoop_stress)
     assert result.residual_tension[-1] == pytest.approx(350.0, rel=1e-3)
 
 
 def test_its_panels_are_drawn():
-    result = coarse(NEWSPRINT)
+    result = coarse_solution(NEWSPRINT)
     assert "density" in _panels(result)
     figure = result.plot(panels=["density", "residual_tension"])
     density, tension = figure.axes
@@ -105,7 +105,7 @@ def _panels(result: wo.RollResult) -> list[str]:
 
 def test_kappa_is_kept_and_copies_well():
     """Stages ask for it each time: made once a result, anew where its stages are others."""
-    result = coarse(NEWSPRINT)
+    result = coarse_solution(NEWSPRINT)
     assert result.kappa is result.kappa
     x = np.log(np.linspace(0.045, 0.149, 50))
     for other in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):

@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
@@ -91,7 +91,7 @@ NIPS = {
 
 def some_nips(quick: str) -> pytest.MarkDecorator:
     """Take them all, but one in the runs that take long."""
-    each = [name if name == quick else seldom(name) for name in NIPS]
+    each = [name if name == quick else slow_case(name) for name in NIPS]
     return pytest.mark.parametrize("name", each)
 
 

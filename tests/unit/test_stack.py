@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 
 import woundon as wo
 from woundon.problems.radial_laws import RadialLaw
@@ -249,7 +249,7 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str) -> None:
-    refused_in_one_line(make, told)
+    assert_rejected(make, told)
 
 
 def test_a_stack_from_tables() -> None:

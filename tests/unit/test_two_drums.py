@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 
 import woundon as wo
 from woundon.problems.two_drums import GRAVITY, drum_loads, rider_load_for, roll_weight
@@ -78,7 +78,7 @@ def test_the_rider_makes_the_wanted_nip_load():
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str):
-    refused_in_one_line(make, told)
+    assert_rejected(make, told)
 
 
 # ---- use: the nip of a winding is on the drum on which the web arrives ---------------------------

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -90,7 +90,7 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
     ],
 )  # fmt: skip
 def test_refused(make: Any, told: str) -> None:
-    refused_in_one_line(make, told)
+    assert_rejected(make, told)
 
 
 def test_a_winding_hands_its_speed_to_its_nips() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 
 import woundon as wo
 from woundon.io.case_texts import to_toml
@@ -102,7 +102,7 @@ def test_the_report_ends_with_the_margins(wound: wo.WindingResult) -> None:
 
 
 def test_an_acceleration_needs_a_density() -> None:
-    refused_in_one_line(
+    assert_rejected(
         lambda: winding(density=None, limits=wo.Limits(acceleration=1.0)),
         "limits.acceleration: 1 is given without the web's density",
     )

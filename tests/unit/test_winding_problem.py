@@ -6,7 +6,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 
 import woundon as wo
 from woundon.io.case_files import apply_settings, make_problem, template
@@ -45,11 +45,11 @@ FALLING = wo.Profile(radius=[0.05, 0.6], value=[2000.0, 400.0])
     ],
 )  # fmt: skip
 def test_what_cannot_be_wound_is_refused(changes: dict, told: str):
-    refused_in_one_line(lambda: CASE.replace(**changes), told)
+    assert_rejected(lambda: CASE.replace(**changes), told)
 
 
 def test_a_schedule_with_a_gap_is_refused():
-    refused_in_one_line(
+    assert_rejected(
         lambda: wo.Profile(radius=[0.05, 0.2, 0.2, 0.6], value=[1, 1, 1, 1]),
         "radius.2: 0.2 is out of range; must be > 0.2 [m], the radius before it",
     )
@@ -121,7 +121,7 @@ def test_a_word_is_no_quantity_when_replaced():
 def test_a_linear_roll_needs_a_web_that_does_not_harden():
     hardening = wo.WindingProblem.example()
     web = wo.Web(thickness=66e-6, material=hardening.stack)
-    refused_in_one_line(
+    assert_rejected(
         lambda: hardening.replace(web=web, roll_body="linear"),
         "roll_body: 'linear' needs the moduli of a web that does not harden",
     )

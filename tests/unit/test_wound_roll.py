@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
-from seldom import seldom
+from rejections import assert_rejected
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -112,7 +112,7 @@ def test_it_rolls_in_wrapped_nips_and_against_rollers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [seldom("roll.stack.radial.K2", 127.0), ("roll.pressure.value.3", 20e3)]
+    ("name", "value"), [slow_case("roll.stack.radial.K2", 127.0), ("roll.pressure.value.3", 20e3)]
 )
 def test_sensitivities_of_a_frozen_roll(name: str, value: float) -> None:
     problem = EXAMPLE.replace(roll=roll(pressure=GRADED))
@@ -174,7 +174,7 @@ def test_what_is_no_full_answer_says_so() -> None:
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str) -> None:
-    refused_in_one_line(make, told)
+    assert_rejected(make, told)
 
 
 # ---- case files ---------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 
 import woundon as wo
 from woundon import cli
@@ -205,11 +205,11 @@ def test_the_picture_has_a_zero_line_and_shades_compression(result):
     ],
 )
 def test_a_stage_that_is_none_is_refused(wound, radius: object, told: str):
-    refused_in_one_line(lambda: wound.at(radius), told)
+    assert_rejected(lambda: wound.at(radius), told)
 
 
 def test_radii_that_are_no_numbers_are_refused(wound):
-    refused_in_one_line(lambda: wound.at_radius("x"), "radius: 'x' is not a number")
+    assert_rejected(lambda: wound.at_radius("x"), "radius: 'x' is not a number")
 
 
 @pytest.fixture(scope="module")
@@ -232,7 +232,7 @@ def test_temperatures_and_expansions_have_units_in_case_files():
     warmer = ROLL.replace(temperature_change="-10 K", radial_expansion="50e-6 1/K")
     assert (warmer.temperature_change, warmer.radial_expansion) == (-10.0, 50e-6)
     # a difference of temperatures: no scale with another zero
-    refused_in_one_line(
+    assert_rejected(
         lambda: ROLL.replace(temperature_change="-10 degC"),
         "temperature_change: '-10 degC' has the unknown unit 'degC'; expected a value in K, "
         "e.g. '-10 K', a difference; did you mean 'K'?",

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lubricated import lubricated, second_derivative, sinks
-from refusals import refused_in_one_line
+from lubricated_contact import passing_film, second_derivative, sinks
+from rejections import assert_rejected
 from scipy.integrate import solve_ivp
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import film_nip as make_film_nip
 
 import woundon as wo
@@ -49,7 +49,7 @@ def test_the_inlet_alone_tells_what_a_whole_lubricated_contact_lets_through(spee
     R, C, P = 0.1, 1 / 4e6, 300.0
     a = np.sqrt(4 * C * P * R / np.pi)
     found = nip_film(2 * P / np.pi / a * (2 / a) ** 0.5, C, speed, MU, AMBIENT)
-    film = lubricated(R, P, speed, a, found.film, lambda x: C * sinks(x))
+    film = passing_film(R, P, speed, a, found.film, lambda x: C * sinks(x))
     assert found.film == pytest.approx(film, rel=within)
     assert found.length / a < 0.2
 
@@ -72,7 +72,7 @@ def film_of(problem):
 
 @pytest.mark.parametrize("stack", [100e6, 3e6])
 @pytest.mark.parametrize(
-    ("tension", "speed"), [(20.0, 1.0), (100.0, 5.0), seldom(100.0, 0.2), seldom(400.0, 1.0)]
+    ("tension", "speed"), [(20.0, 1.0), (100.0, 5.0), slow_case(100.0, 0.2), slow_case(400.0, 1.0)]
 )
 def test_a_web_that_comes_wrapped_on_the_drum(film_nip, stack, tension, speed):
     """The film between the roll and a taut web on the drum, and how they give way."""
@@ -91,7 +91,7 @@ def test_a_web_that_comes_wrapped_on_the_drum(film_nip, stack, tension, speed):
 
     own = dry.in_nip
     load = np.trapezoid(dry.roll_pressure[own], dry.x[own])
-    whole = lubricated(problem.contact_radius, load, speed, dry.half_width, film, gives)
+    whole = passing_film(problem.contact_radius, load, speed, dry.half_width, film, gives)
     # T C/l of 0.06 to 2.5 (7 at the most that was tried): 0.5 to 4 % less
     assert film == pytest.approx(whole, rel=0.045)
     # with K and C of bodies alone it would be up to 30 % less
@@ -99,7 +99,7 @@ def test_a_web_that_comes_wrapped_on_the_drum(film_nip, stack, tension, speed):
 
 
 @pytest.mark.parametrize(
-    ("tau", "speed"), [(1e-3, 1.0), seldom(1e-4, 1.0), (1e-5, 1.0), seldom(1e-6, 10.0)]
+    ("tau", "speed"), [(1e-3, 1.0), slow_case(1e-4, 1.0), (1e-5, 1.0), slow_case(1e-6, 10.0)]
 )
 def test_a_film_on_a_viscoelastic_drum(film_nip, tau, speed):
     """Retardation lengths from far longer than the nip to far shorter than its inlet."""
@@ -118,7 +118,7 @@ def test_a_film_on_a_viscoelastic_drum(film_nip, tau, speed):
         lags = [kernel.lag.exactly(t, 1)[0] for t in sides]
         return kernel.log * np.pi / 2 * sinks(x) - (lags[0] - lags[1]).reshape(at.size, -1)
 
-    whole = lubricated(
+    whole = passing_film(
         problem.contact_radius, problem.nip_load, speed, dry.half_width, film, gives, -dry.offset
     )
     assert film == pytest.approx(whole, rel=0.03)  # 0.5 to 2.5 % are found, l up to a fifth of a
@@ -304,7 +304,7 @@ def test_paper_lets_the_air_through(film_nip, with_air):
     ],
 )
 def test_bad_input_is_refused(film_nip, changes, said):
-    refused_in_one_line(lambda: film_nip.replace(**changes), said)
+    assert_rejected(lambda: film_nip.replace(**changes), said)
 
 
 # ---- the winding ---------------------------------------------------------------------------------
@@ -383,7 +383,7 @@ def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
     ],
 )  # fmt: skip
 def test_air_that_does_not_fit_a_winding_is_refused(winding, changes, said):
-    refused_in_one_line(lambda: winding.replace(**changes), said)
+    assert_rejected(lambda: winding.replace(**changes), said)
 
 
 # ---- the roll ------------------------------------------------------------------------------------
@@ -424,7 +424,7 @@ def test_air_softens_the_roll_and_leaves_its_web(film_nip, with_air):
     # the same side of the roll, less web on it: its mass goes with its length
     assert airy.mass / dry.mass == pytest.approx(airy.length / dry.length, rel=1e-12)
     assert airy.length < dry.length
-    refused_in_one_line(
+    assert_rejected(
         lambda: with_air.wound(roll.replace(web_thickness=24e-6)), "web_thickness: 2.4e-05"
     )
 

@@ -15,7 +15,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -56,7 +56,7 @@ def test_the_incompressible_layer_itself_meets_the_reference() -> None:
     assert np.all(errors <= 0.3 / FLATTEST + np.array([1e-4, 5e-4]))
 
 
-@pytest.mark.parametrize("a_h", [seldom(0.5), 5.0])
+@pytest.mark.parametrize("a_h", [slow_case(0.5), 5.0])
 def test_the_incompressible_limit_is_neared_to_the_last_digit(a_h: float) -> None:
     """Every digit of 1/2 - nu counts alike: nothing is formed by cancellation.
 
@@ -80,7 +80,7 @@ def misses(nu: float, a_h: float, flatness: float, friction: float = 1e-6) -> tu
 
 
 @pytest.mark.parametrize("a_h", FLAT[0.3])
-@pytest.mark.parametrize("nu", [0.3, seldom(0.4999)])
+@pytest.mark.parametrize("nu", [0.3, slow_case(0.4999)])
 def test_the_layer_flattens_to_the_reference(nu: float, a_h: float) -> None:
     """The error is the curvature's, 0.02 to 0.3 times h/Rc (measured), and shrinks like it."""
     flatness = [20.0, 100.0, 500.0, FLATTEST]
@@ -93,7 +93,7 @@ def test_the_layer_flattens_to_the_reference(nu: float, a_h: float) -> None:
     assert np.all(errors[-1] < errors[0] / 5)
 
 
-@pytest.mark.parametrize("a_h", [seldom(2.0), 5.0])
+@pytest.mark.parametrize("a_h", [slow_case(2.0), 5.0])
 def test_the_incompressible_limit_is_neared_in_proportion(a_h: float) -> None:
     """1/K = (1+nu)(1-2nu)/(E(1-nu)) is the whole difference of a nearly incompressible layer."""
     errors = [abs(misses(nu, a_h, FLATTEST)[0]) for nu in (0.49, 0.499, 0.4999)]
@@ -122,7 +122,7 @@ def press_thin(nu: float, a_h: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize(
     "nu",
-    [seldom(0.0), 0.3, seldom(0.45)],
+    [slow_case(0.0), 0.3, slow_case(0.45)],
 )
 def test_a_thin_compressible_layer_is_a_bed_of_springs(nu: float) -> None:
     """As a/h -> infinity; the edges take up a fixed share of h, so the error falls like h/a.

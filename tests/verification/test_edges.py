@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from random_nips import random_low_friction
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import paper_nip
 
 import woundon as wo
@@ -95,7 +95,7 @@ def test_a_thin_cover_becomes_incompressible_smoothly(thickness: float) -> None:
     assert max(result.iterations for result in results) <= 30
 
 
-@pytest.mark.parametrize("part", ["web", seldom("drum"), "roll"])
+@pytest.mark.parametrize("part", ["web", slow_case("drum"), "roll"])
 def test_incompressible_bodies_and_webs_are_the_limit_of_nearly_incompressible_ones(
     part: str,
 ) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.linalg import lapack
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -128,7 +128,7 @@ def test_the_rings_of_constant_moduli_are_a_sum():
 @pytest.mark.parametrize(
     "problem",
     [
-        seldom(thick(NEWSPRINT, 4)), seldom(thick(NEWSPRINT, 2)),
+        slow_case(thick(NEWSPRINT, 4)), slow_case(thick(NEWSPRINT, 2)),
         thick(NEWSPRINT.replace(wound_on_tension=TAPER), 4),
         thick(NEWSPRINT.replace(**{"core.stiffness": 1e8}), 4),
         thick(NEWSPRINT.replace(stack=NEWSPRINT.stack.replace(radial=40e6)), 4),

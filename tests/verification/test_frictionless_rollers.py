@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon import theories
@@ -77,7 +77,9 @@ def test_a_layer_without_friction_is_the_limit_of_little() -> None:
     assert none.peak_pressure == pytest.approx(little.peak_pressure, rel=1e-3)
 
 
-@pytest.mark.parametrize("way", ["rolling", "static", seldom("no load along"), seldom("creepage")])
+@pytest.mark.parametrize(
+    "way", ["rolling", "static", slow_case("no load along"), slow_case("creepage")]
+)
 def test_it_is_told_drawn_kept_and_certified_anew(way: str, tmp_path: Path) -> None:
     result = wo.solve(pair(SOFTER, **WAYS[way]))
     text = str(result)

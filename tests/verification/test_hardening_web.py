@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coarse import coarse
+from coarse_solutions import coarse_solution
 from hardening_cases import E_T, NEWSPRINT, NU, nip, roll
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -127,12 +127,12 @@ def test_between_hard_bodies_it_is_pressed_point_by_point() -> None:
 
 @pytest.mark.parametrize(
     ("wraps", "name"),
-    [(seldom if name == "hardening" and wraps != "wrapped" else pytest.param)(WRAPS[wraps], name,
+    [(slow_case if name == "hardening" and wraps != "wrapped" else pytest.param)(WRAPS[wraps], name,
      id=f"{wraps}-{name}") for wraps in WRAPS for name in ROLLS],
 )  # fmt: skip
 def test_every_roll_takes_it(name: str, wraps: Any) -> None:
     problem = nip(ROLLS[name]).replace(**wraps)
-    linear, found = (coarse(one, 17) for one in (problem, hardened(problem)))
+    linear, found = (coarse_solution(one, 17) for one in (problem, hardened(problem)))
     assert found.residuals.largest <= 1e-8
     # soft at the edges, it makes the nip wider and the confined NIT larger, by some percent
     assert 1.01 < found.half_width / linear.half_width < 1.2
@@ -146,7 +146,7 @@ def test_what_it_does_to_table_2() -> None:
     around: Any = problem.replace(roll_wrap=pi / 2)
     one, two = (wo.solve(p, nodes=33).nip_induced_tension for p in (problem, hardened(problem)))
     assert two / one == pytest.approx(1.112, abs=0.01)
-    one, two = (coarse(p, 17).wound_on_tension - 350.0 for p in (around, hardened(around)))
+    one, two = (coarse_solution(p, 17).wound_on_tension - 350.0 for p in (around, hardened(around)))
     assert two / one == pytest.approx(1.004, abs=0.01)
 
 
@@ -215,11 +215,11 @@ def test_case_file_result_file_and_sweep(tmp_path: Path) -> None:
     assert warm.residuals.largest <= 1e-8
 
 
-@pytest.mark.parametrize("wrapped", [False, seldom(True)])
+@pytest.mark.parametrize("wrapped", [False, slow_case(True)])
 def test_the_report_says_whether_it_hardens(wrapped: bool) -> None:
     def told(problem: Any) -> str:
         around = problem.replace(**WRAPS["wrapped" if wrapped else "plain"])
-        return str(coarse(around, 17))
+        return str(coarse_solution(around, 17))
 
     assert "the roll does not harden, the web hardens" in told(hardened(LINEAR))
     assert "the roll hardens, the web does not harden" in told(nip(roll()))

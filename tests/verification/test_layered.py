@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
-from refusals import refused_in_one_line
+from rejections import assert_rejected
 from scipy.linalg import lu_factor, lu_solve
 
 import woundon as wo
@@ -428,4 +428,4 @@ def test_a_load_that_flattens_a_tube_is_refused() -> None:
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str) -> None:
-    refused_in_one_line(make, told)
+    assert_rejected(make, told)

@@ -12,7 +12,7 @@ import pytest
 from hardening_cases import nip as hardening_nip
 from hardening_cases import roll as hardening_roll
 from random_nips import random_nip
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 from viscoelastic_cases import cover as covered_drum
 from viscoelastic_cases import rubber
@@ -161,7 +161,7 @@ def test_random_nips_need_few_iterations() -> None:
 OUTPUTS = ("half_width", "nip_width", "peak_pressure", "offset", "drum_creepage", "approach")
 
 
-@pytest.mark.parametrize("name", [*list(NIPS)[:7], seldom("hardening")])
+@pytest.mark.parametrize("name", [*list(NIPS)[:7], slow_case("hardening")])
 def test_cold_start_and_warm_start_agree_on_the_same_mesh(name: str) -> None:
     """The last Newton step is below 1e-11 in the units of the unknowns."""
     problem = NIPS[name]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from random_nips import random_nip
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
@@ -48,7 +48,7 @@ def differences(problem: Any, nodes: int, step: float, names: tuple[str, ...]) -
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-@pytest.mark.parametrize("seed", [*range(100, 103), *map(seldom, range(103, 108))])
+@pytest.mark.parametrize("seed", [*range(100, 103), *map(slow_case, range(103, 108))])
 def test_derivatives_are_those_of_the_solved_equations(seed: int, wrapped: bool) -> None:
     """Elasticities, those of NIT relative to at least 1 % of mu+ P."""
     problem: Any = random_nip(seed).replace(web_tension=600.0)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refusals import refused_in_one_line
-from seldom import seldom
+from rejections import assert_rejected
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -43,7 +43,7 @@ def test_what_is_wanted_of_the_surface_is_missed_in_a_layer_that_is_told(wanted:
     assert np.max(np.abs(off - told)) < 2e-4
 
 
-@pytest.mark.parametrize("schedule", [seldom(350.0), wo.Taper(start=350.0, taper=0.4)])
+@pytest.mark.parametrize("schedule", [slow_case(350.0), wo.Taper(start=350.0, taper=0.4)])
 def test_forward_then_inverse_finds_the_tension_again(schedule: Any):
     problem = ROLL.replace(wound_on_tension=schedule)
     wound = wo.solve(problem, rtol=1e-5)
@@ -79,7 +79,7 @@ def stiff_core() -> wo.RollProblem:
     ],
 )  # fmt: skip
 def test_refused_with_one_line(make: Any, told: str):
-    refused_in_one_line(make, told)
+    assert_rejected(make, told)
 
 
 def test_a_smooth_schedule_is_wound_like_the_curve_it_stands_for():
@@ -100,7 +100,7 @@ def test_a_smooth_schedule_is_wound_like_the_curve_it_stands_for():
 def test_a_smooth_schedule_that_falls_below_nil_between_its_values_is_refused():
     dips = wo.Profile(radius=[CORE, 0.05, 0.06, 0.14, R], value=[350, 350, 5, 5, 350],
                       between="smooth")  # fmt: skip
-    refused_in_one_line(
+    assert_rejected(
         lambda: ROLL.replace(wound_on_tension=dips),
         "wound_on_tension.value: the smooth curve falls to -",
     )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import spence
 from viscoelastic_cases import compliance, cover, lost_by_harmonics, rubber
-from wraps import solve_wrapped
+from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.elasticity import cylinder, rolling

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 from viscoelastic_cases import cover, lost_by_harmonics, rubber
 
 import woundon as wo
@@ -23,7 +23,7 @@ CASES: list[dict[str, float]] = [{}, {"drum_wrap": 1.0}, {"winding_force": -200.
 
 @pytest.fixture(
     scope="module",
-    params=[CASES[0], *map(seldom, CASES[1:])],
+    params=[CASES[0], *map(slow_case, CASES[1:])],
     ids=["roll's wrap", "both wraps", "a force"],
 )
 def solved(request: Any) -> list[wo.NipResult]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from coarse import coarse
+from coarse_solutions import coarse_solution
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.roll.build_up import Laps, _Roll, wind
@@ -48,8 +48,8 @@ def left(result: wo.RollResult, name: str = "peak_pressure") -> float:
     ("case", "pressures"),
     [  # kPa, of an independent derivation
         (STIFF, [3646.8, 2913.3, 2025.5, 1466.5, 583.2, 102.8]),
-        seldom(PAPER, [350.25, 226.03, 222.18, 221.79, 205.54, 82.17]),
-        seldom(SOFT_CORE, [167.43, 220.88, 222.16, 221.79, 205.54, 82.17]),
+        slow_case(PAPER, [350.25, 226.03, 222.18, 221.79, 205.54, 82.17]),
+        slow_case(SOFT_CORE, [167.43, 220.88, 222.16, 221.79, 205.54, 82.17]),
     ],
 )
 def test_closed_form_of_constant_moduli(case: dict, pressures: list[float]):
@@ -77,7 +77,7 @@ def test_closed_form_of_constant_moduli(case: dict, pressures: list[float]):
     ],
     ids=["linear", "hyperbolic", "constant torque", "profile", "cooled", "core shrunk"],
 )  # fmt: skip
-@pytest.mark.parametrize("case", [STIFF, seldom(PAPER)], ids=["stiff", "paper"])
+@pytest.mark.parametrize("case", [STIFF, slow_case(PAPER)], ids=["stiff", "paper"])
 def test_schedules_and_changes_against_their_closed_forms(case: dict, more: dict):
     problem = plain(**case, **more)
     exact = constant_moduli(problem, RADII)
@@ -132,7 +132,7 @@ def missed(problem: wo.RollProblem, tolerance: float, cells: int) -> float:
     return float(np.max(np.abs(wound.solved.P - exact)) / exact.max())
 
 
-@pytest.mark.parametrize("case", [STIFF, seldom(PAPER)], ids=["stiff", "paper"])
+@pytest.mark.parametrize("case", [STIFF, slow_case(PAPER)], ids=["stiff", "paper"])
 def test_the_order_in_nodes_is_four(case: dict):
     """With stages that miss nothing beside: Lobatto's rule of two points and a middle."""
     roll = plain(**case, wound_on_tension=wo.Taper(start=200.0, taper=0.4))
@@ -194,7 +194,7 @@ def inside(problem: wo.RollProblem) -> np.ndarray:
 
 @PAPER_AND_FILM
 def test_the_plateau_under_constant_tension(problem: wo.RollProblem, exponent: float):
-    roll = coarse(problem).at_radius(inside(problem))
+    roll = coarse_solution(problem).at_radius(inside(problem))
     P, hoop = (roll[name][:20] for name in ("pressure", "hoop_stress"))
     low = plateau_pressure(problem.stack, problem.wound_on_tension / problem.web_thickness)
     assert (low / P > 0.87).all()  # 3 to 13 % low: 6 % of both
@@ -222,7 +222,8 @@ def test_by_how_much_the_plateau_law_is_low(
 @PAPER_AND_FILM
 def test_a_tension_that_falls_keeps_the_web_in_tension(problem: wo.RollProblem, exponent: float):
     """Hoop stress >= 0 needs P to fall like 1/r, so T about like r^-0.6 or, of film, r^-0.5."""
-    r, level = np.geomspace(problem.core.radius, problem.radius, 40), coarse(problem).mid_pressure
+    r = np.geomspace(problem.core.radius, problem.radius, 40)
+    level = coarse_solution(problem).mid_pressure
 
     def hoop(k: float) -> np.ndarray:
         tension = wo.Profile(radius=r, value=problem.wound_on_tension * (r / r[0]) ** -k)
@@ -325,7 +326,7 @@ def test_a_last_step_that_was_too_long_is_not_tried_again():
 
 
 def core_pressure(**changes: object) -> float:
-    return coarse(NEWSPRINT.replace(**changes)).core_pressure
+    return coarse_solution(NEWSPRINT.replace(**changes)).core_pressure
 
 
 def test_more_tension_makes_a_harder_roll():
@@ -341,7 +342,7 @@ def test_a_soft_core_takes_less_pressure():
 
 def test_a_taper_lowers_the_pressure_outside_more_than_at_the_core():
     tapered = wo.solve(NEWSPRINT.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.3)))
-    plain_roll = coarse(NEWSPRINT)
+    plain_roll = coarse_solution(NEWSPRINT)
     outside = tapered.at_radius(0.13)["pressure"] / plain_roll.at_radius(0.13)["pressure"]
     assert outside < 0.75
     assert tapered.core_pressure / plain_roll.core_pressure > 0.95
@@ -385,12 +386,12 @@ def test_a_roll_scales_with_its_radii(scale: float):
         radius=0.15 * scale, web_thickness=66e-6 * scale, wound_on_tension=350.0 * scale,
         **{"core.radius": 0.0445 * scale},
     )  # fmt: skip
-    one, two = coarse(NEWSPRINT), wo.solve(larger)
+    one, two = coarse_solution(NEWSPRINT), wo.solve(larger)
     np.testing.assert_allclose(two.pressure, one.pressure, rtol=0, atol=1e-8 * one.peak_pressure)
 
 
 def test_length_laps_and_mass():
-    result = coarse(NEWSPRINT)
+    result = coarse_solution(NEWSPRINT)
     area = np.pi * (0.15**2 - 0.0445**2)
     assert result.length == pytest.approx(area / 66e-6)
     assert result.laps == pytest.approx((0.15 - 0.0445) / 66e-6)
@@ -398,7 +399,7 @@ def test_length_laps_and_mass():
 
 
 def test_every_law_of_the_certificate_sees_its_fault():
-    result = coarse(NEWSPRINT)
+    result = coarse_solution(NEWSPRINT)
     assert result.certified().largest <= 1e-8
     bent = {
         "equilibrium": {"pressure": _bumped(result.pressure, 20)},

@@ -8,7 +8,7 @@ from math import exp, pi
 import numpy as np
 import pytest
 from thesis_cases import measured_tensions, newsprint_nip, paper_nip
-from wraps import solve_wrapped
+from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.elasticity.strip import compliance

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
-from wraps import solve_wrapped
+from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.contact.refinement import refine
@@ -97,7 +97,7 @@ def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    "problem", [PAPER, PAPER.replace(nip_load=10e3, roll_friction=0.7), seldom(newsprint_nip())]
+    "problem", [PAPER, PAPER.replace(nip_load=10e3, roll_friction=0.7), slow_case(newsprint_nip())]
 )
 def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProblem) -> None:
     """With T_in the nip's hoop pressure falls in proportion; that of T_out is left."""

@@ -6,9 +6,9 @@ from math import pi
 
 import numpy as np
 import pytest
-from seldom import seldom
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
-from wraps import solve_wrapped
+from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.elasticity.cylinder import sequences
@@ -59,7 +59,7 @@ class _Fourier:
         return 1 / self.R + self._at((self.n / self.R) ** 2 * self.v - self.v / self.R**2, x)
 
 
-@pytest.mark.parametrize("problem", [paper_nip(web_tension=300.0), seldom(newsprint_nip())])
+@pytest.mark.parametrize("problem", [paper_nip(web_tension=300.0), slow_case(newsprint_nip())])
 def test_the_roll_under_the_whole_load_is_its_fourier_series(problem: wo.NipProblem) -> None:
     result = solve_wrapped(problem, nodes=65)
     R, a, x = problem.roll.radius, result.half_width, result.x
@@ -97,7 +97,7 @@ def test_the_curvature_of_circles() -> None:
         np.testing.assert_allclose(bent[inner], kappa[inner], atol=5e-2 * 1e-4 / R**2)
 
 
-@pytest.mark.parametrize("problem", [paper_nip(), seldom(newsprint_nip())])
+@pytest.mark.parametrize("problem", [paper_nip(), slow_case(newsprint_nip())])
 def test_the_roll_outside_a_nip_alone_is_its_fourier_series(problem: wo.NipProblem) -> None:
     """What the load cell's tension (183) and the reports of a plain nip stand on."""
     result = wo.solve(problem, nodes=129)
@@ -134,7 +134,7 @@ def test_the_web_is_in_balance_everywhere() -> None:
     ("problem", "limit"),
     # by version 0.2 with 513 nodes and 192 cells on each wrap; beyond, the end of the load at the
     # far side moves WOT by 2e-5: a singularity of the model, the hoop pressure stops there
-    [seldom(paper_nip(web_tension=300.0), 466.429), (newsprint_nip(), 699.940)],
+    [slow_case(paper_nip(web_tension=300.0), 466.429), (newsprint_nip(), 699.940)],
 )
 def test_it_converges(problem: wo.NipProblem, limit: float) -> None:
     misses = []

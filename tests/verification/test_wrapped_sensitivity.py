@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hardening_cases import nip, roll
 from random_nips import random_nip
-from seldom import seldom
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.studies.kind_model import model_of
@@ -37,7 +37,7 @@ CASES: dict[str, tuple[Any, list[str], int, float]] = {
 
 @pytest.mark.parametrize(
     "case",
-    [seldom(case) if case in ("roll's arc", "hardening, more") else case for case in CASES],
+    [slow_case(case) if case in ("roll's arc", "hardening, more") else case for case in CASES],
 )
 def test_derivatives_are_those_of_the_solved_equations(
     case: str,

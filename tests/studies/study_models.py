@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from chores import dies_at_three
+from process_tasks import crash_at_three
 
 from woundon.quantities import Quantity, pure
 from woundon.studies.model import Answer
 
 
 @dataclass(frozen=True)
-class Toy:
+class LinearModel:
     """y = f(inputs), without gradients; ``state`` counts the cases solved in a row."""
 
     outputs: tuple[str, ...] = ("y",)
@@ -43,11 +43,11 @@ class Toy:
         return pure(name, name)
 
     def record(self) -> dict[str, Any]:
-        return {"toy": type(self).__name__}
+        return {"model": type(self).__name__}
 
 
 @dataclass(frozen=True)
-class Slow(Toy):
+class SlowModel(LinearModel):
     """Takes its time."""
 
     seconds: float = 0.02
@@ -58,18 +58,18 @@ class Slow(Toy):
 
 
 @dataclass(frozen=True)
-class Deadly(Toy):
+class CrashingModel(LinearModel):
     """Kills its process at a = 3: the first time only if ``once`` names a file, else always."""
 
     once: str = ""
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
-        dies_at_three(inputs["a"], self.once)
+        crash_at_three(inputs["a"], self.once)
         return super().run(inputs, start)
 
 
 @dataclass(frozen=True)
-class Faulty(Toy):
+class FailingModel(LinearModel):
     """Fails at a = 3."""
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
@@ -79,7 +79,7 @@ class Faulty(Toy):
 
 
 @dataclass(frozen=True)
-class Ishigami(Toy):
+class IshigamiModel(LinearModel):
     """y = sin a + 7 sin^2 b + 0.1 x^4 sin a on [-pi, pi]^3, whose indices are known."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:
@@ -97,7 +97,7 @@ class Ishigami(Toy):
 
 
 @dataclass(frozen=True)
-class Line(Toy):
+class LineModel(LinearModel):
     """y = a + b x with its exact gradient."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:
@@ -112,7 +112,7 @@ class Line(Toy):
 
 
 @dataclass(frozen=True)
-class Product(Line):
+class ProductModel(LineModel):
     """y = a b x: the data tell the product only."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:
@@ -125,7 +125,7 @@ class Product(Line):
 
 
 @dataclass(frozen=True)
-class Damped(Toy):
+class DampedSineModel(LinearModel):
     """y = exp(-a x) sin(b x): valleys beside valleys, bent ones; derivatives by differences."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:
@@ -133,7 +133,7 @@ class Damped(Toy):
 
 
 @dataclass(frozen=True)
-class Saturation(Line):
+class SaturationModel(LineModel):
     """y = a (1 - exp(-b x)): a curved valley, exact derivatives."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:
@@ -146,7 +146,7 @@ class Saturation(Line):
 
 
 @dataclass(frozen=True)
-class Waves(Toy):
+class WaveModel(LinearModel):
     """y = x + sin(3 a) + a/4: least squares on it has several minima."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:

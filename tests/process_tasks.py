@@ -22,7 +22,7 @@ def setting(name: str) -> str:
     return os.environ[name]
 
 
-def dies_at_three(x: int, once: str = "") -> int:
+def crash_at_three(x: int, once: str = "") -> int:
     """Kill its process at 3: the first time only if ``once`` names a file, else always."""
     if x == 3 and not (once and Path(once).exists()):
         if once:

@@ -34,7 +34,7 @@ def second_derivative(x: Array) -> Array:
     return out
 
 
-def lubricated(
+def passing_film(
     R: float, P: float, V: float, a: float, film: float, gives: Callable[[Array], Array],
     middle: float = 0.0, cells: int = 400,
 ) -> float:  # fmt: skip

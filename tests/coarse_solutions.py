@@ -1,4 +1,4 @@
-"""Cases of every kind, solved for their looks."""
+"""Quick solutions of any kind of problem, on coarse meshes."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from typing import Any
 import woundon as wo
 from woundon import kinds
 
-__all__ = ["coarse", "coarse_anew", "coarse_options"]
+__all__ = ["coarse_options", "coarse_solution", "solve_coarsely"]
 
-# as cheap as the solver lets it be, whatever the nodes: a winding is some 60 nips
+# the loosest tolerances that the solver permits: a winding solves some 60 nips
 WINDING = {"rtol": 0.1, "agreed": 1e-2, "nodes": 25}
 
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
-    """Return the options of a kind's solver that make it quick."""
+    """Return options of a kind's solver that make it quick."""
     options = signature(kind.solver).parameters
     if "agreed" in options:
         return dict(WINDING)
     return {"nodes": nodes} if "nodes" in options else {}
 
 
-def coarse_anew(problem: wo.Problem, nodes: int = 25) -> Any:
-    """Solve a problem of any kind, on so many nodes where these can be chosen."""
+def solve_coarsely(problem: wo.Problem, nodes: int = 25) -> Any:
+    """Solve a problem of any kind, on the given number of nodes if it can be chosen."""
     return wo.solve(problem, **coarse_options(kinds.of(problem), nodes))
 
 
-def coarse(problem: wo.Problem, nodes: int = 25) -> Any:
-    """Return the same, solved once: results are read-only, one serves all tests of a process."""
+def coarse_solution(problem: wo.Problem, nodes: int = 25) -> Any:
+    """Return the same solution, computed once per process: results are read-only."""
     return _solved(problem, *coarse_options(kinds.of(problem), nodes).items())
 
 
