@@ -1,6 +1,6 @@
-"""What all results share: their problem, their certificate, their errors, and how they are shown.
+"""Base class of results: problem, residuals, error estimates, presentation.
 
-A result's outputs are its fields and properties that carry a
+The outputs of a result are its fields and properties that are annotated with a
 :class:`~woundon.quantities.Quantity`; saving, drawing and reporting find what they need through
 :mod:`woundon.kinds`.
 """
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, overl
 
 import numpy as np
 
-from .errors import RESOLUTION, NotConverged, warn
+from .errors import RESOLUTION, InvalidProblem, NotConverged, did_you_mean, warn
 from .quantities import Quantity, pure, scalar_outputs, value_of
 
 if TYPE_CHECKING:
@@ -29,17 +29,31 @@ if TYPE_CHECKING:
     from .io.chosen_units import ResultInUnits
 
 __all__ = [
-    "ACCEPTED_RESIDUAL", "ReadOnly", "Residuals", "Result", "Zone", "largest", "measured",
-    "positive", "zone_runs",
-]  # fmt: skip
+    "ACCEPTED_RESIDUAL",
+    "ReadOnly",
+    "Residuals",
+    "Result",
+    "Zone",
+    "largest",
+    "measured",
+    "positive",
+    "zone_runs",
+]
 
 ResultT = TypeVar("ResultT", bound="Result")
 
+# A converged Newton iteration leaves residuals of 1e-11 or less; a wrong one leaves far more.
 ACCEPTED_RESIDUAL = 1e-8
 
 
 class Zone(IntEnum):
-    """State of a contact point: stick, or slip with the web faster or slower than the body."""
+    """State of a contact point: stick, or slip with the web faster or slower than the body.
+
+    Examples
+    --------
+    >>> Zone(1), Zone.STICK.word
+    (<Zone.FORWARD: 1>, 'stick')
+    """
 
     BACKWARD = -1
     STICK = 0
@@ -47,7 +61,7 @@ class Zone(IntEnum):
 
     @property
     def word(self) -> str:
-        """What the web, or the lower surface, is against the body: "slower", "stick", "faster"."""
+        """Speed of the web, or lower surface, relative to the body: slower, stick, faster."""
         return ("slower", "stick", "faster")[self + 1]
 
 
@@ -63,7 +77,7 @@ def zone_runs(x: np.ndarray, zones: np.ndarray) -> list[tuple[int, float, float]
 
 
 def largest(values: Any) -> float:
-    """Return the largest of some violations, 0 of none, nan if one is nan.
+    """Return the largest of some violations: 0 if there are none, nan if one is nan.
 
     Python's ``max`` drops a nan that does not come first.
     """
@@ -76,64 +90,72 @@ def positive(*values: np.ndarray) -> float:
 
 
 class Residuals:
-    """The certificate: the largest violation of each law, dimensionless, by the law's name.
+    """The largest violation of each contact condition, dimensionless, by its name.
 
-    Pressures and tractions are measured by the largest pressure (times mu for the tractions),
-    slips by the largest slope of the gap, loads by the load.
+    Pressures are relative to the largest pressure, tractions to mu times the largest pressure,
+    slip velocities to the largest slope of the gap, and loads to the load.
+
+    Examples
+    --------
+    >>> residuals = Residuals(gap_slope=1e-14, load=3e-16)
+    >>> residuals.largest, residuals.worst, residuals.load
+    (1e-14, 'gap_slope', 3e-16)
     """
 
-    __slots__ = ("_laws",)
+    __slots__ = ("_values",)
 
-    def __init__(self, **laws: float) -> None:
-        self._laws = MappingProxyType({law: float(value) for law, value in laws.items()})
+    def __init__(self, **values: float) -> None:
+        self._values = MappingProxyType({name: float(value) for name, value in values.items()})
 
     def items(self) -> Iterator[tuple[str, float]]:
-        """Yield (law, violation)."""
-        return iter(self._laws.items())
+        """Yield (condition, violation)."""
+        return iter(self._values.items())
 
     @property
     def largest(self) -> float:
-        """The largest of them; nan if one is nan, or if there is no law at all."""
-        return float(np.max(list(self._laws.values()), initial=-np.inf)) if self._laws else np.nan
+        """The largest violation; nan if one is nan, or if there are none."""
+        values = list(self._values.values())
+        return float(np.max(values)) if values else np.nan
 
     @property
     def worst(self) -> str:
-        """The law that is violated most; one whose violation is nan before all others."""
-        return max(
-            self._laws, key=lambda law: (self._laws[law] != self._laws[law], self._laws[law])
-        )
+        """The condition with the largest violation; one with nan precedes all others."""
+        values = self._values
+        return max(values, key=lambda name: (values[name] != values[name], values[name]))
 
-    def replace(self, **laws: float) -> Residuals:
-        """Return the same with some violations changed."""
-        return Residuals(**self._laws | laws)
+    def replace(self, **values: float) -> Residuals:
+        """Return a copy in which some violations are replaced."""
+        return Residuals(**self._values | values)
 
-    def __getattr__(self, law: str) -> float:
-        if law.startswith("_"):
-            raise AttributeError(law)
+    def __getattr__(self, name: str) -> float:
+        if name.startswith("_"):
+            raise AttributeError(name)
         try:
-            return self._laws[law]
+            return self._values[name]
         except KeyError:
-            known = ", ".join(self._laws)
-            raise AttributeError(f"no law {law!r} in this certificate; known: {known}") from None
+            known = ", ".join(self._values)
+            raise AttributeError(f"no contact condition {name!r}; known: {known}") from None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Residuals) and _same(dict(self._laws), dict(other._laws))
+        return isinstance(other, Residuals) and _same(dict(self._values), dict(other._values))
 
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> Any:
-        return _residuals, (dict(self._laws),)
+        return _residuals, (dict(self._values),)
 
     def __repr__(self) -> str:
-        return f"Residuals({', '.join(f'{law}={v:.2g}' for law, v in self.items())})"
+        return f"Residuals({', '.join(f'{name}={value:.2g}' for name, value in self.items())})"
 
 
-def _residuals(laws: dict[str, float]) -> Residuals:
-    return Residuals(**laws)
+def _residuals(values: dict[str, float]) -> Residuals:
+    return Residuals(**values)
 
 
 class Presented:
-    """Base of what users print, draw and export: results, margins, sensitivities, fits, tables.
+    """Base class of all that users print, draw and export.
+
+    Results, margins, sensitivities, fits and tables of studies inherit from it.
 
     The packages ``show`` and ``io`` are imported when they are used; they depend on all others.
     """
@@ -160,7 +182,7 @@ class Presented:
 
 
 class ReadOnly:
-    """A dataclass whose arrays cannot be written to, nor can those of a copy or of a pickle."""
+    """A dataclass whose arrays are read-only, also those of a copy or of a pickle."""
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
@@ -174,28 +196,37 @@ class ReadOnly:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Result(Presented, ReadOnly):
-    """What a solve returns; immutable.
+    """The solution of a problem; immutable.
 
     Attributes
     ----------
     problem : Problem
     residuals : Residuals
-        The certificate.
+        Violations of the contact conditions.
     errors : mapping of str to float
-        Estimated discretisation errors by output, SI units; nan where it cannot be told.
+        Estimated discretisation errors by output, SI units; nan if there is no estimate.
     warnings : tuple of str
-        Where the solved case leaves the model's validity, or the grid is too coarse for it, with
-        numbers; the latter begin with ``resolution:``.
+        Sentences with numbers where the case lies outside the validity limits of the model, or
+        where the mesh is too coarse for it; the latter begin with ``resolution:``.
     MAIN : tuple of str
-        The outputs that a study gives where none is asked for.
+        The default outputs of a study.
     REPLACED : mapping of str to str
-        Names that people may look for in vain, with what there is instead.
+        Names that users may try, with the names to use instead.
     MAY_BE_NAN : set of str, optional
-        Fields that may be nan; in a file all others must be finite.  None where that is not told.
+        Fields that may be nan; in a file all others must be finite.  None if that is not declared.
     ALONG : mapping of str to str
-        Arrays that run along another one than the first, with its name.
+        Arrays that run along another array than the first one, with the name of that array.
     ESTIMATES : set of str
-        Fields that no law of the certificate determines: estimates, and records of the solution.
+        Fields that no contact condition determines: estimates, and records of the solution.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> result = wo.solve(wo.NipProblem.example(), nodes=41)
+    >>> result.residuals.largest < 1e-8
+    True
+    >>> print(f"{result.wound_on_tension:.0f} N/m, {result.error('wound_on_tension'):.1f} N/m")
+    700 N/m, 2.4 N/m
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ()
@@ -214,90 +245,117 @@ class Result(Presented, ReadOnly):
         object.__setattr__(self, "errors", MappingProxyType(dict(self.errors)))
 
     @property
-    def residual(self) -> Annotated[float, pure("r", "largest violation of a contact law")]:
-        """The largest violation of a law, dimensionless."""
+    def residual(self) -> Annotated[float, pure("r", "largest violation of a contact condition")]:
+        """The largest violation of a contact condition, dimensionless."""
         return self.residuals.largest
+
+    def error(self, output: str) -> float:
+        """Return the estimated discretisation error of an output, nan if there is no estimate.
+
+        Parameters
+        ----------
+        output : str
+            Name of a scalar output.
+
+        Raises
+        ------
+        InvalidProblem
+            For an unknown name.
+        """
+        if output not in self.errors and output not in scalar_outputs(self):
+            text = f"unknown output{did_you_mean(output, scalar_outputs(self))}"
+            raise InvalidProblem.at(output, text)
+        return self.errors.get(output, float("nan"))
 
     @property
     def relabelled(self) -> Mapping[str, Quantity]:
-        """Outputs that are another quantity in this very result than in others of its class."""
+        """Outputs that are another quantity in this result than in others of its class."""
         return {}
 
     def checked(self, accepted: float = ACCEPTED_RESIDUAL) -> Self:
-        """Return itself, if no law is broken: nothing unsolved is passed off as solved.
+        """Return the result itself if all contact conditions are satisfied.
 
         Parameters
         ----------
         accepted : float
-            The largest residual of a law that is satisfied.
+            Largest residual of a condition that is satisfied.
 
         Raises
         ------
         NotConverged
-            Naming every law that is not satisfied; carries the result.
+            Naming every condition that is not satisfied; carries the result.
         """
-        broken = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= accepted]
-        if broken or not self.residuals.largest <= accepted:
-            told = ", ".join(broken) or "there is no certificate"
-            if any(law.startswith("positive_pressure") for law in broken):
-                told += "; the surfaces part within the contact, which is taken for one piece"
+        violated = [f"{k} {v:.2g}" for k, v in self.residuals.items() if not v <= accepted]
+        if violated or not self.residuals.largest <= accepted:
+            reasons = ", ".join(violated) or "no condition was evaluated"
+            if any(name.startswith("positive_pressure") for name in violated):
+                reasons += "; the surfaces separate within the contact, which the model excludes"
             outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
             shown = f"{accepted:g}".replace("e-0", "e-")
-            text = "; ".join((f"laws are not satisfied to {shown}: {told}", *outside))
-            raise NotConverged(text, self)
+            text = f"contact conditions are not satisfied to {shown}: {reasons}"
+            raise NotConverged("; ".join((text, *outside)), self)
         return self
 
     def warned(self) -> Self:
-        """Return itself, its warnings issued as Python's at the line that asked for the result."""
+        """Issue the warnings as Python's, at the line of the caller; return the result itself."""
         warn(self.warnings)
         return self
 
     def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the arrays held here."""
-        raise NotImplementedError(f"a {type(self).__name__} cannot be certified anew")
+        """Return the residuals, evaluated from the problem and the arrays of this result."""
+        raise NotImplementedError(f"a {type(self).__name__} does not evaluate its residuals")
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:
-        """Return the scalars that no law tells, by name: as the arrays give them, how exactly."""
+        """Return the scalars that no condition determines: values from the arrays, tolerances."""
         return {}
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the model assumes of this case, as sentences."""
+        """Assumptions of the model for this case, as sentences."""
         return tuple(getattr(self.problem, "assumptions", ()))
 
     def replace(self, **changes: Any) -> Self:
-        """Return the same result with other fields."""
+        """Return a copy with some fields replaced."""
         return replace(self, **changes)
 
     @overload
-    def plot(self, path: str | PathLike[str] | None = None, ax: None = None,
-             panels: str | Sequence[str] | None = None) -> Figure: ...  # fmt: skip
+    def plot(
+        self,
+        path: str | PathLike[str] | None = None,
+        ax: None = None,
+        panels: str | Sequence[str] | None = None,
+    ) -> Figure: ...
 
     @overload
-    def plot(self, path: str | PathLike[str] | None = None, *, ax: Axes,
-             panels: str | Sequence[str] | None = None) -> Axes: ...  # fmt: skip
+    def plot(
+        self,
+        path: str | PathLike[str] | None = None,
+        *,
+        ax: Axes,
+        panels: str | Sequence[str] | None = None,
+    ) -> Axes: ...
 
     def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
-        """Draw the result; see :func:`woundon.plot`, which draws several in one picture.
+        """Draw the result; :func:`woundon.plot` draws several results in one figure.
 
         Parameters
         ----------
         path : path, optional
-            Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
-            notebook shows the figure, and in a script ``plt.show()`` does.
+            File to save to, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a
+            notebook displays the figure; a script calls ``plt.show()``.
         ax : matplotlib.axes.Axes, optional
-            Into which one panel is drawn.
+            Axes for a single panel.
         panels : str or sequence of str, optional
-            Which to draw, by name; a wrong name is told the choice.
+            Names of the panels to draw; the error message for a wrong name lists all names.
 
         Returns
         -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
+        matplotlib.figure.Figure, or ``ax`` if it is given
         """
         return self._figure(path, ax, panels)
 
     def save(self, path: Any) -> None:
-        """Write the result to a file, by its ending: ``.nc``, ``.json`` or ``.csv``."""
+        """Save the result to a file; the suffix, .nc, .json or .csv, determines the format."""
         from .io.result_files import save_result
 
         save_result(self, path)
@@ -305,35 +363,38 @@ class Result(Presented, ReadOnly):
     def in_units(self, /, *chosen: str, **by_name: str) -> ResultInUnits:
         """Return the result with outputs as numbers in chosen units.
 
-        >>> result.in_units("pli").wound_on_tension  # doctest: +SKIP
-        4.0
-        >>> print(result.in_units("mill", half_width="mm"))  # doctest: +SKIP
-
         Parameters
         ----------
         chosen : str
-            Units ("pli", "psi", "um"): every output of the same dimension is given in it.  A unit
-            of a total ("kN") multiplies by the ``width`` of the problem.  "mill" stands for the
-            units of North American mills, "SI" for those of attributes.
+            Units ("pli", "psi", "um"), each for every output of its dimension.  A unit of a total
+            force ("kN") multiplies by the ``width`` of the problem.  "mill" selects the units of
+            North American mills, "SI" those of the attributes.
         by_name : str
             Unit of one output or field, by its name.
 
         Returns
         -------
         ResultInUnits
-            Outputs that no unit is chosen for are in SI.
+            Outputs without a chosen unit are in SI.
 
         Raises
         ------
         InvalidProblem
             For an unknown unit or name, or a unit that no output has.
+
+        Examples
+        --------
+        >>> import woundon as wo
+        >>> result = wo.solve(wo.NipProblem.example(), nodes=41)
+        >>> print(f'{result.in_units("pli").wound_on_tension:.1f} pli')
+        4.0 pli
         """
         from .io.chosen_units import in_units
 
         return in_units(self, chosen, by_name)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return the result as an xarray Dataset, every variable with unit and symbol."""
+        """Return an xarray Dataset; its variables have the attributes unit and symbol."""
         from .io.result_files import to_dataset
 
         return to_dataset(self)
@@ -341,67 +402,62 @@ class Result(Presented, ReadOnly):
     def to_dataframe(self) -> pd.DataFrame:
         """Return the arrays as columns of a pandas DataFrame, SI units.
 
-        Of a result without arrays its numbers, in a single row.  ``attrs["units"]`` and
-        ``attrs["long_names"]`` tell what each column is.
+        A result without arrays returns its scalars in a single row.  ``attrs["units"]`` and
+        ``attrs["long_names"]`` describe the columns.
         """
         from .io.frames import to_frame
 
         return to_frame(self)
 
     def __dir__(self) -> list[str]:
-        # what is of use: not what its kind is made of, nor what it has something else in place of
+        # completion offers neither internal fields nor names that have been replaced
         unsaved = {part.name for part in fields(self) if not part.metadata.get("saved", True)}
         hidden = {*unsaved, *self.REPLACED, "relabelled"}
         names = set(super().__dir__()) - hidden
         return sorted(name for name in names if not name.startswith("_") and not name.isupper())
 
     def __repr__(self) -> str:
-        known, told = scalar_outputs(self), []
-        del known["residual"]  # told last
+        known, texts = scalar_outputs(self), []
+        del known["residual"]  # it comes last
         for name in dict.fromkeys((*filter(known.get, self.MAIN), *known)):
             value = value_of(self, name)
             if isinstance(value, float) and value == value:
-                told.append(f"{name}={known[name].shown(value):.5g} {known[name].display}".strip())
-            if len(told) == 3:
+                texts.append(f"{name}={known[name].shown(value):.5g} {known[name].display}".strip())
+            if len(texts) == 3:
                 break
-        return f"{type(self).__name__}({', '.join(told)}, residual={self.residual:.1e})"
+        return f"{type(self).__name__}({', '.join(texts)}, residual={self.residual:.1e})"
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(
-            _same(getattr(self, part.name), getattr(other, part.name))
-            for part in fields(self) if part.compare
-        )  # fmt: skip
+        names = [part.name for part in fields(self) if part.compare]
+        return all(_same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
-        # of what equal results share and no nan or signed zero can part
+        # nan and signed zeros in the arrays compare as equal but hash differently
         return hash((type(self), self.problem))
 
     def __getstate__(self) -> dict[str, Any]:
-        # as in a file: a mesh, with its matrices a hundred times the rest, is made anew when needed
-        made_anew = {
-            part.name: part.default for part in fields(self)
-            if not part.metadata.get("saved", True) and part.default is not MISSING
-        }  # fmt: skip
-        return {**self.__dict__, "errors": dict(self.errors), **made_anew}
+        # as in a file: meshes and their matrices, a hundred times as large, are recomputed
+        unsaved = [part for part in fields(self) if not part.metadata.get("saved", True)]
+        defaults = {part.name: part.default for part in unsaved if part.default is not MISSING}
+        return {**self.__dict__, "errors": dict(self.errors), **defaults}
 
 
 def measured(
     result: ResultT, *, errors: Mapping[str, float], residuals: Residuals, warnings: tuple[str, ...]
 ) -> ResultT:
-    """Return the same result with what was measured on it.
+    """Return a copy of a result with error estimates, residuals and warnings.
 
     Parameters
     ----------
     result : Result
-        As it was made, without any of these.
     errors : mapping of str to float
         Estimated discretisation errors by output, SI units.
     residuals : Residuals
     warnings : tuple of str
     """
-    found = object.__new__(type(result))  # all else was seen to when it was made
+    found = object.__new__(type(result))  # __post_init__ has already treated the other fields
     vars(found).update(vars(result), residuals=residuals, warnings=warnings)
     vars(found)["errors"] = MappingProxyType(dict(errors))
     return found

@@ -21,7 +21,7 @@ TOLD = (
     "InvalidProblem: roll_wrap: .* must be 0 or >= ",
     # what was not solved, and why
     "NotConverged: .*this is far outside the model: .*; take ",
-    r"NotConverged: laws are not satisfied to 1e-8: .*\(limit .*%\)",
+    r"NotConverged: contact conditions are not satisfied to 1e-8: .*\(limit .*%\)",
     "NotConverged: stick and slip not found .*; another number of nodes may do$",
 )
 

@@ -294,7 +294,7 @@ def test_a_nan_counts_as_the_largest() -> None:
 
 def test_no_conditions_are_no_certificate() -> None:
     assert np.isnan(Residuals().largest)
-    with pytest.raises(wo.NotConverged, match="no certificate"):
+    with pytest.raises(wo.NotConverged, match="no condition was evaluated"):
         solved("nip").replace(residuals=Residuals()).checked()
 
 

@@ -36,6 +36,11 @@ def test_of_second_order_the_estimate_is_three_times_the_error(sizes: tuple[int,
     assert told == pytest.approx(3 * abs(c) / sizes[-1] ** 2, rel=1e-12)
 
 
+def test_of_first_order_the_estimate_is_three_times_the_error() -> None:
+    estimate = error_estimate(history(lambda n: 1 - 0.7 / n), "Q", order=1)
+    assert estimate == pytest.approx(3 * 0.7 / 80, rel=1e-12)
+
+
 def test_a_change_that_is_small_by_chance_is_not_believed() -> None:
     """The largest of the changes counts, as much as its mesh is coarser than the last one."""
     values = {20: 1.04, 40: 1.01, 80: 1.01}

@@ -321,8 +321,12 @@ DAMAGE: list[tuple[str, Any, str]] = [
     ("fields", [], "damaged"),
     ("dimensions", ..., "damaged"),
     ("residuals.stick", None, "residuals.stick: None is not a finite number"),
-    ("residuals.stick", 1.0, "residuals: laws are not satisfied to 1e-8: stick 1"),
-    ("residuals", {}, "residuals: laws are not satisfied to 1e-8: there is no certificate"),
+    ("residuals.stick", 1.0, "residuals: contact conditions are not satisfied to 1e-8: stick 1"),
+    (
+        "residuals",
+        {},
+        "residuals: contact conditions are not satisfied to 1e-8: no condition was evaluated",
+    ),
     ("residuals", 0, "damaged"),
     ("errors.half_width", "small", "errors.half_width: 'small' is not a finite number"),
     ("problem.nip_load", -1, "nip_load: -1 is out of range"),
@@ -407,8 +411,18 @@ def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, valu
         ("wrapped", "outputs.wound_on_tension", None, "wound_on_tension: nan, but the arrays"),
         ("wrapped", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
         ("wrapped", "fields.dual", 0.9, "dual: 0.9, but the arrays give "),
-        ("rolling", "fields.approach", 9999.0, "laws are not satisfied to 1e-8: approach "),
-        ("static", "fields.approach", 9999.0, "laws are not satisfied to 1e-8: approach "),
+        (
+            "rolling",
+            "fields.approach",
+            9999.0,
+            "contact conditions are not satisfied to 1e-8: approach ",
+        ),
+        (
+            "static",
+            "fields.approach",
+            9999.0,
+            "contact conditions are not satisfied to 1e-8: approach ",
+        ),
     ],
 )
 def test_verifying_compares_scalars_with_the_arrays(solved, tmp_path, name, place, value, said):
@@ -499,8 +513,8 @@ def test_a_file_that_lost_its_seal_is_refused(solved, tmp_path):
 @pytest.mark.parametrize(
     ("place", "value", "said"),
     [
-        ("fields.drum_creepage", 0.0, "does not hold what it says: laws are not"),
-        ("problem.nip_load", 3503.0, "does not hold what it says: laws are not"),
+        ("fields.drum_creepage", 0.0, "does not hold what it says: contact conditions are not"),
+        ("problem.nip_load", 3503.0, "does not hold what it says: contact conditions are not"),
         ("outputs.peak_pressure", 1.0, "peak_pressure: 1.0, but the arrays give "),
         ("units.drum_pressure", "kPa", "drum_pressure: is in 'kPa'; must be in 'Pa'"),
         ("units.half_width", 3, "half_width: is in 3; must be in 'm'"),

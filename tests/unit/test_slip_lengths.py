@@ -112,7 +112,7 @@ def test_ratios_vary_smoothly_with_the_load(name: str) -> None:
         # where both faces begin to slip at the trailing edge, or another face is the shorter one,
         # dual itself has a jump or a kink: on a finer mesh as well
         values = values[values != 0]
-        assert values.size >= 30
+        assert values.size >= 20  # on the foam cover dual is 0 above 1.3 to 1.7 kN/m
         # measured: 7 % of a cell on the roll, half a cell on a rigid drum, against which the
         # traction jumps at a boundary; boundaries half-way between nodes jump by whole cells
         limit = 0.6 if ratio == "dual" else 0.12

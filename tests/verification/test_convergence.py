@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from random_nips import random_nip, random_wrapped_nip
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
@@ -140,3 +141,20 @@ def test_the_other_outputs_converge() -> None:
     assert result.approach == pytest.approx(0.41238759e-3, rel=3e-6)
     assert result.offset == pytest.approx(0.04824451e-3, rel=3.4e-3)
     assert result.drum_creepage == pytest.approx(-7.0680293e-3, rel=1.2e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("problem", "output"),
+    [
+        (random_nip(90095), "drum_creepage"),  # the traction of the drum jumps
+        (random_nip(92064), "dual"),  # a slip zone at the trailing edge is shorter than a cell
+        (random_wrapped_nip(90016), "peak_pressure"),  # the maximum is a cusp at a zone boundary
+        (random_wrapped_nip(90023), "dual"),
+    ],
+)
+def test_the_estimates_hold_at_zone_boundaries(problem: wo.NipProblem, output: str) -> None:
+    """With Richardson's estimate of order two alone the errors were 7, 16, 10 and 26 estimates."""
+    result, fine = wo.solve(problem), wo.solve(problem, nodes=385)
+    error = abs(getattr(result, output) - getattr(fine, output))
+    assert error <= 1.5 * result.error(output)

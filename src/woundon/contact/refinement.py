@@ -99,10 +99,10 @@ class Refinement:
         """Newton iterations on all meshes."""
         return sum(mesh.solver.counts.iterations for mesh in self.meshes)
 
-    def errors(self) -> dict[str, float]:
+    def errors(self, order: int = 2) -> dict[str, float]:
         """Return the error estimates of all outputs; nan with fewer than three meshes."""
         history = [(mesh.size, mesh.outputs) for mesh in self.meshes[-REPORTED - 1 :]]
-        return {name: error_estimate(history, name) for name in history[-1][1]}
+        return {name: error_estimate(history, name, order) for name in history[-1][1]}
 
     def deciding_errors(self) -> dict[str, float]:
         """Return the error estimates of the main outputs by the last two changes alone."""
@@ -110,7 +110,9 @@ class Refinement:
         return {name: error_estimate(history, name) for name in history[-1][1]}
 
 
-def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str) -> float:
+def error_estimate(
+    history: Sequence[tuple[int, Mapping[str, float]]], name: str, order: int = 2
+) -> float:
     """Return the estimated error of an output on the last of several meshes.
 
     Parameters
@@ -118,6 +120,8 @@ def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str
     history : sequence of (nodes, outputs)
         At least three for an estimate; nan with fewer.
     name : str
+    order : int
+        Order of convergence.
 
     Examples
     --------
@@ -130,8 +134,8 @@ def error_estimate(history: Sequence[tuple[int, Mapping[str, float]]], name: str
     last, value = history[-1][0], history[-1][1][name]
     largest = FINE * abs(value)  # the tolerance of the solver
     for (m, coarse), (n, fine) in pairwise(history):
-        change = abs(fine[name] - coarse[name]) / ((n / m) ** 2 - 1)
-        largest = max(largest, SAFETY * change * (n / last) ** 2)
+        change = abs(fine[name] - coarse[name]) / ((n / m) ** order - 1)
+        largest = max(largest, SAFETY * change * (n / last) ** order)
     return largest
 
 

@@ -23,11 +23,13 @@ from .conditions import body_equilibrium, difference, friction_law, negative_pre
 from .energy import power_balance, rolling_resistance
 from .entrained_air import air_conditions
 from .outputs import (
+    ROUNDING,
     SLIP_RATIOS,
     NipSystem,
     approach,
     roll_wound_on_tension,
     slip_ratios,
+    strain_rounding,
     web_arrays,
 )
 
@@ -41,9 +43,6 @@ __all__ = [
 
 Array = np.ndarray
 
-EPS = float(np.finfo(float).eps)
-# Rounding of a sum of some hundred terms, in units of the largest one.
-ROUNDING = 50 * EPS
 # A defect beyond this many error estimates of it is reported, if it has not fallen below this share
 # of the largest one on coarser meshes: the estimate alone may be small by chance.
 INCONSISTENT, FALLEN = 3.0, 0.3
@@ -104,13 +103,10 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     cells = f.geometry.mesh.cells[f.geometry.mesh.nip_cells]
     # values that the equations imply, as the result reports them
     implied = web_arrays(equations, state, active)
-    # a slip velocity is a difference of strains, which are known to their rounding
-    web = problem.web
-    strain = web.compliance.c11 / web.thickness * float(np.abs(f.tension).max())
-    strain_rounding = ROUNDING * (strain + abs(result.drum_creepage))
+    rounding = strain_rounding(equations, state)
 
     def beyond(slip: Array) -> Array:
-        return np.sign(slip) * np.maximum(np.abs(slip) - strain_rounding, 0.0)
+        return np.sign(slip) * np.maximum(np.abs(slip) - rounding, 0.0)
 
     tension_scale = problem.nip_load + ROUNDING * float(np.abs(f.tension).max()) / 1e-8
     conditions = {
@@ -121,7 +117,7 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
             unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=top,
         ),
         "slip_velocity": largest([
-            max(difference(getattr(result, name), implied[name]) - strain_rounding, 0.0)
+            max(difference(getattr(result, name), implied[name]) - rounding, 0.0)
             for name in ("roll_slip", "drum_slip")
         ]) / top,
         "winding_force": abs(float(state.equilibrium[-2])),

@@ -16,14 +16,23 @@ from typing import Any
 
 import numpy as np
 
+from ..contact.refinement import Refinement
 from .energy import rolling_resistance
 from .equations import NipEquations, NipState
-from .zones import slip_lengths
+from .zones import has_traction_jump, slip_lengths
 
 __all__ = [
-    "SLIP_RATIOS", "NipSystem", "approach", "main_outputs", "nip_outputs", "roll_wound_on_tension",
-    "slip_ratios", "web_arrays",
-]  # fmt: skip
+    "SLIP_RATIOS",
+    "NipSystem",
+    "approach",
+    "error_estimates",
+    "main_outputs",
+    "nip_outputs",
+    "roll_wound_on_tension",
+    "slip_ratios",
+    "strain_rounding",
+    "web_arrays",
+]
 
 Array = np.ndarray
 
@@ -31,6 +40,9 @@ Array = np.ndarray
 # the slip zone and the strains of the nip, and before the end of the wrap, where the hoop pressure
 # ends.
 EVALUATION_ANGLE = 1.5
+
+# Rounding of a sum of some hundred terms, in units of the largest one.
+ROUNDING = 50 * float(np.finfo(float).eps)
 
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 
@@ -61,7 +73,7 @@ def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
 
 def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict[str, float]:
     """Return all outputs whose discretisation error is estimated, by name, in SI units."""
-    at, f, web = equations.layout, state.fields, equations.problem.web
+    at, f = equations.layout, state.fields
     a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
     out = {
         **main_outputs(equations, state),
@@ -71,7 +83,7 @@ def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict
         "half_width": a,
         "nip_width": 2 * a,
         "peak_pressure": float(f.p_drum.max()),
-        "drum_creepage": float(state.u[at.xi] - web.compliance.c11 / web.thickness * T[-1]),
+        "drum_creepage": drum_creepage(equations, state),
         "offset": float(state.u[at.shift] * equations.problem.contact_radius),
         "approach": approach(equations, state),
         **slip_ratios(equations.problem, web_arrays(equations, state, active), mesh.nip_nodes),
@@ -115,9 +127,18 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
     zones = np.zeros((2, n), dtype=np.int8)
     k = at.roll_nodes.size
     zones[0, at.roll_nodes], zones[1, at.drum_nodes] = active[:k], active[k:]
-    # nodes without a traction of their own take the zone of their neighbour
-    zones[0, at.first], zones[0, -1] = zones[0, at.first + 1], zones[0, -2]
-    zones[1, 0], zones[1, at.last] = zones[1, 1], zones[1, at.last - 1]
+    # nodes without an upstream cell, and that where the web is held, repeat their neighbour
+    zones[0, at.first], zones[0, -1], zones[1, 0] = (
+        zones[0, at.first + 1],
+        zones[0, -2],
+        zones[1, 1],
+    )
+    # where a face ends at the trailing edge, p = q = 0 there: the friction law admits the direction
+    # of the slip, which shows a zone that is shorter than the last cell
+    rounding = strain_rounding(equations, state)
+    zones[1, at.last] = _direction(drum_slip[-1], rounding)
+    if not equations.roll_wrap:
+        zones[0, at.last] = _direction(roll_slip[-1], rounding)
     slip_x = np.append(mesh.points[:1], mesh.points)
     slip_x[at.first] = slip_x[at.first + 1]
     kappa = np.zeros(n)
@@ -144,6 +165,25 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
     }
 
 
+def _direction(slip: float, rounding: float) -> int:
+    """Return the sign of a slip velocity, 0 if it is due to rounding."""
+    return int(np.sign(slip)) if abs(slip) > rounding else 0
+
+
+def strain_rounding(equations: NipEquations, state: NipState) -> float:
+    """Return the rounding error of a slip velocity, which is a difference of strains."""
+    f, web = state.fields, equations.problem.web
+    strain = web.compliance.c11 / web.thickness * float(np.abs(f.tension).max())
+    return ROUNDING * (strain + abs(drum_creepage(equations, state)))
+
+
+def drum_creepage(equations: NipEquations, state: NipState) -> float:
+    """Return the creepage of web and drum relative to the unstrained web."""
+    web = equations.problem.web
+    xi, T_end = state.u[equations.layout.xi], state.fields.tension[-1]
+    return float(xi - web.compliance.c11 / web.thickness * T_end)
+
+
 def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[str, float]:
     """Return the signed slip lengths over the nip width (thesis eq. 172), by name.
 
@@ -166,6 +206,39 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
     dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
     values = np.array([leading, trailing, dual]) / (x[-1] - x[0])
     return dict(zip(SLIP_RATIOS, values.tolist(), strict=True))
+
+
+def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str, float]:
+    """Return the estimated discretisation errors of all outputs.
+
+    Richardson's estimate of order two, with three exceptions at zone boundaries, each of which is
+    known only to the cell in which it lies:
+
+    - A slip length has at least the error of half a cell.
+    - A maximum of the pressure next to a zone boundary is a cusp.  The pressure is concave there,
+      so that the maximum between the nodes exceeds the largest nodal value by at most about the
+      difference to a neighbouring node.
+    - Where a traction jumps, a quadrature over the cell is of order one.  The creepage, which is
+      determined by the resultant of the tractions, then converges with order one.
+
+    Parameters
+    ----------
+    found : Refinement
+    arrays : mapping
+        As :func:`web_arrays` returns them, of the last mesh.
+    """
+    errors, mesh = found.errors(), found.last.state.fields.geometry.mesh
+    half_cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
+    for name in SLIP_RATIOS:
+        errors[name] = max(errors[name], half_cell)
+    zones, pressure = (arrays["roll_zone"], arrays["drum_zone"]), arrays["drum_pressure"]
+    k = int(pressure.argmax())
+    if any(np.ptp(zone[k - 1 : k + 2]) for zone in zones):
+        to_neighbours = pressure[k] - pressure[[k - 1, k + 1]]
+        errors["peak_pressure"] = max(errors["peak_pressure"], float(to_neighbours.max()))
+    if any(has_traction_jump(zone) for zone in zones):
+        errors["drum_creepage"] = found.errors(order=1)["drum_creepage"]
+    return errors
 
 
 class NipSystem(NipEquations):

@@ -21,7 +21,7 @@ from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_warnings
 from .equations import NipEquations
 from .load_limit import check_load
-from .outputs import SLIP_RATIOS, NipSystem, web_arrays
+from .outputs import SLIP_RATIOS, NipSystem, error_estimates, web_arrays
 from .result import NipResult
 from .solve_air import solve_with_air
 from .validity import nip_warnings, web_far_outside
@@ -210,11 +210,7 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
 def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = None) -> NipResult:
     """Return the result of the last mesh with its certificate, errors and warnings."""
     equations, state, active = found.last.system, found.last.state, found.last.active
-    f, errors, outputs = state.fields, found.errors(), found.last.outputs
-    arrays, mesh = web_arrays(equations, state, active), f.geometry.mesh
-    cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
-    for name in SLIP_RATIOS:  # a zone boundary is known to the cell in which it lies
-        errors[name] = max(errors[name], cell)
+    arrays, outputs = web_arrays(equations, state, active), found.last.outputs
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
     scalars = "roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"
     values: dict[str, Any] = {name: outputs[name] for name in (*scalars, *SLIP_RATIOS)} | arrays
@@ -228,7 +224,7 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
     )  # fmt: skip
     of_the_film = air_warnings(problem, film, result.half_width) if film else ()
     return measured(
-        result, errors=errors, residuals=certificate(result, equations),
+        result, errors=error_estimates(found, arrays), residuals=certificate(result, equations),
         warnings=(
             *of_the_film, *nip_warnings(result),
             *inconsistencies(found.meshes[-REPORTED - 1 :]),

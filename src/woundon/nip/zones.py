@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["boundary_positions", "slip_lengths"]
+__all__ = ["boundary_positions", "has_traction_jump", "slip_lengths"]
 
 Array = np.ndarray
 
@@ -63,3 +63,15 @@ def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[flo
         length = leading * float(x[-1] - x[0])
         return length, length
     return leading * (ends[0] - float(x[0])), trailing * (float(x[-1]) - ends[-1])
+
+
+def has_traction_jump(zones: Array) -> bool:
+    """Return whether slip changes its direction without a stick zone of more than one node.
+
+    Examples
+    --------
+    >>> has_traction_jump(np.array([-1, 0, 1])), has_traction_jump(np.array([-1, 0, 0, 1]))
+    (True, False)
+    """
+    single = (zones[1:-1] == 0) & (zones[:-2] * zones[2:] < 0)
+    return bool(single.any() or (zones[:-1] * zones[1:] < 0).any())
