@@ -28,7 +28,7 @@ import numpy as np
 from random_nips import random_nip
 
 import woundon as wo
-from jorkama2001.cases import measured_tensions
+from woundon.jorkama2001.cases import measured_tensions
 
 __all__ = [
     "PAPERS", "Compared", "bracket_table", "case_table", "compared", "error_map", "error_table",

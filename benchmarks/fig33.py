@@ -1,6 +1,6 @@
 """Computing time of thesis Fig. 33 against the number of nodes, in dense solves of 398 x 398.
 
-    python benchmarks/fig33.py [--write src/jorkama2001/computing_time.csv]
+    python benchmarks/fig33.py [--write src/woundon/jorkama2001/computing_time.csv]
 
 The figure draws what is written, so that it is the same wherever it is drawn.
 """
@@ -13,9 +13,9 @@ from pathlib import Path
 
 from speed import Baseline
 
-from jorkama2001 import procedure
-from jorkama2001.fig33 import NODES, PROBLEM
-from jorkama2001.nips import solved
+from woundon.jorkama2001 import procedure
+from woundon.jorkama2001.fig33 import NODES, PROBLEM
+from woundon.jorkama2001.nips import solved
 
 HEAD = (
     "# processor time over that of a dense solve of 398 x 398 (benchmarks/fig33.py):",

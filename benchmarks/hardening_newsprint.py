@@ -42,7 +42,7 @@ from scipy.optimize import root_scalar
 from table_run import sources
 
 import woundon as wo
-from jorkama2001.cases import ONE_PAPER, newsprint_nip
+from woundon.jorkama2001.cases import ONE_PAPER, newsprint_nip
 
 SUMS = (10e3, 100e3, 200e3, 400e3)  # K1 + P0 [Pa]
 EXPECTED = {10e3: 14.4, 100e3: 10.3, 200e3: 11.7, 400e3: 13.7}  # by an independent program [N/m]

@@ -319,7 +319,7 @@ radius = "0.5 m"
 
 HEAVY = [
     "woundon.studies.commands", "woundon.studies.api", "woundon.nip.solve", "woundon.nip.result",
-    "woundon.show.study_plots", "woundon.studies.export", "sqlite3", "pandas", "xarray",
+    "woundon.report.study_plots", "woundon.studies.export", "sqlite3", "pandas", "xarray",
     "matplotlib.backends.backend_agg", "rich.progress", "scipy.optimize",
 ]  # fmt: skip
 FORKS = multiprocessing.get_context("forkserver")

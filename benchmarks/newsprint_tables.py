@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.special import fdtrc
 
-from woundon.show.figures import COLOURS, style
+from woundon.report.figures import COLOURS, style
 from woundon.studies.profiles import threshold
 
 __all__ = ["floor", "lack_of_fit", "misses_figure", "profiles_figure", "tables"]

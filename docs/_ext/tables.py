@@ -34,7 +34,7 @@ from woundon.quantities import (
     scalar_outputs,
     walk,
 )
-from woundon.show.figures import symbol_text, unit_of
+from woundon.report.figures import symbol_text, unit_of
 
 Rows = list[tuple[str, ...]]
 

@@ -13,8 +13,8 @@ SOURCES = HERE.parent.parent / "src"
 
 def make(app) -> None:
     """Compute every figure, unless the program has not changed since."""
-    from jorkama2001.exhibits import NAMES
-    from jorkama2001.publication import known_counts, publish, summary
+    from woundon.jorkama2001.exhibits import NAMES
+    from woundon.jorkama2001.publication import known_counts, publish, summary
 
     folder = Path(app.srcdir) / "thesis" / "figures"
     stamp, state = folder / "made_by.txt", _state()

@@ -161,22 +161,22 @@ class Presented:
     """
 
     def __str__(self) -> str:
-        from .show.presentation import text_of
+        from .report.presentation import text_of
 
         return text_of(self)
 
     def _repr_html_(self) -> str:
-        from .show.presentation import html_of
+        from .report.presentation import html_of
 
         return html_of(self)
 
     def _html_of_table(self, head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
-        from .show.presentation import html_of_table
+        from .report.presentation import html_of_table
 
         return html_of_table(head, frame, remarks)
 
     def _figure(self, *options: Any) -> Any:
-        from .show.presentation import figure_of
+        from .report.presentation import figure_of
 
         return figure_of(self, *options)
 

@@ -11,7 +11,7 @@ import httpx
 import pytest
 from coroutines import run
 
-from woundon.cli import main
+from woundon.cli.commands import main
 
 JSON = {"content-type": "application/json"}
 
@@ -250,7 +250,7 @@ def test_a_slow_sender_is_not_waited_for(server):
 
 
 def test_without_the_extra_the_command_names_it():
-    code = ("import sys; sys.modules['uvicorn'] = None; from woundon.cli import main; "
+    code = ("import sys; sys.modules['uvicorn'] = None; from woundon.cli.commands import main; "
             "sys.exit(main(['app', '--no-browser']))")  # fmt: skip
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 2

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 import woundon as wo
-from woundon import cli, kinds
+from woundon import kinds
+from woundon.cli import commands as cli
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
 
@@ -210,9 +211,9 @@ def installed(monkeypatch):
 
 
 def test_a_figure_of_the_thesis_is_drawn(installed):
-    from jorkama2001 import exhibits
     from woundon.app import papers
     from woundon.app.catalogue import exhibits as plugins
+    from woundon.jorkama2001 import exhibits
 
     told = {one["name"]: one for plugin in plugins() for one in plugin.known()}
     assert set(told) == {name for name in exhibits.NAMES if name.startswith("fig")}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 
 # the page asks for a cold solve at rest: the same computation, passed on as JSON
 SAME = 1e-12

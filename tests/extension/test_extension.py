@@ -60,7 +60,7 @@ radius = "50 mm"
 RUNNER = """
 import contextlib, io, json, os, sys, traceback
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 told, sys.stdout = sys.stdout, sys.stderr
 for line in sys.stdin:
     folder, words, code = json.loads(line)
@@ -217,7 +217,7 @@ FAULTS = {
 def test_a_bodys_faults_are_named_like_all_others(told) -> None:
     said = told(
         code=f"""
-from woundon import cli
+from woundon.cli import commands as cli
 for setting in {list(FAULTS)}:
     print("ended with", cli.main(["solve", "case.toml", "--set", setting]))
 """

@@ -17,14 +17,15 @@ from threading import Thread
 import pytest
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from jorkama2001 import exhibits, publication
-from jorkama2001.publication import _write_module
-from woundon import cli
+from woundon.cli import commands as cli
+from woundon.jorkama2001 import exhibits, publication
+from woundon.jorkama2001.publication import _write_module
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 # a process of its own that has the command, whether or not the package has been installed
 WOUNDON = (
-    "import sys; from jorkama2001.command import thesis; from woundon import cli; "
+    "import sys; from woundon.jorkama2001.command import thesis; "
+    "from woundon.cli import commands as cli; "
     "cli.commands.add_command(thesis); sys.exit(cli.main())"
 )
 
@@ -42,7 +43,7 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_command_is_found_late():
     assert [*cli.entry_points(group=cli.COMMANDS)]
-    code = "import sys; import woundon.cli; sys.exit('jorkama2001' in sys.modules)"
+    code = "import sys; import woundon.cli.commands; sys.exit('jorkama2001' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jorkama2001 import exhibits
-from jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
-from jorkama2001.publication import known_counts
-from jorkama2001.verdicts import Outcome
+from woundon.jorkama2001 import exhibits
+from woundon.jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
+from woundon.jorkama2001.publication import known_counts
+from woundon.jorkama2001.verdicts import Outcome
 
 # a second and more
 SLOW = (
@@ -62,7 +62,7 @@ def test_no_exhibit_is_forgotten() -> None:
 
 def test_computing_times_are_those_that_were_measured() -> None:
     """Fig. 33 is the same whenever it is drawn: no clock is read for it."""
-    from jorkama2001.fig33 import _converging, _times
+    from woundon.jorkama2001.fig33 import _converging, _times
 
     times = _times()
     first, again = (_converging("accurate", times["accurate"]) for _ in range(2))
@@ -72,7 +72,7 @@ def test_computing_times_are_those_that_were_measured() -> None:
 
 def test_who_waits_for_figures_loads_nothing_that_draws() -> None:
     code = (
-        "import sys, jorkama2001.publication; "
+        "import sys, woundon.jorkama2001.publication; "
         "print({'matplotlib', 'xarray', 'pandas', 'scipy'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -81,7 +81,7 @@ def test_who_waits_for_figures_loads_nothing_that_draws() -> None:
 
 def test_a_false_statement_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fig. 15 with the wrong friction: the pattern that the text tells is not there."""
-    from jorkama2001 import fig15
+    from woundon.jorkama2001 import fig15
 
     base = fig15.paper_nip
     monkeypatch.setattr(fig15, "paper_nip", lambda **c: base(roll_friction=0.5, **c))

@@ -12,9 +12,9 @@ import re
 import numpy as np
 import pytest
 
-from jorkama2001 import table3, table4
-from jorkama2001.cases import measured_tensions
-from jorkama2001.laboratory import FITTED_POINT, NIP_LOADS, Theory, theories
+from woundon.jorkama2001 import table3, table4
+from woundon.jorkama2001.cases import measured_tensions
+from woundon.jorkama2001.laboratory import FITTED_POINT, NIP_LOADS, Theory, theories
 
 
 def test_the_measured_points() -> None:

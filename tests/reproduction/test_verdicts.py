@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jorkama2001 import exhibits, judgement
-from jorkama2001.exhibits import Exhibit
-from jorkama2001.judgement import Judged, judged
-from jorkama2001.nips import dataset, joined
-from jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict, whether
 from woundon import InvalidProblem
+from woundon.jorkama2001 import exhibits, judgement
+from woundon.jorkama2001.exhibits import Exhibit
+from woundon.jorkama2001.judgement import Judged, judged
+from woundon.jorkama2001.nips import dataset, joined
+from woundon.jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict, whether
 
 
 @pytest.mark.parametrize(

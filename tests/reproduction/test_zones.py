@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from jorkama2001 import procedure
-from jorkama2001.cases import paper_nip
-from jorkama2001.zones import zone_lengths
+from woundon.jorkama2001 import procedure
+from woundon.jorkama2001.cases import paper_nip
+from woundon.jorkama2001.zones import zone_lengths
 
 
 def test_points_are_found_to_a_fraction_of_a_cell():

@@ -12,7 +12,7 @@ import pytest
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 from woundon.studies.api import study_of
 from woundon.studies.engine import run_study
 from woundon.studies.export import export

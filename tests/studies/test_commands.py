@@ -16,7 +16,7 @@ import xarray
 from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 from woundon.studies.studyfile import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

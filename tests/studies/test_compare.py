@@ -12,7 +12,7 @@ import pandas
 import pytest
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
 from woundon.studies import compare as compare_module
 from woundon.studies import pull_tab

@@ -18,7 +18,8 @@ from scipy.optimize import least_squares
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import cli, kinds
+from woundon import kinds
+from woundon.cli import commands as cli
 from woundon.io.case_files import to_toml
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -15,7 +15,7 @@ import pytest
 
 import woundon as wo
 from woundon import kinds
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
 from woundon.studies import find as find_module

@@ -10,7 +10,7 @@ import pandas
 import pytest
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io.case_texts import template, to_toml
 from woundon.studies import case_table
 from woundon.studies.case_table import write_table

@@ -19,7 +19,7 @@ import pytest
 import xarray
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 
 PACKAGE = Path(wo.__file__).parent
 STUDY = """\

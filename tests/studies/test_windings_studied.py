@@ -20,7 +20,7 @@ import study_models as models
 from rejections import assert_rejected
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
 
 CASE = wo.WindingProblem.example().replace(radius=0.07, web_tension=350.0, roll_body="linear")

@@ -14,7 +14,7 @@ import pytest
 from scipy.stats import norm
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
 from woundon.studies.window import _with_value
 from woundon.studies.window_map import (

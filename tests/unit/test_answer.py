@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.show.answer import answer, answer_lines
+from woundon.report.answer import answer, answer_lines
 from woundon.studies.sobol import SobolIndices
 
 NODES = 33

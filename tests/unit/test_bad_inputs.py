@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 
 BODY = "Rigid, HalfPlane, Cylinder, Layered or WoundRoll (or a table of its fields)"
 MATERIAL = (

@@ -15,7 +15,8 @@ from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import cli, kinds
+from woundon import kinds
+from woundon.cli import commands as cli
 from woundon.io.case_files import apply_settings, make_problem, read_case, template
 from woundon.io.case_texts import to_toml
 from woundon.problems.materials import MATERIALS
@@ -458,7 +459,7 @@ def test_plain_ascii_where_the_terminal_knows_no_more():
 def test_cheap_commands_load_nothing_heavy(args):
     heavy = ("numpy", "scipy", "matplotlib", "pint", "xarray", "pydantic", "rich")
     code = (
-        f"import sys; from woundon import cli; code = cli.main({args});"
+        f"import sys; from woundon.cli import commands as cli; code = cli.main({args});"
         f"print(code, [name for name in {heavy} if name in sys.modules])"
     )
     assert run_apart("-c", code).stdout.decode().splitlines()[-1] == "0 []"
@@ -468,7 +469,8 @@ def test_a_nip_is_solved_without_what_is_slow_to_import():
     # the layer-slip index of the report interpolates with SciPy
     heavy = ("pint", "dask", "pandas", "xarray", "matplotlib", "openpyxl", "threadpoolctl")
     code = (
-        f"import sys; from woundon import cli; cli.main({QUICK}); cli.main({WRAPPED});"
+        "import sys; from woundon.cli import commands as cli; "
+        f"cli.main({QUICK}); cli.main({WRAPPED}); "
         f"print([name for name in {heavy} if name in sys.modules])"
     )
     assert run_apart("-c", code).stdout.decode().splitlines()[-1] == "[]"

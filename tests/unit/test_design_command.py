@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
 

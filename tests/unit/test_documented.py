@@ -15,7 +15,8 @@ import click
 import pytest
 
 import woundon
-from woundon import cli, kinds
+from woundon import kinds
+from woundon.cli import commands as cli
 
 ROOT = Path(__file__).parents[2]
 

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 import woundon as wo
-from woundon.cli import main
+from woundon.cli.commands import main
 from woundon.io import files
 from woundon.io.case_files import template
 from woundon.io.files import put_in_place, read_whole, write_whole

@@ -13,7 +13,7 @@ from woundon import kinds
 
 PRINT_HELP = """\
 import sys
-from woundon.cli import main
+from woundon.cli.commands import main
 for name in sys.argv[1:]:
     print("#", name)
     code = main([*name.split(), "--help"])

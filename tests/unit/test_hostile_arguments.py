@@ -12,7 +12,7 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 from woundon.io.case_files import template
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")

@@ -16,9 +16,9 @@ import woundon as wo
 from woundon import kinds
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
-from woundon.show.panels import Panel
-from woundon.show.plots import PANELS
-from woundon.show.reports import REPORTS
+from woundon.report.panels import Panel
+from woundon.report.plots import PANELS
+from woundon.report.reports import REPORTS
 
 OWN = {
     "nip": (wo.NipProblem, wo.NipResult),

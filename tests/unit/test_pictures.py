@@ -117,7 +117,7 @@ def test_a_script_shows_what_it_drew_and_did_not_save(tmp_path: Path) -> None:
 import sys
 import warnings
 nip.plot("saved.png", panels="zones")
-from woundon.cli import main
+from woundon.cli.commands import main
 sys.stdout.write(str(main(["solve", "case.toml", "--plot", "case.png", "--nodes", "17"])))
 print("", "matplotlib.pyplot" in sys.modules)
 import matplotlib

@@ -17,10 +17,10 @@ from thesis_cases import film_nip, newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
-from woundon.show.figures import symbol_text
-from woundon.show.panels import Case, drawn
-from woundon.show.plots import output_panels
-from woundon.show.study_plots import plot_fit, plot_indices, plot_sweep
+from woundon.report.figures import symbol_text
+from woundon.report.panels import Case, drawn
+from woundon.report.plots import output_panels
+from woundon.report.study_plots import plot_fit, plot_indices, plot_sweep
 
 NODES = 25
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
@@ -235,7 +235,7 @@ def test_the_default_draws_every_array_once(results):
 
 
 def test_a_result_without_arrays_cannot_be_drawn(nip, monkeypatch):
-    monkeypatch.setattr("woundon.show.plots.quantities.walk", lambda result: iter(()))
+    monkeypatch.setattr("woundon.report.plots.quantities.walk", lambda result: iter(()))
     with pytest.raises(wo.InvalidProblem, match="a NipResult has no arrays to draw"):
         output_panels(nip)
 

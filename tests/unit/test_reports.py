@@ -15,15 +15,15 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.show.parts import Row, Section, certificate_line, zone_line
-from woundon.show.report import (
+from woundon.report.parts import Row, Section, certificate_line, zone_line
+from woundon.report.reports import print_report, report_parts, report_text
+from woundon.report.sections import (
     LAYERS,
     nip_report,
     outputs_report,
     print_sensitivity,
 )
-from woundon.show.reports import print_report, report_parts, report_text
-from woundon.show.terminal import print_parts
+from woundon.report.terminal import print_parts
 
 OF_ROLLS = (wo.RollResult, wo.WindingResult)
 NODES = 33  # of three meshes, so that errors are estimated

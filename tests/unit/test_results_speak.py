@@ -16,13 +16,15 @@ from coarse_solutions import coarse_options, coarse_solution
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import cli, kinds, quantities
+from woundon import kinds
+from woundon.cli import commands as cli
+from woundon.cli import quantities
 from woundon.io.case_files import template
 from woundon.io.frames import to_frame
 from woundon.quantities import length
+from woundon.report.html import parts_html
+from woundon.report.parts import Line, Section, row_of
 from woundon.results import ReadOnly
-from woundon.show.html import parts_html
-from woundon.show.parts import Line, Section, row_of
 
 NODES = 25
 KINDS = [kind.name for kind in kinds.every()]

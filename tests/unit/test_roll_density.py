@@ -98,7 +98,7 @@ def test_its_panels_are_drawn():
 
 
 def _panels(result: wo.RollResult) -> list[str]:
-    from woundon.show.wound_roll_plots import wound_roll_panels
+    from woundon.report.wound_roll_plots import wound_roll_panels
 
     return [name for name, panel in wound_roll_panels(result).items() if panel.shown]
 

@@ -12,7 +12,8 @@ import pytest
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-from woundon import cli, validity
+from woundon import validity
+from woundon.cli import commands as cli
 from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.nip.validity import _bodies_strains, _web_strain, nip_warnings
 

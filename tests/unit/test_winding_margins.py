@@ -10,7 +10,7 @@ from rejections import assert_rejected
 
 import woundon as wo
 from woundon.io.case_texts import to_toml
-from woundon.show.winding_plots import winding_panels
+from woundon.report.winding_plots import winding_panels
 
 LIMITS = wo.Limits(compression=100e3, blocking_pressure=2e6, web_strength=2e3, slack_tension=50.0)
 OUTPUTS = {

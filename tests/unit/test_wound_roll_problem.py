@@ -9,7 +9,7 @@ import pytest
 from rejections import assert_rejected
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 from woundon.io.case_files import template
 from woundon.io.case_texts import to_toml
 from woundon.problems.schedules import Curve

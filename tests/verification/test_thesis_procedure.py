@@ -11,9 +11,9 @@ import pytest
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-from jorkama2001 import procedure
-from jorkama2001.influence import coefficients, half_plane_constants, surface_strain
-from jorkama2001.procedure import ProcedureResult
+from woundon.jorkama2001 import procedure
+from woundon.jorkama2001.influence import coefficients, half_plane_constants, surface_strain
+from woundon.jorkama2001.procedure import ProcedureResult
 
 PAPER = wo.material("paper")
 PROBLEM = paper_nip(roll=wo.HalfPlane(radius=0.3, material=PAPER))

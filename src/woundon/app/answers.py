@@ -26,11 +26,11 @@ from ..problems.problem import Problem
 from ..problems.schedules import Profile
 from ..problems.units import parse
 from ..quantities import find, scalar_outputs, value_of, walk
+from ..report.answer import answer_lines
+from ..report.parts import Section, certificate_of, friction_bounds, zone_strips
+from ..report.reports import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
-from ..show.answer import answer_lines
-from ..show.parts import Section, certificate_of, friction_bounds, zone_strips
-from ..show.reports import report_parts
 from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
 from .catalogue import LIMITS, tables_of, told_of

@@ -25,8 +25,8 @@ import numpy as np
 
 from .. import kinds, quantities
 from ..quantities import Quantity
+from ..report.parts import friction_bounds, zone_strips
 from ..results import Result, zone_runs
-from ..show.parts import friction_bounds, zone_strips
 
 __all__ = ["panels_of"]
 

@@ -62,8 +62,8 @@ def result_file(tables: Any, ending: str, options: Mapping[str, Any]) -> bytes:
 
 def figure(body: Any, ending: str, panels: Sequence[str]) -> bytes:
     """Return a picture of solved cases."""
-    from ..show.figures import figure_bytes
-    from ..show.plots import plotted
+    from ..report.figures import figure_bytes
+    from ..report.plots import plotted
 
     asked = fields_of(body, "cases", "units")
     results, labels = _cases(asked)
@@ -74,7 +74,7 @@ def figure(body: Any, ending: str, panels: Sequence[str]) -> bytes:
 
 def report(body: Any) -> bytes:
     """Return the report of solved cases: one HTML file that stands alone."""
-    from ..show.report_file import report_file
+    from ..report.html_report import report_file
 
     asked = fields_of(body, "cases", "units", "title", "remarks")
     for name in ("title", "remarks"):

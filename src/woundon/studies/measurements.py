@@ -31,7 +31,11 @@ __all__ = ["Observations", "arrays_over_radius", "error_at", "predict", "read_ob
 
 Array = np.ndarray
 
-POSITIONS = {"measured_radius": 1.0, "measured_diameter": 0.5, "diameter": 0.5}  # radius of each
+POSITIONS: dict[str, float] = {
+    "measured_radius": 1.0,
+    "measured_diameter": 0.5,
+    "diameter": 0.5,
+}  # radius of each
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "length"
 REFERENCE_DENSITY = 1000.0  # of the web [kg/m^3], where a length is computed: it cancels

@@ -24,8 +24,8 @@ from .figures import figure_bytes
 from .html import parts_html
 from .parts import Line, Row, Section, output_row, row_of
 from .plots import panel_columns, plotted
-from .report import LEFT_OUT
 from .reports import report_parts
+from .sections import LEFT_OUT
 
 __all__ = ["report_file"]
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command_options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
-from .errors import InvalidProblem
-from .io.chosen_units import units_of
-from .io.files import check_writable
+from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
+from ..io.files import check_writable
+from .options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
 
 if TYPE_CHECKING:
-    from .studies.table import Table
+    from ..studies.table import Table
 
 __all__ = ["fit", "plan", "sensitivity", "sweep"]
 
@@ -63,11 +63,11 @@ def sweep(
     chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...], export_to: Path | None,
 ) -> int:  # fmt: skip
     """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml."""
-    from .studies.api import study_of
-    from .studies.engine import run_study
-    from .studies.export import check_export, export
-    from .studies.runners import runner_for
-    from .studies.studyfile import load_study
+    from ..studies.api import study_of
+    from ..studies.engine import run_study
+    from ..studies.export import check_export, export
+    from ..studies.runners import runner_for
+    from ..studies.studyfile import load_study
 
     told = load_study(study)
     folder = _export_folder(out, export_to)
@@ -109,7 +109,7 @@ def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
     """Run, warnings in a line each; after Ctrl-C say how to go on."""
     import warnings
 
-    from .errors import ValidityWarning
+    from ..errors import ValidityWarning
 
     def show(message: Warning | str, *where: Any) -> None:
         click.secho(f"warning: {message}", fg="yellow", err=True)
@@ -130,7 +130,7 @@ def _summary(table: Table, seconds: float) -> int:
     """Show what came out; return the exit code, 3 where no case at all was solved."""
     import numpy as np
 
-    from .studies.table import failures
+    from ..studies.table import failures
 
     failed, size = table.failed.size, table.design.size
     click.echo(f"{size} cases in {seconds:.1f} s, {failed} failed")
@@ -169,8 +169,8 @@ def sensitivity(
     samples: int | None, export_to: Path | None,
 ) -> None:  # fmt: skip
     """Compute the Sobol indices of the ranges of a study file."""
-    from .studies.api import global_sensitivity
-    from .studies.studyfile import load_study
+    from ..studies.api import global_sensitivity
+    from ..studies.studyfile import load_study
 
     told = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)
@@ -221,12 +221,12 @@ def fit(
     nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
-    from .io.case_files import load_case
-    from .studies.api import fit as fit_problem
+    from ..io.case_files import load_case
+    from ..studies.api import fit as fit_problem
 
     problem = load_case(case, settings)
     if plot:
-        from .show.figures import check_format
+        from ..report.figures import check_format
 
         check_format(plot)
     if save and save.suffix != ".json":
@@ -272,9 +272,9 @@ def plan(
     save: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Rank the candidate measurements of a study file."""
-    from .studies.case_table import check_table_path, write_table
-    from .studies.experiment import next_experiment
-    from .studies.plan_file import load_plan
+    from ..studies.case_table import check_table_path, write_table
+    from ..studies.experiment import next_experiment
+    from ..studies.plan_file import load_plan
 
     if save:
         check_table_path(save)
@@ -300,7 +300,7 @@ def _pair(text: str) -> tuple[str, str]:
 
 def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
     """Return field and bounds of "FIELD" or "FIELD=LOW:HIGH"."""
-    from .studies.kind_model import field_quantity, number_in_si
+    from ..studies.kind_model import field_quantity, number_in_si
 
     name, sign, bounds = (part.strip() for part in text.partition("="))
     quantity = field_quantity(problem, name)

@@ -14,8 +14,8 @@ from ..results import Result
 from ..winding.margins import Margins
 from .html import parts_html, table_html
 from .margins import margins_html, margins_text
-from .report import sensitivity_text
 from .reports import report_parts, report_text
+from .sections import sensitivity_text
 
 if TYPE_CHECKING:
     import pandas as pd

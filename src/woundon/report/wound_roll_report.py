@@ -14,7 +14,7 @@ from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
 from .parts import Line, Part, Row, Section, field_row, output_row, row_of
-from .report import rows_of
+from .sections import rows_of
 
 __all__ = ["wound_roll_report"]
 

@@ -26,7 +26,7 @@ def plot_find(outcome: FindResult, path: Any = None, ax: Axes | None = None) -> 
     ----------
     outcome : FindResult
     path, ax
-        As of :func:`~woundon.show.panels.drawn`.
+        As of :func:`~woundon.report.panels.drawn`.
     """
     panels = {"scan": Panel(_draw_scan, "scan", 5.2, 3.4)}
     return drawn(panels, [Case(outcome)], path, ax, None, lettered=False)

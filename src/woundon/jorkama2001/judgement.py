@@ -125,7 +125,7 @@ def judged(module: str, names: Sequence[str], solver: str) -> list[Judged]:
     Parameters
     ----------
     module : str
-        From :func:`~jorkama2001.exhibits.modules`.
+        From :func:`~woundon.jorkama2001.exhibits.modules`.
     names : sequence of str
         Exhibits asked for; the module may make more.
     solver : {"accurate", "thesis"}

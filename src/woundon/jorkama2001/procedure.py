@@ -182,7 +182,7 @@ def solve(
 
     Examples
     --------
-    >>> from jorkama2001.cases import paper_nip
+    >>> from woundon.jorkama2001.cases import paper_nip
     >>> roll = wo.HalfPlane(radius=0.3, material=wo.material("paper"))
     >>> round(solve(paper_nip(roll=roll), nodes=50).nip_induced_tension, 1)
     111.1

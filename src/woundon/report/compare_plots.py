@@ -31,8 +31,8 @@ def plot_comparison(
     ----------
     comparison : Comparison
     path, ax, panels
-        As of :func:`~woundon.show.panels.drawn`; a panel has its output's name, the residuals have
-        "_residuals" behind it.
+        As of :func:`~woundon.report.panels.drawn`; a panel has the name of its output, the panel
+        of its residuals that name with "_residuals" appended.
     """
     known = {}
     for output in comparison.outputs:

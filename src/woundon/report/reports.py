@@ -12,7 +12,7 @@ from .. import kinds
 from ..results import Result
 from .answer import answer_lines, assumptions_section, defaults_section
 from .parts import Part, certificate_of, warning_lines
-from .report import nip_report, outputs_report, plain_console, roller_report
+from .sections import nip_report, outputs_report, plain_console, roller_report
 from .terminal import print_parts
 from .winding_report import winding_report
 from .wound_roll_report import wound_roll_report

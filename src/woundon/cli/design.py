@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from .errors import InvalidProblem
-from .io.files import check_writable, write_whole
-from .solve_command import console
+from ..errors import InvalidProblem
+from ..io.files import check_writable, write_whole
+from .solve import console
 
 __all__ = ["design"]
 
@@ -50,10 +50,10 @@ def design(
     out: Path | None, new_case: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Find the wound-on tension over the radius that leaves a wanted pressure in a wound roll."""
-    from .io.case_files import load_case
-    from .problems.roll import RollProblem
-    from .show.design_report import plot_design, print_design
-    from .show.figures import check_format
+    from ..io.case_files import load_case
+    from ..problems.roll import RollProblem
+    from ..report.design_report import plot_design, print_design
+    from ..report.figures import check_format
 
     for file, ending in ((out, ".csv"), (new_case, ".toml")):
         if file and file.suffix != ending:
@@ -67,8 +67,8 @@ def design(
     if not isinstance(problem, RollProblem):
         text = "is not the case of a wound roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
-    from .roll.design import design_tension
-    from .roll.solve import solve_wound_roll
+    from ..roll.design import design_tension
+    from ..roll.solve import solve_wound_roll
 
     found = design_tension(problem, _wanted(wanted, smooth), rtol=rtol)
     wound = solve_wound_roll(found.problem, rtol=max(rtol, 1e-8))
@@ -76,7 +76,7 @@ def design(
     if out:
         write_whole(out, _table(found).encode())
     if new_case:
-        from .io.case_texts import to_toml
+        from ..io.case_texts import to_toml
 
         write_whole(new_case, to_toml(found.problem).encode())
     if plot:
@@ -85,9 +85,9 @@ def design(
 
 def _wanted(text: str, smooth: bool) -> Any:
     """Return a wanted pressure: a number [Pa], or the profile of a CSV file."""
-    from .io.columns import with_columns
-    from .problems.schedules import Profile
-    from .problems.units import parse
+    from ..io.columns import with_columns
+    from ..problems.schedules import Profile
+    from ..problems.units import parse
 
     if not text.lower().endswith(".csv"):
         if smooth:

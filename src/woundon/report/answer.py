@@ -15,7 +15,7 @@ from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .margins import verdict_lines
 from .parts import Line, Row, Section, output_row, row_of
-from .report import LEAST_FRICTION
+from .sections import LEAST_FRICTION
 
 __all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
 

@@ -35,7 +35,7 @@ def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = Non
     ----------
     window : OperatingWindow
     path, ax
-        As of :func:`~woundon.show.panels.drawn`.
+        As of :func:`~woundon.report.panels.drawn`.
     """
     panels = {"window": Panel(_draw_window, "window", 7.2, 4.2, legend="right")}
     return drawn(panels, [Case(window)], path, ax, None, lettered=False)

@@ -7,10 +7,10 @@ from typing import Any
 
 import click
 
-from .command_options import PATH, SETTINGS, UNITS
-from .errors import InvalidProblem
-from .io.chosen_units import units_of
-from .io.files import check_writable, write_whole
+from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
+from ..io.files import check_writable, write_whole
+from .options import PATH, SETTINGS, UNITS
 
 __all__ = ["window"]
 
@@ -61,12 +61,12 @@ def window(
     plot: Path | None, csv: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Map the probability that a winding keeps all its limits."""
-    from .errors import unwarned
-    from .io.case_files import load_case
-    from .studies.window import operating_window
+    from ..errors import unwarned
+    from ..io.case_files import load_case
+    from ..studies.window import operating_window
 
     if plot:
-        from .show.figures import check_format
+        from ..report.figures import check_format
 
         check_format(plot)
     for path in filter(None, (plot, csv)):

@@ -25,7 +25,7 @@ def plot_plan(plan: NextExperiment, path: Any = None, ax: Axes | None = None) ->
     ----------
     plan : NextExperiment
     path, ax
-        As of :func:`~woundon.show.panels.drawn`.
+        As of :func:`~woundon.report.panels.drawn`.
     """
     height = 2.0 + 0.45 * len(plan.measurements)
     panels = {"plan": Panel(_draw_plan, "plan", 7.0, height)}

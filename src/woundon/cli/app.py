@@ -43,7 +43,7 @@ NEEDED = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
 def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: str) -> None:
     """Open the nip and the roll in the browser: they are solved while sliders move."""
     try:
-        from .serving import LOOPBACK, interrupts_counted, listening, serve
+        from ..app.serving import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:
         if fault.name not in ("fastapi", "uvicorn", "starlette"):
             raise
@@ -97,7 +97,7 @@ def report(
     from ..io.case_files import load_case
     from ..io.chosen_units import units_of
     from ..io.files import check_writable, write_whole
-    from ..show.report_file import report_file
+    from ..report.html_report import report_file
 
     problems = [_of(path, load_case, settings) for path in cases]
     out = out or cases[0].with_suffix(".html")

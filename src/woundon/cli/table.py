@@ -7,10 +7,10 @@ from pathlib import Path
 
 import click
 
-from .command_options import COLUMNS, PATH, TIES, UNITS
-from .errors import InvalidProblem
-from .io.chosen_units import units_of
-from .io.files import check_writable
+from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
+from ..io.files import check_writable
+from .options import COLUMNS, PATH, TIES, UNITS
 
 __all__ = ["table"]
 
@@ -50,10 +50,10 @@ def table(
     chosen: tuple[str, ...], workers: int | None, nodes: int | None, rtol: float | None,
 ) -> int:  # fmt: skip
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
-    from .errors import unwarned
-    from .io.case_files import load_case
-    from .studies.case_table import check_table_path, solve_table, write_table
-    from .studies.table import failures
+    from ..errors import unwarned
+    from ..io.case_files import load_case
+    from ..studies.case_table import check_table_path, solve_table, write_table
+    from ..studies.table import failures
 
     check_table_path(out)
     check_writable(out)

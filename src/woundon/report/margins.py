@@ -7,7 +7,7 @@ from io import StringIO
 from ..winding.margins import SMALL, Margin, Margins
 from .html import parts_html
 from .parts import Line, Verdict, Verdicts
-from .report import plain_console
+from .sections import plain_console
 from .terminal import print_parts
 
 __all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]

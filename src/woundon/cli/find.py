@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command_options import PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
-from .errors import InvalidProblem
-from .io.chosen_units import units_of
-from .io.files import write_whole
+from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
+from ..io.files import write_whole
+from .options import PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
 
 if TYPE_CHECKING:
-    from .studies.find import FindResult
+    from ..studies.find import FindResult
 
 __all__ = ["find"]
 
@@ -56,9 +56,9 @@ def find(
     new_case: Path | None, plot: Path | None,
 ) -> None:  # fmt: skip
     """Find the value of a field for which an output of a case reaches a target."""
-    from .errors import unwarned
-    from .io.case_files import load_case, to_toml
-    from .studies.find import find as find_values
+    from ..errors import unwarned
+    from ..io.case_files import load_case, to_toml
+    from ..studies.find import find as find_values
 
     name, between = _field(vary)
     output, value = _pair(target, "OUTPUT=VALUE")
@@ -111,7 +111,7 @@ def _number(text: str) -> str | float:
 
 def _lines(outcome: FindResult) -> Iterator[str]:
     """Yield the solutions, then the table of all points, then the remarks."""
-    from .studies.find import remarks
+    from ..studies.find import remarks
 
     count = len(outcome.solutions)
     yield from outcome.lines()[:count]

@@ -151,7 +151,7 @@ def plot_fit(
     ----------
     fit : FitResult
     path, ax, panels
-        As of :func:`~woundon.show.panels.drawn`; a profile's panel has its parameter's name.
+        As of :func:`~woundon.report.panels.drawn`; a profile's panel has its parameter's name.
     """
     known = {"agreement": Panel(_draw_agreement, "agreement", 3.3, 3.2)}
     for profile in fit.profiles:
@@ -227,7 +227,7 @@ def plot_indices(
     ----------
     indices : SobolIndices
     path, ax, panels
-        As of :func:`~woundon.show.panels.drawn`; a panel has its output's name.
+        As of :func:`~woundon.report.panels.drawn`; a panel has its output's name.
     """
     height = 0.42 * len(indices.inputs) + 1.0
     known = {

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .io.files import check_writable
+from ..io.files import check_writable
 
 __all__ = ["COLUMNS", "PATH", "PLOT", "SETTINGS", "TIES", "UNITS", "check_output_files"]
 
@@ -41,7 +41,7 @@ def check_output_files(plot: Path | None, *others: Path | None) -> None:
     """
     if plot:
         # drawing takes half a second to import
-        from .show.figures import check_format
+        from ..report.figures import check_format
 
         check_format(plot)
     for path in filter(None, (plot, *others)):

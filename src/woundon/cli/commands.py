@@ -17,11 +17,11 @@ from typing import Any
 
 import click
 
-from . import __version__, kinds
-from .errors import InvalidProblem, NoSolution, NotConverged, one_of, printable_line
-from .kinds import entry_points
-from .parallel import environment
-from .solve_command import SolveCommand
+from .. import __version__, kinds
+from ..errors import InvalidProblem, NoSolution, NotConverged, one_of, printable_line
+from ..kinds import entry_points
+from ..parallel import environment
+from .solve import SolveCommand
 
 __all__ = ["main"]
 
@@ -49,16 +49,16 @@ _LATE = {
 def _late_command(name: str) -> click.Command:
     """Import a command."""
     if name in ("app", "report"):
-        from .app import commands as of_app
+        from ..app import commands as of_app
 
         return of_app.app if name == "app" else of_app.report
     if name == "design":
-        from .design_command import design
+        from .design import design
 
         return design
     if name in ("find", "table", "compare", "window"):
         return _late_question(name)
-    from . import study_commands
+    from . import studies as study_commands
 
     found: click.Command = getattr(study_commands, name)
     return found
@@ -67,18 +67,18 @@ def _late_command(name: str) -> click.Command:
 def _late_question(name: str) -> click.Command:
     """Import a command that answers a question on a case."""
     if name == "find":
-        from .find_command import find
+        from .find import find
 
         return find
     if name == "table":
-        from .table_command import table
+        from .table import table
 
         return table
     if name == "window":
-        from .window_command import window
+        from .window import window
 
         return window
-    from .compare_command import compare
+    from .compare import compare
 
     return compare
 
@@ -178,7 +178,7 @@ class Commands(click.Group):
         """Return the command that is asked for; a misspelt one is told the nearest."""
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
-            from .errors import did_you_mean
+            from ..errors import did_you_mean
 
             ctx.fail(f"No such command {name!r}{did_you_mean(name, self.list_commands(ctx))}")
         return super().resolve_command(ctx, args)
@@ -261,11 +261,11 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
         raise InvalidProblem.at("kind", f"must be one, got {one_of(named, 'and')}")
     chosen = named[0] if named else "nip"
     if study:
-        from .studies.study_texts import study_template
+        from ..studies.study_texts import study_template
 
         click.echo(study_template(chosen), nl=False)
     else:
-        from .io.case_texts import template
+        from ..io.case_texts import template
 
         click.echo(template(chosen), nl=False)
 
@@ -277,9 +277,9 @@ def new(kind: str | None, study: bool, **flags: bool) -> None:
 )
 def materials() -> None:
     """List the named materials with their values and sources."""
-    from .problems.materials import MATERIALS
-    from .problems.units import written
-    from .quantities import walk
+    from ..problems.materials import MATERIALS
+    from ..problems.units import written
+    from ..quantities import walk
 
     def shown(place: Any) -> str:
         text = written(place.value, place.quantity.unit, place.quantity.shown_unit)
@@ -303,6 +303,6 @@ def materials() -> None:
 @click.option("--file", metavar="FILE", help="A TOML file with grades of your own.")
 def grades(name: str | None, file: str | None) -> None:
     """List the grades, or the values of one with their spread and source."""
-    from .problems import grades as library
+    from ..problems import grades as library
 
     click.echo(str(library.grades(file) if name is None else library.grade(name, file)))

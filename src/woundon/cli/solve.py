@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from . import kinds
-from .errors import InvalidProblem, one_of, unwarned
-from .io.files import check_writable
-from .kinds import Kind, Option
+from .. import kinds
+from ..errors import InvalidProblem, one_of, unwarned
+from ..io.files import check_writable
+from ..kinds import Kind, Option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -77,7 +77,7 @@ class SolveCommand(click.Command):
 
     def _field_options(self) -> Iterator[click.Option]:
         """Yield an option for each field that case files group in a table: --roll-wrap."""
-        from .io.case_texts import described
+        from ..io.case_texts import described
 
         owners = {name: kind for kind in self._kinds() for name in _grouped(kind)}
         for name, kind in owners.items():
@@ -108,7 +108,7 @@ class SolveCommand(click.Command):
             if plot:
                 result.plot(plot)
             if as_json:
-                from .io.result_files import to_json
+                from ..io.result_files import to_json
 
                 click.echo(to_json(result, slopes), nl=False)
             else:
@@ -116,7 +116,7 @@ class SolveCommand(click.Command):
 
     def _problem(self, path: Path, settings: list[str]) -> Any:
         """Return the problem of a case file, if it is of the command's kind."""
-        from .io.case_files import apply_settings, make_problem, read_case
+        from ..io.case_files import apply_settings, make_problem, read_case
 
         case = apply_settings(read_case(path), settings)
         if self.kind is None or _fits(case, self.kind):
@@ -257,11 +257,11 @@ def _which_fits(case: Mapping[str, Any], kind: Kind, other: Kind) -> str:
 def _check_outputs(save: Path | None, plot: Path | None) -> None:
     """Refuse unusable output paths before anything is solved."""
     if save:
-        from .io.result_files import writer_for
+        from ..io.result_files import writer_for
 
         writer_for(save)
     if plot:
-        from .show.figures import check_format
+        from ..report.figures import check_format
 
         check_format(plot)
     for path in filter(None, (save, plot)):
@@ -278,8 +278,8 @@ def _solved(problem: Any, options: Mapping[str, Any]) -> Any:
 
 
 def _show(result: Any, sensitivity: Any) -> None:
-    from .show.report import print_sensitivity
-    from .show.reports import print_report
+    from ..report.reports import print_report
+    from ..report.sections import print_sensitivity
 
     paper = console()
     print_report(result, paper)
@@ -308,8 +308,8 @@ _Table = tuple[str, list[tuple[str, str]]]
 
 def _field_tables(problem: type[Any]) -> Iterator[_Table]:
     """Yield a table of the problem's fields, then of those of what it is made of, each once."""
-    from .io.case_texts import described
-    from .quantities import members_of
+    from ..io.case_texts import described
+    from ..quantities import members_of
 
     owners: dict[tuple[type, ...], list[str]] = {(problem,): []}
     waiting: list[tuple[Any, ...]] = [(problem,)]
@@ -335,7 +335,7 @@ def _member(model: Any) -> str:
 
 
 def _output_table(result: type[Any]) -> _Table:
-    from .quantities import outputs
+    from ..quantities import outputs
 
     told = [(place.path, place.quantity) for place in outputs(result)]
     return "Outputs", [
@@ -346,12 +346,12 @@ def _output_table(result: type[Any]) -> _Table:
 
 
 def _chosen_units(chosen: Any) -> Any:
-    from .io.chosen_units import units_of
+    from ..io.chosen_units import units_of
 
     return units_of(chosen)
 
 
 def _progress_bar() -> Any:
-    from .studies.progress import fraction_bar
+    from ..studies.progress import fraction_bar
 
     return fraction_bar()

@@ -10,7 +10,7 @@ from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .margins import margins_part
 from .parts import Line, Part, Row, Section, field_row, output_row
-from .report import rows_of
+from .sections import rows_of
 
 __all__ = ["winding_report"]
 

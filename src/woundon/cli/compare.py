@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from .command_options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
-from .errors import InvalidProblem
-from .io.chosen_units import units_of
+from ..errors import InvalidProblem
+from ..io.chosen_units import units_of
+from .options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
 
 __all__ = ["compare"]
 
@@ -55,10 +55,10 @@ def compare(
     rtol: float | None, as_json: bool, save: Path | None, plot: Path | None, **tab: Any,
 ) -> None:  # fmt: skip
     """Compare a table of measured values with the predictions for a case."""
-    from .io.case_files import load_case
-    from .studies.case_table import check_table_path, write_table
-    from .studies.compare import compare as compare_with
-    from .studies.pull_tab import PullTab
+    from ..io.case_files import load_case
+    from ..studies.case_table import check_table_path, write_table
+    from ..studies.compare import compare as compare_with
+    from ..studies.pull_tab import PullTab
 
     if save:
         check_table_path(save)
