@@ -11,6 +11,7 @@ once, before the first look-up, in worker processes too.
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -37,13 +38,15 @@ __all__ = [
 ]  # fmt: skip
 
 PLUGINS = "woundon.plugins"
+_TYPES: dict[str, type] = {"int": int, "float": float, "str": str}
 
 
 class Option(NamedTuple):
-    """Help text of an option of a solver, and the words that it admits."""
+    """Help text of an option of a solver, the words that it admits, and its type."""
 
     about: str
     words: tuple[str, ...] = ()
+    type: type = str
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +109,22 @@ class Kind:
         except NotImplementedError:
             text = f"{self.name!r} has no example to start from"
             raise InvalidProblem.at("kind", text) from None
+
+    def solver_options(self) -> dict[str, Option]:
+        """Return the options of the solver by name, with their types.
+
+        These are its keyword-only arguments of type int, float or str that are not fields of the
+        problem; the others (functions, warm starts) are for Python only.
+        """
+        found = {}
+        fields = self.problem.model_fields
+        for name, argument in inspect.signature(self.solver).parameters.items():
+            hint = argument.annotation
+            words = re.findall(r"\w+", hint if isinstance(hint, str) else repr(hint))
+            types = [_TYPES[word] for word in words if word in _TYPES and "Callable" not in words]
+            if types and argument.kind is argument.KEYWORD_ONLY and name not in fields:
+                found[name] = self.options.get(name, Option(""))._replace(type=types[0])
+        return found
 
     @property
     def command(self) -> str:

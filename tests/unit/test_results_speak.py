@@ -16,9 +16,8 @@ from coarse_solutions import coarse_options, coarse_solution
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import kinds
+from woundon import kinds, quantities
 from woundon.cli import commands as cli
-from woundon.cli import quantities
 from woundon.io.case_files import template
 from woundon.io.frames import to_frame
 from woundon.quantities import length

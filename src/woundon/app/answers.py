@@ -31,7 +31,6 @@ from ..report.parts import Section, certificate_of, friction_bounds, zone_strips
 from ..report.reports import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
-from ..solve_command import solver_options
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
 from .catalogue import LIMITS, tables_of, told_of
 from .panels import panels_of
@@ -133,7 +132,7 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
     """
     if not given:
         return {}
-    known, read = dict(solver_options(kind)), dict[str, Any]()
+    known, read = kind.solver_options(), dict[str, Any]()
     for name, value in given.items():
         if name not in known:
             text = f"no option of the kind {kind.command!r}; it has {', '.join(known) or 'none'}"
@@ -382,7 +381,7 @@ def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> d
     kind = kinds.of(problem)
     named = _usual_outputs(problem)
     given = dict(options)
-    if "nodes" in dict(solver_options(kind)) and not given.keys() & {"nodes", "rtol"}:
+    if "nodes" in kind.solver_options() and not given.keys() & {"nodes", "rtol"}:
         given["nodes"] = result.nodes  # from grid to grid the outputs jump by their errors
     model = model_of(problem, named, {}, checked_options(kind, given))
     here = np.array(model.run({}, None).values)

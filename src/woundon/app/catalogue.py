@@ -21,7 +21,6 @@ from ..problems.family import Family
 from ..problems.materials import MATERIALS, Material
 from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
-from ..solve_command import solver_options
 
 __all__ = ["LIMITS", "catalogue", "exhibits", "tables_of", "told_of"]
 
@@ -94,7 +93,7 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         "options": [
             {"name": name, "type": option.type.__name__, "words": list(option.words),
              "about": option.about}
-            for name, option in solver_options(kind)
+            for name, option in kind.solver_options().items()
         ],
     }  # fmt: skip
 

@@ -49,9 +49,9 @@ _LATE = {
 def _late_command(name: str) -> click.Command:
     """Import a command."""
     if name in ("app", "report"):
-        from ..app import commands as of_app
+        from . import app as app_commands
 
-        return of_app.app if name == "app" else of_app.report
+        return app_commands.app if name == "app" else app_commands.report
     if name == "design":
         from .design import design
 

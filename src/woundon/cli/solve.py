@@ -8,27 +8,24 @@ keyword-only arguments of the solver, their help its docstring; the fields and o
 from __future__ import annotations
 
 import inspect
-import itertools
-import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .. import kinds
 from ..errors import InvalidProblem, one_of, unwarned
 from ..io.files import check_writable
-from ..kinds import Kind, Option
+from ..kinds import Kind
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 __all__ = ["SolveCommand", "console"]
 
-_TYPES = {"int": int, "float": float, "str": str}
 _ABOUT = """\
 Solve the problem of a case file, of whatever kind ('woundon new' writes one)."""
 
@@ -64,7 +61,7 @@ class SolveCommand(click.Command):
 
     def _solver_options(self) -> Iterator[click.Option]:
         all_of = self._kinds()
-        known = {kind: dict(solver_options(kind)) for kind in all_of}
+        known = {kind: kind.solver_options() for kind in all_of}
         for name in dict.fromkeys(name for options in known.values() for name in options):
             owners = [kind for kind in all_of if name in known[kind]]
             own = known[self.kind if self.kind in owners else owners[0]][name]
@@ -162,55 +159,9 @@ def _common(all_of: Iterable[Kind]) -> Iterator[click.Parameter]:
     yield click.Option(["--plot"], type=path, help="Draw to .png, .svg or .pdf.")
 
 
-# ---- options of a solver ------------------------------------------------------------------------
-
-
-class SolverOption(NamedTuple):
-    """An option of a solver: its type, the words that it admits, its help text."""
-
-    type: type
-    words: tuple[str, ...]
-    about: str
-
-
-def solver_options(kind: Kind) -> Iterator[tuple[str, SolverOption]]:
-    """Yield the solver's options by name, as its signature and docstring tell.
-
-    They are the keyword-only arguments that are numbers or words and no fields of the problem.
-    """
-    told = _documented(kind.solver)
-    for name, given in inspect.signature(kind.solver).parameters.items():
-        hint = given.annotation
-        hint = hint if isinstance(hint, str) else inspect.formatannotation(hint)
-        if "Callable" in hint:  # functions are for Python only
-            continue
-        found = next((_TYPES[word] for word in re.findall(r"\w+", hint) if word in _TYPES), None)
-        if given.kind is given.KEYWORD_ONLY and found and name not in kind.problem.model_fields:
-            of, text = told.get(name, ("", ""))
-            documented = Option(text, tuple(re.findall(r'"([\w-]+)"', of)))
-            about, words = kind.options.get(name, documented)
-            yield name, SolverOption(found, words, about)
-
-
-def _documented(function: Any) -> dict[str, tuple[str, str]]:
-    """Return of each parameter of a NumPy docstring its type and what is said of it."""
-    found: dict[str, tuple[str, str]] = {}
-    names: list[str] = []
-    lines = (inspect.getdoc(function) or "").partition("Parameters\n")[2].splitlines()[1:]
-    for line in itertools.takewhile(str.strip, lines):
-        if not line.startswith(" "):
-            heads, _, of = line.partition(" : ")
-            names = heads.split(", ")
-            found |= dict.fromkeys(names, (of, ""))
-        else:
-            text = f"{found[names[0]][1]} {line.strip()}".strip().replace("`", "")
-            found |= {name: (found[name][0], text) for name in names}
-    return found
-
-
 def _check_options(kind: Kind, asked: Mapping[str, Any], sensitivity: bool) -> None:
     """Refuse options that the kind's solver does not have."""
-    known = dict(solver_options(kind))
+    known = kind.solver_options()
     has = ", ".join(map(_option, known)) or "none"
     faults = [(_option(name), f"no option of {_spoken(kind)}; it has {has}")
               for name in asked if name not in known]  # fmt: skip
