@@ -25,7 +25,6 @@ from .problems.bodies import HalfPlane as HalfPlane
 from .problems.bodies import Layer as Layer
 from .problems.bodies import Layered as Layered
 from .problems.bodies import Rigid as Rigid
-from .problems.fields import Problem as Problem
 from .problems.grades import Grade as Grade
 from .problems.grades import grade as grade
 from .problems.grades import grades as grades
@@ -36,7 +35,7 @@ from .problems.materials import Orthotropic as Orthotropic
 from .problems.materials import PronyTerm as PronyTerm
 from .problems.materials import material as material
 from .problems.nip import NipProblem as NipProblem
-from .problems.nip import Web as Web
+from .problems.problem import Problem as Problem
 from .problems.radial_laws import Pfeiffer as Pfeiffer
 from .problems.radial_laws import Polynomial as Polynomial
 from .problems.radial_laws import PowerLaw as PowerLaw
@@ -49,6 +48,7 @@ from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
 from .problems.viscoelastic import DynamicTest as DynamicTest
 from .problems.viscoelastic import LossAngle as LossAngle
+from .problems.web import Web as Web
 from .problems.winding import WindingProblem as WindingProblem
 from .problems.wound_roll import WoundRoll as WoundRoll
 from .quantities import Quantity as Quantity
