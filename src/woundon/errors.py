@@ -11,10 +11,16 @@ from contextlib import contextmanager
 from typing import Any, Self
 
 __all__ = [
-    "InputWarning", "InvalidProblem", "NoSolution", "NoSteadyState", "NotConverged",
+    "InputWarning",
+    "InvalidProblem",
+    "NoSolution",
+    "NoSteadyState",
+    "NotConverged",
     "ResolutionWarning",
-    "ValidityWarning", "unwarned", "warn",
-]  # fmt: skip
+    "ValidityWarning",
+    "unwarned",
+    "warn",
+]
 
 RESOLUTION = "resolution: "  # how a warning on the grid begins
 

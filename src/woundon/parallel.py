@@ -29,9 +29,16 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
 __all__ = [
-    "Cancelled", "Worker", "WorkerDied", "environment", "in_processes", "one_thread", "progress",
-    "stoppable", "usable_cores",
-]  # fmt: skip
+    "Cancelled",
+    "Worker",
+    "WorkerDied",
+    "environment",
+    "in_processes",
+    "one_thread",
+    "progress",
+    "stoppable",
+    "usable_cores",
+]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Item = TypeVar("Item")
@@ -140,9 +147,10 @@ def _end_with(parent: Any) -> None:
 WORKER_SETTINGS = {
     **environment(),
     # glibc returns freed memory to the system: mapping each matrix of 129 nodes is 10 % of a solve
-    "MALLOC_MMAP_THRESHOLD_": "33554432", "MALLOC_TRIM_THRESHOLD_": "268435456",
+    "MALLOC_MMAP_THRESHOLD_": "33554432",
+    "MALLOC_TRIM_THRESHOLD_": "268435456",
     "MALLOC_TOP_PAD_": "67108864",
-}  # fmt: skip
+}
 
 
 class WorkerDied(RuntimeError):
@@ -196,9 +204,11 @@ class Worker:
 
         with _interrupts_masked():
             self._executor = ProcessPoolExecutor(
-                1, env=WORKER_SETTINGS, initializer=_prepare,
+                1,
+                env=WORKER_SETTINGS,
+                initializer=_prepare,
                 initargs=(str(self._flag), _parent_pipe()[0], self.prepare),
-            )  # fmt: skip
+            )
             return self._executor.submit(work, *args)
 
     def cancel(self) -> None:
@@ -244,9 +254,13 @@ def _interrupts_masked() -> Iterator[None]:
 
 
 def in_processes(
-    work: Callable[[Item], Answer], items: Sequence[Item], workers: int, *, finishing: str = "",
+    work: Callable[[Item], Answer],
+    items: Sequence[Item],
+    workers: int,
+    *,
+    finishing: str = "",
     died: Callable[[Item], Answer] | None = None,
-) -> Generator[tuple[Item, Answer], None, None]:  # fmt: skip
+) -> Generator[tuple[Item, Answer], None, None]:
     """Yield every item with ``work(item)`` as soon as it is done.
 
     However it ends, no worker is left.  Within a worker everything is done by that worker.

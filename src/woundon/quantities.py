@@ -26,16 +26,43 @@ from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
-    "OF_FIELD", "Place", "Quantity", "angle", "counterpart", "find", "is_item", "is_list",
-    "length", "line_load", "members_of", "output", "outputs", "pattern", "pure", "scalar_outputs",
-    "shown_in", "strain", "stress", "tension", "value_of", "velocity", "walk",
-    "web_density", "web_thickness",
-]  # fmt: skip
+    "OF_FIELD",
+    "Place",
+    "Quantity",
+    "angle",
+    "counterpart",
+    "find",
+    "is_item",
+    "is_list",
+    "length",
+    "line_load",
+    "members_of",
+    "output",
+    "outputs",
+    "pattern",
+    "pure",
+    "scalar_outputs",
+    "shown_in",
+    "strain",
+    "stress",
+    "tension",
+    "value_of",
+    "velocity",
+    "walk",
+    "web_density",
+    "web_thickness",
+]
 
 _PER_SI = {
-    "mm": 1e3, "um": 1e6, "kPa": 1e-3, "MPa": 1e-6, "%": 1e2, "deg": 180 / pi, "ms": 1e3,
+    "mm": 1e3,
+    "um": 1e6,
+    "kPa": 1e-3,
+    "MPa": 1e-6,
+    "%": 1e2,
+    "deg": 180 / pi,
+    "ms": 1e3,
     "m/min": 60.0,
-}  # fmt: skip
+}
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -270,13 +297,19 @@ def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place
             continue
         below = ".".join(parts[: k + 1])
         fields = [(m, m.model_fields[name], above) for m, above in models if name in m.model_fields]
-        found = tuple(Place(below, _as_chosen(below, quantity_of(field, above)), field, m)
-                      for m, field, above in fields)  # fmt: skip
+        found = tuple(
+            Place(below, _as_chosen(below, quantity_of(field, above)), field, m)
+            for m, field, above in fields
+        )
         radius = counterpart(name, "diameter")
         if radius and not found:
-            found = tuple(Place(below, _diameter(quantity_of(m.model_fields[radius])),
-                                m.model_fields[radius], m)
-                          for m, _ in models if radius in m.model_fields)  # fmt: skip
+            found = tuple(
+                Place(
+                    below, _diameter(quantity_of(m.model_fields[radius])), m.model_fields[radius], m
+                )
+                for m, _ in models
+                if radius in m.model_fields
+            )
         models = tuple((m, p.quantity) for p in found for m in members_of(p.field.annotation))
     return found
 
@@ -383,8 +416,12 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:
     """Return what changes when somebody sets another output on a class."""
-    return tuple((name, id(made)) for base in of.__mro__ for name, made in vars(base).items()
-                 if isinstance(made, property) or callable(made))  # fmt: skip
+    return tuple(
+        (name, id(made))
+        for base in of.__mro__
+        for name, made in vars(base).items()
+        if isinstance(made, property) or callable(made)
+    )
 
 
 @cache

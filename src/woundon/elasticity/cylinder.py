@@ -188,18 +188,22 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
         return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n.size))
 
-    normal = HarmonicSums((
-        harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
-        harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]),
-    ))  # fmt: skip
+    normal = HarmonicSums(
+        (
+            harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
+            harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]),
+        )
+    )
     normal_p, coupling = normal.kernels()
     slope = 1 / (pi * R)
-    gradients = HarmonicSums((
-        harmonics(True, slope, moved[:, 0, 0], n * Y[0, 0]),
-        harmonics(False, -slope, moved[:, 0, 1], n * Y[0, 1]),
-        harmonics(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
-        harmonics(True, -slope, stretch[:, 1], sums[1]),
-    ))  # fmt: skip
+    gradients = HarmonicSums(
+        (
+            harmonics(True, slope, moved[:, 0, 0], n * Y[0, 0]),
+            harmonics(False, -slope, moved[:, 0, 1], n * Y[0, 1]),
+            harmonics(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
+            harmonics(True, -slope, stretch[:, 1], sums[1]),
+        )
+    )
     slope_p, slope_q, strain_p, strain_q = gradients.kernels()
     return SurfaceKernels(
         normal_p=normal_p,

@@ -26,8 +26,13 @@ import numpy as np
 from .kernels import Kernel
 
 __all__ = [
-    "POWERS", "HarmonicSum", "HarmonicSums", "polylogarithm", "quintics", "uniform_response",
-]  # fmt: skip
+    "POWERS",
+    "HarmonicSum",
+    "HarmonicSums",
+    "polylogarithm",
+    "quintics",
+    "uniform_response",
+]
 
 Array = np.ndarray
 

@@ -91,9 +91,11 @@ class HardeningSurface:
             self._gradients, (by_p, by_q)
         )
         return SurfaceTangent(
-            slope_p + more_slope_p, slope_q + more_slope_q,
-            strain_p + more_strain_p, strain_q + more_strain_q,
-        )  # fmt: skip
+            slope_p + more_slope_p,
+            slope_q + more_slope_q,
+            strain_p + more_strain_p,
+            strain_q + more_strain_q,
+        )
 
     def end_displacement(self, p: Array, q: Array) -> float:
         """Return v at the trailing edge of the nip [m]."""
@@ -229,8 +231,10 @@ def hardening_sections(
     layers = ((depth(ring.radius, ring.core_radius), *ring.stiffness),)
     return tuple(
         Section(
-            s.depth, s.x,
-            s.normal + at_depth(normal, s.depth, s.x), s.shear + at_depth(shear, s.depth, s.x),
+            s.depth,
+            s.x,
+            s.normal + at_depth(normal, s.depth, s.x),
+            s.shear + at_depth(shear, s.depth, s.x),
         )
         for s in cylinder_sections(x, p, q, depths, ring.radius, layers)
-    )  # fmt: skip
+    )

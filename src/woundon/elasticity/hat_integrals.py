@@ -90,9 +90,11 @@ def _add_cells(out: Array, half: Array, slope: Array) -> None:
 
 
 def by_second_integral(
-    second: Callable[[Array], Array], first: Callable[[Array], Array] | None,
-    points: Array, nodes: Array,
-) -> Array:  # fmt: skip
+    second: Callable[[Array], Array],
+    first: Callable[[Array], Array] | None,
+    points: Array,
+    nodes: Array,
+) -> Array:
     """Integrate influence functions k = K'' against hats by second differences of K, exactly.
 
     Parameters

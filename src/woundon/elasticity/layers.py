@@ -200,8 +200,10 @@ class Systems:
             both = ([X[:, :, pairs][:, :, k::2] for X in (E, Q, H)] for k in (0, 1))
             upper, lower = (tuple(part) for part in both)
             made = star(lower, upper)  # type: ignore[arg-type]
-            E, Q, H = (np.concatenate([new, X[:, :, pairs.stop :]], axis=2)
-                       for new, X in zip(made, (E, Q, H), strict=True))  # fmt: skip
+            E, Q, H = (
+                np.concatenate([new, X[:, :, pairs.stop :]], axis=2)
+                for new, X in zip(made, (E, Q, H), strict=True)
+            )
         return E[:, :, 0], Q[:, :, 0], H[:, :, 0]
 
     def each(self, n: Array) -> Matrices:

@@ -148,9 +148,16 @@ def topology(columns: int, rows: int) -> Topology:
     # the ring is closed: the last column of nodes is the first
     nodes = (x % (2 * columns) + 2 * columns * r)[basis.element_dofs.T]
     return Topology(
-        np.array([values for values, _ in shapes]), by_x, by_r, local, weights, nodes,
-        column, row, _numbers(nodes, 2 * columns, 2 * rows),
-    )  # fmt: skip
+        np.array([values for values, _ in shapes]),
+        by_x,
+        by_r,
+        local,
+        weights,
+        nodes,
+        column,
+        row,
+        _numbers(nodes, 2 * columns, 2 * rows),
+    )
 
 
 def _numbers(nodes: Array, around: int, high: int) -> Array:
@@ -171,9 +178,11 @@ def _numbers(nodes: Array, around: int, high: int) -> Array:
 def _symmetric(matrix: sparse.csc_matrix, order: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> SuperLU:
     """Factor a symmetric positive definite matrix."""
     return splu(
-        matrix.astype(np.float64), permc_spec=order, diag_pivot_thresh=0.0,
+        matrix.astype(np.float64),
+        permc_spec=order,
+        diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
-    )  # fmt: skip
+    )
 
 
 class Factors:

@@ -100,9 +100,12 @@ class RingPair:
     """
 
     def __init__(
-        self, radius: float, core_radius: float, law: HardeningLaw,
+        self,
+        radius: float,
+        core_radius: float,
+        law: HardeningLaw,
         wound: Callable[[Array], Array],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.radius, self.core_radius, self.law, self.wound = radius, core_radius, law, wound
         self._latest: RingState | None = None
         self._reference: tuple[RingMesh, Factors] | None = None
@@ -228,9 +231,11 @@ class RingPair:
     def _linear_factors(self, mesh: RingMesh, near: float) -> tuple[RingMesh, Factors]:
         """Return the factors of the linear ring on a mesh of a half width at most so far away."""
         last = self._reference
-        if last is None or last[0].fineness != mesh.fineness or (
-            last[0] is not mesh and abs(log(last[0].half_width / mesh.half_width)) >= near
-        ):  # fmt: skip
+        if (
+            last is None
+            or last[0].fineness != mesh.fineness
+            or (last[0] is not mesh and abs(log(last[0].half_width / mesh.half_width)) >= near)
+        ):
             moduli = np.broadcast_to(self._moduli, (*mesh.weights.shape, 3, 3))
             last = self._reference = mesh, self._factorise(mesh, moduli)
         return last

@@ -124,10 +124,20 @@ def _kernels(
     (normal_p, coupling), _, _ = surface.kernels(parts[4:6])
     (tangent_q,), _, _ = surface.kernels(parts[6:])  # often nobody asks for its table
     return SurfaceKernels(
-        normal_p, coupling, coupling, tangent_q, slope_p, slope_q, strain_p, strain_q,
-        length=R * min(1.0, 2 * decay), truncation_error=error, terms=n.size,
-        together=together, lag=lag,
-    )  # fmt: skip
+        normal_p,
+        coupling,
+        coupling,
+        tangent_q,
+        slope_p,
+        slope_q,
+        strain_p,
+        strain_q,
+        length=R * min(1.0, 2 * decay),
+        truncation_error=error,
+        terms=n.size,
+        together=together,
+        lag=lag,
+    )
 
 
 class Part(NamedTuple):
@@ -197,12 +207,14 @@ class Surface:
         regular = (amplitude @ self.regular).real
         is_even = np.arange(POWERS) % 2 == 0
         return Part(
-            HarmonicSum(False, self.radius, scale, mean, c.real, left.real,
-                        np.where(is_even, regular, 0.0)),
-            HarmonicSum(True, self.radius, -scale, 0.0, c.imag, left.imag,
-                        np.where(is_even, 0.0, regular)),
+            HarmonicSum(
+                False, self.radius, scale, mean, c.real, left.real, np.where(is_even, regular, 0.0)
+            ),
+            HarmonicSum(
+                True, self.radius, -scale, 0.0, c.imag, left.imag, np.where(is_even, 0.0, regular)
+            ),
             1j * self.radius * amplitude,
-        )  # fmt: skip
+        )
 
     def kernels(self, parts: list[Part]) -> tuple[list[Kernel], _Together, Lag | None]:
         """Return the influence functions, their smooth parts at once, and their lags."""
@@ -212,10 +224,16 @@ class Surface:
             lag = Lag(length, np.array([part.lag for part in parts]), (pi + 1) * R)
         for k, part in enumerate(parts):
             even, odd = part.even.kernel(), part.odd.kernel()
-            made.append(replace(
-                even, inverse=odd.inverse, sign=odd.sign, smooth=_Alone(together.one(k)),
-                twice=_Twice(part), lag=None if lag is None else lag.one(k),
-            ))  # fmt: skip
+            made.append(
+                replace(
+                    even,
+                    inverse=odd.inverse,
+                    sign=odd.sign,
+                    smooth=_Alone(together.one(k)),
+                    twice=_Twice(part),
+                    lag=None if lag is None else lag.one(k),
+                )
+            )
         return made, together, lag
 
 

@@ -11,7 +11,7 @@ from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, stress
 from .air_law import AirBetween
 from .description import Description
-from .fields import Number
+from .fields import Number, default
 from .messages import quote
 from .radial_laws import SolidLaw
 from .roll import RollProblem
@@ -39,28 +39,33 @@ class Air(Description):
     """
 
     roughness: Annotated[
-        Number, length("s", "rms roughness of both surfaces together", "um", (0.05e-6, 10e-6)),
+        Number,
+        length("s", "rms roughness of both surfaces together", "um", (0.05e-6, 10e-6)),
         Field(gt=0, le=1e-3),
-    ]  # fmt: skip
+    ]
     viscosity: Annotated[
-        Number, Quantity("mu_a", "Pa*s", "viscosity of the air", typical=(1.7e-5, 2e-5)),
+        Number,
+        Quantity("mu_a", "Pa*s", "viscosity of the air", typical=(1.7e-5, 2e-5)),
         Field(ge=1e-7, le=1e-2),
-    ] = 1.81e-5  # fmt: skip
+    ] = default(1.81e-5)
     ambient_pressure: Annotated[
         Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
-    ] = 101325.0
+    ] = default(101325.0)
     permeance: Annotated[
-        Number, Quantity("k_a", "m/Pa/s", "permeance of the web", typical=(0.0, 1e-5)),
+        Number,
+        Quantity("k_a", "m/Pa/s", "permeance of the web", typical=(0.0, 1e-5)),
         Field(ge=0, le=1),
-    ] = 0.0  # fmt: skip
+    ] = default(0.0)
     full_friction: Annotated[
-        Number, pure("h/s full", "film up to which friction is full, in roughnesses", (0.5, 2.0)),
+        Number,
+        pure("h/s full", "film up to which friction is full, in roughnesses", (0.5, 2.0)),
         Field(ge=0, le=100),
-    ] = 1.0  # fmt: skip
+    ] = default(1.0)
     no_friction: Annotated[
-        Number, pure("h/s none", "film that leaves no friction, in roughnesses", (2.0, 4.0)),
+        Number,
+        pure("h/s none", "film that leaves no friction, in roughnesses", (2.0, 4.0)),
         Field(gt=0, le=100),
-    ] = 3.0  # fmt: skip
+    ] = default(3.0)
 
     @model_validator(mode="after")
     def _falls(self) -> Self:

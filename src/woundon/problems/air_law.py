@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from ..quantities import length, stress
-from .fields import Number
+from .fields import Number, default
 from .radial_laws import AnySolidLaw, RadialLaw
 
 __all__ = ["AirBetween"]
@@ -48,7 +48,7 @@ class AirBetween(RadialLaw):
     ]
     ambient_pressure: Annotated[
         Number, stress("p_a", "ambient pressure", "kPa", (80e3, 105e3)), Field(ge=1e3, le=1e7)
-    ] = 101325.0
+    ] = default(101325.0)
 
     @property
     def highest(self) -> float:

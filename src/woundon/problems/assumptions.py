@@ -11,8 +11,10 @@ PLANE = "Steady state, small strains, plane strain."
 FRICTION = "Coulomb friction with constant coefficients."
 UNIFORM = "The web has a uniform thickness and tension across its width."
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
-AIR = ("The air film is isothermal, as wide as the web, and escapes only through the web; friction "
-       "falls linearly with its thickness.")  # fmt: skip
+AIR = (
+    "The air film is isothermal, as wide as the web, and escapes only through the web; friction "
+    "falls linearly with its thickness."
+)
 WRAPPED = "The web is held to the roll at the end of the roll wrap."
 HELD = "The web does not slip on the roll downstream of the nip: it is held at its trailing edge."
 
@@ -22,9 +24,15 @@ def of_nip(problem: Any) -> tuple[str, ...]:
     bodies = (text for name in ("roll", "drum") for text in _body(name, getattr(problem, name)))
     web = "linear elastic" if problem.web.linear else "a stack that hardens under pressure"
     return (
-        PLANE, FRICTION, UNIFORM, f"The web is a thin strip, {web}.", *bodies, BONDED,
-        WRAPPED if problem.roll_wrap else HELD, *([AIR] if problem.air is not None else []),
-    )  # fmt: skip
+        PLANE,
+        FRICTION,
+        UNIFORM,
+        f"The web is a thin strip, {web}.",
+        *bodies,
+        BONDED,
+        WRAPPED if problem.roll_wrap else HELD,
+        *([AIR] if problem.air is not None else []),
+    )
 
 
 def of_rollers(problem: Any) -> tuple[str, ...]:
@@ -56,10 +64,12 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     change = "Temperature and shrinkage change the finished roll at once, without creep."
     changes = problem.temperature_change or problem.core_shrinkage
     return (
-        axisymmetric, "The web has a uniform thickness across its width.",
+        axisymmetric,
+        "The web has a uniform thickness across its width.",
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
-        "The layers neither slip nor creep.", *([change] if changes else []),
-    )  # fmt: skip
+        "The layers neither slip nor creep.",
+        *([change] if changes else []),
+    )
 
 
 ROLL_BODIES = {
@@ -84,6 +94,8 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         text = LAWS.get(law, "") if isinstance(law, str) else ""
         of = (text or "The wound-on tension is given over the radius.",)
     return (
-        *of, "The roll is axisymmetric, its layers elastic, and without creep.", UNIFORM,
+        *of,
+        "The roll is axisymmetric, its layers elastic, and without creep.",
+        UNIFORM,
         *([AIR] if problem.air is not None else []),
-    )  # fmt: skip
+    )

@@ -10,6 +10,7 @@ The set of bodies is open: a subclass of :class:`Body` is a body like these.
 
 from __future__ import annotations
 
+from dataclasses import InitVar
 from functools import cached_property
 from math import inf, log1p, pi, sqrt
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
@@ -37,12 +38,23 @@ if TYPE_CHECKING:
 
     from ..elasticity.layers import Layers as Stacked
     from ..elasticity.mesh import Face
-    from .fields import CoercedField
+    from .fields import CoercedField, Nested
 
 __all__ = [
-    "AnyBody", "Body", "CoreRadius", "Cylinder", "HalfPlane", "KernelBody",
-    "Layer", "Layered", "Radius", "Rigid", "contact_radius", "core_inside", "half_width_guess",
-]  # fmt: skip
+    "AnyBody",
+    "Body",
+    "CoreRadius",
+    "Cylinder",
+    "HalfPlane",
+    "KernelBody",
+    "Layer",
+    "Layered",
+    "Radius",
+    "Rigid",
+    "contact_radius",
+    "core_inside",
+    "half_width_guess",
+]
 
 
 # of the radius; a core that is smaller still is no other roll, but its powers overflow
@@ -77,7 +89,10 @@ class Body(Family):
         Whether its response depends on the speed at which it rolls.
     """
 
-    radius: Radius
+    # Required, but type checkers must accept a diameter in its place.
+    radius: Radius = Field(...)
+    if TYPE_CHECKING:
+        diameter: InitVar[float | str] = Field(...)
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
     caution: ClassVar[str] = ""
@@ -178,7 +193,7 @@ class Body(Family):
 
 
 if TYPE_CHECKING:
-    AnyBody = CoercedField[Body, Body | Mapping[str, Any]]
+    AnyBody = Nested[Body]
 else:
     AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.coerce)]
 
@@ -305,7 +320,9 @@ class Cylinder(KernelBody):
         For a core that is not smaller than the cylinder, or a layer thinner than R/2000.
     """
 
-    core_radius: CoreRadius
+    core_radius: CoreRadius = Field(...)
+    if TYPE_CHECKING:
+        core_diameter: InitVar[float | str] = Field(...)
     material: AnyMaterial
 
     @model_validator(mode="after")

@@ -137,8 +137,9 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         """Return a table of the fields."""
         rows = [
             _cells(place.path, place.quantity, place.value)
-            for place in walk(self) if place.value is not None
-        ]  # fmt: skip
+            for place in walk(self)
+            if place.value is not None
+        ]
         cells = "\n".join(
             f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
         )

@@ -1,8 +1,13 @@
-"""Types of the fields of a description: numbers and lists of numbers."""
+"""Types of the fields of a description: numbers, lists of numbers, nested descriptions.
+
+A field accepts more than it holds: a number may be entered as text with a unit ("36 um"), a nested
+description as a table.  Type checkers see a :class:`CoercedField`, whose ``__set__`` gives the type
+of the argument and whose ``__get__`` gives the type of the attribute.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import inf
 from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
@@ -12,62 +17,83 @@ from pydantic_core import PydanticCustomError
 
 from .inputs import FloatWithUnit
 
-__all__ = ["CoercedField", "Number", "NumberOfField", "Numbers", "NumbersOfField"]
+__all__ = [
+    "CoercedField",
+    "Nested",
+    "Number",
+    "NumberOfField",
+    "Numbers",
+    "NumbersOfField",
+    "OptionalNested",
+    "OptionalNumber",
+    "default",
+]
 
 
 def _number(value: Any) -> float:
-    """Return a real number of any make (int, NumPy scalar, Fraction, 0-d array) as a float.
+    """Return a real number of any type (int, NumPy scalar, Fraction, 0-d array) as a float.
 
-    Truth values, and texts that could not be converted, are rejected: pydantic would take both as
-    numbers.
+    Booleans and text are rejected; pydantic would accept both as numbers.
     """
-    if type(value) is float:  # as nearly all are, of variants too
+    if type(value) is float:  # the common case first: studies create many variants
         return value
-    of_array = getattr(value, "shape", None) == () and hasattr(value, "dtype")
-    kind = getattr(value.dtype, "kind", "") if of_array else ""
+    is_scalar = getattr(value, "shape", None) == () and hasattr(value, "dtype")
+    kind = getattr(value.dtype, "kind", "") if is_scalar else ""
     if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
         raise PydanticCustomError("not_a_number", "is not a number")
     if getattr(value, "mask", False) is not False and bool(value.mask):
         raise PydanticCustomError("not_a_number", "is not a number")
     try:
         return float(value)
-    except OverflowError:  # a whole number of more than 308 digits
+    except OverflowError:  # an integer of more than 308 digits
         return inf if value > 0 else -inf
 
 
 def _listed(value: Any) -> Any:
-    """Return an array of one dimension as a list, which is what a list of numbers is read from."""
+    """Return a one-dimensional array as a list, which pydantic validates."""
     return value.tolist() if hasattr(value, "dtype") and hasattr(value, "tolist") else value
 
 
-Number = Annotated[float, BeforeValidator(_number)]
-
-
-def _with_unit(value: Any, handler: Any) -> Any:
-    """Validate a number; one that has its unit keeps it."""
+def _keep_unit(value: Any, handler: Any) -> Any:
+    """Validate a number; a number with its unit stays as it is."""
     checked = handler(value)
     return value if isinstance(value, FloatWithUnit) else checked
 
 
-# The values of a schedule: they are in the unit of the field that holds the schedule.
-NumberOfField = Annotated[Number, WrapValidator(_with_unit)]
+def default(value: Any) -> Any:
+    """Return a default value; its type is hidden from type checkers, which see a CoercedField."""
+    return value
+
+
+T = TypeVar("T")
 
 if TYPE_CHECKING:
-    Read = TypeVar("Read")
-    Write = TypeVar("Write")
+    Held = TypeVar("Held")
+    Accepted = TypeVar("Accepted")
 
-    class CoercedField(Generic[Read, Write]):
-        """For type checkers: a field that is given as more than what it is read as."""
+    class CoercedField(Generic[Held, Accepted]):
+        """A field that accepts more types than it holds."""
 
         @overload
         def __get__(self, instance: None, owner: Any) -> Self: ...
         @overload
-        def __get__(self, instance: object, owner: Any) -> Read: ...
+        def __get__(self, instance: object, owner: Any) -> Held: ...
         def __get__(self, instance: Any, owner: Any) -> Any: ...
-        def __set__(self, instance: Any, value: Write) -> None: ...
+        def __set__(self, instance: Any, value: Accepted) -> None: ...
 
+    Number = CoercedField[float, float | str]
+    OptionalNumber = CoercedField[float | None, float | str | None]
     Numbers = CoercedField[tuple[float, ...], Iterable[float | str]]
+    Nested = CoercedField[T, T | Mapping[str, Any]]
+    OptionalNested = CoercedField[T | None, T | Mapping[str, Any] | None]
+    NumberOfField = Number
     NumbersOfField = Numbers
 else:
+    Number = Annotated[float, BeforeValidator(_number)]
+    OptionalNumber = Number | None
     Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
+    Nested = Annotated[T, "or a table of its fields"]
+    OptionalNested = T | None
+    # Values of a schedule: they have the unit of the field that holds the schedule.
+    NumberOfField = Annotated[Number, WrapValidator(_keep_unit)]
     NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(_listed)]

@@ -18,7 +18,7 @@ from ..quantities import Quantity, length, pure, quantity_of, stress, tension, w
 from ..quantities import web_thickness as thickness_of_web
 from .bodies import Cylinder
 from .description import Description
-from .fields import Number, Numbers
+from .fields import Nested, Number, Numbers, default
 from .library import Entry, entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
@@ -118,7 +118,9 @@ class Grade(Description):
         stress("P", "usual pressure near the core, low to high", "kPa"),
         Field(min_length=2, max_length=2),
     ]
-    limits: Annotated[Limits, Field(description="default limits of a wound roll")] = Limits()
+    limits: Annotated[Nested[Limits], Field(description="default limits of a wound roll")] = (
+        default(Limits())
+    )
     spread: Mapping[str, float] = {}
     sources: Mapping[str, str] = {}
 
@@ -141,18 +143,22 @@ class Grade(Description):
     def stack(self) -> Stack:
         """The layers in a roll, which harden under pressure."""
         return Stack(
-            radial=Pfeiffer(K1=self.K1, K2=self.K2), tangential=self.tangential,
-            poissons_ratio=self.poissons_ratio, shear=self.stack_shear,
-        )  # fmt: skip
+            radial=Pfeiffer(K1=self.K1, K2=self.K2),
+            tangential=self.tangential,
+            poissons_ratio=self.poissons_ratio,
+            shear=self.stack_shear,
+        )
 
     def web(self) -> Web:
         """Return the web."""
         return Web(thickness=self.thickness, material=self.material)
 
     def roll(
-        self, radius: float | str, core_radius: float | str,
+        self,
+        radius: float | str,
+        core_radius: float | str,
         pressure: float | str | Profile | None = None,
-    ) -> Cylinder | WoundRoll:  # fmt: skip
+    ) -> Cylinder | WoundRoll:
         """Return a roll of the grade for a nip.
 
         Parameters
@@ -164,10 +170,10 @@ class Grade(Description):
             linear cylinder.
         """
         if pressure is None:
-            made: Any = {"material": self.roll_material}
-            return Cylinder(radius=radius, core_radius=core_radius, **made)  # type: ignore[arg-type]
-        made = {"stack": self.stack, "pressure": pressure}
-        return WoundRoll(radius=radius, core_radius=core_radius, **made)  # type: ignore[arg-type]
+            return Cylinder(radius=radius, core_radius=core_radius, material=self.roll_material)
+        return WoundRoll(
+            radius=radius, core_radius=core_radius, stack=self.stack, pressure=pressure
+        )
 
     def spread_of(self, problem: Any) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
@@ -221,19 +227,32 @@ def _text(value: Any, quantity: Quantity) -> str:
 
 # Fields of problems that a grade supplies, and the value of the grade that they hold.
 _FIELDS = (
-    ("web.thickness", "thickness"), ("web_thickness", "thickness"),
-    ("web.material.radial", "web_radial"), ("web.material.tangential", "tangential"),
-    ("web.material.cross", "cross"), ("web.material.shear", "roll_shear"),
-    ("roll.material.radial", "roll_radial"), ("roll.material.tangential", "tangential"),
-    ("roll.material.cross", "cross"), ("roll.material.shear", "roll_shear"),
-    *((f"{roll}{path}", name)
-      for roll in ("", "roll.")
-      for path, name in (("stack.radial.K1", "K1"), ("stack.radial.K2", "K2"),
-                         ("stack.tangential", "tangential"), ("stack.shear", "stack_shear"),
-                         ("stack.poissons_ratio", "poissons_ratio"))),
-    ("roll_friction", "friction"), ("drum_friction", "drum_friction"), ("density", "density"),
+    ("web.thickness", "thickness"),
+    ("web_thickness", "thickness"),
+    ("web.material.radial", "web_radial"),
+    ("web.material.tangential", "tangential"),
+    ("web.material.cross", "cross"),
+    ("web.material.shear", "roll_shear"),
+    ("roll.material.radial", "roll_radial"),
+    ("roll.material.tangential", "tangential"),
+    ("roll.material.cross", "cross"),
+    ("roll.material.shear", "roll_shear"),
+    *(
+        (f"{roll}{path}", name)
+        for roll in ("", "roll.")
+        for path, name in (
+            ("stack.radial.K1", "K1"),
+            ("stack.radial.K2", "K2"),
+            ("stack.tangential", "tangential"),
+            ("stack.shear", "stack_shear"),
+            ("stack.poissons_ratio", "poissons_ratio"),
+        )
+    ),
+    ("roll_friction", "friction"),
+    ("drum_friction", "drum_friction"),
+    ("density", "density"),
     ("air.roughness", "roughness"),
-)  # fmt: skip
+)
 
 
 # ---- the list -----------------------------------------------------------------------------------
@@ -321,12 +340,18 @@ def _made(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Gr
         if isinstance(limits, Mapping):
             values["limits"] = {**base.values.get("limits", {}), **limits}
         own = _names(entry.values)
-        kept = {key: {k: v for k, v in getattr(base, key).items() if k not in own}
-                for key in ("spread", "sources")}  # fmt: skip
-        return Grade(**{
-            "name": name, **values,
-            "spread": kept["spread"] | entry.spread, "sources": kept["sources"] | entry.sources,
-        })  # fmt: skip
+        kept = {
+            key: {k: v for k, v in getattr(base, key).items() if k not in own}
+            for key in ("spread", "sources")
+        }
+        return Grade(
+            **{
+                "name": name,
+                **values,
+                "spread": kept["spread"] | entry.spread,
+                "sources": kept["sources"] | entry.sources,
+            }
+        )
     except InvalidProblem as fault:
         raise fault.under(f"grades.{name}") from None
 
@@ -347,10 +372,16 @@ def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
         text = f"{quote(like)} is not a known grade{did_you_mean(like, known)}"
         raise InvalidProblem.at("like", text)
     base = known[like]
-    values = {name: getattr(base, name) for name in Grade.model_fields
-              if name not in ("name", "title", "spread", "sources")}  # fmt: skip
-    limits = {name: value for name in Limits.model_fields
-              if (value := getattr(base.limits, name)) is not None}  # fmt: skip
+    values = {
+        name: getattr(base, name)
+        for name in Grade.model_fields
+        if name not in ("name", "title", "spread", "sources")
+    }
+    limits = {
+        name: value
+        for name in Limits.model_fields
+        if (value := getattr(base.limits, name)) is not None
+    }
     return Entry({**values, "limits": limits}, dict(base.spread), dict(base.sources))
 
 
@@ -398,8 +429,11 @@ def changes_of_grade(found: Grade, problem: Any, changes: Mapping[str, Any]) -> 
     changes : mapping
         Other changes by dotted name, which have precedence.
     """
-    parts = {name: _table(part) for name in ("roll", "air")
-             if isinstance(part := getattr(problem, name, None), Description)}  # fmt: skip
+    parts = {
+        name: _table(part)
+        for name in ("roll", "air")
+        if isinstance(part := getattr(problem, name, None), Description)
+    }
     values: dict[str, Any] = {}
     for name, value in _supplied(found, type(problem), parts).items():
         nested = name in parts or name in ("web", "limits")
@@ -446,21 +480,29 @@ def warn_of_contradictions(found: Grade, problem: Any) -> None:
         if isinstance(value, float) and abs(value - own) > SAME * abs(own):
             quantity = quantity_of(Grade.model_fields[name])
             assert quantity is not None
-            texts.append(f"{path} = {_text(value, quantity)} replaces the {_text(own, quantity)} "
-                         f"of the grade {found.name!r}")  # fmt: skip
+            texts.append(
+                f"{path} = {_text(value, quantity)} replaces the {_text(own, quantity)} "
+                f"of the grade {found.name!r}"
+            )
     warn(texts, InputWarning)
 
 
 def _supplied(found: Grade, model: type[Any], given: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a grade supplies of the fields of a problem, as tables."""
-    limits = {name: value for name in Limits.model_fields
-              if (value := getattr(found.limits, name)) is not None}  # fmt: skip
+    limits = {
+        name: value
+        for name in Limits.model_fields
+        if (value := getattr(found.limits, name)) is not None
+    }
     known: dict[str, Any] = {
         "web": {"thickness": found.thickness, "material": _table(found.material)},
-        "web_thickness": found.thickness, "density": found.density,
-        "stack": _table(found.stack), "limits": limits,
-        "roll_friction": found.friction, "drum_friction": found.drum_friction,
-    }  # fmt: skip
+        "web_thickness": found.thickness,
+        "density": found.density,
+        "stack": _table(found.stack),
+        "limits": limits,
+        "roll_friction": found.friction,
+        "drum_friction": found.drum_friction,
+    }
     roll, air = given.get("roll"), given.get("air")
     if isinstance(roll, Mapping):
         wound = roll.get("kind") == "wound_roll" or "pressure" in roll

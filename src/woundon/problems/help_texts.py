@@ -19,13 +19,18 @@ WIDTH = 92
 
 def signature(model: Any) -> Signature:
     """Return the arguments that make a description, without pydantic's marks."""
-    return Signature([
-        Parameter(
-            name, Parameter.KEYWORD_ONLY, annotation=_word(field.annotation),
-            default=Parameter.empty if field.is_required() else field.default,
-        )
-        for name, field in model.model_fields.items()
-    ], return_annotation=None)  # fmt: skip
+    return Signature(
+        [
+            Parameter(
+                name,
+                Parameter.KEYWORD_ONLY,
+                annotation=_word(field.annotation),
+                default=Parameter.empty if field.is_required() else field.default,
+            )
+            for name, field in model.model_fields.items()
+        ],
+        return_annotation=None,
+    )
 
 
 def documentation(model: Any) -> str:
@@ -35,10 +40,15 @@ def documentation(model: Any) -> str:
         return own
     width = max(map(len, fields)) + 2
     rows = [
-        fill(f"{name:<{width}}{_told(field)}", WIDTH, initial_indent="    ",
-             subsequent_indent=" " * (width + 4), break_on_hyphens=False)
+        fill(
+            f"{name:<{width}}{_told(field)}",
+            WIDTH,
+            initial_indent="    ",
+            subsequent_indent=" " * (width + 4),
+            break_on_hyphens=False,
+        )
         for name, field in fields.items()
-    ]  # fmt: skip
+    ]
     head, mark, sections = own.partition("\n\nParameters\n---")
     return "\n".join([head, "", "Fields, SI units::", "", *rows]) + mark + sections
 

@@ -30,9 +30,14 @@ from .permitted import takes_a_number
 from .units import has_dimension, parse
 
 __all__ = [
-    "Context", "FloatWithUnit", "context_of", "convert", "convert_fields", "in_order",
+    "Context",
+    "FloatWithUnit",
+    "context_of",
+    "convert",
+    "convert_fields",
+    "in_order",
     "is_word",
-]  # fmt: skip
+]
 
 Faults = list[tuple[str, str]]
 
@@ -287,11 +292,15 @@ def _values_of_field(model: Any) -> tuple[str, ...]:
 def _schedule(value: Any, places: list[Place], path: str, faults: Faults, context: Context) -> Any:
     """Return a schedule whose values are in the unit of the field that holds it."""
     changed = {
-        name: _value(getattr(value, name),
-                     [p for of in places for p in find(type(value), name, of.quantity)],
-                     f"{path}.{name}", faults, context)
+        name: _value(
+            getattr(value, name),
+            [p for of in places for p in find(type(value), name, of.quantity)],
+            f"{path}.{name}",
+            faults,
+            context,
+        )
         for name in _values_of_field(value.__class__)
-    }  # fmt: skip
+    }
     return value.replace(**changed)
 
 
@@ -323,18 +332,20 @@ def _number(text: str, quantity: Quantity, path: str, context: Context) -> float
 def _per_width(text: str, path: str, context: Context) -> float:
     if not context.width:
         raise InvalidProblem.at(
-            path, f"{text!r} is a force; expected a force per width. Give the width of the web, "
-            "e.g. width = '2.5 m', which divides it, or write it in N/m, kN/m or pli"
-        )  # fmt: skip
+            path,
+            f"{text!r} is a force; expected a force per width. Give the width of the web, "
+            "e.g. width = '2.5 m', which divides it, or write it in N/m, kN/m or pli",
+        )
     return parse(text, "N", path) / context.width
 
 
 def _tension_of_stress(text: str, path: str, context: Context) -> float:
     if not context.thickness:
         raise InvalidProblem.at(
-            path, f"{text!r} is a stress; expected a force per width. The thickness of the web, "
-            "which would convert it, is not known here; write it in N/m, kN/m or pli"
-        )  # fmt: skip
+            path,
+            f"{text!r} is a stress; expected a force per width. The thickness of the web, "
+            "which would convert it, is not known here; write it in N/m, kN/m or pli",
+        )
     return parse(text, "Pa", path) * context.thickness
 
 
@@ -350,9 +361,10 @@ def _of_basis_weight(text: str, unit: str, path: str, context: Context) -> float
         known, needed, example = context.thickness, "thickness", "66 um"
     if not known:
         raise InvalidProblem.at(
-            path, f"{text!r} is a basis weight; expected a value in {unit}. Give the {needed} of "
-            f"the web, e.g. {needed} = {example!r}, to convert it"
-        )  # fmt: skip
+            path,
+            f"{text!r} is a basis weight; expected a value in {unit}. Give the {needed} of "
+            f"the web, e.g. {needed} = {example!r}, to convert it",
+        )
     return weight / known
 
 
@@ -362,9 +374,11 @@ def _of_basis_weight(text: str, unit: str, path: str, context: Context) -> float
 def is_word(value: Any, annotation: Any) -> bool:
     """Tell whether a text stands for a word that a field admits, and for no number with a unit."""
     words = _words_of(annotation)
-    return isinstance(value, str) and bool(words) and (
-        value in words or not takes_a_number(annotation)
-    )  # fmt: skip
+    return (
+        isinstance(value, str)
+        and bool(words)
+        and (value in words or not takes_a_number(annotation))
+    )
 
 
 def _words_of(annotation: Any) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ..quantities import Quantity, pure, strain, stress, tension
 from .description import Description
-from .fields import Number
+from .fields import Number, OptionalNumber, default
 
 __all__ = ["Limits"]
 
@@ -48,44 +48,50 @@ class Limits(Description):
     """
 
     layer_friction: Annotated[
-        Number | None, pure("mu_l", "friction between layers", (0.1, 0.6)), Field(gt=0, le=10)
-    ] = None
+        OptionalNumber, pure("mu_l", "friction between layers", (0.1, 0.6)), Field(gt=0, le=10)
+    ] = default(None)
     torque_share: Annotated[
-        Number, pure("S_M", "largest share of the torque that friction can carry", (0.1, 1.0)),
+        Number,
+        pure("S_M", "largest share of the torque that friction can carry", (0.1, 1.0)),
         Field(gt=0, le=1),
-    ] = 1.0  # fmt: skip
+    ] = default(1.0)
     acceleration: Annotated[
         Number,
-        Quantity("a", "m/s^2", "acceleration of the web at a start or stop by the core",
-                 typical=(0.0, 2.0)),
+        Quantity(
+            "a",
+            "m/s^2",
+            "acceleration of the web at a start or stop by the core",
+            typical=(0.0, 2.0),
+        ),
         Field(ge=0, le=1000),
-    ] = 0.0  # fmt: skip
+    ] = default(0.0)
     compression: Annotated[
-        Number | None,
+        OptionalNumber,
         stress("S_c", "largest compression along the web", typical=(0.0, 500e3)),
         Field(ge=0, le=1e12),
-    ] = None
+    ] = default(None)
     blocking_pressure: Annotated[
-        Number | None,
+        OptionalNumber,
         stress("P_b", "pressure at which layers block", typical=(100e3, 3e6)),
         Field(gt=0, le=1e12),
-    ] = None
+    ] = default(None)
     core_pressure: Annotated[
-        Number | None,
+        OptionalNumber,
         stress("P_cc", "pressure that the core bears", "MPa", (0.5e6, 10e6)),
         Field(gt=0, le=1e12),
-    ] = None
+    ] = default(None)
     web_strength: Annotated[
-        Number | None,
+        OptionalNumber,
         tension("T_b", "tension that the web bears", (500.0, 10e3)),
         Field(gt=0, le=1e8),
-    ] = None
+    ] = default(None)
     slack_tension: Annotated[
-        Number | None,
+        OptionalNumber,
         tension("T_s", "tension below which the web runs slack", (5.0, 100.0)),
         Field(gt=0, le=1e8),
-    ] = None
+    ] = default(None)
     yield_strain: Annotated[
-        Number | None, strain("eps_y", "strain along the web at which it yields"),
+        OptionalNumber,
+        strain("eps_y", "strain along the web at which it yields"),
         Field(gt=0, le=1),
-    ] = None  # fmt: skip
+    ] = default(None)

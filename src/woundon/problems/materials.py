@@ -23,7 +23,7 @@ from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Quantity, pure, stress
 from .description import Description
 from .family import Family
-from .fields import Number
+from .fields import Number, default
 from .library import entry_of, library
 from .messages import quote
 
@@ -31,9 +31,18 @@ if TYPE_CHECKING:
     from .fields import CoercedField
 
 __all__ = [
-    "AnyMaterial", "Isotropic", "Material", "NamedMaterial", "OneModulus", "Orthotropic",
-    "PronyTerm", "Solid", "Stiffness", "material",
-]  # fmt: skip
+    "AnyMaterial",
+    "Isotropic",
+    "Material",
+    "NamedMaterial",
+    "OneModulus",
+    "OptionalMaterial",
+    "Orthotropic",
+    "PronyTerm",
+    "Solid",
+    "Stiffness",
+    "material",
+]
 
 
 class Stiffness(NamedTuple):
@@ -90,8 +99,10 @@ class Material(Solid, abstract=True):
 # a material itself, a table of its fields, or the name of one
 if TYPE_CHECKING:
     AnyMaterial = CoercedField[Material, Material | str | Mapping[str, Any]]
+    OptionalMaterial = CoercedField[Material | None, Material | str | Mapping[str, Any] | None]
 else:
     AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.coerce)]
+    OptionalMaterial = AnyMaterial | None
 
 # softer than any solid, and soft enough for numbers without dimension around 1
 SOFTEST = 1e-3
@@ -195,7 +206,7 @@ class OneModulus(Material, abstract=True):
         direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
         return Stiffness(
             direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
-        )  # fmt: skip
+        )
 
 
 class PronyTerm(Description):
@@ -226,11 +237,11 @@ class PronyTerm(Description):
 
 if TYPE_CHECKING:
     Prony = CoercedField[
-        tuple[PronyTerm, ...],
-        Iterable[PronyTerm | tuple[float, float] | Mapping[str, Any]],
+        tuple[PronyTerm, ...] | None,
+        Iterable[PronyTerm | tuple[float | str, float | str] | Mapping[str, Any]] | None,
     ]
 else:
-    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...]
+    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...] | None
 
 
 class Isotropic(OneModulus):
@@ -261,9 +272,9 @@ class Isotropic(OneModulus):
     ]
     poissons_ratio: PoissonsRatio
     prony: Annotated[
-        Prony | None,
+        Prony,
         Field(min_length=1, max_length=100, description="terms by which a viscoelastic E relaxes"),
-    ] = None
+    ] = default(None)
 
     @property
     def long_term_modulus(self) -> float:

@@ -110,8 +110,10 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     if name == "kind" and family:
         return f"not a field; for another kind than {model.__name__} give the whole description"
     if owners:
-        return (f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
-                f"known: {', '.join(own)}")  # fmt: skip
+        return (
+            f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
+            f"known: {', '.join(own)}"
+        )
     # the symbol of the formulas ("P"), a word of the meaning, a part of the name ("friction")
     told = [
         known

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import InitVar
 from functools import cached_property
 from math import exp, pi
-from typing import Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -17,21 +18,30 @@ from .assumptions import of_nip
 from .bodies import AnyBody, Cylinder, Rigid
 from .consistency import different_moduli
 from .contact_problem import ContactProblem
-from .fields import Number
+from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import material
 from .web import Web
 
+if TYPE_CHECKING:
+    from .grades import Grade
+
 __all__ = [
-    "WRAP_TABLE", "DrumFriction", "DrumWrap", "NipProblem", "RollFriction", "RollWrap", "Width",
+    "WRAP_TABLE",
+    "DrumFriction",
+    "DrumWrap",
+    "NipProblem",
+    "RollFriction",
+    "RollWrap",
+    "Width",
     "WrapFriction",
-]  # fmt: skip
+]
 
 LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
 _FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
 _HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
 
 Width = Annotated[
-    Number | None, length("w", "width of the web", "m", (0.2, 10.0)), Field(gt=0, le=100)
+    OptionalNumber, length("w", "width of the web", "m", (0.2, 10.0)), Field(gt=0, le=100)
 ]
 
 # fields that nips and windings share
@@ -48,7 +58,7 @@ DrumWrap = Annotated[
     Number, angle("theta-", "arc of the web on the drum upstream of the nip", (0.0, pi)), _HALF_TURN
 ]
 WrapFriction = Annotated[
-    Number | None,
+    OptionalNumber,
     pure("mu_w+", "friction on the roll downstream of the nip", (0.1, 0.6)),
     Field(ge=1e-6, le=10.0),
 ]
@@ -114,32 +124,37 @@ class NipProblem(ContactProblem):
     speed_field: ClassVar[str] = "web_speed"
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
 
-    web: Annotated[Web, Field(description="the paper or film")]
+    # Fields that the grade supplies are required without one; type checkers must accept both.
+    if TYPE_CHECKING:
+        grade: InitVar[Grade | str | Mapping[str, Any]] = Field(...)
+    web: Annotated[Nested[Web], Field(description="the paper or film")] = Field(...)
     roll: Annotated[AnyBody, Field(description="the wound roll")]
     drum: Annotated[AnyBody, Field(description="the winding drum")]
-    roll_friction: RollFriction
-    drum_friction: DrumFriction
+    roll_friction: RollFriction = Field(...)
+    drum_friction: DrumFriction = Field(...)
     nip_load: Annotated[Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)]
     winding_force: Annotated[
         Number,
         line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
         Field(ge=-1e7, le=1e7),
-    ] = 0.0
+    ] = default(0.0)
     web_tension: Annotated[
         Number,
         tension("T_in", "web tension upstream of the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
-    ] = 0.0
-    roll_wrap: RollWrap = pi
-    drum_wrap: DrumWrap = 0.0
-    wrap_friction: WrapFriction = None
+    ] = default(0.0)
+    roll_wrap: RollWrap = default(pi)
+    drum_wrap: DrumWrap = default(0.0)
+    wrap_friction: WrapFriction = default(None)
     web_speed: Annotated[
-        Number | None,
+        OptionalNumber,
         velocity("V", "web speed", (1.0, 50.0)),
         Field(ge=0, le=1e4),
-    ] = None
-    air: Annotated[Air | None, Field(description="the air that the web entrains")] = None
-    width: Width = None
+    ] = default(None)
+    air: Annotated[OptionalNested[Air], Field(description="the air that the web entrains")] = (
+        default(None)
+    )
+    width: Width = default(None)
 
     @model_validator(mode="after")
     def _web_is_elastic(self) -> Self:
@@ -158,10 +173,11 @@ class NipProblem(ContactProblem):
                 and not given[name]
             ):
                 raise InvalidProblem.at(
-                    name, f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
+                    name,
+                    f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
                     "friction nothing fixes how fast the web runs against the "
-                    f"{name.partition('_')[0]}; the smallest value shows the limit"
-                )  # fmt: skip
+                    f"{name.partition('_')[0]}; the smallest value shows the limit",
+                )
         return given
 
     @property
@@ -272,6 +288,9 @@ class NipProblem(ContactProblem):
             web=Web(thickness=66e-6, material=newsprint),
             roll=Cylinder(radius=0.1, core_radius=0.0445, material=newsprint),
             drum=Rigid(radius=0.0762),
-            roll_friction=0.19, drum_friction=0.2,
-            nip_load=3502.0, winding_force=0.0, web_tension=350.0,
-        )  # fmt: skip
+            roll_friction=0.19,
+            drum_friction=0.2,
+            nip_load=3502.0,
+            winding_force=0.0,
+            web_tension=350.0,
+        )

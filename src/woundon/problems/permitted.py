@@ -15,8 +15,12 @@ __all__ = ["admissible", "bounds", "takes_a_number", "unit_of"]
 def bounds(field: FieldInfo) -> list[tuple[str, float]]:
     """Return the limits of a field, each with its sign, as (">", 0.0)."""
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-    return [(sign, getattr(part, name)) for name, sign in signs.items()
-            for part in field.metadata if hasattr(part, name)]  # fmt: skip
+    return [
+        (sign, getattr(part, name))
+        for name, sign in signs.items()
+        for part in field.metadata
+        if hasattr(part, name)
+    ]
 
 
 def unit_of(field: FieldInfo) -> str:

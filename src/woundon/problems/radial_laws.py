@@ -27,9 +27,16 @@ if TYPE_CHECKING:
 # SciPy is imported where it is used: problems are read and written without it
 
 __all__ = [
-    "AnyLaw", "AnySolidLaw", "Constant", "Pfeiffer", "Polynomial", "PowerLaw", "RadialLaw",
-    "SolidLaw", "StackTest",
-]  # fmt: skip
+    "AnyLaw",
+    "AnySolidLaw",
+    "Constant",
+    "Pfeiffer",
+    "Polynomial",
+    "PowerLaw",
+    "RadialLaw",
+    "SolidLaw",
+    "StackTest",
+]
 
 Array = np.ndarray
 
@@ -383,13 +390,15 @@ class StackTest(SolidLaw):
     """
 
     pressure: Annotated[
-        Numbers, stress("P_i", "pressures of a stack test"),
+        Numbers,
+        stress("P_i", "pressures of a stack test"),
         Field(min_length=4, max_length=10_000, examples=[(10e3, 50e3, 200e3, 500e3)]),
-    ]  # fmt: skip
+    ]
     strain: Annotated[
-        Numbers, strain("eps_i", "strains of a stack test"),
+        Numbers,
+        strain("eps_i", "strains of a stack test"),
         Field(min_length=4, max_length=10_000, examples=[(0.017, 0.045, 0.076, 0.098)]),
-    ]  # fmt: skip
+    ]
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
@@ -500,8 +509,8 @@ def _law(value: Any) -> Any:
 
 
 if TYPE_CHECKING:
-    AnyLaw = CoercedField[RadialLaw, RadialLaw | float | Mapping[str, Any]]
-    AnySolidLaw = CoercedField[SolidLaw, SolidLaw | float | Mapping[str, Any]]
+    AnyLaw = CoercedField[RadialLaw, RadialLaw | float | str | Mapping[str, Any]]
+    AnySolidLaw = CoercedField[SolidLaw, SolidLaw | float | str | Mapping[str, Any]]
 else:
     AnyLaw = Annotated[SerializeAsAny[RadialLaw], BeforeValidator(_law)]
     AnySolidLaw = Annotated[SerializeAsAny[SolidLaw], BeforeValidator(_law)]

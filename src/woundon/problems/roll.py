@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Self
+from collections.abc import Mapping
+from dataclasses import InitVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -11,13 +13,16 @@ from ..errors import InvalidProblem
 from ..quantities import Quantity, length, strain, stress, tension, web_density, web_thickness
 from .assumptions import of_roll
 from .description import Description
-from .fields import Number
-from .materials import AnyMaterial, Isotropic
+from .fields import Nested, Number, OptionalNumber, default
+from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .problem import Problem
 from .radial_laws import Pfeiffer
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
+
+if TYPE_CHECKING:
+    from .grades import Grade
 
 __all__ = ["Core", "GaugeExcess", "RollProblem"]
 
@@ -59,18 +64,22 @@ class Core(Description):
     """
 
     radius: Annotated[
-        Number, length("r_c", "outer radius of the core", typical=(0.02, 0.3)),
+        Number,
+        length("r_c", "outer radius of the core", typical=(0.02, 0.3)),
         Field(gt=0, le=100),
-    ]  # fmt: skip
+    ] = Field(...)
     stiffness: Annotated[
-        Number | None,
+        OptionalNumber,
         stress("E_c", "stiffness of the core", "MPa", (1e8, 1e11)),
         Field(gt=0, le=1e18),
-    ] = None
-    inner_radius: Annotated[Number | None, length("r_i", "inner radius of a tube"), Field(ge=0)] = (
-        None
-    )
-    material: AnyMaterial | None = None
+    ] = default(None)
+    inner_radius: Annotated[
+        OptionalNumber, length("r_i", "inner radius of a tube"), Field(ge=0)
+    ] = default(None)
+    material: OptionalMaterial = default(None)
+    if TYPE_CHECKING:
+        diameter: InitVar[float | str] = Field(...)
+        inner_diameter: InitVar[float | str] = Field(...)
 
     @model_validator(mode="after")
     def _one_stiffness(self) -> Self:
@@ -78,9 +87,10 @@ class Core(Description):
         if (self.stiffness is not None) == tube:
             raise InvalidProblem.at(
                 "stiffness",
-                "is given beside a tube; must be one of the two" if tube
+                "is given beside a tube; must be one of the two"
+                if tube
                 else "missing; must be > 0 [Pa], or a tube given by inner_radius and material",
-            )  # fmt: skip
+            )
         if not tube:
             return self
         if self.inner_radius is None or not isinstance(self.material, Isotropic):
@@ -144,35 +154,46 @@ class RollProblem(Problem):
 
     graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
 
-    core: Core
+    # Fields that the grade supplies are required without one; type checkers must accept both.
+    if TYPE_CHECKING:
+        grade: InitVar[Grade | str | Mapping[str, Any]] = Field(...)
+        diameter: InitVar[float | str] = Field(...)
+    core: Nested[Core]
     radius: Annotated[
-        Number, length("R", "radius of the finished roll", typical=(0.1, 0.75)),
+        Number,
+        length("R", "radius of the finished roll", typical=(0.1, 0.75)),
         Field(gt=0, le=100),
-    ]  # fmt: skip
-    stack: AnyStack
-    web_thickness: Annotated[Number, web_thickness((1e-5, 5e-4)), Field(gt=0, le=0.1)]
+    ] = Field(...)
+    stack: AnyStack = Field(...)
+    web_thickness: Annotated[Number, web_thickness((1e-5, 5e-4)), Field(gt=0, le=0.1)] = Field(...)
     wound_on_tension: Annotated[WindingSchedule, tension("WOT", "wound-on tension", (50.0, 1500.0))]
-    density: Annotated[Number | None, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = None
+    density: Annotated[OptionalNumber, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = default(
+        None
+    )
     temperature_change: Annotated[
-        Number, Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
+        Number,
+        Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),
         Field(ge=-1000, le=1000),
-    ] = 0.0  # fmt: skip
+    ] = default(0.0)
     tangential_expansion: Annotated[
-        Number, _expansion("alpha_t", "thermal expansion along the web"),
+        Number,
+        _expansion("alpha_t", "thermal expansion along the web"),
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
-    ] = 0.0  # fmt: skip
+    ] = default(0.0)
     radial_expansion: Annotated[
-        Number, _expansion("alpha_r", "thermal expansion through the stack"),
+        Number,
+        _expansion("alpha_r", "thermal expansion through the stack"),
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
-    ] = 0.0  # fmt: skip
+    ] = default(0.0)
     core_expansion: Annotated[
-        Number, _expansion("alpha_c", "thermal expansion of the core"),
+        Number,
+        _expansion("alpha_c", "thermal expansion of the core"),
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
-    ] = 0.0  # fmt: skip
-    gauge_excess: GaugeExcess = 0.0
+    ] = default(0.0)
+    gauge_excess: GaugeExcess = default(0.0)
     core_shrinkage: Annotated[
         Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
-    ] = 0.0
+    ] = default(0.0)
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
@@ -243,6 +264,10 @@ class RollProblem(Problem):
             radial=Pfeiffer(K1=10e3, K2=40.0), tangential=3.38e9, poissons_ratio=0.01, shear=10e6
         )
         return cls(
-            core=Core(radius=0.0445, stiffness=1e9), radius=0.15, stack=stack,
-            web_thickness=66e-6, wound_on_tension=350.0, density=680.0,
-        )  # fmt: skip
+            core=Core(radius=0.0445, stiffness=1e9),
+            radius=0.15,
+            stack=stack,
+            web_thickness=66e-6,
+            wound_on_tension=350.0,
+            density=680.0,
+        )

@@ -11,7 +11,7 @@ from ..quantities import line_load, pure, strain, velocity
 from .assumptions import of_rollers
 from .bodies import AnyBody, HalfPlane
 from .contact_problem import ContactProblem
-from .fields import Number
+from .fields import Number, OptionalNumber, default
 from .materials import material
 from .nip import LEAST_FRICTION
 
@@ -55,14 +55,16 @@ class RollerProblem(ContactProblem):
     friction: Annotated[
         Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Field(ge=0, le=10.0)
     ]
-    tangential_load: Annotated[Number | None, line_load("Q", "tangential load")] = None
-    creepage: Annotated[Number | None, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = None
+    tangential_load: Annotated[OptionalNumber, line_load("Q", "tangential load")] = default(None)
+    creepage: Annotated[OptionalNumber, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = default(
+        None
+    )
     motion: Literal["rolling", "static"] = "rolling"
     speed: Annotated[
-        Number | None,
+        OptionalNumber,
         velocity("V", "speed of both surfaces, of viscoelastic rollers", (0.1, 50.0)),
         Field(gt=0, le=1e4),
-    ] = None
+    ] = default(None)
 
     @model_validator(mode="after")
     def _has_a_state(self) -> Self:
@@ -80,9 +82,10 @@ class RollerProblem(ContactProblem):
             )
         if self.viscoelastic and self.motion == "static":
             raise InvalidProblem.at(
-                "motion", "'static' is out of place; must be 'rolling': a viscoelastic roller "
-                "answers a static load in time"
-            )  # fmt: skip
+                "motion",
+                "'static' is out of place; must be 'rolling': a viscoelastic roller "
+                "answers a static load in time",
+            )
         if 0 < self.friction < LEAST_FRICTION:
             raise InvalidProblem.at(
                 "friction", f"{self.friction:.10g} is out of range; must be 0 or >= 1e-08 and <= 10"

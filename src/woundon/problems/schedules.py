@@ -14,15 +14,22 @@ from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
 from .description import Description
 from .family import best_match
-from .fields import Number, NumberOfField, Numbers, NumbersOfField
+from .fields import Number, NumberOfField, Numbers, NumbersOfField, default
 from .messages import quote
 
 if TYPE_CHECKING:
     from .fields import CoercedField
 
 __all__ = [
-    "Curve", "Profile", "Schedule", "Taper", "WindingSchedule", "at_radius", "values_of",
-]  # fmt: skip
+    "Curve",
+    "OptionalWindingSchedule",
+    "Profile",
+    "Schedule",
+    "Taper",
+    "WindingSchedule",
+    "at_radius",
+    "values_of",
+]
 
 Array = np.ndarray
 
@@ -120,7 +127,7 @@ class Taper(Description):
     start: Annotated[NumberOfField, OF_FIELD, Field(description="value at the core")]
     taper: Annotated[
         Number, pure("k_T", "share by which it falls", (0.0, 0.7)), Field(ge=-10, le=1)
-    ] = 0.0
+    ] = default(0.0)
     law: Literal["linear", "hyperbolic", "constant_torque"] = "linear"
 
     @model_validator(mode="after")
@@ -131,26 +138,27 @@ class Taper(Description):
         return self
 
 
-def _made(value: Any) -> Any:
+def _profile(value: Any) -> Any:
     return Profile(**value) if isinstance(value, Mapping) else value
 
 
-def _made_winding(value: Any) -> Any:
+def _profile_or_taper(value: Any) -> Any:
     return best_match(value, (Taper, Profile))(**value) if isinstance(value, Mapping) else value
 
 
-# a number throughout, or a profile
+# Schedule: a number or a profile.  WindingSchedule: also a taper, for the inputs of a winder.
 if TYPE_CHECKING:
-    Schedule = CoercedField[float | Profile, float | Profile | Mapping[str, Any]]
-else:
-    Schedule = Annotated[Number | Profile, BeforeValidator(_made)]
-# and of what a winder sets, a taper too
-if TYPE_CHECKING:
+    Schedule = CoercedField[float | Profile, float | str | Profile | Mapping[str, Any]]
     WindingSchedule = CoercedField[
-        float | Profile | Taper, float | Profile | Taper | Mapping[str, Any]
+        float | Profile | Taper, float | str | Profile | Taper | Mapping[str, Any]
+    ]
+    OptionalWindingSchedule = CoercedField[
+        float | Profile | Taper | None, float | str | Profile | Taper | Mapping[str, Any] | None
     ]
 else:
-    WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_made_winding)]
+    Schedule = Annotated[Number | Profile, BeforeValidator(_profile)]
+    WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_profile_or_taper)]
+    OptionalWindingSchedule = WindingSchedule | None
 
 
 class Curve:

@@ -24,15 +24,13 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import pure, stress
 from . import air_law as air_law  # it joins the laws
-from .fields import Number
+from .fields import Number, default
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
 from .messages import quote
 from .radial_laws import AnyLaw
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from .fields import CoercedField
+    from .fields import Nested
 
 __all__ = ["AnyStack", "Stack"]
 
@@ -77,9 +75,10 @@ class Stack(Solid):
         Field(ge=SOFTEST, le=STIFFEST),
     ]
     poissons_ratio: Annotated[
-        Number, pure("nu", "Poisson's ratio, thinning by strain along the web", (0.0, 0.3)),
+        Number,
+        pure("nu", "Poisson's ratio, thinning by strain along the web", (0.0, 0.3)),
         Field(ge=0, le=10),
-    ]  # fmt: skip
+    ]
     shear: Annotated[
         Number,
         stress("G", "shear modulus of the wound stack", "MPa", (1e6, 1e8)),
@@ -87,7 +86,7 @@ class Stack(Solid):
     ]
     shear_exponent: Annotated[
         Number, pure("beta", "exponent of the shear modulus in E_r", (0.0, 1.0)), Field(ge=0, le=2)
-    ] = 0.0
+    ] = default(0.0)
 
     @model_validator(mode="after")
     def _has_energy(self) -> Self:
@@ -219,6 +218,6 @@ class Stack(Solid):
 
 
 if TYPE_CHECKING:
-    AnyStack = CoercedField[Stack, Stack | Mapping[str, Any]]
+    AnyStack = Nested[Stack]
 else:
     AnyStack = Annotated[Stack, BeforeValidator(Stack.coerce)]

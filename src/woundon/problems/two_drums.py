@@ -72,9 +72,11 @@ def roll_weight(
     rc, rho, core = (
         _checked(name, value).item()
         for name, value in (
-            ("core_radius", core_radius), ("density", density), ("core_mass", core_mass)
+            ("core_radius", core_radius),
+            ("density", density),
+            ("core_mass", core_mass),
         )
-    )  # fmt: skip
+    )
     if np.any(rc > R):
         least = quote(float(np.min(R)))
         text = f"{least} is out of range; must be >= core_radius = {rc:.6g} [m]"
@@ -83,9 +85,12 @@ def roll_weight(
 
 
 def drum_loads(
-    radius: ArrayLike, weight: ArrayLike, drum_radius: float | tuple[float, float], gap: float,
+    radius: ArrayLike,
+    weight: ArrayLike,
+    drum_radius: float | tuple[float, float],
+    gap: float,
     rider_load: ArrayLike = 0.0,
-) -> DrumLoads:  # fmt: skip
+) -> DrumLoads:
     """Return the nip loads between a roll and the two drums it rests on.
 
     Parameters
@@ -118,9 +123,13 @@ def drum_loads(
 
 
 def rider_load_for(
-    nip_load: ArrayLike, radius: ArrayLike, weight: ArrayLike,
-    drum_radius: float | tuple[float, float], gap: float, drum: str = "rear",
-) -> Any:  # fmt: skip
+    nip_load: ArrayLike,
+    radius: ArrayLike,
+    weight: ArrayLike,
+    drum_radius: float | tuple[float, float],
+    gap: float,
+    drum: str = "rear",
+) -> Any:
     """Return the rider roll's line load that makes a wanted nip load on one drum [N/m].
 
     Where it is negative the roll is too heavy: its weight alone loads the nip more.  Parameters as

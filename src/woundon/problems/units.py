@@ -16,9 +16,16 @@ from typing import Any, NamedTuple
 from ..errors import InvalidProblem, did_you_mean
 
 __all__ = [
-    "MILL", "alike", "definitions", "factor", "has_dimension", "is_unit", "known_units", "parse",
+    "MILL",
+    "alike",
+    "definitions",
+    "factor",
+    "has_dimension",
+    "is_unit",
+    "known_units",
+    "parse",
     "written",
-]  # fmt: skip
+]
 
 # one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
 _DEFINITIONS = """
@@ -70,22 +77,51 @@ mpm = m / min
 
 # Other spellings that mills use; the definitions above hold the spelling that is written.
 _SPELLINGS = {
-    "inch": "in", "inches": "in", '"': "in", "\N{DOUBLE PRIME}": "in", "foot": "ft", "feet": "ft",
-    "mic": "um", "micron": "um", "microns": "um", "mils": "mil", "lbs": "lb",
-    "PLI": "pli", "PSI": "psi", "KSI": "ksi", "GSM": "gsm", "FPM": "fpm", "MPM": "mpm",
+    "inch": "in",
+    "inches": "in",
+    '"': "in",
+    "\N{DOUBLE PRIME}": "in",
+    "foot": "ft",
+    "feet": "ft",
+    "mic": "um",
+    "micron": "um",
+    "microns": "um",
+    "mils": "mil",
+    "lbs": "lb",
+    "PLI": "pli",
+    "PSI": "psi",
+    "KSI": "ksi",
+    "GSM": "gsm",
+    "FPM": "fpm",
+    "MPM": "mpm",
     "\N{DEGREE SIGN}": "deg",
-    "\N{MICRO SIGN}m": "um", "\N{MICRO SIGN}": "um",
-    "\N{GREEK SMALL LETTER MU}m": "um", "\N{GREEK SMALL LETTER MU}": "um",
-}  # fmt: skip
+    "\N{MICRO SIGN}m": "um",
+    "\N{MICRO SIGN}": "um",
+    "\N{GREEK SMALL LETTER MU}m": "um",
+    "\N{GREEK SMALL LETTER MU}": "um",
+}
 
 # Full names are not read, but an error message names the unit.
 _FULL_NAMES = {
-    "micrometer": "um", "micrometre": "um", "millimeter": "mm",
-    "millimetre": "mm", "centimeter": "cm", "centimetre": "cm", "meter": "m", "metre": "m",
-    "newton": "N", "pascal": "Pa", "degree": "deg",
-    "kelvin": "K", "degc": "K", "radian": "rad", "pound": "lbf", "second": "s", "minute": "min",
+    "micrometer": "um",
+    "micrometre": "um",
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "centimeter": "cm",
+    "centimetre": "cm",
+    "meter": "m",
+    "metre": "m",
+    "newton": "N",
+    "pascal": "Pa",
+    "degree": "deg",
+    "kelvin": "K",
+    "degc": "K",
+    "radian": "rad",
+    "pound": "lbf",
+    "second": "s",
+    "minute": "min",
     "u": "um",
-}  # fmt: skip
+}
 
 # Marks that are typed in place of a minus.
 _DASHES = ("\N{MINUS SIGN}", "\N{EN DASH}", "\N{EM DASH}")
@@ -100,9 +136,19 @@ _LADDERS = {
 
 # what North American mills say, by the unit in which a quantity is shown else
 MILL = {
-    "um": "mil", "mm": "in", "m": "ft", "N/m": "pli", "Pa": "psi", "kPa": "psi", "MPa": "ksi",
-    "GPa": "ksi", "m/s": "fpm", "m/min": "fpm", "kg/m": "lb/ft", "kg/m^3": "lb/ft^3",
-}  # fmt: skip
+    "um": "mil",
+    "mm": "in",
+    "m": "ft",
+    "N/m": "pli",
+    "Pa": "psi",
+    "kPa": "psi",
+    "MPa": "ksi",
+    "GPa": "ksi",
+    "m/s": "fpm",
+    "m/min": "fpm",
+    "kg/m": "lb/ft",
+    "kg/m^3": "lb/ft^3",
+}
 
 _EXAMPLES = {
     "m": ", e.g. '66 um' or 66e-6",
@@ -201,12 +247,17 @@ def alike(unit: str, *more: str) -> dict[str, float]:
     if unit != "1" and not is_unit(unit):  # of an output that nobody writes
         return {unit: 1.0}
     due = _product(unit, _definitions()).powers if unit != "1" else {}
-    own = [name for name, known in _definitions().items()
-           if known.powers == due and due and name not in _SPELLINGS]  # fmt: skip
+    own = [
+        name
+        for name, known in _definitions().items()
+        if known.powers == due and due and name not in _SPELLINGS
+    ]
     names = dict.fromkeys((unit, *_LADDERS.get(unit, ()), *own, *(("%",) * (unit == "1")), *more))
     names |= dict.fromkeys(MILL[name] for name in list(names) if name in MILL)
-    sizes = {"" if name == "1" else name: _converted(name, unit) if name != "1" else Fraction(1)
-             for name in names}  # fmt: skip
+    sizes = {
+        "" if name == "1" else name: _converted(name, unit) if name != "1" else Fraction(1)
+        for name in names
+    }
     return dict(sorted(((n, float(s)) for n, s in sizes.items() if s), key=lambda of: of[1]))
 
 

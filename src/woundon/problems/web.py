@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import InitVar
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -53,6 +54,8 @@ class Web(Description):
 
     thickness: Annotated[Number, web_thickness((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
     material: AnySolid
+    if TYPE_CHECKING:
+        density: InitVar[float | str] = Field(...)
 
     @property
     def linear(self) -> bool:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import InitVar
 from functools import lru_cache
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from ..elasticity import cylinder
 from ..elasticity.fourier import uniform_response
@@ -55,7 +56,9 @@ class WoundRoll(Body):
         For a core that is not smaller than the roll, or a pressure at which the stack's law ends.
     """
 
-    core_radius: CoreRadius
+    core_radius: CoreRadius = Field(...)
+    if TYPE_CHECKING:
+        core_diameter: InitVar[float | str] = Field(...)
     stack: AnyStack
     pressure: Annotated[Schedule, stress("P0", "pressure wound into the roll", "kPa", (10e3, 1e6))]
     hardening: Literal["direct", "frozen"] = "direct"
