@@ -31,6 +31,7 @@ __all__ = [
     "Quantity",
     "angle",
     "counterpart",
+    "density_of_web",
     "find",
     "is_item",
     "is_list",
@@ -46,11 +47,10 @@ __all__ = [
     "strain",
     "stress",
     "tension",
+    "thickness_of_web",
     "value_of",
     "velocity",
     "walk",
-    "web_density",
-    "web_thickness",
 ]
 
 _PER_SI = {
@@ -126,12 +126,12 @@ def length(symbol: str, meaning: str, shown: str = "mm", typical: Range = None) 
     return Quantity(symbol, "m", meaning, shown, typical)
 
 
-def web_thickness(typical: Range = None) -> Quantity:
+def thickness_of_web(typical: Range = None) -> Quantity:
     """Return the thickness of the web [m]; it may be entered as a basis weight."""
     return Quantity("2h", "m", "web thickness", "um", typical, other_form="basis weight")
 
 
-def web_density(typical: Range = None) -> Quantity:
+def density_of_web(typical: Range = None) -> Quantity:
     """Return the density of the web [kg/m^3]; it may be entered as a basis weight."""
     return Quantity("rho", "kg/m^3", "density of the web", "", typical, other_form="basis weight")
 

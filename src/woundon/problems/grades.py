@@ -14,8 +14,16 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from ..errors import InputWarning, InvalidProblem, did_you_mean, warn
-from ..quantities import Quantity, length, pure, quantity_of, stress, tension, web_density
-from ..quantities import web_thickness as thickness_of_web
+from ..quantities import (
+    Quantity,
+    density_of_web,
+    length,
+    pure,
+    quantity_of,
+    stress,
+    tension,
+    thickness_of_web,
+)
 from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
@@ -89,7 +97,7 @@ class Grade(Description):
     name: str
     title: str
     thickness: Annotated[Number, thickness_of_web(), Field(ge=1e-7, le=1e-2)]
-    density: Annotated[Number, web_density(), Field(gt=0, le=3e4)]
+    density: Annotated[Number, density_of_web(), Field(gt=0, le=3e4)]
     tangential: Annotated[Number, stress("E_t", "modulus along the web", "GPa"), _Modulus]
     poissons_ratio: Annotated[
         Number, pure("nu", "Poisson's ratio, thinning by strain along the web"), Field(ge=0, le=10)

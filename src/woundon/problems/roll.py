@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, strain, stress, tension, web_density, web_thickness
+from ..quantities import Quantity, length, strain, stress, tension, thickness_of_web
 from .assumptions import of_roll
 from .description import Description
 from .fields import Nested, Number, OptionalNumber, default
@@ -20,6 +20,7 @@ from .problem import Problem
 from .radial_laws import Pfeiffer
 from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
+from .web import WebDensity
 
 if TYPE_CHECKING:
     from .grades import Grade
@@ -165,11 +166,11 @@ class RollProblem(Problem):
         Field(gt=0, le=100),
     ] = Field(...)
     stack: AnyStack = Field(...)
-    web_thickness: Annotated[Number, web_thickness((1e-5, 5e-4)), Field(gt=0, le=0.1)] = Field(...)
-    wound_on_tension: Annotated[WindingSchedule, tension("WOT", "wound-on tension", (50.0, 1500.0))]
-    density: Annotated[OptionalNumber, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = default(
-        None
+    web_thickness: Annotated[Number, thickness_of_web((1e-5, 5e-4)), Field(gt=0, le=0.1)] = Field(
+        ...
     )
+    wound_on_tension: Annotated[WindingSchedule, tension("WOT", "wound-on tension", (50.0, 1500.0))]
+    density: WebDensity = default(None)
     temperature_change: Annotated[
         Number,
         Quantity("dT", "K", "temperature change of the finished roll", typical=(-40, 40)),

@@ -12,9 +12,9 @@ from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from ..elasticity.strip import Compliance, compliance
 from ..errors import InvalidProblem
-from ..quantities import Quantity, web_density, web_thickness
+from ..quantities import Quantity, density_of_web, thickness_of_web
 from .description import Description
-from .fields import Number
+from .fields import Number, OptionalNumber
 from .materials import Material, Solid
 from .radial_laws import Constant
 from .stack import Stack
@@ -22,7 +22,9 @@ from .stack import Stack
 if TYPE_CHECKING:
     from .fields import CoercedField
 
-__all__ = ["Web"]
+__all__ = ["Web", "WebDensity"]
+
+WebDensity = Annotated[OptionalNumber, density_of_web((500.0, 1500.0)), Field(gt=0, le=3e4)]
 
 Array = np.ndarray
 
@@ -50,9 +52,9 @@ class Web(Description):
         from none; its shear modulus plays no part.
     """
 
-    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": web_density()}
+    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": density_of_web()}
 
-    thickness: Annotated[Number, web_thickness((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
+    thickness: Annotated[Number, thickness_of_web((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
     material: AnySolid
     if TYPE_CHECKING:
         density: InitVar[float | str] = Field(...)

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
-from ..quantities import length, line_load, pure, tension, velocity, web_density
+from ..quantities import length, line_load, pure, tension, velocity
 from .air import Air, with_film
 from .assumptions import of_winding
 from .bodies import AnyBody, Body, Rigid
@@ -36,7 +36,7 @@ from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
 from .schedules import Curve, OptionalWindingSchedule, Profile, Taper, WindingSchedule, values_of
 from .stack import AnyStack, Stack
-from .web import Web
+from .web import Web, WebDensity
 
 if TYPE_CHECKING:
     from .fields import CoercedField
@@ -185,9 +185,7 @@ class WindingProblem(Problem):
         OptionalWindingSchedule,
         tension("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
     ] = default(None)
-    density: Annotated[OptionalNumber, web_density((500.0, 1500.0)), Field(gt=0, le=3e4)] = default(
-        None
-    )
+    density: WebDensity = default(None)
     gauge_excess: GaugeExcess = default(0.0)
     limits: Annotated[Nested[Limits], Field(description="what the roll must bear")] = default(
         Limits()
