@@ -1,4 +1,4 @@
-"""The nip alone, the estimate (183) and the wrapped nip: the tables of docs/theory/behind_the_nip.
+"""The nip alone, the estimate (183) and the wrapped nip, compared in tables.
 
     python benchmarks/behind_the_nip.py
 

@@ -2,7 +2,7 @@
 
     python benchmarks/hardening_newsprint.py points [SETTING ...]   one number fitted to one point
     python benchmarks/hardening_newsprint.py fits [NAME ...]     full fits, profile likelihood
-    python benchmarks/hardening_newsprint.py tables              docs/tables/newsprint_* of these
+    python benchmarks/hardening_newsprint.py tables              benchmarks/newsprint of these
 
 The web is linear (thesis Table 2, 66 um).  The roll is
 
@@ -50,7 +50,7 @@ FITTED = (3502.0, 350.0)  # nip load and web tension of the point that the thesi
 WOUND_ON = 700.0  # measured there [N/m]
 SETTINGS = ("quarter", "drum", "wound")
 LINEAR = {"confined": "rig_tension", "linear": "wound_on_tension"}
-TABLES = Path(__file__).parents[1] / "docs" / "tables"
+TABLES = Path(__file__).parent / "newsprint"
 
 K1, K2, P0 = "roll.stack.radial.K1", "roll.stack.radial.K2", "roll.pressure"
 G, BETA = "roll.stack.shear", "roll.stack.shear_exponent"

@@ -56,15 +56,15 @@ def lack_of_fit(value: float, fitted: int) -> float:
 
 
 def tables(folder: Path) -> None:
-    """Write docs/tables/newsprint_*."""
+    """Write benchmarks/newsprint/*."""
     kept = [json.loads(path.read_text()) for path in sorted(folder.glob("point-*.json"))]
-    _write("newsprint_one_point.md", _one_point(kept))
-    _misses(kept).to_csv(TABLES / "newsprint_misses.csv", index=False, float_format="%.1f")
+    _write("one_point.md", _one_point(kept))
+    _misses(kept).to_csv(TABLES / "misses.csv", index=False, float_format="%.1f")
     fits = {path.stem.split("-", 1)[1].rsplit("-", 1)[0]: json.loads(path.read_text())
             for path in sorted(folder.glob("fit-*.json"))}  # fmt: skip
-    _write("newsprint_full.md", _full(fits))
-    _write("newsprint_held.md", _held(fits))
-    _profiles(fits).to_csv(TABLES / "newsprint_profiles.csv", index=False, float_format="%.5g")
+    _write("full.md", _full(fits))
+    _write("held.md", _held(fits))
+    _profiles(fits).to_csv(TABLES / "profiles.csv", index=False, float_format="%.5g")
 
 
 def _write(name: str, lines: Iterator[str]) -> None:
@@ -201,7 +201,7 @@ PARAMETERS = {"K1 + P0 [kPa]": "quarter", "K2": "quarter", "G [MPa]": "held", "e
 
 def misses_figure() -> Any:
     """Return what the nip adds to the tension, measured and by four models."""
-    table = pd.read_csv(TABLES / "newsprint_misses.csv")
+    table = pd.read_csv(TABLES / "misses.csv")
     with style():
         figure = Figure(figsize=(6.4, 4.2), layout="constrained")
         axes = figure.subplots()
@@ -221,7 +221,7 @@ def misses_figure() -> Any:
 
 def profiles_figure() -> Any:
     """Return the profiles of the hardening roll's parameters."""
-    table = pd.read_csv(TABLES / "newsprint_profiles.csv")
+    table = pd.read_csv(TABLES / "profiles.csv")
     with style():
         figure = Figure(figsize=(7.0, 5.2), layout="constrained")
         for axes, (name, model) in zip(figure.subplots(2, 2).flat, PARAMETERS.items(), strict=True):

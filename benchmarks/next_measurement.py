@@ -3,7 +3,7 @@
     python benchmarks/next_measurement.py [--nodes 25] [--draws 2]
 
 The roll is a stack under the pressure that winding leaves in it; K2 is that of the fit to the point
-(3502, 350) with K1 = 100 kPa (docs/tables/newsprint_one_point.md).  Unknown are K2, G and the
+(3502, 350) with K1 = 100 kPa (benchmarks/newsprint/one_point.md).  Unknown are K2, G and the
 friction between web and roll, each to 50 %.  Completed are the fifteen wound-on tensions with their
 standard deviation of 11.6 N/m.  The table is in docs/howto/next_measurement.md.
 """

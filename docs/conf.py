@@ -12,10 +12,9 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "src")]
-# the kernels that run the pages' cells are processes of their own; some tables come from benchmarks
-FOLDERS = [str(HERE.parent / name) for name in ("src", "benchmarks")]
+# the kernels that run the cells of the pages are processes of their own
 os.environ["PYTHONPATH"] = os.pathsep.join(
-    [*FOLDERS, *filter(None, [os.environ.get("PYTHONPATH")])]
+    filter(None, [str(HERE.parent / "src"), os.environ.get("PYTHONPATH")])
 )
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -36,7 +35,7 @@ extensions = [
     "mathml",
     "tables",
 ]
-exclude_patterns = ["_build", "tables", "thesis/figures/summary.md", "gallery/**/*.ipynb"]
+exclude_patterns = ["_build", "thesis/figures/summary.md", "gallery/**/*.ipynb"]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
@@ -44,7 +43,7 @@ myst_heading_anchors = 3
 numfig = True  # equations are numbered by page: (3.1)
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # a winding takes a few seconds, on a busy machine ten times as long
 nb_merge_streams = True
 
 # the examples of the repository, run; each page offers its script and its notebook

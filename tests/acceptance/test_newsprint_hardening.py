@@ -1,6 +1,6 @@
 """The newsprint experiment with a roll that hardens: the fifteen measured tensions.
 
-Samples of benchmarks/hardening_newsprint.py, whose tables are docs/tables/newsprint_*.  25 nodes
+Samples of benchmarks/hardening_newsprint.py, whose tables are benchmarks/newsprint/*.  25 nodes
 leave up to 1 N/m of a tension, a tenth of the data's scatter, and 0.15 N/m of an RMS.
 """
 

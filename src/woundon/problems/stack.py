@@ -9,7 +9,7 @@ stress sigma_t along it and the shear stress tau,
     eps_t = (nu/E_t) P + sigma_t/E_t,      gamma = tau/G,
 
 so that its tangent compliances are symmetric: c_rr = 1/E_r(P), c_rt = -nu/E_t, c_tt = 1/E_t.  It is
-elastic; that paper unloads stiffer than it was loaded is not in it.  docs/theory/stack.md
+elastic; that paper unloads stiffer than it was loaded is not in it.  docs/theory/hardening.md
 """
 
 from __future__ import annotations
