@@ -1,7 +1,7 @@
-"""Jorkama (2001), reproduced: figures and tables recomputed with woundon, the text's claims tested.
+"""Reproduction of Jorkama (2001): figures and tables recomputed, statements of the text tested.
 
 M. Jorkama, Contact mechanical model for winding nip (2001), called the thesis here.  The package
-uses woundon as any program does; what it still needs from within stands in ``inside``.
+uses woundon as any program does.
 
     cases --> nips --> fig5 ... table4 (data, verdicts, drawing) --> exhibits --> publication
 """

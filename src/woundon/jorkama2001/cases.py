@@ -1,4 +1,4 @@
-"""The load cases that the thesis's figures and tables vary, and its measured data."""
+"""Load cases of the figures and tables of the thesis, and its measured data."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COVERS = {"hard": (211e9, 0.3), "rubber": (1e6, 0.499), "cellular elastomer": (1
 
 
 def paper_nip(**changes: Any) -> wo.NipProblem:
-    """Return the nip of the thesis's Table 1: P = 1900 N/m, F = 100 N/m, T_in = 500 N/m, hard drum.
+    """Return the nip of Table 1: P = 1900 N/m, F = 100 N/m, T_in = 500 N/m, rigid drum.
 
     ``changes`` are fields of ``NipProblem``, nested ones by dotted name.
 
@@ -84,7 +84,7 @@ def newsprint_nip(**changes: Any) -> wo.NipProblem:
 
 
 def measured_tensions() -> pd.DataFrame:
-    """Return the 15 points of the thesis's Table 3, rows put right, by nip load and web tension.
+    """Return the 15 points of the thesis's Table 3 by nip load and web tension, rows corrected.
 
     Columns, all in N/m: ``nip_load``, ``web_tension``, and the wound-on tension as ``measured`` and
     by ``thesis_theory``.

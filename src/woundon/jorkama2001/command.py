@@ -1,4 +1,4 @@
-"""``woundon thesis``: recompute figures and tables, and tell of each as it is done."""
+"""``woundon thesis``: recompute figures and tables, and print the verdict on each."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["thesis"]
 
 @click.command(
     help="""\
-    Recompute figures and tables of the thesis, and test what it says: fig16, table3, ...
+    Recompute figures and tables of the thesis and test its statements: fig16, table3, ...
     """,
     short_help="Recompute figures and tables of the thesis.",
 )
@@ -42,7 +42,7 @@ __all__ = ["thesis"]
 def thesis(
     names: tuple[str, ...], everything: bool, out: Path, solver: str, jobs: int | None
 ) -> None:
-    """Recompute figures and tables of the thesis, and test what it says: fig16, table3, ..."""
+    """Recompute figures and tables of the thesis and test its statements: fig16, table3, ..."""
     from .exhibits import NAMES, chosen
     from .publication import publish, summary
 
@@ -69,24 +69,30 @@ def thesis(
 
 @contextmanager
 def _bar(size: int) -> Iterator[Callable[[], object]]:
-    """Show a bar on the error channel if that is a terminal; provide what moves it on by one."""
+    """Show a progress bar on stderr if that is a terminal; yield the function that advances it."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True)
     columns = (
-        TextColumn("figures and tables"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-    )  # fmt: skip
+        TextColumn("figures and tables"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal,
+        *columns,
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
         redirect_stdout=sys.stdout.isatty(),
-    ) as progress:  # fmt: skip
+    ) as progress:
         task = progress.add_task("", total=size)
         yield lambda: progress.advance(task)
 
 
 def _brief(one: Published) -> list[str]:
-    """Return how many statements hold, and the ones that do not."""
+    """Return the number of statements that hold, and the failed statements."""
     label = one.judged.exhibit.label
     failures = (f"    - {line}" for line in one.judged.failures)
     return [f"{label:9}{one.judged.tally}  ({one.seconds:.1f} s)", *failures]

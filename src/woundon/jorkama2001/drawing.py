@@ -1,4 +1,4 @@
-"""How the thesis's figures are drawn: panels of curves, line styles, legends, labels with units."""
+"""Figures in the style of the thesis: panels of curves, line styles, legends, labels with units."""
 
 from __future__ import annotations
 
@@ -17,9 +17,18 @@ from .nips import Nip
 from .zones import runs
 
 __all__ = [
-    "COLOURS", "LINES", "blank", "curves", "draw_slips", "figure_bytes", "nip_figure", "one_panel",
-    "shared_legend", "sheet", "style",
-]  # fmt: skip
+    "COLOURS",
+    "LINES",
+    "blank",
+    "curves",
+    "draw_slips",
+    "figure_bytes",
+    "nip_figure",
+    "one_panel",
+    "shared_legend",
+    "sheet",
+    "style",
+]
 
 # the thesis's line styles in its order; the colours tell its two solid lines apart
 LINES = ("-", "--", "-.", ":", "-")
@@ -160,16 +169,20 @@ def sheet(
 
 
 def shared_legend(figure: Figure, columns: int = 5) -> None:
-    """Put one legend for all panels above them, where it covers no data."""
+    """Draw one legend for all panels above them."""
     handles: dict[str, Any] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
     with style():
         figure.legend(
-            handles=list(handles.values()), labels=list(handles), loc="outside upper center",
-            ncols=columns, handlelength=2.6, columnspacing=1.3,
-        )  # fmt: skip
+            handles=list(handles.values()),
+            labels=list(handles),
+            loc="outside upper center",
+            ncols=columns,
+            handlelength=2.6,
+            columnspacing=1.3,
+        )
 
 
 # ---- one nip along x ----------------------------------------------------------------------------
@@ -226,9 +239,15 @@ def _draw_zones(axes: Axes, r: Nip) -> None:
         for run in runs(1e3 * r.x, zones):
             colour, hatch = _ZONES[run.zone]
             axes.barh(
-                row, run.length, left=run.left, height=0.7, color=colour, hatch=hatch,
-                edgecolor="#666666", linewidth=0.6,
-            )  # fmt: skip
+                row,
+                run.length,
+                left=run.left,
+                height=0.7,
+                color=colour,
+                hatch=hatch,
+                edgecolor="#666666",
+                linewidth=0.6,
+            )
     axes.set_yticks([0, 1], ["drum", "roll"])
     axes.grid(visible=False)
     patches = [
@@ -241,6 +260,11 @@ def _draw_zones(axes: Axes, r: Nip) -> None:
 def _legend_above(axes: Axes, entries: tuple[list[Any], list[Any]]) -> None:
     handles, labels = entries
     axes.legend(
-        handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(handles),
-        borderaxespad=0.2, columnspacing=1.4,
-    )  # fmt: skip
+        handles,
+        labels,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=len(handles),
+        borderaxespad=0.2,
+        columnspacing=1.4,
+    )

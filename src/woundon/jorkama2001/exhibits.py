@@ -1,4 +1,4 @@
-"""What every figure and table comes to, data, verdicts and a drawing; and which module makes which.
+"""Figures and tables: data, verdicts and a drawing of each, and the module that computes it.
 
 A module has a function ``exhibits(solver)`` that returns what it makes; a new one is a line here.
 """
@@ -62,14 +62,15 @@ class Exhibit:
 
     def csv(self) -> str:
         """Return the data as text, comma separated, ten digits, names with units."""
-        told = {name: of.attrs.get("units") for name, of in self.data.variables.items()}
-        data = self.data.drop_vars([name for name, unit in told.items() if unit is None])
+        units = {name: of.attrs.get("units") for name, of in self.data.variables.items()}
+        data = self.data.drop_vars([name for name, unit in units.items() if unit is None])
         rows = data.to_dataframe().dropna(how="all").reset_index()
-        heads = {name: f"{name} [{told[name]}]" for name in rows if name in data.variables}
+        heads = {name: f"{name} [{units[name]}]" for name in rows if name in data.variables}
         return str(
-            rows[list(heads)].rename(columns=heads)
+            rows[list(heads)]
+            .rename(columns=heads)
             .to_csv(index=False, float_format="%.10g", na_rep="nan", lineterminator="\n")
-        )  # fmt: skip
+        )
 
 
 # in the order of the thesis
@@ -128,6 +129,6 @@ def modules(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
-    """Compute all that a module makes, "accurate" or by the procedure of the "thesis"."""
+    """Compute all figures of a module, "accurate" or by the procedure of the "thesis"."""
     made: tuple[Exhibit, ...] = import_module(f".{module}", __package__).exhibits(solver)
     return made

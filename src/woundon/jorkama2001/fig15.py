@@ -1,4 +1,4 @@
-"""Thesis Fig. 15, sec. 4.2: how the nip makes tension, Table 1 with P = 1900 and F = 100 N/m."""
+"""Thesis Fig. 15, sec. 4.2: how the nip adds tension, Table 1 with P = 1900 and F = 100 N/m."""
 
 from __future__ import annotations
 
@@ -35,33 +35,48 @@ def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
     return [
         whether(
             "the web slips backward on the roll first, sticks from A on, slips forward from B on: "
-            "zones in this order", [run.zone for run in roll] == [-1, 0, 1],
+            "zones in this order",
+            [run.zone for run in roll] == [-1, 0, 1],
             f"s_r1 = {lengths.leading_roll:.3f}, s_r2 = {lengths.trailing_roll:.3f}",
         ),
         whether(
             "it sticks to the drum from the leading edge to C, then slips forward: zones in this "
-            "order", [run.zone for run in drum if run.length > SHORT * width] == [0, 1],
+            "order",
+            [run.zone for run in drum if run.length > SHORT * width] == [0, 1],
             f"s_d = {lengths.dual:.3f}; zones below 1 % of the width left out, the "
             f"shortest has {100 * shortest / width:.2f} %: at the very edge the "
             "pressure rises like a root, and no finite friction holds the web that it squeezes out",
         ),
         verdict(
-            "C lies behind B: the roll's face slips before the drum's",
-            lengths.trailing_roll - lengths.dual, 0.0, note="s_r2 - s_d",
+            "C lies downstream of B: the roll's face slips before the drum's",
+            lengths.trailing_roll - lengths.dual,
+            0.0,
+            note="s_r2 - s_d",
         ),
         verdict(
-            "the slip at the roll is negative at the leading edge", 100 * r.roll_slip[0], high=0.0,
+            "the slip at the roll is negative at the leading edge",
+            100 * r.roll_slip[0],
+            high=0.0,
             unit="%",
         ),
-        verdict("and positive behind B", 100 * r.roll_slip.max(), 0.0, unit="%", note="largest v+"),
+        verdict(
+            "and positive downstream of B",
+            100 * r.roll_slip.max(),
+            0.0,
+            unit="%",
+            note="largest v+",
+        ),
         verdict(
             "in some cases a very short stick area near C parts the roll's trailing slip zone: its "
-            f"length at P = {HEAVY_LOAD / 1e3:.0f} kN/m", _parting_stick(heavy), 0.1, 5.0,
+            f"length at P = {HEAVY_LOAD / 1e3:.0f} kN/m",
+            _parting_stick(heavy),
+            0.1,
+            5.0,
             "% of the width",
             "it is there with 257, 513 and 1025 nodes alike, so it is no artefact; at "
             "P = 1900 N/m, here shown, there is none",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _parting_stick(r: Nip) -> float:
@@ -77,30 +92,37 @@ def _tension(r: Nip) -> list[Verdict]:
     return [
         verdict(
             "the tension grows in the dual slip zone only: its gain there over NIT",
-            100 * gained / r.nip_induced_tension, 99.9, unit="%",
+            100 * gained / r.nip_induced_tension,
+            99.9,
+            unit="%",
             note=f"{gained:.1f} of {r.nip_induced_tension:.1f} N/m",
         ),
         verdict(
-            "before C it falls a little", before.min(), high=0.0, unit="N/m",
+            "before C it falls a little",
+            before.min(),
+            high=0.0,
+            unit="N/m",
             note=f"lowest tension, less T_in; the highest is {before.max():.2g}",
         ),
         verdict(
             "because the pressure squeezes the web, which cannot stretch where it sticks to the "
             "rigid drum (Poisson's effect): the fall over 2h (A_rt/A_rr) times the rise of p",
-            share, 0.95, 1.05,
+            share,
+            0.95,
+            1.05,
             note=f"from where stick begins, at {100 * begins:.1f} % of the width",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _dual_from(r: Nip) -> int:
-    """Return the last node of the drum's stick zone but the one beside C."""
+    """Return the last node of the drum's stick zone except the neighbour of C."""
     C = r.half_width * (1 - 2 * zone_lengths(r).dual)
     return int(np.flatnonzero(r.x < C)[-2])
 
 
 def gain_in_dual_slip(r: Nip) -> float:
-    """Return what the dual slip zone adds to the web's tension [N/m]."""
+    """Return the increase of the web tension in the dual slip zone [N/m]."""
     return float(r.tension[-1] - r.tension[_dual_from(r)])
 
 

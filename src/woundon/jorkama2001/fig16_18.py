@@ -28,19 +28,30 @@ def exhibits(solver: str) -> list[Exhibit]:
     data, heavy = _swept(NIP_LOADS, solver), _swept([HEAVY_LOAD], solver)
     light = solved(paper_nip(winding_force=0.0, nip_load=LIGHT_LOAD), solver)
     made = (
-        ("fig16", "NIT and nip width against the nip load", _tension(data, light),
-         ("nip_induced_tension", "nip_width")),
-        ("fig17", "Leading and trailing slip at the roll against the nip load", _slip(data),
-         ("leading_roll_slip", "trailing_roll_slip")),
+        (
+            "fig16",
+            "NIT and nip width against the nip load",
+            _tension(data, light),
+            ("nip_induced_tension", "nip_width"),
+        ),
+        (
+            "fig17",
+            "Leading and trailing slip at the roll against the nip load",
+            _slip(data),
+            ("leading_roll_slip", "trailing_roll_slip"),
+        ),
         ("fig18", "Dual slip ratio against the nip load", _dual_slip(data, heavy), ("dual_slip",)),
-    )  # fmt: skip
+    )
     return [
         Exhibit(
-            name, title, data, verdicts,
+            name,
+            title,
+            data,
+            verdicts,
             partial(_draw, data, shown),
         )
         for name, title, verdicts, shown in made
-    ]  # fmt: skip
+    ]
 
 
 def _swept(nip_loads: Sequence[float] | np.ndarray, solver: str) -> xr.Dataset:
@@ -65,36 +76,51 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
     free = NIT.sel(winding_force=slice(0, None))  # centre winding and F = 100 N/m
     return [
         grows(
-            "a higher winding force gives a higher NIT at every nip load", NIT, "winding_force",
-            "N/m", "smallest step between neighbouring forces",
+            "a higher winding force gives a higher NIT at every nip load",
+            NIT,
+            "winding_force",
+            "N/m",
+            "smallest step between neighbouring forces",
         ),
         falls(
-            "the winding force acts more on NIT where the load is light", spread, "nip_load", "N/m",
+            "the winding force acts more on NIT where the load is light",
+            spread,
+            "nip_load",
+            "N/m",
             f"largest step of the curves' spread, which falls from {spread[0]:.0f} to "
             f"{spread[-1]:.0f} N/m",
         ),
         verdict(
             "the nip width does not depend on the winding force",
-            100 * (_spread(width) / width[-1]).max(), high=1.0, unit="%",
+            100 * (_spread(width) / width[-1]).max(),
+            high=1.0,
+            unit="%",
             note="largest spread between the forces",
         ),
         verdict(
             "nor does the approach of the centres, so that no theory can be right in which NIT is "
-            "a function of the approach alone", 100 * (_spread(approach) / approach[-1]).max(),
-            high=1.0, unit="%", note="largest spread between the forces",
+            "a function of the approach alone",
+            100 * (_spread(approach) / approach[-1]).max(),
+            high=1.0,
+            unit="%",
+            note="largest spread between the forces",
         ),
         verdict(
             "the curves flatten as the load grows (ch. 6)",
-            np.diff(np.diff(free) / np.diff(NIP_LOADS)).max(), high=0.0,
+            np.diff(np.diff(free) / np.diff(NIP_LOADS)).max(),
+            high=0.0,
             note="largest change of slope [N/m per N/m] between neighbouring loads, F >= 0",
         ),
         verdict(
-            "at a very light load NIT is about mu+ P (ch. 6)", friction, 0.9, 1.0,
+            "at a very light load NIT is about mu+ P (ch. 6)",
+            friction,
+            0.9,
+            1.0,
             note=f"NIT/(mu+ P), centre winding at P = {LIGHT_LOAD:.0f} N/m.  Even there the web "
             f"slips backward on {100 * backward:.0f} % of the roll's face, which takes friction "
             "off; as P goes to zero the ratio tends to 0.87",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _slip(data: xr.Dataset) -> list[Verdict]:
@@ -103,35 +129,48 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
     return [
         verdict(
             "at the lightest load and lowest force the web slips on the whole roll: s_r1 = 0",
-            leading[0, 0], 0.0, 0.0,
+            leading[0, 0],
+            0.0,
+            0.0,
         ),
         verdict("and s_r2 = 1", trailing[0, 0], 1.0, 1.0),
         verdict(
-            "at the leading edge the roll is ahead of the web", leading.max(), high=0.0,
+            "at the leading edge the roll is ahead of the web",
+            leading.max(),
+            high=0.0,
             note="largest s_r1, negative: web slower",
         ),
         verdict(
-            "at the trailing edge the web is ahead of the roll", trailing.min(), 0.0,
+            "at the trailing edge the web is ahead of the roll",
+            trailing.min(),
+            0.0,
             note="smallest s_r2, positive: web faster",
         ),
         verdict(
             "the winding force acts more on the slip lengths where the load is light",
-            spread[0] - spread[-1], 0.0,
+            spread[0] - spread[-1],
+            0.0,
             note=f"the spread of s_r2 falls from {spread[0]:.2f} to {spread[-1]:.2f}",
         ),
         verdict(
-            "for F = 100 N/m s_r1 hardly depends on the load", _range(leading)[-1], high=0.05,
+            "for F = 100 N/m s_r1 hardly depends on the load",
+            _range(leading)[-1],
+            high=0.05,
             note="its range over the loads",
         ),
         verdict(
-            "for F = 100 N/m s_r2 hardly depends on the load", over_loads[-1], high=0.1,
+            "for F = 100 N/m s_r2 hardly depends on the load",
+            over_loads[-1],
+            high=0.1,
             note="its range over the loads",
         ),
         verdict(
             "for lower winding forces the load matters much more: smallest range of s_r2 for "
-            "F <= -200 N/m, over that for F = 100 N/m", over_loads[:3].min() / over_loads[-1], 2.0,
+            "F <= -200 N/m, over that for F = 100 N/m",
+            over_loads[:3].min() / over_loads[-1],
+            2.0,
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
@@ -143,31 +182,43 @@ def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
             "the dual slip ratio has the sign of NIT", 100 * agree, 95.0, unit="% of the points"
         ),
         verdict(
-            "it falls with the load for F >= 0", dual[3:, -1].max() - dual[3:, 0].min(), high=0.0,
+            "it falls with the load for F >= 0",
+            dual[3:, -1].max() - dual[3:, 0].min(),
+            high=0.0,
             note="change from the lightest to the heaviest load",
         ),
         verdict(
-            "it rises with the load for F <= -200 N/m", (dual[:3, -1] - dual[:3, 0]).min(), 0.0,
+            "it rises with the load for F <= -200 N/m",
+            (dual[:3, -1] - dual[:3, 0]).min(),
+            0.0,
             note=f"smallest change over the range; the largest fall between neighbouring loads is "
             f"{-dual[:3].diff('nip_load').min():.3f}",
         ),
         verdict(
-            "at heavy loads the winding force loses its influence", spread[-1] / spread[0],
-            high=0.1, note="spread of the curves at the heaviest load, over that at the lightest",
+            "at heavy loads the winding force loses its influence",
+            spread[-1] / spread[0],
+            high=0.1,
+            note="spread of the curves at the heaviest load, over that at the lightest",
         ),
         verdict(
-            "all curves come to about 0.1", last.mean(), 0.08, 0.12,
+            "all curves come to about 0.1",
+            last.mean(),
+            0.08,
+            0.12,
             note=f"average at the heaviest load; from {last.min():.3f} to {last.max():.3f}",
         ),
         verdict(
-            "which is a limit, independent of the load", 100 * (limit / last.mean() - 1),
-            -10.0, 10.0, "%",
+            "which is a limit, independent of the load",
+            100 * (limit / last.mean() - 1),
+            -10.0,
+            10.0,
+            "%",
             f"change to P = {HEAVY_LOAD / 1e3:.0f} kN/m, where all five are near "
             f"{limit:.3f}.  The ratio would be constant if the half width "
             "were the only length; but the web has one of its own, its stiffness 2h A_tt over that "
             "of the roll, and the nip goes on outgrowing it",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset, shown: tuple[str, ...]) -> Figure:

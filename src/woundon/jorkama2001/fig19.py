@@ -1,7 +1,8 @@
 """Thesis Fig. 19, sec. 4.4: NIT against the friction between the layers.
 
 The thesis holds the web to the roll from the trailing edge on (97).  What the section says is
-tested on that, and again with the web wrapped on half the roll behind the nip, on fewer points.
+tested on that, and again on fewer points with the web wrapped on half the roll downstream of the
+nip.
 """
 
 from __future__ import annotations
@@ -38,7 +39,9 @@ def exhibits(solver: str) -> list[Exhibit]:
         data[name].values -= paper_nip().web_tension
     verdicts = [
         *_statements(data[CONFINED], ""),
-        *accurate(_statements(data[WRAPPED], "with the web wrapped on the roll behind the nip: ")),
+        *accurate(
+            _statements(data[WRAPPED], "with the web wrapped on the roll downstream of the nip: ")
+        ),
         *accurate([_share_of_fall()]),
     ]
     title = "NIT against the friction between the layers"
@@ -72,23 +75,36 @@ def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
     return [
         verdict(
             f"{when}from mu+ = 0.2 on NIT has a maximum at the low load for F <= -200 N/m",
-            max(low_forces, default=-np.inf), -200, -200, "N/m", f"{said[0]}: below it the web "
+            max(low_forces, default=-np.inf),
+            -200,
+            -200,
+            "N/m",
+            f"{said[0]}: below it the web "
             "slips forward on nearly the whole roll and NIT grows like mu+ P + F",
         ),
         verdict("for each of these forces", len(low_forces), 3, 3, note="curves with a maximum"),
         verdict(
-            "and at the high load for F = -500 N/m only", max(high_forces, default=-np.inf),
-            -500, -500, "N/m", said[1],
+            "and at the high load for F = -500 N/m only",
+            max(high_forces, default=-np.inf),
+            -500,
+            -500,
+            "N/m",
+            said[1],
         ),
         verdict(
-            "beyond the maxima NIT falls as mu+ grows", steps, high=0.0, unit="N/m",
+            "beyond the maxima NIT falls as mu+ grows",
+            steps,
+            high=0.0,
+            unit="N/m",
             note="largest step",
         ),
         verdict(
-            "the curves are steeper at the higher load", (fall[1] / fall[0]).min(), 1.0,
+            "the curves are steeper at the higher load",
+            (fall[1] / fall[0]).min(),
+            1.0,
             note="smallest ratio over F of the falls from the maximum to mu+ = 0.6",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _maxima(NIT: xr.DataArray) -> dict[float, float]:
@@ -120,12 +136,14 @@ def _share_of_fall() -> Verdict:
     ]
     return verdict(
         "and the decrease that was expected is the nip's own, in centre winding from mu+ = 0.1 to "
-        "0.6: fall over that with the web held at the trailing edge", fall.min(), 0.5,
+        "0.6: fall over that with the web held at the trailing edge",
+        fall.min(),
+        0.5,
         note=f"the lesser of both loads.  At P = {NIP_LOADS[1]:.0f} N/m NIT goes from {said[0]} "
         f"held there, from {said[1]} wrapped, and from {said[2]} by (183): most of the fall is the "
         "condition at the trailing edge (97), by which friction binds the web to a surface that is "
         "compressed there",
-    )  # fmt: skip
+    )
 
 
 def _draw(data: xr.Dataset) -> Figure:

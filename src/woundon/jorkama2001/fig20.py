@@ -52,25 +52,30 @@ def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
     return [
         verdict(
             f"{when}: the web slips at roll and drum at the leading edge already",
-            100 * leading / (2 * r.half_width), 1.0, unit="% of the width",
+            100 * leading / (2 * r.half_width),
+            1.0,
+            unit="% of the width",
         ),
         whether("where it is a little ahead of the drum", drum[0].zone == 1),
         verdict(
             "at the trailing end slip begins at the drum, before it does at the roll: from the "
             "end of stick at the drum to that at the roll",
-            1e3 * (_end_of_stick(roll) - end), 0.0, unit="mm",
+            1e3 * (_end_of_stick(roll) - end),
+            0.0,
+            unit="mm",
         ),
         whether(
-            "first the drum is ahead of the web", drum[stick + 1].zone == -1,
-            "v- < 0 behind the stick zone",
+            "first the drum is ahead of the web",
+            drum[stick + 1].zone == -1,
+            "v- < 0 downstream of the stick zone",
         ),
         verdict("and the tension falls", T.min() - np.interp(end, x, T), high=0.0, unit="N/m"),
         whether("on the last part the slip turns round", drum[-1].zone == 1, "v- > 0"),
-    ]  # fmt: skip
+    ]
 
 
 def _end_of_stick(found: list[Run]) -> float:
-    """Return where the longest stick zone ends [m]."""
+    """Return the downstream end of the longest stick zone [m]."""
     k = longest_stick(found)
     assert k is not None
     return found[k].right
@@ -80,27 +85,32 @@ def _numbers(below: Nip, above: Nip) -> list[Verdict]:
     a, b = below.nip_induced_tension, above.nip_induced_tension
     return [
         verdict(
-            "mu+ > mu- makes much less tension (ch. 6): NIT of (b) over that of (a)", b / a,
-            high=0.75, note=f"the text's numbers give {PRINTED[1] / PRINTED[0]:.2f}",
+            "mu+ > mu- makes much less tension (ch. 6): NIT of (b) over that of (a)",
+            b / a,
+            high=0.75,
+            note=f"the text's numbers give {PRINTED[1] / PRINTED[0]:.2f}",
         ),
         verdict(
             f"NIT is {PRINTED[0]:.0f} N/m in panel (a) and {PRINTED[1]:.0f} N/m in panel (b)",
-            None, note=f"{UNTOLD}.  At the loads taken here they are {a:.0f} and {b:.0f} N/m",
+            None,
+            note=f"{UNTOLD}.  At the loads taken here they are {a:.0f} and {b:.0f} N/m",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
     # between the edges of the nip, the quantity that the text gives
     a, b = (r.outlet_tension - r.inlet_tension for r in (below, above))
     return [
-        *_pattern(above, "with the web wrapped on the roll behind the nip, mu+ > mu-"),
+        *_pattern(above, "with the web wrapped on the roll downstream of the nip, mu+ > mu-"),
         verdict(
-            "and mu+ > mu- makes much less tension: NIT of (b) over that of (a)", b / a, high=0.75,
+            "and mu+ > mu- makes much less tension: NIT of (b) over that of (a)",
+            b / a,
+            high=0.75,
             note=f"{b:.0f} and {a:.0f} N/m.  What the nip alone loses is largely what (97) takes "
             "off (Fig. 19)",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(nips: list[Nip]) -> Figure:

@@ -30,11 +30,14 @@ def exhibits(solver: str) -> list[Exhibit]:
     own = {"roll": [_increasing()], "drum": _exponents(list(data.values()))}
     return [
         Exhibit(
-            name, f"NIT against the radius of the {body}", data[body],
-            [*_trends(data[body], body), *own[body]], partial(_draw, data[body], body),
+            name,
+            f"NIT against the radius of the {body}",
+            data[body],
+            [*_trends(data[body], body), *own[body]],
+            partial(_draw, data[body], body),
         )
         for name, body in (("fig21", "roll"), ("fig22", "drum"))
-    ]  # fmt: skip
+    ]
 
 
 def _swept(body: str, solver: str) -> xr.Dataset:
@@ -56,38 +59,60 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
         falls(f"NIT falls as the {body}'s radius grows", NIT, radius, "N/m"),
         verdict(
             "it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
-            "0.5 m on", 100 * ((half - largest) / total).max(), high=25.0, unit="%", note="largest",
+            "0.5 m on",
+            100 * ((half - largest) / total).max(),
+            high=25.0,
+            unit="%",
+            note="largest",
         ),
         verdict(
-            "which is negligible", 100 * (1 - largest / half)[:, 3:].max(), high=5.0, unit="%",
+            "which is negligible",
+            100 * (1 - largest / half)[:, 3:].max(),
+            high=5.0,
+            unit="%",
             note="fall of NIT from 0.5 to 1 m, largest for F >= 0; the power "
             "law of Fig. 22 asks for as much: the relative radius grows by a fifth to a third",
         ),
         grows(
-            f"the lower the winding force, the less the {body}'s radius matters", total,
-            "winding_force", "N/m", "smallest step of the falls over F; panel (a): "
+            f"the lower the winding force, the less the {body}'s radius matters",
+            total,
+            "winding_force",
+            "N/m",
+            "smallest step of the falls over F; panel (a): "
             f"{', '.join(f'{fall:.0f}' for fall in total[0])} N/m for F = -500 to 100",
         ),
         falls(
-            f"a larger {other} gives less NIT", NIT, f"{other}_radius", "N/m",
+            f"a larger {other} gives less NIT",
+            NIT,
+            f"{other}_radius",
+            "N/m",
             "largest difference of the panels, (b) less (a)",
         ),
-        verdict("but steeper curves", (total[1] / total[0]).min(), 1.0,
-                note="smallest ratio of the falls, (b) over (a)"),
+        verdict(
+            "but steeper curves",
+            (total[1] / total[0]).min(),
+            1.0,
+            note="smallest ratio of the falls, (b) over (a)",
+        ),
         verdict(
             f"the dual slip ratio falls as the {body}'s radius grows",
-            data["dual_slip"][:, 3:].diff(radius).max(), high=1e-9, note="largest step, F >= 0",
+            data["dual_slip"][:, 3:].diff(radius).max(),
+            high=1e-9,
+            note="largest step, F >= 0",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _increasing() -> Verdict:
     problem, ratios = paper_nip(nip_load=NIP_LOAD), np.linspace(0.0, 1.0, 201)
     steps = np.diff([wo.theories.dual_slip(problem, float(s)) for s in ratios])
     return verdict(
-        "NIT by the dual slip ratio alone, eq. (173), grows with it", steps.min(), 0.0, unit="N/m",
+        "NIT by the dual slip ratio alone, eq. (173), grows with it",
+        steps.min(),
+        0.0,
+        unit="N/m",
         note="smallest step of 1/200",
-    )  # fmt: skip
+    )
 
 
 def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
@@ -108,7 +133,9 @@ def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
     return [
         verdict(
             "NIT goes with the relative radius R* to the power -1/2: fitted exponent, F = 0",
-            relative[0], -0.55, -0.45,
+            relative[0],
+            -0.55,
+            -0.45,
             note="by F [N/m] "
             + ", ".join(f"{F:.0f}: {fit('relative', F)[0]:.2f}" for F in WINDING_FORCES)
             + ".  The strains go with a/R*, at a given load with R*^-1/2; but NIT over that strain "
@@ -116,10 +143,12 @@ def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
         ),
         verdict(
             "and not with the drum's radius: scatter of ln NIT about the fit by R*, over that by "
-            "the drum's", relative[1] / drum[1], high=0.2,
+            "the drum's",
+            relative[1] / drum[1],
+            high=0.2,
             note=f"{100 * relative[1]:.1f} % against {100 * drum[1]:.0f} % of NIT",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset, body: str) -> Figure:

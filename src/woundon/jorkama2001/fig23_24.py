@@ -26,14 +26,20 @@ def exhibits(solver: str) -> list[Exhibit]:
     NIT, width = data["nip_induced_tension"], data["nip_width"]
     return [
         Exhibit(
-            "fig23", "NIT against the modulus of the drum cover", data, _tension(NIT),
+            "fig23",
+            "NIT against the modulus of the drum cover",
+            data,
+            _tension(NIT),
             lambda: _draw(data, "nip_induced_tension"),
         ),
         Exhibit(
-            "fig24", "Nip width against the modulus of the drum cover", data, _width(width, NIT),
+            "fig24",
+            "Nip width against the modulus of the drum cover",
+            data,
+            _width(width, NIT),
             lambda: _draw(data, "nip_width"),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _variation(values: xr.DataArray, lowest: float) -> float:
@@ -53,22 +59,38 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
     return [
         verdict(
             "from 1 MPa to 10 GPa NIT grows about with the logarithm of E: R^2 of the worst curve",
-            fits.min(), 0.9, note="straight line by ln E",
+            fits.min(),
+            0.9,
+            note="straight line by ln E",
         ),
         verdict(
-            "above 10 GPa it depends neither on E nor on nu", _variation(NIT, 1e10), high=5.0,
-            unit="%", note="largest range",
+            "above 10 GPa it depends neither on E nor on nu",
+            _variation(NIT, 1e10),
+            high=5.0,
+            unit="%",
+            note="largest range",
         ),
-        grows("below, it grows with nu", by_ratio, "poissons_ratio", "N/m",
-              "smallest step between neighbouring nu"),
+        grows(
+            "below, it grows with nu",
+            by_ratio,
+            "poissons_ratio",
+            "N/m",
+            "smallest step between neighbouring nu",
+        ),
         verdict(
-            "little at low nu, much as the cover becomes incompressible", many / few, 4.0,
+            "little at low nu, much as the cover becomes incompressible",
+            many / few,
+            4.0,
             note=f"average step from 0.4 to 0.499 over that from 0.1 to 0.2: {many:.1f} and "
             f"{few:.1f} N/m",
         ),
-        verdict("the picture is the same at both loads", xr.corr(NIT[0], NIT[1]), 0.95,
-                note="correlation of the panels"),
-    ]  # fmt: skip
+        verdict(
+            "the picture is the same at both loads",
+            xr.corr(NIT[0], NIT[1]),
+            0.95,
+            note="correlation of the panels",
+        ),
+    ]
 
 
 def _width(width: xr.DataArray, NIT: xr.DataArray) -> list[Verdict]:
@@ -78,24 +100,33 @@ def _width(width: xr.DataArray, NIT: xr.DataArray) -> list[Verdict]:
 
     return [
         verdict(
-            "the nip is narrower for a higher nu", 1e3 * width.diff("poissons_ratio")[..., 0].max(),
-            high=0.0, unit="mm", note="largest step between neighbouring nu at 1 MPa",
+            "the nip is narrower for a higher nu",
+            1e3 * width.diff("poissons_ratio")[..., 0].max(),
+            high=0.0,
+            unit="mm",
+            note="largest step between neighbouring nu at 1 MPa",
         ),
         verdict(
-            "nu acts less on it than on NIT", influence(width) / influence(NIT), high=1.0,
+            "nu acts less on it than on NIT",
+            influence(width) / influence(NIT),
+            high=1.0,
             note="ratio of the largest relative ranges over nu, "
             f"{influence(width):.2f} and {influence(NIT):.2f}",
         ),
         verdict(
-            "above 1 GPa it hardly depends on E and nu", _variation(width, 1e9), high=2.0,
-            unit="%", note="largest range",
+            "above 1 GPa it hardly depends on E and nu",
+            _variation(width, 1e9),
+            high=2.0,
+            unit="%",
+            note="largest range",
         ),
         verdict(
             "so that it settles earlier than NIT does",
-            _variation(width, 1e9) / _variation(NIT, 1e9), high=0.5,
+            _variation(width, 1e9) / _variation(NIT, 1e9),
+            high=0.5,
             note="ratio of the ranges above 1 GPa",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset, shown: str) -> Figure:

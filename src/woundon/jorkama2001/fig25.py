@@ -31,8 +31,11 @@ def exhibits(solver: str) -> list[Exhibit]:
     hard = solved(paper_nip(), solver, FINE)
     title = "Tractions, slips and web tension in the nip, soft drum cover"
     verdicts = [
-        *_tractions(hard, soft), *_pattern(soft), *_edges(soft, heavier), *_tension(soft, heavier),
-    ]  # fmt: skip
+        *_tractions(hard, soft),
+        *_pattern(soft),
+        *_edges(soft, heavier),
+        *_tension(soft, heavier),
+    ]
     return [Exhibit("fig25", title, along_nip(soft), verdicts, lambda: _draw(soft))]
 
 
@@ -44,14 +47,20 @@ def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
     return [
         verdict(
             "tractions are more than 50 % smaller than with the hard drum: at the roll",
-            smaller("roll_traction"), 50.0, unit="%", note="of the largest",
+            smaller("roll_traction"),
+            50.0,
+            unit="%",
+            note="of the largest",
         ),
         verdict(
-            "and at the drum", smaller("drum_traction"), 50.0, unit="%",
+            "and at the drum",
+            smaller("drum_traction"),
+            50.0,
+            unit="%",
             note=f"of the largest.  It is bound to mu- p, and the wider nip's largest pressure is "
             f"{smaller('drum_pressure'):.0f} % smaller only",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _pattern(r: Nip) -> list[Verdict]:
@@ -63,36 +72,54 @@ def _pattern(r: Nip) -> list[Verdict]:
             [run.zone for run in roll] == [-1, 0, 1],
         ),
         whether(
-            "the drum has a leading slip zone too, the web behind it", drum[0].zone == -1,
+            "the drum has a leading slip zone too, the web downstream of it",
+            drum[0].zone == -1,
             f"v- < 0 on {100 * drum[0].length / width:.1f} % of the width",
         ),
         whether(
             "at the trailing edge the web is ahead of the drum first",
-            max(run.zone for run in drum[1:]) == 1, "v- > 0",
+            max(run.zone for run in drum[1:]) == 1,
+            "v- > 0",
         ),
-        verdict("and behind it very near the edge", drum[-1].zone, -1, -1, note="sign of v-"),
-        verdict("from so near on", 100 * (r.half_width - forward.right) / width, 1e-6, 2.0,
-                "% of the width"),
+        verdict(
+            "and downstream of it very near the edge", drum[-1].zone, -1, -1, note="sign of v-"
+        ),
+        verdict(
+            "from so near on",
+            100 * (r.half_width - forward.right) / width,
+            1e-6,
+            2.0,
+            "% of the width",
+        ),
         verdict(
             "slip is larger at the drum than at the roll: largest |v-| over largest |v+|",
-            np.max(np.abs(r.drum_slip)) / np.max(np.abs(r.roll_slip)), 1.0,
+            np.max(np.abs(r.drum_slip)) / np.max(np.abs(r.roll_slip)),
+            1.0,
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
     base, more = (100 * np.abs(nip.drum_slip[[1, -1]]) for nip in (r, heavier))
     return [
         verdict(
-            "|v-| is about 0.35 % at the leading edge", base[0], 0.3, 0.4, "%",
+            "|v-| is about 0.35 % at the leading edge",
+            base[0],
+            0.3,
+            0.4,
+            "%",
             f"{more[0]:.2f} % at P = {FALL_LOAD:.0f} N/m",
         ),
         verdict(
-            "and at the trailing edge", base[1], 0.3, 0.4, "%",
+            "and at the trailing edge",
+            base[1],
+            0.3,
+            0.4,
+            "%",
             f"{more[1]:.2f} % at P = {FALL_LOAD:.0f} N/m; it turns round within the last "
             "per cent of the width, where the cover's strain has a vertical tangent",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
@@ -102,18 +129,27 @@ def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
     return [
         verdict(
             "most of the tension's variation happens where both faces stick",
-            100 * steps[inside].sum() / steps.sum(), 50.0, unit="%",
+            100 * steps[inside].sum() / steps.sum(),
+            50.0,
+            unit="%",
         ),
         verdict(
-            "it is lowest at the nip's centre", r.x[np.argmin(T)] / r.half_width, -0.1, 0.1,
+            "it is lowest at the nip's centre",
+            r.x[np.argmin(T)] / r.half_width,
+            -0.1,
+            0.1,
             note="x/a of the lowest tension",
         ),
         verdict(
-            "where it has fallen by almost 150 N/m", -T.min(), 135.0, 150.0, "N/m",
+            "where it has fallen by almost 150 N/m",
+            -T.min(),
+            135.0,
+            150.0,
+            "N/m",
             f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.tension.min():.0f} "
             "N/m, and the text does not give the load",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(result: Nip) -> Figure:

@@ -46,27 +46,38 @@ def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
     width = 1e3 * data["nip_width"].sel(cover="rubber")
     return [
         verdict(
-            "the cellular cover's NIT is very small", 100 * (cellular / hard).max(), high=10.0,
-            unit="%", note=f"of the hard drum's; at most {cellular.max():.1f} N/m",
+            "the cellular cover's NIT is very small",
+            100 * (cellular / hard).max(),
+            high=10.0,
+            unit="%",
+            note=f"of the hard drum's; at most {cellular.max():.1f} N/m",
         ),
         verdict(
-            "and practically independent of the load", np.ptp(cellular.values), high=5.0,
-            unit="N/m", note=f"its range; the hard drum's is {np.ptp(hard.values):.0f} N/m",
+            "and practically independent of the load",
+            np.ptp(cellular.values),
+            high=5.0,
+            unit="N/m",
+            note=f"its range; the hard drum's is {np.ptp(hard.values):.0f} N/m",
         ),
         verdict(
             "the rubber cover's NIT is lower than the hard drum's too",
-            100 * (rubber / hard).max(), high=50.0, unit="%", note="largest share",
+            100 * (rubber / hard).max(),
+            high=50.0,
+            unit="%",
+            note="largest share",
         ),
         grows("it grows with the load", rubber, "nip_load", "N/m"),
         verdict(
-            "ever more slowly", slopes[-1] / slopes[0], high=1.0,
+            "ever more slowly",
+            slopes[-1] / slopes[0],
+            high=1.0,
             note="slope at the heaviest load over that at the lightest.  It grows, as Peters found "
             "and the text denies: rubber cannot change its volume, so that the cover stiffens as "
             f"the nip, {width[0]:.0f} to {width[-1]:.0f} mm wide, outgrows its "
             "20 mm, and comes nearer to a hard drum.  On a half-plane of rubber NIT would be "
             f"{without[0]:.1f}, {without[1]:.1f} and {without[2]:.1f} N/m at 2, 5 and 11 kN/m",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _modulus(E: float) -> str:

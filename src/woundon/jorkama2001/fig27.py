@@ -38,12 +38,17 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
     return [
         verdict(
             "the thickness of the cellular cover hardly matters for NIT, in N/m",
-            np.ptp(cellular.values), high=20.0, unit="N/m",
+            np.ptp(cellular.values),
+            high=20.0,
+            unit="N/m",
             note=f"its range from 5 to 50 mm; the rubber's is {np.ptp(rubber.values):.0f} N/m",
         ),
         falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness", "N/m"),
         verdict(
             "thickness matters most where the rubber is thin, about 10 mm: fall at 10 mm over "
-            "that at 30 mm", thin / thick, 3.0, note=f"{thin:.1f} and {thick:.1f} N/m per mm",
+            "that at 30 mm",
+            thin / thick,
+            3.0,
+            note=f"{thin:.1f} and {thick:.1f} N/m per mm",
         ),
-    ]  # fmt: skip
+    ]

@@ -26,18 +26,24 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = swept(paper_nip(nip_load=5000.0), over, solver)
     return [
         Exhibit(
-            "fig28", "NIT against the elastic constants of the paper", data,
-            _tension(data["nip_induced_tension"]), lambda: _draw(data, "nip_induced_tension"),
+            "fig28",
+            "NIT against the elastic constants of the paper",
+            data,
+            _tension(data["nip_induced_tension"]),
+            lambda: _draw(data, "nip_induced_tension"),
         ),
         Exhibit(
-            "fig29", "Dual slip ratio against the elastic constants of the paper", data,
-            _dual_slip(data["dual_slip"], solver), lambda: _draw(data, "dual_slip"),
+            "fig29",
+            "Dual slip ratio against the elastic constants of the paper",
+            data,
+            _dual_slip(data["dual_slip"], solver),
+            lambda: _draw(data, "dual_slip"),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _where(found: np.ndarray) -> str:
-    """Say at which moduli the flagged steps of A_rr lie."""
+    """Describe the moduli at which the flagged steps of A_rr lie."""
     places = [
         f"G {SHEAR[i] / 1e6:g}, A_rt {CROSS[j] / 1e6:g}, A_rr {RADIAL[k] / 1e6:g} to "
         f"{RADIAL[k + 1] / 1e6:g} MPa at A_tt {TANGENTIAL[found[i, j, k]].min() / 1e9:g} to "
@@ -56,27 +62,43 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
     return [
         grows("NIT grows with A_tt", NIT, "tangential", "N/m"),
         verdict(
-            "usually it falls as A_rr grows", 100 * np.mean(~rising), 80.0, unit="% of the steps",
+            "usually it falls as A_rr grows",
+            100 * np.mean(~rising),
+            80.0,
+            unit="% of the steps",
             note="the text says usually",
         ),
         verdict(
             "except for A_tt from 0.5 to 0.6 GPa, A_rt = 40 MPa and G = 100 MPa: there it grows",
-            steps[exception].max(), 0.0, unit="N/m", note="largest step",
+            steps[exception].max(),
+            0.0,
+            unit="N/m",
+            note="largest step",
         ),
         verdict(
-            "and nowhere else", np.sum(rising & ~exception), high=0,
+            "and nowhere else",
+            np.sum(rising & ~exception),
+            high=0,
             note=f"steps that grow elsewhere.  All: {_where(rising)}.  A_rt^2 comes near A_rr A_tt "
             "there, and a soft roll loses more tension to Poisson's effect than it gains by being "
             "soft.  No web thickness from 20 to 100 um confines it to what the text says",
         ),
         grows("it grows with G", NIT, "shear", "N/m"),
         verdict(
-            "up to A_rt = 1 MPa it does not depend on A_rt", small.max(), high=5.0, unit="%",
+            "up to A_rt = 1 MPa it does not depend on A_rt",
+            small.max(),
+            high=5.0,
+            unit="%",
             note="largest change from 0.1 to 1 MPa",
         ),
-        falls("beyond, it falls as A_rt grows", NIT[:, 1:], "cross", "N/m",
-              "largest change from 1 to 40 MPa"),
-    ]  # fmt: skip
+        falls(
+            "beyond, it falls as A_rt grows",
+            NIT[:, 1:],
+            "cross",
+            "N/m",
+            "largest change from 1 to 40 MPa",
+        ),
+    ]
 
 
 def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
@@ -93,17 +115,19 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
     return [
         steps_up("the dual slip ratio grows with A_tt", "tangential"),
         steps_up(
-            "with A_rr", "radial",
+            "with A_rr",
+            "radial",
             ".  It falls, as NIT does; the text likens it to NIT in the same sentence, so that "
             "this may be a slip of the pen",
         ),
         steps_up("with G", "shear"),
         steps_up(
-            "and, unlike NIT, with A_rt", "cross",
+            "and, unlike NIT, with A_rt",
+            "cross",
             f".  It does in {100 * (stiff > -cell).mean():.0f} % of the steps with A_tt of 4 GPa "
             "or more, as in Fig. 30; where A_tt is small, A_rt^2 comes near A_rr A_tt and it falls",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset, shown: str) -> Figure:

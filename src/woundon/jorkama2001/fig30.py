@@ -33,12 +33,12 @@ def _problem(cross: float) -> wo.NipProblem:
 
 
 def _fall(r: Nip) -> float:
-    """Return how far the tension falls below that of the incoming web [N/m]."""
+    """Return the largest decrease of the tension below the inlet tension [N/m]."""
     return float(r.problem.web_tension - r.tension.min())
 
 
 def _off(r: Nip) -> float:
-    """Return by how much eq. (173) misses NIT [%]."""
+    """Return the deviation of eq. (173) from NIT [%]."""
     alone = wo.theories.dual_slip(r.problem, zone_lengths(r).dual)
     return 100 * abs(float(alone) / r.nip_induced_tension - 1)
 
@@ -50,25 +50,47 @@ def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
     return [
         verdict(
             "with A_rt = 40 MPa the tension falls by almost 100 N/m before the dual slip zone",
-            _fall(large), 85.0, 100.0, "N/m",
+            _fall(large),
+            85.0,
+            100.0,
+            "N/m",
         ),
         verdict(
             "by Poisson's effect: its fall over 2h (A_rt/A_rr) times the rise of p, from where the "
-            "web sticks to the drum to the lowest tension", share, 0.98, 1.02,
+            "web sticks to the drum to the lowest tension",
+            share,
+            0.98,
+            1.02,
             note=f"before, on {100 * slipped:.1f} % of the width, the web is squeezed out backward "
             "and slips, which spares it a part of the fall",
         ),
-        verdict("with A_rt = 1 MPa it stays constant", _fall(small), high=5.0, unit="N/m",
-                note="its fall"),
         verdict(
-            "the dual slip zone adds more for the larger A_rt", gains[0] - gains[1], 0.0,
-            unit="N/m", note=f"{gains[0]:.0f} against {gains[1]:.0f} N/m",
+            "with A_rt = 1 MPa it stays constant",
+            _fall(small),
+            high=5.0,
+            unit="N/m",
+            note="its fall",
         ),
-        verdict("but the whole nip less", NIT[0] - NIT[1], high=0.0, unit="N/m",
-                note=f"NIT {NIT[0]:.0f} against {NIT[1]:.0f} N/m"),
+        verdict(
+            "the dual slip zone adds more for the larger A_rt",
+            gains[0] - gains[1],
+            0.0,
+            unit="N/m",
+            note=f"{gains[0]:.0f} against {gains[1]:.0f} N/m",
+        ),
+        verdict(
+            "but the whole nip less",
+            NIT[0] - NIT[1],
+            high=0.0,
+            unit="N/m",
+            note=f"NIT {NIT[0]:.0f} against {NIT[1]:.0f} N/m",
+        ),
         verdict(
             "eq. (173), NIT by the dual slip ratio alone, does not apply to the larger A_rt: it is "
-            "off by", _off(large), 10.0, unit="%",
+            "off by",
+            _off(large),
+            10.0,
+            unit="%",
         ),
         verdict("but does to the smaller one: it is off by", _off(small), high=10.0, unit="%"),
-    ]  # fmt: skip
+    ]

@@ -72,25 +72,35 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
     growth = np.polyfit(np.log(NODES[3:]), np.log(data["time"][0, 3:]), 1)[0]
     best = 100 * np.abs(1 - graded / exact)[1:].max()
     return [
-        grows("NIT seems to converge as M grows: smallest step towards the limit", thesis, "nodes",
-              "N/m", f"the limit is {exact:.2f} N/m"),
+        grows(
+            "NIT seems to converge as M grows: smallest step towards the limit",
+            thesis,
+            "nodes",
+            "N/m",
+            f"the limit is {exact:.2f} N/m",
+        ),
         verdict(
-            "but slowly: order of convergence", order, high=1.0,
+            "but slowly: order of convergence",
+            order,
+            high=1.0,
             note="fitted exponent of 1/M.  The wound-on condition takes the roll's strain half a "
             "cell before the trailing edge, where the pressure goes like the root of the distance",
         ),
         verdict(
             "M = 200 is a compromise of time and accuracy: NIT is too low by",
-            100 * missing.sel(nodes=200), high=10.0, unit="%",
+            100 * missing.sel(nodes=200),
+            high=10.0,
+            unit="%",
             note=f"the accurate solver is within {best:.2f} % from 50 nodes on",
         ),
         verdict(
-            "the computing time grows exponentially with M", None,
+            "the computing time grows exponentially with M",
+            None,
             note="the thesis's program and machine are not at hand.  Here the time of its "
             f"procedure grows about like M to the power {growth:.1f}, and ends with the matrices' "
             "solution, M^3",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _widths() -> Verdict:
@@ -100,14 +110,17 @@ def _widths() -> Verdict:
     widths = 1e3 * good["nip_width"]
     return verdict(
         "with M = 200 the error varies by less than 5 % between nips 7 and 20 mm wide, so that "
-        "trends are not touched", np.ptp(errors.values), high=5.0, unit="%",
+        "trends are not touched",
+        np.ptp(errors.values),
+        high=5.0,
+        unit="%",
         note=f"it is {errors[0]:.1f} % at {widths[0]:.1f} mm, {errors[-1]:.1f} % at "
         f"{widths[-1]:.1f} mm",
-    )  # fmt: skip
+    )
 
 
 def _half_plane_error(problem: wo.NipProblem, body: str) -> float:
-    """Return by how much NIT changes if a half-plane stands for the roll or the drum [%]."""
+    """Return the change of NIT if a half-plane replaces the roll or the drum [%]."""
     cylinder = getattr(problem, body)
     flat = wo.HalfPlane(radius=cylinder.radius, material=cylinder.material)
     exact = solved(problem, "accurate").nip_induced_tension
@@ -129,29 +142,39 @@ def _half_planes() -> list[Verdict]:
     return [
         verdict(
             "with a rigid drum and 5 cm of paper on the core, the half-plane's NIT is typically "
-            "less than 3 % off", max(roll), high=3.0, unit="%",
+            "less than 3 % off",
+            max(roll),
+            high=3.0,
+            unit="%",
             note="largest of " + ", ".join(f"{P / 1e3:.0f}" for P in ROLL_LOADS) + " kN/m",
         ),
         verdict(
-            "on a cover of 5 cm it can be about 15 % off", max(thick.values()), 15.0, unit="%",
+            "on a cover of 5 cm it can be about 15 % off",
+            max(thick.values()),
+            15.0,
+            unit="%",
             note="covers of Fig. 26: "
             + ", ".join(f"{name} at {P / 1e3:.0f} kN/m {e:.0f} %" for (name, P), e in thick.items())
             + ".  It can be more: what counts is the nip's width over the cover's thickness",
         ),
         verdict(
             "and the error grows fast as the cover gets thinner: smallest growth from 5 to 1 cm",
-            min(growth), 10.0, unit="%",
+            min(growth),
+            10.0,
+            unit="%",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _terms(limit: wo.NipResult) -> Verdict:
     return verdict(
-        "15 000 to 35 000 terms of the cylinder's Fourier series are needed", limit.series_terms,
-        15e3, unit="terms",
+        "15 000 to 35 000 terms of the cylinder's Fourier series are needed",
+        limit.series_terms,
+        15e3,
+        unit="terms",
         note="the half-plane's share, which decays like 1/n, is summed in closed form here; what "
         f"is left of the series after these terms is below {limit.series_error:.0e} of the whole",
-    )  # fmt: skip
+    )
 
 
 def _draw(data: xr.Dataset) -> Figure:
@@ -162,9 +185,12 @@ def _draw(data: xr.Dataset) -> Figure:
         one, name, colour = data.sel(accurate=k), NAMES[k], drawing.COLOURS[k]
         axes.plot(one["nodes"], one["time"], "-", color=colour, label=f"time, {name}")
         twin.plot(
-            one["nodes"], one["nip_induced_tension"], "--", color=colour,
+            one["nodes"],
+            one["nip_induced_tension"],
+            "--",
+            color=colour,
             label=f"NIT, {name} (right axis)",
-        )  # fmt: skip
+        )
     axes.set_xlabel("Number of nodes $M$")
     axes.set_ylabel("Computing time / dense solve of 398 x 398")
     twin.set_ylabel("NIT [N/m]")

@@ -1,4 +1,4 @@
-"""Thesis Fig. 34, sec. 4.9: how fast web and roll stretch under a web that slips all round."""
+"""Thesis Fig. 34, sec. 4.9: strain rates of web and roll under a web that slips everywhere."""
 
 from __future__ import annotations
 
@@ -66,16 +66,19 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
     return [
         verdict(
             "the rates of web and roll differ by several decades: median of their ratio",
-            ratio.median(), 100.0,
+            ratio.median(),
+            100.0,
             note=f"between {AWAY:g} and {180 - AWAY:g} degrees; the smallest is "
             f"{ratio.min():.0f}, at the end, where the load stops and the roll's strain is "
             "singular",
         ),
         verdict(
             "so a slipping web does not stick again: its strain outgrows the roll's everywhere",
-            ratio.min(), 1.0, note="smallest ratio",
+            ratio.min(),
+            1.0,
+            note="smallest ratio",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset) -> Figure:
@@ -84,7 +87,7 @@ def _draw(data: xr.Dataset) -> Figure:
         rate = np.abs(data[f"{body}_rate"])
         look = {"color": drawing.COLOURS[k], "label": body}
         axes.semilogy(np.degrees(data["angle"]), rate, drawing.LINES[k], **look)
-    axes.set_xlabel(r"Angle behind the start of slip $\theta$ [deg]")
+    axes.set_xlabel(r"Angle downstream of the start of slip $\theta$ [deg]")
     axes.set_ylabel(r"$|d\varepsilon/d\theta|$ [1/rad]")
     drawing.shared_legend(figure, 2)
     return figure

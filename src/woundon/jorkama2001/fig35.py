@@ -1,4 +1,4 @@
-"""Thesis Fig. 35, sec. 4.9: the roll's strain about the nip, and whether the web slips behind it.
+"""Thesis Fig. 35, sec. 4.9: strain of the roll around the nip, and slip downstream of it.
 
 The figure's curves are those of the nip alone, the web held to the roll at its trailing edge (97).
 What the section concludes from them is tested on the solved wrap.
@@ -39,8 +39,8 @@ class _Nip(NamedTuple):
     data: xr.Dataset
 
     @property
-    def behind(self) -> xr.Dataset:
-        """The strain behind the nip."""
+    def downstream(self) -> xr.Dataset:
+        """Strain downstream of the nip."""
         return self.data.isel(point=self.data["angle"].values > 0)
 
 
@@ -48,7 +48,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve P = 10 kN/m with mu+ = 0.7 and 0.2, alone and wrapped; return Fig. 35."""
     nips = [_nip(mu, solver) for mu in FRICTIONS]
     data = joined("roll_friction [1]", dict(zip(FRICTIONS, (n.data for n in nips), strict=True)))
-    title = "Strain of the roll's surface about the nip, and growth rates behind it"
+    title = "Strain of the roll's surface about the nip, and growth rates downstream of it"
     verdicts = [*_of_the_nip_alone(nips), *_of_the_wrap(nips)]
     return [Exhibit("fig35", title, data, verdicts, lambda: _draw(data))]
 
@@ -58,8 +58,8 @@ def _nip(mu: float, solver: str) -> _Nip:
     problem = paper_nip(nip_load=LOAD, roll_friction=mu)
     alone = solved(problem, solver, FINE)
     R, a = problem.roll.radius, alone.half_width
-    behind = np.radians(np.geomspace(2e-3, FARTHEST, 120))  # from the trailing edge
-    strain = _roll_strain(alone, a + R * behind)
+    downstream = np.radians(np.geomspace(2e-3, FARTHEST, 120))  # from the trailing edge
+    strain = _roll_strain(alone, a + R * downstream)
     inside_x = alone.slip_x[1:]
     inside = _roll_strain(alone, inside_x)
     tension = problem.web_tension + alone.nip_induced_tension
@@ -67,10 +67,10 @@ def _nip(mu: float, solver: str) -> _Nip:
     data = dataset(
         "point",
         {
-            "angle [rad]": np.append((inside_x - a) / R, behind),
+            "angle [rad]": np.append((inside_x - a) / R, downstream),
             "roll_strain [1]": np.append(inside, strain),
-            "roll_rate [1/rad]": np.append(nan, np.gradient(strain, behind)),
-            "web_rate [1/rad]": np.append(nan, web_rate(problem.web, tension, mu, behind)),
+            "roll_rate [1/rad]": np.append(nan, np.gradient(strain, downstream)),
+            "web_rate [1/rad]": np.append(nan, web_rate(problem.web, tension, mu, downstream)),
         },
     )
     return _Nip(alone, solved(problem.replace(roll_wrap=np.pi)), data)
@@ -83,33 +83,38 @@ def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:
 
 def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:
     inside = max(n.data["roll_strain"][n.data["angle"] < 0].max() for n in nips)
-    rises = all(bool((n.behind["roll_strain"].diff("point") > 0).all()) for n in nips)
+    rises = all(bool((n.downstream["roll_strain"].diff("point") > 0).all()) for n in nips)
     return [
         verdict(
             "the roll's surface is compressed everywhere in the nip: largest strain",
-            100 * inside, high=0.0, unit="%",
+            100 * inside,
+            high=0.0,
+            unit="%",
         ),
-        whether("behind the nip its strain rises steadily towards zero", rises),
+        whether("downstream of the nip its strain rises steadily towards zero", rises),
         verdict(
-            "behind the nip the roll's strain changes faster than that of a slipping web only "
-            "within 0.5 degrees", max(_crossing(n.behind) for n in nips), high=CLAIMED, unit="deg",
+            "downstream of the nip the roll's strain changes faster than that of a slipping web "
+            "only within 0.5 degrees",
+            max(_crossing(n.downstream) for n in nips),
+            high=CLAIMED,
+            unit="deg",
             note="where the rates cross, measured from the trailing edge, the farther of the two; "
             "to cross at 0.5 degrees the web would have to pull with "
             + " and ".join(f"{_tension_to_cross(n) / 1e3:.1f} kN/m" for n in nips),
         ),
-    ]  # fmt: skip
+    ]
 
 
-def _crossing(behind: xr.Dataset) -> float:
+def _crossing(downstream: xr.Dataset) -> float:
     """Return the angle beyond which the slipping web's strain grows faster [deg]."""
-    faster = np.flatnonzero(behind["roll_rate"] > behind["web_rate"])
-    return float(np.degrees(behind["angle"][faster[-1]])) if faster.size else 0.0
+    faster = np.flatnonzero(downstream["roll_rate"] > downstream["web_rate"])
+    return float(np.degrees(downstream["angle"][faster[-1]])) if faster.size else 0.0
 
 
 def _tension_to_cross(nip: _Nip) -> float:
     """Return the tension at which the rates cross at the angle claimed [N/m]; T_in is not given."""
-    at = int(np.argmin(np.abs(nip.behind["angle"].values - np.radians(CLAIMED))))
-    share = nip.behind["roll_rate"][at] / nip.behind["web_rate"][at]
+    at = int(np.argmin(np.abs(nip.downstream["angle"].values - np.radians(CLAIMED))))
+    share = nip.downstream["roll_rate"][at] / nip.downstream["web_rate"][at]
     return float(share) * float(nip.alone.tension[-1])
 
 
@@ -122,23 +127,29 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
     )
     of_the_wrap_alone = [
         whether(
-            "so in centre winding the web slips on behind the nip, faster than the roll",
-            all(n.wrapped.slip_zone is wo.Zone.FORWARD for n in nips), "on the solved wrap",
+            "so in centre winding the web slips on downstream of the nip, faster than the roll",
+            all(n.wrapped.slip_zone is wo.Zone.FORWARD for n in nips),
+            "on the solved wrap",
         ),
         verdict(
-            "but sticks again within about 0.5 degrees: solved slip angle", max(angles),
-            high=2 * CLAIMED, unit="deg",
+            "but sticks again within about 0.5 degrees: solved slip angle",
+            max(angles),
+            high=2 * CLAIMED,
+            unit="deg",
             note=f"{far}; the hoop pressure is too low to hold the web sooner, and while it slips "
             "on, less of its strain is taken from the nip",
         ),
-    ]  # fmt: skip
+    ]
     return [
         *accurate(of_the_wrap_alone),
         verdict(
             "holding the web at the trailing edge errs by at most 4.5 % of the wound-on tension",
-            max(errors), high=4.5, unit="%", note=f"against the solved wrap, {which}",
+            max(errors),
+            high=4.5,
+            unit="%",
+            note=f"against the solved wrap, {which}",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset) -> Figure:
@@ -146,16 +157,16 @@ def _draw(data: xr.Dataset) -> Figure:
     strains, rates = figure.axes
     for k, mu in enumerate(FRICTIONS):
         one = data.isel(roll_friction=k)
-        behind = one.isel(point=one["angle"].values > 0)
+        downstream = one.isel(point=one["angle"].values > 0)
         look: Any = {"color": drawing.COLOURS[k]}
-        angle, which = np.degrees(behind["angle"]), rf"$\mu^+$ = {mu:g}"
+        angle, which = np.degrees(downstream["angle"]), rf"$\mu^+$ = {mu:g}"
         around, strain = np.degrees(one["angle"]), 100 * one["roll_strain"]
         strains.plot(around, strain, "-", label=f"roll, {which}", **look)
-        rates.loglog(angle, np.abs(behind["roll_rate"]), "-", **look)
-        rates.loglog(angle, behind["web_rate"], "--", label=f"slipping web, {which}", **look)
+        rates.loglog(angle, np.abs(downstream["roll_rate"]), "-", **look)
+        rates.loglog(angle, downstream["web_rate"], "--", label=f"slipping web, {which}", **look)
     rates.axvline(CLAIMED, color="#666666", linewidth=0.8)
     for axes in (strains, rates):
-        axes.set_xlabel(r"Angle behind the trailing edge $\theta$ [deg]")
+        axes.set_xlabel(r"Angle downstream of the trailing edge $\theta$ [deg]")
     strains.set_ylabel(r"Roll surface strain $\varepsilon_{\theta 1}$ [%]")
     rates.set_ylabel(r"$|d\varepsilon/d\theta|$ [1/rad]")
     drawing.shared_legend(figure, 4)

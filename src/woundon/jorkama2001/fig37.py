@@ -38,17 +38,28 @@ def _agreement(points: pd.DataFrame) -> list[Verdict]:
     return [
         verdict(
             "theory agrees surprisingly well with the experiment: largest distance of the 15 "
-            "points, one modulus (G) fitted to the one point", worst("one_point_fit"), high=10.0,
-            unit="%", note=f"the printed theory is up to {worst('thesis_theory'):.1f} % off",
+            "points, one modulus (G) fitted to the one point",
+            worst("one_point_fit"),
+            high=10.0,
+            unit="%",
+            note=f"the printed theory is up to {worst('thesis_theory'):.1f} % off",
         ),
         verdict(
-            "and with the printed parameters", worst("printed_parameters"), high=10.0, unit="%",
+            "and with the printed parameters",
+            worst("printed_parameters"),
+            high=10.0,
+            unit="%",
             note="the printed 2h of 66 um gives more tension than was printed: see the "
             "documentation, A discrepancy that stays",
         ),
-        verdict("the measured tension grows with the nip load", rises.min(), 0.0, unit="N/m",
-                note="smallest step between neighbouring loads"),
-    ]  # fmt: skip
+        verdict(
+            "the measured tension grows with the nip load",
+            rises.min(),
+            0.0,
+            unit="N/m",
+            note="smallest step between neighbouring loads",
+        ),
+    ]
 
 
 def _winding_theorem(solver: str) -> list[Verdict]:
@@ -59,13 +70,19 @@ def _winding_theorem(solver: str) -> list[Verdict]:
     return [
         verdict(
             "NIT does not depend on T_in (winding theorem): range at 3502 N/m",
-            100 * np.ptp(NIT) / NIT[0], high=1e-6, unit="%", note="computed at all three",
+            100 * np.ptp(NIT) / NIT[0],
+            high=1e-6,
+            unit="%",
+            note="computed at all three",
         ),
         verdict(
-            "nor does what the load cell reads beyond T_out", np.ptp(cell), high=1e-6,
-            unit="N/m", note=f"range; it reads {cell[0]:.0f} N/m more, by eq. (183)",
+            "nor does what the load cell reads beyond T_out",
+            np.ptp(cell),
+            high=1e-6,
+            unit="N/m",
+            note=f"range; it reads {cell[0]:.0f} N/m more, by eq. (183)",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _opposing(solver: str) -> list[Verdict]:
@@ -79,9 +96,11 @@ def _opposing(solver: str) -> list[Verdict]:
         verdict(
             "so that their effects may cancel, which is taken for a reason of the agreement: what "
             "both together change, over the larger of the two",
-            abs(both) / max(abs(radial), abs(shear)), high=0.5, note=f"both together {both:.1f} %",
+            abs(both) / max(abs(radial), abs(shear)),
+            high=0.5,
+            note=f"both together {both:.1f} %",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _draw(data: xr.Dataset) -> Figure:
@@ -97,9 +116,12 @@ def _draw(data: xr.Dataset) -> Figure:
         for k, (name, line, label) in enumerate(lines):
             axes.plot(load, rows[name], line, color=drawing.COLOURS[k], label=label, markersize=4)
         axes.annotate(
-            rf"$T_\mathrm{{in}} = {T:.0f}$ N/m", (load[-1], rows["measured"][-1]), xytext=(7, -3),
-            textcoords="offset points", fontsize=8,
-        )  # fmt: skip
+            rf"$T_\mathrm{{in}} = {T:.0f}$ N/m",
+            (load[-1], rows["measured"][-1]),
+            xytext=(7, -3),
+            textcoords="offset points",
+            fontsize=8,
+        )
     axes.set_xlim(right=7.2)  # room for the names
     axes.set_xlabel("Nip load $P$ [kN/m]")
     axes.set_ylabel("Wound-on tension [N/m]")

@@ -42,20 +42,28 @@ def _pair(motion: Literal["rolling", "static"]) -> wo.RollerResult:
     """Solve two cylinders of steel."""
     steel = wo.HalfPlane(radius=RADIUS, material=wo.material("steel"))
     problem = wo.RollerProblem(
-        upper=steel, lower=steel, load=LOAD, friction=FRICTION,
-        tangential_load=TANGENTIAL_LOAD, motion=motion,
-    )  # fmt: skip
+        upper=steel,
+        lower=steel,
+        load=LOAD,
+        friction=FRICTION,
+        tangential_load=TANGENTIAL_LOAD,
+        motion=motion,
+    )
     return wo.solve(problem, nodes=NODES)
 
 
 def _along(r: wo.RollerResult) -> xr.Dataset:
-    columns = {"x [m]": r.x, "pressure [Pa]": r.pressure, "traction [Pa]": r.traction,
-               "zone [1]": r.zone}  # fmt: skip
+    columns = {
+        "x [m]": r.x,
+        "pressure [Pa]": r.pressure,
+        "traction [Pa]": r.traction,
+        "zone [1]": r.zone,
+    }
     return dataset("node", columns)
 
 
 def _slips(r: wo.RollerResult) -> list[bool]:
-    """Return zone by zone whether it slips."""
+    """Return the slip state of each zone."""
     return [run.zone != 0 for run in runs(r.x, r.zone)]
 
 
@@ -71,29 +79,37 @@ def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]
     top = rolling.x[np.argmax(rolling.traction)]
     return [
         verdict(
-            "the static traction is symmetric", 100 * np.max(np.abs(q - mirrored)) / q.max(),
-            high=1.0, unit="%", note="largest difference of both halves, over the peak",
+            "the static traction is symmetric",
+            100 * np.max(np.abs(q - mirrored)) / q.max(),
+            high=1.0,
+            unit="%",
+            note="largest difference of both halves, over the peak",
         ),
         whether(
             "with slip at the leading and at the trailing edge, stick between",
             _slips(static) == [True, False, True],
         ),
         verdict(
-            "where it sticks between the two maxima: distance of its borders from them",
-            100 * max(abs(held.left - peaks[0]), abs(held.right - peaks[1])) / width, high=1.0,
-            unit="% of the width", note=f"stick over {100 * held.length / width:.0f} %",
+            "where it sticks between the two maxima: distance of its boundaries from them",
+            100 * max(abs(held.left - peaks[0]), abs(held.right - peaks[1])) / width,
+            high=1.0,
+            unit="% of the width",
+            note=f"stick over {100 * held.length / width:.0f} %",
         ),
         whether(
-            "rolling, it sticks from the leading edge on and slips behind",
+            "rolling, it sticks from the leading edge on and slips downstream",
             _slips(rolling) == [False, True],
         ),
         verdict(
             "up to the maximum of the traction: distance from the end of stick",
-            100 * abs(stick.right - top) / width, high=1.0, unit="% of the width",
+            100 * abs(stick.right - top) / width,
+            high=1.0,
+            unit="% of the width",
         ),
-        verdict("and that over a wide range", 100 * stick.length / width, 50.0,
-                unit="% of the width"),
-    ]  # fmt: skip
+        verdict(
+            "and that over a wide range", 100 * stick.length / width, 50.0, unit="% of the width"
+        ),
+    ]
 
 
 def _difference(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]:
@@ -110,25 +126,35 @@ def _difference(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdi
     return [
         verdict(
             "both tractions are the same on a short stretch at the trailing edge",
-            100 * alike / (2 * rolling.half_width), 1.0, 30.0, "% of the width",
+            100 * alike / (2 * rolling.half_width),
+            1.0,
+            30.0,
+            "% of the width",
             "within 1 % of the peak",
         ),
         verdict(
-            "elsewhere they are strikingly different", 100 * apart.max() / peak, 25.0, unit="%",
+            "elsewhere they are strikingly different",
+            100 * apart.max() / peak,
+            25.0,
+            unit="%",
             note="largest difference over the peak",
         ),
         verdict(
-            "they are Carter's and Cattaneo's", 100 * max(exact), high=1.0, unit="%",
-            note="largest difference from the closed forms over the peak, at the stick's borders, "
-            "where the traction has a vertical tangent",
+            "they are Carter's and Cattaneo's",
+            100 * max(exact),
+            high=1.0,
+            unit="%",
+            note="largest difference from the closed forms over the peak, at the boundaries of the "
+            "stick zone, where the traction has a vertical tangent",
         ),
         verdict(
             "the torque of 21 000 Nm/m can be carried: tangential load over mu P",
-            TORQUE / RADIUS / (FRICTION * LOAD), high=1.0,
+            TORQUE / RADIUS / (FRICTION * LOAD),
+            high=1.0,
             note="by the radius of 0.25 m it is 84 kN/m; here 21 kN/m are taken.  2100 Nm/m, which "
             "is 8.4 kN/m, would show the same pattern with nine tenths of the width in stick",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _basics() -> list[Verdict]:
@@ -144,17 +170,23 @@ def _basics() -> list[Verdict]:
     return [
         whether(
             "a rigid and a deformable cylinder in free rolling slip at some points and stick at "
-            "others", set(_slips(free)) == {False, True}, "steel on rigid, mu = 0.1",
+            "others",
+            set(_slips(free)) == {False, True},
+            "steel on rigid, mu = 0.1",
         ),
         verdict(
             "and differ in speed (creep): creepage over Bentall and Johnson's for mu -> 0",
-            free.creepage / wo.theories.bentall_johnson_frictionless(free.problem), 0.5, 1.0,
+            free.creepage / wo.theories.bentall_johnson_frictionless(free.problem),
+            0.5,
+            1.0,
             note="friction takes some of it away",
         ),
         verdict(
             "tractions act little on the pressure, which stays nearly Hertz's: root mean square "
             "of the difference over that of the pressure",
-            100 * np.sqrt(apart / np.trapezoid(ellipse**2, free.x)), high=5.0, unit="%",
+            100 * np.sqrt(apart / np.trapezoid(ellipse**2, free.x)),
+            high=5.0,
+            unit="%",
             note=f"in that free rolling; the half width differs by {wider:.1f} %",
         ),
-    ]  # fmt: skip
+    ]

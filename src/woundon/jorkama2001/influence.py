@@ -31,8 +31,12 @@ from scipy.special import bernoulli, zeta
 import woundon as wo
 
 __all__ = [
-    "Coefficients", "coefficients", "edge_strain", "half_plane_constants", "surface_strain",
-]  # fmt: skip
+    "Coefficients",
+    "coefficients",
+    "edge_strain",
+    "half_plane_constants",
+    "surface_strain",
+]
 
 Array = np.ndarray
 Stiffness = Sequence[Any]  # A_rr, A_tt, A_rt, G: ``stiffness`` of a material [Pa]
@@ -170,10 +174,12 @@ def _sequences(body: wo.Cylinder, N: int) -> tuple[float, Array]:
     decay = np.exp(np.where(grows, exponent, -exponent) * ln)
     outside, inside = np.where(grows, 1.0, decay), np.where(grows, decay, 1.0)  # at R and R_0
     # phi and varphi = eta phi (47) up to a factor, by the row of (42) that is not zero
-    by_row = np.array([
-        [(A_rt + G) * n * exponent - (A_tt + G) * n, A_rr * exponent**2 - A_tt - n**2 * G],
-        [G + n**2 * A_tt - G * exponent**2, (A_rt + G) * n * exponent + (A_tt + G) * n],
-    ])  # fmt: skip
+    by_row = np.array(
+        [
+            [(A_rt + G) * n * exponent - (A_tt + G) * n, A_rr * exponent**2 - A_tt - n**2 * G],
+            [G + n**2 * A_tt - G * exponent**2, (A_rt + G) * n * exponent + (A_tt + G) * n],
+        ]
+    )
     size = np.abs(by_row).max(axis=1, keepdims=True)
     mode = np.where(size[0] > size[1], by_row[0], by_row[1]) / size.max(axis=0)
     value, slope, core = mode * outside, mode * exponent * outside, mode * inside
@@ -181,11 +187,14 @@ def _sequences(body: wo.Cylinder, N: int) -> tuple[float, Array]:
     c = (A_rt + G) / (A_tt + G)
     value[:, 0, 2:], slope[:, 0, 2:] = [[0, 1], [c, 1]], [[1, 0], [1, 0]]
     core[:, 0, 2:] = [[ln, 1], [ln + c, 1]]
-    system = np.array([
-        (A_rr * slope[0] + A_rt * (value[0] - n * value[1])) / R,  # sigma_r (54), (55)
-        G * (slope[1] - value[1] + n * value[0]) / R,  # tau
-        core[0], core[1],
-    ]).transpose(1, 0, 2)  # fmt: skip
+    system = np.array(
+        [
+            (A_rr * slope[0] + A_rt * (value[0] - n * value[1])) / R,  # sigma_r (54), (55)
+            G * (slope[1] - value[1] + n * value[0]) / R,  # tau
+            core[0],
+            core[1],
+        ]
+    ).transpose(1, 0, 2)
     inverse = np.linalg.inv(system)[:, :, :2]
     gamma, chi = np.einsum("snm,nmj->sjn", value, inverse).real
     # n = 0 (53)
@@ -300,22 +309,29 @@ def _convolved(theta: Array, f: Array, at: Array, powers: Array, rest: Array) ->
         return {s + order: y for s, y in enumerate(powers)}
 
     closed = _integral(
-        theta, f, at,
+        theta,
+        f,
+        at,
         lambda t: polylogarithms(antiderivative(1), t) / 1j,
         lambda t: -polylogarithms(antiderivative(2), t),
-    )  # fmt: skip
+    )
     spectrum = _integral(
-        theta, f, np.zeros(1),
+        theta,
+        f,
+        np.zeros(1),
         lambda t: np.exp(1j * np.multiply.outer(t, n)) / (1j * n),
         lambda t: -np.exp(1j * np.multiply.outer(t, n)) / n**2,
-    )[0]  # fmt: skip
+    )[0]
     return np.asarray(closed + _fourier(rest * spectrum, at))
 
 
 def _integral(
-    x: Array, f: Array, points: Array,
-    first: Callable[[Array], Array], second: Callable[[Array], Array],
-) -> Array:  # fmt: skip
+    x: Array,
+    f: Array,
+    points: Array,
+    first: Callable[[Array], Array],
+    second: Callable[[Array], Array],
+) -> Array:
     """Return int f(s) k(t - s) ds at points t by parts, f linear between nodes x.
 
     ``first`` and ``second`` are antiderivatives of k; values of theirs may have further axes.

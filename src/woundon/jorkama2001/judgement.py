@@ -1,4 +1,4 @@
-"""An exhibit with its verdicts in words, and where one fails, the verdict of the other solver."""
+"""Verdicts on a figure or table in words; if one fails, with the verdict of the other solver."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Judged:
 
     @property
     def failures(self) -> list[str]:
-        """Sentences on the statements that do not hold."""
+        """Sentences about the statements that do not hold."""
         said = zip(self.exhibit.verdicts, self.lines(), strict=True)
         return [line for verdict, line in said if verdict.outcome is Outcome.FAILS]
 
@@ -71,7 +71,7 @@ class Judged:
         return f"{text}. {note}" if note else f"{text}."
 
     def report(self) -> str:
-        """Return all that is to be said, as text for a terminal."""
+        """Return all verdicts as text for a terminal."""
         exhibit = self.exhibit
         lines = [f"{exhibit.label}: {exhibit.title}", self._how(), ""]
         if exhibit.text:
@@ -115,7 +115,7 @@ def _sentence(note: str) -> str:
 
 
 def _asks_other(verdict: Verdict) -> bool:
-    """Tell whether the other solver may give another verdict."""
+    """Return True if the other solver may give another verdict."""
     return verdict.outcome is Outcome.FAILS and not verdict.accurate
 
 

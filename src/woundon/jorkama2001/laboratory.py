@@ -31,7 +31,7 @@ _BOTH = {"shear": (1e6, 1e9), "radial": (5e6, 5e9)}
 
 @dataclass(frozen=True, eq=False)
 class Theory:
-    """The tension that the theory lets the load cell measure.
+    """Tension at the load cell as the theory predicts it.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Theory:
 
     @property
     def name(self) -> str:
-        """What it is, for a table's column."""
+        """Name of the theory as a column heading."""
         moduli = [f"{_SYMBOLS[name]} = {E / 1e6:.2f} MPa" for name, E in self.fitted.items()]
         return ", ".join([*(moduli or ["theory"]), f"2h = {self.thickness * 1e6:.0f} um"])
 
@@ -116,8 +116,11 @@ def _fit(
         newsprint_nip(**{"web.thickness": thickness}),
         data,
         {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
-        tie=ONE_PAPER, starts=1, profiles=False, nodes=nodes,
-    )  # fmt: skip
+        tie=ONE_PAPER,
+        starts=1,
+        profiles=False,
+        nodes=nodes,
+    )
 
 
 def _fitted_to_one(modulus: str, thickness: float, solver: str) -> Theory:

@@ -23,15 +23,23 @@ from .procedure import ProcedureResult
 from .zones import zone_lengths
 
 __all__ = [
-    "FINE", "OUTPUTS", "Nip", "along_nip", "dataset", "joined", "quiet", "solved", "swept",
-]  # fmt: skip
+    "FINE",
+    "OUTPUTS",
+    "Nip",
+    "along_nip",
+    "dataset",
+    "joined",
+    "quiet",
+    "solved",
+    "swept",
+]
 
 Array = np.ndarray
 Nip = wo.NipResult | ProcedureResult
 
 NODES = 129  # NIT to about 0.1 N/m
 THESIS_NODES = 200
-FINE = 257  # zone borders to 0.6 % of the nip width or better
+FINE = 257  # zone boundaries to 0.6 % of the nip width or better
 
 # names in the data -> fields of the problem, where they differ
 _FIELDS = {
@@ -45,12 +53,16 @@ _FIELDS = {
 
 _UNITS = {
     "N/m": (
-        "nip_load", "winding_force", "web_tension", "nip_induced_tension", "rig_tension",
+        "nip_load",
+        "winding_force",
+        "web_tension",
+        "nip_induced_tension",
+        "rig_tension",
         "wound_on_tension_estimate",
     ),
     "m": ("roll_radius", "drum_radius", "cover_core_radius", "nip_width", "approach"),
     "Pa": ("youngs_modulus", "radial", "tangential", "cross", "shear"),
-}  # fmt: skip
+}
 
 
 def _leading(
@@ -78,14 +90,18 @@ for _kind in (wo.NipResult, ProcedureResult):
         setattr(_kind, _name, property(_ratio))
 
 OUTPUTS = (
-    "nip_induced_tension", "nip_width", "approach", "leading_roll_slip", "trailing_roll_slip",
+    "nip_induced_tension",
+    "nip_width",
+    "approach",
+    "leading_roll_slip",
+    "trailing_roll_slip",
     "dual_slip",
-)  # fmt: skip
+)
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Leave out warnings: the thesis's soft covers leave the model's validity; the text says so."""
+    """Suppress warnings: the thesis's soft covers are outside the validity limits, as it states."""
     with warnings.catch_warnings():
         for category in (wo.ValidityWarning, wo.ResolutionWarning):
             warnings.simplefilter("ignore", category)
@@ -93,7 +109,7 @@ def quiet() -> Iterator[None]:
 
 
 def solved(problem: wo.Problem, solver: str = "accurate", nodes: int = NODES) -> Any:
-    """Solve a nip accurately with so many nodes, or by the procedure of the thesis with M = 200.
+    """Solve a nip accurately, or by the procedure of the thesis with M = 200.
 
     A nip with wraps is solved accurately only.
     """
@@ -155,8 +171,8 @@ def _swept_by_procedure(
         one = problem.replace(**dict(changes))
         one = one.replace(**{own: _nested(one, other) for own, other in ONE_PAPER.items()})
         nip = procedure.solve(one, THESIS_NODES)
-        told = (getattr(nip, name) for name in outputs)
-        found.append([value() if callable(value) else value for value in told])
+        attributes = (getattr(nip, name) for name in outputs)
+        found.append([value() if callable(value) else value for value in attributes])
     columns = np.reshape(found, (*shape, len(outputs)))
     return xr.Dataset(
         {

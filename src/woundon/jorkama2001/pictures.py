@@ -1,4 +1,4 @@
-"""The thesis's figures one by one, for the page of woundon: which there are, and each drawn."""
+"""Figures of the thesis for the page of woundon: their list, and each one drawn."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ __all__ = ["drawn", "known"]
 
 def known() -> list[dict[str, str]]:
     """Return name, label and title of each figure; nothing is computed, nothing imported."""
-    told = []
+    entries = []
     for name in (name for name in NAMES if name.startswith("fig")):
         (module,) = modules([name])
         source = resources.files(__package__).joinpath(f"{module}.py").read_text(encoding="utf-8")
         about = (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
         title = about.partition(": ")[2].rstrip(".") or about
         label = f"Fig. {name.removeprefix('fig')}"
-        told.append({"name": name, "label": label, "title": title})
-    return told
+        entries.append({"name": name, "label": label, "title": title})
+    return entries
 
 
 def drawn(name: str) -> bytes:

@@ -1,4 +1,4 @@
-r"""The thesis's own solution of the winding nip: sections 3.4 and 3.6, to be read next to them.
+r"""Procedure of the thesis for the winding nip, written to be read next to sections 3.4 and 3.6.
 
 M equidistant nodes, backward differences for the strains, the modified Panagiotopoulos process for
 stick and slip, and a secant method for the half width.  It is a second solver, independent of
@@ -110,7 +110,7 @@ class ProcedureResult:
 
     @property
     def nodes(self) -> int:
-        """M."""
+        """Number of nodes M."""
         return int(self.x.size)
 
     @property
@@ -138,7 +138,7 @@ class ProcedureResult:
 
     @property
     def rig_tension(self) -> float:
-        """The same a quarter turn downstream, where the laboratory winder leads the web off."""
+        """Estimate a quarter turn downstream, where the web leaves the laboratory roll."""
         return self.wound_on_tension_estimate(pi / 2)
 
 
@@ -351,10 +351,12 @@ class _Nip:
         F = self.problem.winding_force * float(p.sum()) * self.dx / self.problem.nip_load
         T_in = self.problem.web_tension
         given = self.K_p @ p + self.v_0
-        right = np.concatenate([
-            -given[stick] - self.K[stick] @ z,
-            np.array([F, T_in]) / (self.dx * self.A_t) - self.equilibrium @ z,
-        ])  # fmt: skip
+        right = np.concatenate(
+            [
+                -given[stick] - self.K[stick] @ z,
+                np.array([F, T_in]) / (self.dx * self.A_t) - self.equilibrium @ z,
+            ]
+        )
         unknown = np.append(stick, [2 * n, 2 * n + 1])
         key = zones.tobytes()
         if key not in self.factors:

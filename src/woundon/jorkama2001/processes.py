@@ -1,4 +1,4 @@
-"""The pool of processes of woundon, the one name that the reproduction takes from within."""
+"""The process pool of woundon, the only internal name that the reproduction uses."""
 
 from woundon.parallel import in_processes
 

@@ -22,7 +22,7 @@ __all__ = ["Published", "known_counts", "publish", "summary"]
 
 
 class Published(NamedTuple):
-    """What has been written of a figure or table, for those who wait.
+    """Files and verdicts of a published figure or table.
 
     Attributes
     ----------
@@ -91,11 +91,11 @@ def _write_module(
     files = [_write(one, folder, dpi) for one in made]
     seconds = perf_counter() - begun
     # drawings do not pass from process to process, and data ask who reads them for much code
-    told = [
+    judgements = [
         replace(one, exhibit=replace(one.exhibit, data=None, draw=None))  # type: ignore[arg-type]
         for one in made
     ]
-    return [Published(one, paths, seconds) for one, paths in zip(told, files, strict=True)]
+    return [Published(one, paths, seconds) for one, paths in zip(judgements, files, strict=True)]
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
@@ -119,7 +119,7 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
 
 
 def summary(done: Iterable[Published], folder: str = "") -> str:
-    """Return a Markdown table of what was published with how many of the statements hold.
+    """Return a Markdown table of the published figures and the numbers of statements that hold.
 
     ``folder``, ending in a slash, is where the pages lie, seen from the table.
     """
@@ -132,7 +132,7 @@ def summary(done: Iterable[Published], folder: str = "") -> str:
 
 
 def known_counts() -> dict[str, tuple[int, ...]]:
-    """Return how many statements of each exhibit are known to hold, fail, be beyond a test.
+    """Return the known numbers of statements that hold, fail and cannot be tested, by exhibit.
 
     By the accurate solver.  The exhibit states why a statement fails.
     """

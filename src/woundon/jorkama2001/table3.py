@@ -1,7 +1,7 @@
 """Thesis Table 3 and Fig. 37: measured wound-on tension of newsprint, its theory, and fits of it.
 
-The laboratory winder leads the web off the roll a quarter turn behind the nip, to a load cell, so
-the theory is eq. (183).  By the winding theorem it is T_in plus a function of the nip load alone:
+The laboratory winder leads the web off the roll a quarter turn downstream of the nip, to a load
+cell, so the theory is eq. (183).  By the winding theorem it is T_in plus a function of the nip load alone:
 five solved nips stand for the fifteen points.
 
 The thesis chose A_rr and G so that theory and measurement meet at one point.  One point fixes one
@@ -47,7 +47,7 @@ def _printed(points: pd.DataFrame) -> pd.DataFrame:
 
 
 def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
-    """Test what chapter 5 says of the table, the printed thickness taken at its word."""
+    """Test the statements of chapter 5 about the table, with the printed thickness."""
     printed, thin, by_shear, by_radial, *_, full, _ = computed
     points = measured_tensions()
     said = _printed(points)
@@ -57,17 +57,26 @@ def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
     return [
         verdict(
             "by the winding theorem the theory adds the same tension at every T_in: spread of the "
-            "printed theory less T_in", (said.max(axis=1) - said.min(axis=1)).max(), high=1.0,
-            unit="N/m", note="largest over the loads; whole N/m are printed",
+            "printed theory less T_in",
+            (said.max(axis=1) - said.min(axis=1)).max(),
+            high=1.0,
+            unit="N/m",
+            note="largest over the loads; whole N/m are printed",
         ),
         verdict(
             "with A_rr = 27 MPa, G = 10 MPa and 2h = 66 um theory and experiment coincide at "
-            "P = 3502, T_in = 350 N/m: distance", distance[0], -7.0, 7.0,
-            "N/m", "1 % of the tension is allowed.  With 57 um the distance is "
+            "P = 3502, T_in = 350 N/m: distance",
+            distance[0],
+            -7.0,
+            7.0,
+            "N/m",
+            "1 % of the tension is allowed.  With 57 um the distance is "
             f"{distance[1]:.1f} N/m: see the documentation, A discrepancy that stays",
         ),
         verdict(
-            "these parameters give the printed theory: largest distance", off.abs().max(), high=1.0,
+            "these parameters give the printed theory: largest distance",
+            off.abs().max(),
+            high=1.0,
             unit="%",
             note=f"of the added tension; {', '.join(f'{value:.1f}' for value in off)} % by load",
         ),
@@ -75,31 +84,36 @@ def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
             "fitted to that point, the theory agrees well with the other experiments: RMS over the "
             "14 predicted points, the worse of the two one-point fits",
             max(by_shear.rms_predicted, by_radial.rms_predicted),
-            high=0.05 * float(points["measured"].mean()), unit="N/m",
+            high=0.05 * float(points["measured"].mean()),
+            unit="N/m",
             note="5 % of the average tension is allowed; the printed theory has "
             f"{_thesis_rms(points):.1f} N/m, and no theory without influence of T_in can have less "
             f"than {best_rms():.1f} N/m",
         ),
         *accurate(_tuned(full)),
-    ]  # fmt: skip
+    ]
 
 
 def _tuned(full: Theory) -> list[Verdict]:
-    """Test what is said of tuning both moduli on the fit to all points."""
+    """Test the statements about fitting both moduli to all points."""
     assert full.fit is not None
     return [
         verdict(
             "A_rr and G can be used as tuning parameters to get a close fit: RMS of both fitted to "
-            "all points, over the floor", full.rms / best_rms(), high=1.25,
+            "all points, over the floor",
+            full.rms / best_rms(),
+            high=1.25,
             note=f"{full.rms:.1f} N/m at {_moduli(full)}",
         ),
         verdict(
             "a higher A_rr undoes a higher G: how many times better the data determine the one "
-            "combination of them than the other", full.fit.condition, 10.0,
+            "combination of them than the other",
+            full.fit.condition,
+            10.0,
             note="so that no fit to data like these can tell the two moduli apart: the best pair "
             "is many times the thesis's, and predicts nearly the same tensions",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _thesis_rms(points: pd.DataFrame) -> float:
@@ -138,7 +152,7 @@ def report(solver: str = "accurate") -> str:
 
 
 def _text(frame: pd.DataFrame) -> str:
-    """Return a table as text, loads as whole numbers, one digit behind the point."""
+    """Return a table as text, loads as whole numbers, one digit after the decimal point."""
 
     def whole(name: object) -> object:
         return f"{name:.0f}" if isinstance(name, float) else name

@@ -31,7 +31,7 @@ def added_tensions() -> pd.DataFrame:
 
 
 def best_rms() -> float:
-    """Return the RMS that the best model without influence of T_in leaves in the data [N/m]."""
+    """Return the RMS residual of the best model without influence of T_in [N/m]."""
     added = added_tensions()
     return rms(added.sub(added.mean(axis=1), axis=0).to_numpy())
 
@@ -57,29 +57,44 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
         verdict(
             "apart from very low nip loads the added tension does not depend on T_in, to a good "
             "relative accuracy: standard deviation between the T_in over the average",
-            max(relative[1:]), high=10.0, unit="%",
+            max(relative[1:]),
+            high=10.0,
+            unit="%",
             note="largest from 876 N/m on; by load "
-            + ", ".join(f"{value:.0f}" for value in relative) + " %",
+            + ", ".join(f"{value:.0f}" for value in relative)
+            + " %",
         ),
-        verdict("at the lowest nip load it does", relative[0], 10.0, unit="%",
-                note="the same ratio at 350 N/m"),
+        verdict(
+            "at the lowest nip load it does",
+            relative[0],
+            10.0,
+            unit="%",
+            note="the same ratio at 350 N/m",
+        ),
         verdict(
             "T_in has no systematic influence: chance that scatter alone makes the averages over "
-            "the loads differ as they do", _chance(added), 0.05,
+            "the loads differ as they do",
+            _chance(added),
+            0.05,
             note="analysis of variance, load and T_in as factors; the averages at T_in = 175, 263 "
             "and 350 N/m are " + ", ".join(f"{mean:.0f}" for mean in added.mean()) + " N/m.  The "
             "thesis did not test this; fifteen points could not show less than some 20 N/m",
         ),
         verdict(
             "the printed averages follow from Table 3: largest distance",
-            np.abs(averages - PRINTED_AVERAGES).max(), high=0.7, unit="N/m",
+            np.abs(averages - PRINTED_AVERAGES).max(),
+            high=0.7,
+            unit="N/m",
             note="whole N/m are printed",
         ),
         verdict(
-            "and the printed standard deviations", np.abs(deviations - PRINTED_DEVIATIONS).max(),
-            high=0.7, unit="N/m", note="of a sample of three",
+            "and the printed standard deviations",
+            np.abs(deviations - PRINTED_DEVIATIONS).max(),
+            high=0.7,
+            unit="N/m",
+            note="of a sample of three",
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _chance(added: pd.DataFrame) -> float:
@@ -98,8 +113,10 @@ def _chance(added: pd.DataFrame) -> float:
 
 def report() -> str:
     """Return Table 4 as text."""
-    lines = ["Winding theorem on measured data: wound-on tension less T_in [N/m]",
-             "nip load   T_in 175   263   350   average   deviation"]  # fmt: skip
+    lines = [
+        "Winding theorem on measured data: wound-on tension less T_in [N/m]",
+        "nip load   T_in 175   263   350   average   deviation",
+    ]
     for load, row in added_tensions().iterrows():
         values = " ".join(f"{v:5.0f}" for v in row)
         lines.append(f"{load:8.0f}      {values}   {row.mean():7.1f}   {row.std():9.1f}")

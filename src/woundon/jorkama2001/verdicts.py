@@ -1,4 +1,4 @@
-"""A statement of the thesis as a number that must lie in a range: it holds, fails, or is untold."""
+"""Statements of the thesis as numbers in a range: each holds, fails, or cannot be tested."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Outcome", "Verdict", "accurate", "falls", "grows", "verdict", "wheth
 
 
 class Outcome(Enum):
-    """What has become of a statement; the value is how it is said."""
+    """Outcome of a statement; the value is the word for it."""
 
     HOLDS = "holds"
     FAILS = "does not hold"
@@ -54,7 +54,7 @@ class Verdict:
 
     @property
     def outcome(self) -> Outcome:
-        """Whether the number lies in the range; nan does not."""
+        """Outcome of the comparison of the number with the range; nan lies outside."""
         if self.value is None:
             return Outcome.UNTESTED
         return Outcome.HOLDS if self.low <= self.value <= self.high else Outcome.FAILS
@@ -88,10 +88,14 @@ class Verdict:
 
 
 def verdict(
-    statement: str, value: SupportsFloat | None, low: float = -inf, high: float = inf,
-    unit: str = "", note: str = "",
-) -> Verdict:  # fmt: skip
-    """Return the verdict on a statement by a number of any make; None: it cannot be tested."""
+    statement: str,
+    value: SupportsFloat | None,
+    low: float = -inf,
+    high: float = inf,
+    unit: str = "",
+    note: str = "",
+) -> Verdict:
+    """Return the verdict on a statement by a number; None: it cannot be tested."""
     return Verdict(statement, None if value is None else float(value), low, high, unit, note)
 
 
@@ -106,16 +110,22 @@ def accurate(verdicts: Iterable[Verdict]) -> list[Verdict]:
 
 
 def grows(
-    statement: str, values: xr.DataArray, along: Hashable, unit: str = "",
+    statement: str,
+    values: xr.DataArray,
+    along: Hashable,
+    unit: str = "",
     note: str = "smallest step",
-) -> Verdict:  # fmt: skip
+) -> Verdict:
     """Return the verdict on a statement that values grow in every step along a dimension."""
     return verdict(statement, values.diff(along).min(), 0.0, unit=unit, note=note)
 
 
 def falls(
-    statement: str, values: xr.DataArray, along: Hashable, unit: str = "",
+    statement: str,
+    values: xr.DataArray,
+    along: Hashable,
+    unit: str = "",
     note: str = "largest step",
-) -> Verdict:  # fmt: skip
+) -> Verdict:
     """Return the verdict on a statement that values fall in every step along a dimension."""
     return verdict(statement, values.diff(along).max(), high=0.0, unit=unit, note=note)

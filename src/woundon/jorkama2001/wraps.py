@@ -1,4 +1,4 @@
-"""Thesis sec. 4.9 and ch. 5 on the solved wrap: what holding the web at the trailing edge errs by.
+"""Thesis sec. 4.9 and ch. 5 with the solved wrap: error of a web held at the trailing edge.
 
 The thesis confines its solution to the nip: the web is held to the roll from the trailing edge on
 (97).  Here that is compared with the web wrapped on the roll and held half a turn away (96), over
@@ -97,7 +97,7 @@ def rig_misses(table: pd.DataFrame) -> tuple[float, float]:
 
 
 def trailing_edge(result: wo.NipResult) -> tuple[float, float]:
-    """Return v+ and the roll's strain less that on the far side, just behind the trailing edge."""
+    """Return v+ and the roll's strain (far side subtracted) next to the trailing edge."""
     k = result.in_nip.stop
     return float(result.roll_slip[k]), float(result.roll_strain[k] - result.roll_strain[-1])
 

@@ -25,13 +25,13 @@ __all__ = ["Run", "ZoneLengths", "longest_stick", "runs", "zone_lengths"]
 
 Array = np.ndarray
 
-# how the slip grows with the distance from the point where it begins: behind A slip dies out and
-# the traction leaves its bound smoothly, at B it sets in with a vertical tangent, at C with a kink
+# exponent of the slip over the distance from the point where it begins: downstream of A slip
+# vanishes and the traction leaves its bound smoothly, at B it sets in with a vertical tangent, at C with a kink
 POWER_A, POWER_B, POWER_C = 1.5, 0.5, 1.0
 
 
 class Run(NamedTuple):
-    """Neighbouring nodes in one zone: the first, and the one behind the last; from where to where.
+    """Neighbouring nodes in one zone: the first, and one past the last; from where to where.
 
     Borders lie half-way between nodes; ``left`` and ``right`` are in the unit of x.
     """
@@ -44,7 +44,7 @@ class Run(NamedTuple):
 
     @property
     def length(self) -> float:
-        """From border to border."""
+        """Length between the zone boundaries."""
         return self.right - self.left
 
 
@@ -58,15 +58,16 @@ class ZoneLengths(NamedTuple):
 
 def runs(x: Array, zones: Array) -> list[Run]:
     """Return the runs of one zone along x, both (M,)."""
-    borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
+    boundaries = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     ends = [0, *(np.flatnonzero(np.diff(zones)) + 1).tolist(), zones.size]
     return [
-        Run(int(zones[a]), a, b, float(borders[a]), float(borders[b])) for a, b in pairwise(ends)
+        Run(int(zones[a]), a, b, float(boundaries[a]), float(boundaries[b]))
+        for a, b in pairwise(ends)
     ]
 
 
 def longest_stick(found: list[Run]) -> int | None:
-    """Return which run is the longest stick zone by its nodes, None if all slips."""
+    """Return the index of the longest stick zone by its nodes, None if all nodes slip."""
     sticks = [k for k, run in enumerate(found) if run.zone == 0]
     return max(sticks, key=lambda k: found[k].end - found[k].first, default=None)
 
@@ -101,7 +102,7 @@ def _dual(result: wo.NipResult | ProcedureResult) -> float:
 def _share(
     result: wo.NipResult | ProcedureResult, slip: Array, node: int, ahead: int, power: float
 ) -> float:
-    """Return where slip begins, as a share of the nip's width from the leading edge.
+    """Return the start of slip as a fraction of the nip width from the leading edge.
 
     Parameters
     ----------
@@ -109,14 +110,14 @@ def _share(
     slip : (M,) array
         v+ or v-.
     node : int
-        The border lies between ``node - 1`` and ``node``.
+        The boundary lies between ``node - 1`` and ``node``.
     ahead : {1, -1}
-        Slip lies behind the border (1) or before it (-1).
+        Slip lies downstream of the boundary (1) or before it (-1).
     power : float
         With which the slip grows.
     """
     x = result.x
-    border = float(x[node] + x[node - 1]) / 2
+    boundary = float(x[node] + x[node - 1]) / 2
     near = node if ahead == 1 else node - 1
     far = near + ahead
     if not isinstance(result, ProcedureResult) and 0 < far < x.size - 1:
@@ -125,5 +126,5 @@ def _share(
         stick = float(result.slip_x[near - ahead])
         if v[1] > v[0]:
             root = float(at[0] - v[0] * (at[1] - at[0]) / (v[1] - v[0]))
-            border = min(max(root, min(stick, at[0])), max(stick, at[0]))
-    return border / (2 * result.half_width) + 0.5
+            boundary = min(max(root, min(stick, at[0])), max(stick, at[0]))
+    return boundary / (2 * result.half_width) + 0.5
