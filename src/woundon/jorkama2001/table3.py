@@ -1,8 +1,8 @@
 """Thesis Table 3 and Fig. 37: measured wound-on tension of newsprint, its theory, and fits of it.
 
 The laboratory winder leads the web off the roll a quarter turn downstream of the nip, to a load
-cell, so the theory is eq. (183).  By the winding theorem it is T_in plus a function of the nip load alone:
-five solved nips stand for the fifteen points.
+cell, so the theory is eq. (183).  By the winding theorem it is T_in plus a function of the nip
+load alone: five solved nips stand for the fifteen points.
 
 The thesis chose A_rr and G so that theory and measurement meet at one point.  One point fixes one
 number: here either of the two is fitted, the other held at the thesis's value, and the fourteen

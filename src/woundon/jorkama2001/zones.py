@@ -26,7 +26,8 @@ __all__ = ["Run", "ZoneLengths", "longest_stick", "runs", "zone_lengths"]
 Array = np.ndarray
 
 # exponent of the slip over the distance from the point where it begins: downstream of A slip
-# vanishes and the traction leaves its bound smoothly, at B it sets in with a vertical tangent, at C with a kink
+# vanishes and the traction leaves its bound smoothly,
+# at B it sets in with a vertical tangent, at C with a kink
 POWER_A, POWER_B, POWER_C = 1.5, 0.5, 1.0
 
 
