@@ -51,7 +51,7 @@ from woundon.quantities import Quantity, pure
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.model import Answer
-from woundon.studies.runners import Here
+from woundon.studies.runners import SerialRunner
 from woundon.studies.store import FILE
 from woundon.studies.table import Table
 
@@ -87,7 +87,7 @@ DESIGN = make_design({"a": range(10), "b": [0.1, 0.7], "word": ["one", "two"]})
 
 
 def table_of(out: Path | None, slope: float = 1.0, **how: Any) -> Table:
-    return run_study(Wave(slope), DESIGN, Here(), out=out, chunk=4, **how)
+    return run_study(Wave(slope), DESIGN, SerialRunner(), out=out, chunk=4, **how)
 
 
 def same(one: Table, other: Table) -> bool:

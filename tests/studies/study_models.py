@@ -169,6 +169,6 @@ def table_of(problem: Any, over: Any, outputs: Any = None, **how: Any) -> Any:
     """Return the table of a sweep, solved here."""
     from woundon.studies.api import study_of
     from woundon.studies.engine import run_study
-    from woundon.studies.runners import Here
+    from woundon.studies.runners import SerialRunner
 
-    return run_study(*study_of(problem, over, outputs, **how), Here())
+    return run_study(*study_of(problem, over, outputs, **how), SerialRunner())

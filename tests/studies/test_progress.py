@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import pytest
 
 import woundon as wo
-from woundon.studies.progress import _Rate, bar, fraction_bar
+from woundon.studies.bars import _Rate, bar, fraction_bar
+from woundon.studies.progress import reported
 
 
 @pytest.mark.parametrize(
@@ -27,13 +28,27 @@ def test_the_rate_counts_from_where_the_work_went_on(unit: str, elapsed: float, 
 
 
 def test_a_bar_says_what_is_done(capsys: pytest.CaptureFixture[str]):
-    with bar(4, 10, "drawing", "figures/min") as tell:
-        tell(6)
-    said = capsys.readouterr().err
-    assert re.search(r"drawing .*10/10 \S+ figures/min", said)
-    with bar(0, 2) as tell:
-        tell(2)
+    with reported(True, "drawing", unit="figures/min", done=4) as report:
+        report(10, 10)
+    assert re.search(r"drawing .*10/10 \S+ figures/min", capsys.readouterr().err)
+    with bar("solving", "cases/s") as report:
+        report(2, 2)
     assert re.search(r"solving .*2/2 \S+ cases/s", capsys.readouterr().err)
+
+
+def test_a_fit_reports_progress_until_all_is_done():
+    calls: list[tuple[int, int]] = []
+    wo.fit(
+        wo.NipProblem.example().replace(roll_wrap=0.0),
+        {"nip_load": [1e3, 2e3, 3e3], "outlet_tension": [400.0, 450.0, 490.0]},
+        ["roll_friction"],
+        nodes=17,
+        starts=2,
+        workers=1,
+        progress=lambda done, expected: calls.append((done, expected)),
+    )
+    # two starts, the refinement of their minima, two ends of one profile
+    assert calls == [(k, 5) for k in range(1, 6)]
 
 
 def test_a_bar_of_a_solve_shows_the_fraction(monkeypatch: pytest.MonkeyPatch, capsys):

@@ -19,13 +19,13 @@ import woundon as wo
 from woundon.studies import runners
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
-from woundon.studies.runners import DIED, DaskRunner, Here, Pool
+from woundon.studies.runners import DIED, DaskRunner, Pool, SerialRunner
 
 DESIGN = make_design({"a": range(8)})
 
 
 def test_a_model_that_raises_fails_its_case_alone():
-    table = run_study(models.FailingModel(), DESIGN, Here())
+    table = run_study(models.FailingModel(), DESIGN, SerialRunner())
     assert table.failed.tolist() == [3]
     assert table.failure[3] == "ZeroDivisionError: a is 3"
     assert np.array_equal(np.delete(table.outputs["y"], 3), np.delete(2.0 * np.arange(8), 3))
@@ -53,12 +53,15 @@ def test_long_studies_move_to_a_pool_and_short_ones_do_not(monkeypatch: pytest.M
 
         def solved(self, model, chunks):
             self.chunks += len(chunks)
-            yield from Here().solved(model, chunks)
+            yield from SerialRunner().solved(model, chunks)
 
     short, long = Recorded(), Recorded()
-    run_study(models.LinearModel(), DESIGN, Here(then=short), chunk=1)
+    run_study(models.LinearModel(), DESIGN, SerialRunner(then=short), chunk=1)
     run_study(
-        models.SlowModel(seconds=0.01), make_design({"a": range(60)}), Here(then=long), chunk=1
+        models.SlowModel(seconds=0.01),
+        make_design({"a": range(60)}),
+        SerialRunner(then=long),
+        chunk=1,
     )
     assert short.chunks == 0
     assert long.chunks > 50
@@ -142,7 +145,7 @@ def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys
     assert capsys.readouterr().err.count("press Ctrl-C again to stop at once") == 1
     assert 4 <= len(models.stored(tmp_path)) <= 10
     resumed = run_study(
-        models.SlowModel(seconds=0.0), design, Here(), chunk=2, out=tmp_path, resume=True
+        models.SlowModel(seconds=0.0), design, SerialRunner(), chunk=2, out=tmp_path, resume=True
     )
     assert np.array_equal(resumed.outputs["y"], 2.0 * np.arange(60))
 

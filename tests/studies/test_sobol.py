@@ -11,12 +11,12 @@ from thesis_cases import paper_nip
 
 import woundon as wo
 from woundon.studies.engine import run_study
-from woundon.studies.runners import Here
+from woundon.studies.runners import SerialRunner
 from woundon.studies.sobol import saltelli_design, sobol_indices_of
 
 
 def _indices(model, ranges, samples):
-    table = run_study(model, saltelli_design(ranges, samples, seed=3), Here())
+    table = run_study(model, saltelli_design(ranges, samples, seed=3), SerialRunner())
     return sobol_indices_of(table, samples, seed=3)
 
 

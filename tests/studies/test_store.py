@@ -25,7 +25,7 @@ from woundon.studies import store
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
 from woundon.studies.export import check_export, export
-from woundon.studies.runners import Here
+from woundon.studies.runners import SerialRunner
 from woundon.studies.table import Table, failures
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
@@ -57,7 +57,7 @@ class Bits(models.LinearModel):
 
 def run(out: Path, model: models.LinearModel | None = None, **how: Any) -> Table:
     """Run the eight cases of DESIGN in three chunks."""
-    return run_study(model or models.LinearModel(), DESIGN, Here(), out=out, chunk=3, **how)
+    return run_study(model or models.LinearModel(), DESIGN, SerialRunner(), out=out, chunk=3, **how)
 
 
 def change(out: Path, *statements: str) -> None:
@@ -82,8 +82,8 @@ def table() -> Table:
 
 def test_numbers_and_texts_come_back_to_the_last_bit(tmp_path: Path):
     design = make_design({"a": range(8)})
-    first = run_study(Bits(), design, Here(), out=tmp_path, chunk=3)
-    again = run_study(Bits(), design, Here(), out=tmp_path, chunk=3, resume=True)
+    first = run_study(Bits(), design, SerialRunner(), out=tmp_path, chunk=3)
+    again = run_study(Bits(), design, SerialRunner(), out=tmp_path, chunk=3, resume=True)
     bits = first.outputs["y"].view(np.uint64).tolist()
     assert [*bits[:6], bits[7]] == [*Bits.BITS[:6], Bits.BITS[7]]
     assert first.outputs["y"].tobytes() == again.outputs["y"].tobytes()
@@ -156,7 +156,7 @@ def test_damaged_rows_are_reported_and_solved_again(tmp_path: Path, damage: str)
 
 def test_a_chunk_of_another_study_of_the_same_cases_is_damage(tmp_path: Path):
     first = run(tmp_path / "one")
-    run_study(models.FailingModel(), DESIGN, Here(), out=tmp_path / "two", chunk=3)
+    run_study(models.FailingModel(), DESIGN, SerialRunner(), out=tmp_path / "two", chunk=3)
     other = str(tmp_path / "two" / "study.sqlite").replace("'", "''")
     with closing(sqlite3.connect(tmp_path / "one" / "study.sqlite")) as connection:
         connection.execute(f"ATTACH '{other}' AS other")
@@ -164,7 +164,14 @@ def test_a_chunk_of_another_study_of_the_same_cases_is_damage(tmp_path: Path):
             connection.execute("INSERT OR REPLACE INTO chunk SELECT * FROM other.chunk")
             connection.execute("DELETE FROM chunk WHERE number = 2")
     with pytest.raises(wo.InvalidProblem, match="holds another study than this: model differs"):
-        run_study(models.FailingModel(), DESIGN, Here(), out=tmp_path / "one", chunk=3, resume=True)
+        run_study(
+            models.FailingModel(),
+            DESIGN,
+            SerialRunner(),
+            out=tmp_path / "one",
+            chunk=3,
+            resume=True,
+        )
     with pytest.warns(UserWarning, match="0 of its chunks are intact, the other 3 are solved"):
         again = run(tmp_path / "one", resume=True)
     assert np.array_equal(first.outputs["y"], again.outputs["y"])
@@ -174,19 +181,21 @@ def test_a_chunk_of_another_study_of_the_same_cases_is_damage(tmp_path: Path):
 def test_of_damaged_pages_the_others_are_kept(tmp_path: Path, page: int):
     """The first page holds the names of the tables, the third leads to all chunks."""
     design, path = make_design({"a": range(2000)}), tmp_path / "study.sqlite"
-    first = run_study(models.LinearModel(), design, Here(), out=tmp_path, chunk=50)
+    first = run_study(models.LinearModel(), design, SerialRunner(), out=tmp_path, chunk=50)
     content = bytearray(path.read_bytes())
     content[page * 4096 - 4096 : page * 4096] = bytes(4096)
     assert len(content) > 10 * 4096
     path.write_bytes(content)
     if page == 1:
         with pytest.raises(wo.InvalidProblem, match="damaged, and none of its chunks is of this"):
-            run_study(models.LinearModel(), design, Here(), out=tmp_path, chunk=50, resume=True)
+            run_study(
+                models.LinearModel(), design, SerialRunner(), out=tmp_path, chunk=50, resume=True
+            )
         assert path.read_bytes() == content
     else:
         with pytest.warns(UserWarning, match="0 of its" if page == 3 else r"(3\d|40) of its"):
             again = run_study(
-                models.LinearModel(), design, Here(), out=tmp_path, chunk=50, resume=True
+                models.LinearModel(), design, SerialRunner(), out=tmp_path, chunk=50, resume=True
             )
         assert np.array_equal(first.outputs["y"], again.outputs["y"])
 
@@ -312,13 +321,15 @@ def test_an_incomplete_read_only_study_is_rejected(tmp_path: Path, monkeypatch: 
 
 def test_resume_without_a_folder_is_refused():
     with pytest.raises(wo.InvalidProblem, match="resume: needs out, the folder of the study"):
-        run_study(models.LinearModel(), DESIGN, Here(), resume=True)
+        run_study(models.LinearModel(), DESIGN, SerialRunner(), resume=True)
 
 
 def test_failures_are_kept_over_a_resume(tmp_path: Path):
     design = make_design({"a": range(5)})
-    run_study(models.FailingModel(), design, Here(), out=tmp_path / "out")
-    again = run_study(models.FailingModel(), design, Here(), out=tmp_path / "out", resume=True)
+    run_study(models.FailingModel(), design, SerialRunner(), out=tmp_path / "out")
+    again = run_study(
+        models.FailingModel(), design, SerialRunner(), out=tmp_path / "out", resume=True
+    )
     assert again.failure[3] == "ZeroDivisionError: a is 3"
     assert np.isnan(again.outputs["y"][3])
 
@@ -342,14 +353,14 @@ def test_another_study_is_not_mixed_in(tmp_path: Path, over, changes, options, d
 def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
     (tmp_path / "thesis.txt").write_text("mine", encoding="utf-8")
     with pytest.raises(wo.InvalidProblem, match="is not empty and holds no study"):
-        run_study(models.LinearModel(), DESIGN, Here(), out=tmp_path, resume=True)
+        run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path, resume=True)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
 def test_a_study_is_not_overwritten(tmp_path: Path):
-    run_study(models.LinearModel(), DESIGN, Here(), out=tmp_path)
+    run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path)
     with pytest.raises(wo.InvalidProblem, match="holds a study already; resume it"):
-        run_study(models.LinearModel(), DESIGN, Here(), out=tmp_path)
+        run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path)
 
 
 # ---- exports ------------------------------------------------------------------------------------

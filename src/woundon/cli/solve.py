@@ -303,6 +303,6 @@ def _chosen_units(chosen: Any) -> Any:
 
 
 def _progress_bar() -> Any:
-    from ..studies.progress import fraction_bar
+    from ..studies.bars import fraction_bar
 
     return fraction_bar()

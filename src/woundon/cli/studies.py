@@ -238,7 +238,7 @@ def fit(
             problem, data, dict(_varied(problem, text) for text in varied),
             tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
             columns={name: of or None for name, of in map(_pair, columns)},
-            profiles=not no_profiles,
+            profiles=not no_profiles, progress=True,
         )  # fmt: skip
     if save:
         save.write_text(found.to_json(), encoding="utf-8")

@@ -12,7 +12,7 @@ from ..problems.messages import not_one_of, quote
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design
-from .engine import Progress, run_study
+from .engine import run_study
 from .fit import FitResult, fit_parameters
 from .kind_model import (
     KindModel,
@@ -30,7 +30,8 @@ from .kind_model import (
 from .measured import Measured, read_cases, read_measured
 from .model import quantities_of
 from .predict import Parameter, Predictor
-from .runners import runner_for
+from .progress import Progress, reported
+from .runners import number_of_workers, runner_for
 from .sobol import SobolIndices, saltelli_design, sobol_indices_of
 
 if TYPE_CHECKING:
@@ -256,6 +257,8 @@ def fit(
     starts: int = 6,
     seed: int = 0,
     profiles: bool | Sequence[str] = True,
+    workers: int | None = None,
+    progress: bool | Progress = False,
     nodes: int | None = None,
     rtol: float | None = None,
     options: Mapping[str, Any] | None = None,
@@ -282,6 +285,10 @@ def fit(
         Starting points: the problem as it is, the others drawn.
     profiles : bool or sequence of str
         Find profile-likelihood intervals: of all, or of the fields named.
+    workers : int
+        Processes for starts and profiles if they take long; by default one for each core.
+    progress : bool or callable
+        Show the fraction that is done, or call with (starts and profiles done, in all).
     nodes, rtol, options
         As of :func:`sweep`; 65 nodes by default where the solver would choose their number itself.
         Leave ``rtol`` out: on one grid the outputs are continuous in the parameters, between grids
@@ -311,10 +318,17 @@ def fit(
     _check_rows(problem, data)
     quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
     _one_unit(quantities, data)
-    found = fit_parameters(
-        Predictor(model, data, parameters), starts=starts, seed=seed,
-        profiles=_profiled(profiles, bounds), quantities=quantities,
-    )  # fmt: skip
+    predictor, profiled = Predictor(model, data, parameters), _profiled(profiles, bounds)
+    with reported(progress, "fitting") as report:
+        found = fit_parameters(
+            predictor,
+            starts=starts,
+            seed=seed,
+            profiles=profiled,
+            quantities=quantities,
+            workers=number_of_workers(workers),
+            progress=report,
+        )
     estimates = dict(zip(found.names, found.estimates, strict=True))
     return replace(found, problem=model.variant(estimates))
 

@@ -26,10 +26,11 @@ from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
 from ..problems.problem import Problem
 from ..quantities import Quantity, pattern, scalar_outputs
 from . import design as designs
-from .engine import Progress, run_study
+from .engine import run_study
 from .kind_model import KindModel, columns_of, get_field, kind_of, made, model_of
 from .measured import BESIDE
 from .model import quantities_of
+from .progress import Progress
 from .runners import runner_for
 
 if TYPE_CHECKING:

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 
 from ..errors import InvalidProblem
 from .design import Design
 from .evaluate import Chunk
 from .model import Model, quantities_of
+from .progress import Progress, reported
 from .runners import Runner
 from .store import Store, opened
 from .table import Table
 
 __all__ = ["Progress", "run_study"]
-
-Progress = Callable[[int, int], None]
 
 
 def run_study(
@@ -84,32 +82,14 @@ def run_study(
             if store is None or number not in store.kept
         ]
         left = sum(len(c.cases) for c in chunks)
-        told = _told(progress, design.size - left, design.size)
-        # closed: that ends the workers here, not whenever garbage is collected
-        with told as tell, closing(runner.solved(model, chunks)) as blocks:
+        done = design.size - left
+        reporting = reported(progress, "solving", unit="cases/s", done=done)
+        # closing ends the workers here, not when the garbage is collected
+        with reporting as report, closing(runner.solved(model, chunks)) as blocks:
             for block in blocks:
                 if store is not None:
                     store.write(block)
                 table.put(block)
-                tell(len(block.cases))
+                done += len(block.cases)
+                report(done, design.size)
     return table
-
-
-@contextmanager
-def _told(progress: bool | Progress, done: int, size: int) -> Iterator[Callable[[int], None]]:
-    """Provide what is told of every block's number of cases."""
-    if progress is True:
-        from .progress import bar
-
-        with bar(done, size) as tell:
-            yield tell
-        return
-    call = progress or None
-
-    def count(cases: int) -> None:
-        nonlocal done
-        done += cases
-        if call is not None:
-            call(done, size)
-
-    yield count

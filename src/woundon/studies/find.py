@@ -9,8 +9,7 @@ error e of the output, a value is uncertain by e / |d output / dx|.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -28,6 +27,7 @@ from ..quantities import find as find_places
 from ..results import Presented, ReadOnly
 from .kind_model import get_field, model_of
 from .model import quantities_of
+from .progress import Progress, reported
 from .root_search import DECADE, Interval, RootSearch, Sample, error_of
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 __all__ = ["FindResult", "Solution", "find", "remarks"]
 
 Array = np.ndarray
-Progress = Callable[[int, int], None]
 
 POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
 # of the value, for a difference; its error is the square of the step, and that of the solver, 1e-8,
@@ -252,8 +251,10 @@ def find(
     aim = parse(value, quantities[output].unit, output)
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
-    with _progress_reporter(progress, count) as tell:
-        search = RootSearch(model, name, output, aim, interval, tell)
+    with reported(progress, "finding") as report:
+        search = RootSearch(
+            model, name, output, aim, interval, lambda done: report(done, max(done, count))
+        )
         search.scan(count, base)
         roots = search.solutions()
     slopes = np.array([_slope(search, sample) for sample in roots])
@@ -347,20 +348,6 @@ def _usual_range(
     elif not typical:
         ends += permitted
     return min(ends), max(ends)
-
-
-@contextmanager
-def _progress_reporter(progress: bool | Progress, expected: int) -> Iterator[Callable[[int], None]]:
-    """Provide a function that reports how many points are evaluated."""
-    if progress is True:
-        from .progress import fraction_bar
-
-        with fraction_bar("finding") as tell:
-            yield lambda done: tell(done / max(done, expected))
-    elif progress:
-        yield lambda done: progress(done, max(done, expected))
-    else:
-        yield lambda done: None
 
 
 # ---- output -------------------------------------------------------------------------------------

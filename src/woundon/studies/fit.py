@@ -14,19 +14,25 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
+from ..parallel import in_processes
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from . import fitreport
-from .descent import COARSE, FINE, End, descend
+from .minimise import Minimum, minimise
 from .predict import Parameter, Predictor
-from .profiles import ProfileLikelihood, profile_of, threshold
+from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
+from .progress import Progress
+from .runners import WORTH_A_POOL
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,7 +41,11 @@ if TYPE_CHECKING:
 __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
-SAME_MINIMUM = 1e-3  # relative difference of S, or what descents may leave of it
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+# accuracy of minima in standard errors: another mesh moves a minimum by as much; on few nodes
+FINE, COARSE = 0.05, 0.3
+SAME_MINIMUM = 1e-3  # relative difference of S
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,6 +113,12 @@ class FitResult(Presented, ReadOnly):
         """m - p."""
         return self.measured.size - len(self.names)
 
+    @property
+    def not_identified(self) -> tuple[str, ...]:
+        """Names of the parameters that the data do not identify: standard error above 100 %."""
+        errors = zip(self.names, self.estimates, self.standard_errors, strict=True)
+        return tuple(n for n, value, error in errors if value and not error < abs(value))
+
     def estimate(self, name: str) -> float:
         """Return the estimate of one parameter."""
         return float(self.estimates[self.names.index(name)])
@@ -151,9 +167,15 @@ class FitResult(Presented, ReadOnly):
 
 
 def fit_parameters(
-    predictor: Predictor, *, starts: int, seed: int, profiles: Collection[str],
+    predictor: Predictor,
+    *,
+    starts: int,
+    seed: int,
+    profiles: Collection[str],
     quantities: Mapping[str, Quantity],
-) -> FitResult:  # fmt: skip
+    workers: int = 1,
+    progress: Progress = lambda done, expected: None,
+) -> FitResult:
     """Fit the predictor's parameters.
 
     Parameters
@@ -166,39 +188,34 @@ def fit_parameters(
         Parameters whose profile-likelihood intervals are found.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
+    workers : int
+        Processes for starts and profiles, if they take long; the result does not depend on it.
+    progress : callable
+        Is called with the number of starts and profiles that are done, and of all.
 
     Raises
     ------
     InvalidProblem
         If there are fewer measured values than parameters.
     NotConverged
-        If no start leads anywhere.
+        If no start can be solved.
     """
     parameters, m = predictor.parameters, predictor.measured.size
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    found = sorted(_minima(predictor, _starting_points(parameters, starts, seed)),
-                   key=lambda end: end.S)  # fmt: skip
+    tasks = _Tasks(workers, starts + 1 + 2 * len(profiles), progress)
+    found = _minima(predictor, _starting_points(parameters, starts, seed), tasks)
     if not found:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    made: tuple[ProfileLikelihood, ...] = ()
     for _ in range(3):
-        S, J = found[0].S, found[0].J
-        limit = threshold(S, m - len(parameters), predictor.weighted)
-        if not profiles or not np.isfinite(limit):
+        made = _profiles(predictor, found[0], profiles, tasks)
+        S, deepest = min((profile.best for profile in made), key=_first, default=(np.inf, None))
+        if deepest is None or found[0].S * (1 - _same_minimum(predictor)) <= S:
             break
-        made = tuple(
-            profile_of(predictor, j, found[0], limit, spread)
-            for j, spread in enumerate(_spreads(predictor, J, S))
-            if parameters[j].name in profiles
-        )
-        lower, there = min((profile.best for profile in made), key=lambda best: best[0])
-        if lower >= S * (1 - _alike(predictor)):
-            break
-        # a profile walked into a deeper valley that no start had found
-        deeper = descend(predictor, there, FINE)
-        found = found if deeper is None else sorted([*found, deeper], key=lambda end: end.S)
+        # a profile has entered the basin of a deeper minimum that no start had found
+        deeper = minimise(predictor, deepest, FINE)
+        found = found if deeper is None else sorted([deeper, *found], key=_sum_of_squares)
     return _result(predictor, found, starts, made, quantities)
 
 
@@ -211,38 +228,144 @@ def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) ->
     return [base, *(low + drawn * (high - low))]
 
 
-def _minima(predictor: Predictor, starts: Sequence[Array]) -> list[End]:
-    """Return where each start ends that can be solved; on few nodes as long as they are apart."""
+def _minima(predictor: Predictor, starts: Sequence[Array], tasks: _Tasks) -> list[Minimum]:
+    """Return the minimum of each start that can be solved, in ascending order.
+
+    The starts are minimised on few nodes where the model permits; what differs is then minimised
+    on all nodes.
+    """
     coarse = predictor.coarse
-    if coarse is None:
-        return _descents(predictor, starts, FINE)
-    found: list[End] = []
-    ends: dict[int, End | None] = {}
-    for end in _descents(coarse, starts, COARSE):
-        if id(end) not in ends:
-            known = [fine for fine in ends.values() if fine is not None]
-            ends[id(end)] = descend(predictor, end.u, FINE, known)
-        fine = ends[id(end)]
-        found += [] if fine is None else [fine]
-    predictor.solves += coarse.solves
-    return found or _descents(predictor, starts, FINE)
+    ends = _from_starts(coarse or predictor, starts, FINE if coarse is None else COARSE, tasks)
+    if coarse is not None:
+        predictor.solves += coarse.solves
+        fine: list[Minimum | None] = []
+        refined: list[tuple[Minimum, Minimum | None]] = []
+        for end in ends:
+            same = [fine for known, fine in refined if _is_same(end, known, coarse)]
+            if not same:
+                refined.append((end, minimise(predictor, end.u, FINE)))
+            fine.append(same[0] if same else refined[-1][1])
+        ends = [end for end in fine if end is not None]
+        ends = ends or _from_starts(predictor, starts, FINE, tasks)
+    tasks.finish(1)
+    return sorted(ends, key=_sum_of_squares)
 
 
-def _descents(predictor: Predictor, starts: Sequence[Array], tolerance: float) -> list[End]:
-    """Return where each start ends that can be solved."""
-    found: list[End] = []
-    for start in starts:
-        end = descend(predictor, start, tolerance, found)
-        found += [] if end is None else [end]
-    return found
+def _from_starts(
+    predictor: Predictor, starts: Sequence[Array], accuracy: float, tasks: _Tasks
+) -> list[Minimum]:
+    """Return the minima from several starts; the first one ends the others in its basin."""
+    began = time.perf_counter()
+    first = minimise(predictor, starts[0], accuracy)
+    pace = time.perf_counter() - began
+    tasks.finish(1)
+    start_from = predictor if first is None else predictor.remembering(first.u)
+    work = partial(_minimise_in_process, start_from, accuracy=accuracy, known=first)
+    others = tasks.run(work, starts[1:], pace)
+    predictor.solves += sum(solves for _, solves, _ in others)
+    predictor.fault = predictor.fault or next((fault for *_, fault in others if fault), "")
+    return [end for end in (first, *(end for end, *_ in others)) if end is not None]
 
 
-def _spreads(predictor: Predictor, J: Array, S: float) -> Array:
-    """Return the standard errors of u, kept within what a profile can walk."""
-    low, high = predictor.low, predictor.high
-    error = np.sqrt(np.diag(_covariance(predictor, J, S)))
-    width = high - low
-    return np.clip(np.nan_to_num(error, nan=np.inf), 1e-4 * width, 0.1 * width)
+def _minimise_in_process(
+    predictor: Predictor, start: Array, *, accuracy: float, known: Minimum | None
+) -> tuple[Minimum | None, int, str]:
+    """Return the minimum from a start, the number of solves, and the last failure."""
+    predictor = copy(predictor)
+    predictor.solves = 0
+    return minimise(predictor, start, accuracy, known), predictor.solves, predictor.fault
+
+
+def _profiles(
+    predictor: Predictor, minimum: Minimum, names: Collection[str], tasks: _Tasks
+) -> tuple[ProfileLikelihood, ...]:
+    """Return the profiles of named parameters; none without degrees of freedom."""
+    freedom = predictor.measured.size - len(predictor.parameters)
+    limit = threshold(minimum.S, freedom, predictor.weighted)
+    chosen = [j for j, parameter in enumerate(predictor.parameters) if parameter.name in names]
+    if not np.isfinite(limit):
+        return ()
+    ends: dict[tuple[int, int], End] = {}
+    work = partial(_end_in_process, predictor.remembering(minimum.u), minimum, limit)
+    places = [(j, sign) for j in chosen for sign in (-1, 1)]
+    for place, (end, solves) in zip(places, tasks.run(work, places), strict=True):
+        ends[place] = end
+        predictor.solves += solves
+    return tuple(
+        profile_of(predictor, j, minimum, limit, [ends[j, -1], ends[j, 1]]) for j in chosen
+    )
+
+
+def _end_in_process(
+    predictor: Predictor, minimum: Minimum, limit: float, place: tuple[int, int]
+) -> tuple[End, int]:
+    """Return an end of a profile and the number of solves."""
+    predictor = copy(predictor)
+    predictor.solves = 0
+    end = find_end(predictor, *place, minimum, limit)
+    return end, predictor.solves
+
+
+class _Tasks:
+    """Runs independent parts of a fit, in processes if they take long, and reports progress."""
+
+    def __init__(self, workers: int, count: int, progress: Progress) -> None:
+        self.workers, self.count, self.progress, self.done = workers, count, progress, 0
+
+    def finish(self, tasks: int) -> None:
+        """Report that some more tasks are done."""
+        self.done += tasks
+        self.progress(min(self.done, self.count), self.count)
+
+    def run(
+        self, work: Callable[[Item], Answer], items: Sequence[Item], pace: float | None = None
+    ) -> list[Answer]:
+        """Return ``work(item)`` of every item.
+
+        Parameters
+        ----------
+        work : callable
+        items : sequence
+        pace : float, optional
+            Expected seconds of an item; by default the first one is measured.
+        """
+        answers: dict[int, Answer] = {}
+        began = time.perf_counter()
+        for k, item in enumerate(items):
+            if pace is None and k:
+                pace = (time.perf_counter() - began) / k
+            left = len(items) - k
+            if self.workers > 1 and left > 1 and pace is not None and pace * left > WORTH_A_POOL:
+                rest = [(number, items[number]) for number in range(k, len(items))]
+                workers = min(self.workers, left)
+                for (number, _), answer in in_processes(partial(_numbered, work), rest, workers):
+                    answers[number] = answer
+                    self.finish(1)
+                break
+            answers[k] = work(item)
+            self.finish(1)
+        return [answers[k] for k in range(len(items))]
+
+
+def _numbered(work: Callable[[Item], Answer], item: tuple[int, Item]) -> Answer:
+    return work(item[1])
+
+
+def _first(pair: tuple[float, Any]) -> float:
+    return pair[0]
+
+
+def _sum_of_squares(minimum: Minimum) -> float:
+    return minimum.S
+
+
+def _is_same(one: Minimum, other: Minimum, predictor: Predictor) -> bool:
+    """Tell whether two ends of minimisations are the same minimum to their accuracy."""
+    if one is other:
+        return True
+    freedom = max(one.r.size - one.u.size, 1)
+    distance = np.linalg.norm(other.J @ (one.u - other.u)) * np.sqrt(freedom / max(other.S, 1e-300))
+    return bool(distance <= 2 * COARSE)
 
 
 def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
@@ -255,10 +378,11 @@ def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
 
 
 def _result(
-    predictor: Predictor, found: list[End], starts: int,
+    predictor: Predictor, found: list[Minimum], starts: int,
     profiles: tuple[ProfileLikelihood, ...], quantities: Mapping[str, Quantity],
 ) -> FitResult:  # fmt: skip
-    u, r, J = found[0]
+    u, r, _ = found[0]
+    J = predictor.jacobian(u)
     S, parameters = found[0].S, predictor.parameters
     slope = np.array([p.slope(float(v)) for p, v in zip(parameters, u, strict=True)])
     covariance = slope[:, None] * _covariance(predictor, J, S) * slope
@@ -281,7 +405,7 @@ def _result(
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
         minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in found),
-        reached=sum(S * (1 + _alike(predictor)) + rounding >= end.S for end in found),
+        reached=sum(S * (1 + _same_minimum(predictor)) + rounding >= end.S for end in found),
         starts=starts,
         solves=predictor.solves, measured=predictor.measured,
         fitted=predictor.measured + predictor.deviation * r,
@@ -290,7 +414,7 @@ def _result(
     )  # fmt: skip
 
 
-def _alike(predictor: Predictor) -> float:
+def _same_minimum(predictor: Predictor) -> float:
     """Return the relative difference of S within which minima are the same."""
     freedom = predictor.measured.size - len(predictor.parameters)
     return max(SAME_MINIMUM, COARSE**2 / max(freedom, 1))

@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 
 __all__ = ["line", "lines", "remarks", "to_dataset", "to_frame", "to_json"]
 
-# Relative standard error from which a parameter is not identified: its 95 % interval spans a
-# factor of e^2 in both directions.
-UNIDENTIFIED = 1.0
-MOST_TOLD = 3  # parameters in one line
+MOST_SHOWN = 3  # parameters in one line
+_SAVED = (
+    *("names", "estimates", "standard_errors", "covariance", "correlation", "rms", "weighted"),
+    *("direction", "condition", "effects", "joint_effect", "at_bound", "not_identified"),
+    *("minima", "reached", "starts", "solves", "measured", "fitted", "row_outputs", "row_numbers"),
+)
 
 
 def lines(fit: Any) -> list[str]:
@@ -37,8 +39,8 @@ def lines(fit: Any) -> list[str]:
 def line(fit: Any) -> str:
     """Return the fit as one line of text."""
     shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, fit.estimates, strict=True))
-    told = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_TOLD]]
-    more = len(fit.names) - MOST_TOLD
+    told = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_SHOWN]]
+    more = len(fit.names) - MOST_SHOWN
     told += [f"{more} more"] if more > 0 else []
     rms = f"RMS {_rms(fit, fit.rms):.4g}{_rms_unit(fit)} of {fit.measured.size} measured values"
     return f"FitResult({', '.join(told)}; {rms})"
@@ -117,8 +119,8 @@ def _estimates(fit: Any) -> Iterator[str]:
         unit, value = _in_table(fit, name, fit.estimates[k])
         _, error = _in_table(fit, name, fit.standard_errors[k])
         text = f"{name:<{width}}  {value:.4g} {unit}".rstrip()
-        if value and error >= UNIDENTIFIED * abs(value):
-            text += "; the data do not identify it (standard error above 100 %)"
+        if name in fit.not_identified:
+            text += "; not identified by the data (standard error above 100 %)"
         elif isfinite(error):
             text += f", standard error {error:.2g}"
             text += f" ({error / abs(value):.0%})" if value else ""
@@ -172,14 +174,7 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
 
 def to_json(fit: Any) -> str:
     """Return the fit as JSON, SI units; what is not a number or not finite is null."""
-    record: dict[str, Any] = {
-        name: getattr(fit, name)
-        for name in (
-            "names", "estimates", "standard_errors", "covariance", "correlation", "rms",
-            "weighted", "direction", "condition", "effects", "joint_effect", "at_bound", "minima",
-            "reached", "starts", "solves", "measured", "fitted", "row_outputs", "row_numbers",
-        )
-    }  # fmt: skip
+    record: dict[str, Any] = {name: getattr(fit, name) for name in _SAVED}
     record["units"] = {name: quantity.unit for name, quantity in fit.quantities.items()}
     record["profiles"] = {
         p.name: {"low": p.low, "high": p.high, "values": p.values, "rms": p.rms}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from math import exp, log
@@ -17,9 +18,9 @@ from .model import Model
 __all__ = ["Parameter", "Predictor"]
 
 Array = np.ndarray
-# central differences of outputs that are smooth but for kinks where a node changes its zone: so
-# long that rounding (1e-9 of the output) does not matter, so short that curvature does not
-STEP = 2e-3
+# Outputs are smooth except for kinks where a node changes its zone.  The step is so long that the
+# solver's tolerance (1e-8 of the output) does not matter, and so short that curvature does not.
+STEP = 1e-3
 KEPT, FEWEST_KEPT = 200, 3  # states; places
 
 
@@ -137,10 +138,59 @@ class Predictor:
         return (self.values(u) - self.measured) / self.deviation
 
     def jacobian(self, u: Array) -> Array:
-        """Return the residuals' derivatives with respect to u, (m, p): exact where they exist."""
+        """Return the residuals' derivatives with respect to u, (m, p): exact where they exist.
+
+        Exact derivatives of a nip cost about three solutions.
+
+        Raises
+        ------
+        ValueError
+            If a derivative cannot be solved.
+        """
         exact = self._exact(u)
-        columns = exact if exact is not None else self._differences(u)
-        return columns / self.deviation[:, None]
+        return self.differences(u) if exact is None else exact / self.deviation[:, None]
+
+    def differences(self, u: Array, skip: int | None = None) -> Array:
+        """Return the residuals' derivatives by forward differences, (m, p).
+
+        They cost one warm-started solution for each parameter.
+
+        Parameters
+        ----------
+        u : (p,) array
+        skip : int, optional
+            Parameter whose column is left zero.
+
+        Raises
+        ------
+        ValueError
+            If a derivative cannot be solved on either side.
+        """
+        here = self.values(u)
+        columns = np.zeros((u.size, here.size))
+        for k, parameter in enumerate(self.parameters):
+            if k == skip:
+                continue
+            low, high = parameter.ends
+            step = STEP * (1.0 if parameter.logarithmic else max(abs(u[k]), (high - low) / 10))
+            step = min(step, (high - low) / 2)
+            for end in (u[k] + step, u[k] - step):
+                if low <= end <= high:
+                    there = self.values(np.where(np.arange(u.size) == k, end, u))
+                    columns[k] = (there - here) / (end - u[k])
+                    if np.isfinite(columns[k]).all():
+                        break
+            else:
+                raise ValueError(f"no derivative with respect to {parameter.name}: {self.fault}")
+        return columns.T / self.deviation[:, None]
+
+    def remembering(self, u: Array) -> Predictor:
+        """Return a copy that knows the states of one place only, to be sent to a process."""
+        other = copy(self)
+        nearest = self._nearest(u)
+        other._visits = [] if nearest is None else [nearest]
+        other.__dict__["coarse"] = None
+        return other
 
     def inputs(self, u: Array) -> dict[str, float]:
         """Return the parameters' values by name."""
@@ -191,14 +241,3 @@ class Predictor:
                 return None
             found.append(gradient * slope)
         return np.stack(found)[self.of_case, self.of_output] if found else None
-
-    def _differences(self, u: Array) -> Array:
-        """Return central differences, one-sided at a bound."""
-        columns = []
-        for k, parameter in enumerate(self.parameters):
-            low, high = parameter.ends
-            step = STEP * (1.0 if parameter.logarithmic else max(abs(u[k]), (high - low) / 10))
-            ends = [min(u[k] + step, high), max(u[k] - step, low)]
-            near = [self.values(np.where(np.arange(u.size) == k, end, u)) for end in ends]
-            columns.append((near[0] - near[1]) / (ends[0] - ends[1]))
-        return np.column_stack(columns)

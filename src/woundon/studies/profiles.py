@@ -1,33 +1,32 @@
-r"""Profile likelihood: how far one parameter can go while the others make the best of it.
+r"""Profile likelihood: S(u_j), the least S over the other parameters, and its 95 % interval.
 
-About a point u with residuals r and derivatives J, S is about |r + J du|^2: that tells where S,
-least over the others, comes to the limit, and what the others are there.  One evaluation shows how
-far it was right, and mends J by Broyden's formula.  Once another step of the others would gain
-little, S less that little is the profile.
+    S(u_j) = min |r(u)|^2 over u_k, k != j;      end: S(u_j) = limit
+
+The ends are roots of sqrt(S(u_j) - S_min) - sqrt(limit - S_min), which is linear in u_j for a
+linear model, found by Brent's method.  For each u_j the others are fitted again, from the values
+that the linear model about the minimum gives.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from .minimise import Minimum
 from .predict import Predictor
-from .slopes import best_step, mended
 
-__all__ = ["ProfileLikelihood", "profile_of", "threshold"]
+__all__ = ["End", "ProfileLikelihood", "find_end", "profile_of", "threshold"]
 
 Array = np.ndarray
-LEVEL = 0.95
 
-MOST, MOST_STEPS = 30, 8  # points of a walk; steps of the others at one
-FARTHEST = 3.0  # standard errors of the first step
-GROWTH = 1.6  # of the steps while nothing tells where the end is
-LEAST = 0.05  # of a step that is halved before what cannot be solved
-# of the way to the end, from where it is told by a parabola, if that is so little off its chord
-NEAR, BENT = 0.03, 2e-3
-SETTLED = 1e-2  # of the rise of S: what the others may gain still, known to a tenth of it
+LEVEL = 0.95
+ACCURACY = 5e-3  # of the distance from the minimum to an end; another mesh moves it by more
+REFIT = 0.05  # accuracy of the other parameters, in conditional standard errors: S to 0.3 % of s^2
+BEYOND = 1.1  # first distance relative to that of the linear model, to bracket the end mostly
+EXPANSION = 1.5  # growth of the distance until the end is bracketed
+EVALUATIONS, REFIT_EVALUATIONS = 30, 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +43,7 @@ class ProfileLikelihood:
     rms_limit : float
         RMS at the ends of the interval.
     best : (S, u)
-        The least S on the way.
+        The least S of all evaluations.
     """
 
     name: str
@@ -56,10 +55,29 @@ class ProfileLikelihood:
     best: tuple[float, Array]
 
 
+@dataclass(frozen=True, eq=False)
+class End:
+    """One end of an interval.
+
+    Attributes
+    ----------
+    u : float or None
+        None if the bound is inside the interval.
+    points : tuple of (S, u)
+        All evaluations with the others refitted.
+    """
+
+    u: float | None
+    points: tuple[tuple[float, Array], ...]
+
+
 def threshold(S: float, freedom: int, weighted: bool) -> float:
     """Return the S up to which a parameter's value is within the 95 % interval.
 
     With known deviations S + chi2(1); else S (1 + F(1, m - p)/(m - p)), nan without freedom.
+
+    >>> round(threshold(2.0, 10, weighted=True), 3)
+    5.841
     """
     from scipy.stats import chi2, f
 
@@ -69,184 +87,134 @@ def threshold(S: float, freedom: int, weighted: bool) -> float:
 
 
 def profile_of(
-    predictor: Predictor, j: int, minimum: tuple[Array, Array, Array], limit: float, spread: float
+    predictor: Predictor, j: int, minimum: Minimum, limit: float, ends: Sequence[End]
 ) -> ProfileLikelihood:
-    """Walk parameter ``j`` both ways until S passes ``limit`` or a bound is met.
-
-    Parameters
-    ----------
-    predictor : Predictor
-    j : int
-    minimum : (u, r, J)
-        With the residuals and their derivatives there.
-    limit : float
-        Of S.
-    spread : float
-        Standard error of u_j: the unit of the steps.
-    """
-    parameter = predictor.parameters[j]
-    walk = _Walk(predictor, j, _Point(*minimum), limit)
-    low, high = (walk.end(sign * spread) for sign in (-1.0, 1.0))
-    points = sorted(walk.points, key=lambda point: float(point.u[j]))
-    m = predictor.measured.size
-    best = min(points, key=lambda point: point.S)
+    """Return the profile of parameter ``j`` from its lower and its upper end."""
+    parameter, m = predictor.parameters[j], predictor.measured.size
+    points = sorted(
+        [(minimum.S, minimum.u), *(point for end in ends for point in end.points)],
+        key=lambda point: float(point[1][j]),
+    )
+    low, high = (None if end.u is None else parameter.value(end.u) for end in ends)
     return ProfileLikelihood(
-        parameter.name,
-        np.array([parameter.value(float(point.u[j])) for point in points]),
-        np.sqrt(np.array([point.S - point.gain for point in points]) / m),
-        -np.inf if low is None else parameter.value(low),
-        np.inf if high is None else parameter.value(high),
-        float(np.sqrt(limit / m)),
-        (best.S, best.u),
+        name=parameter.name,
+        values=np.array([parameter.value(float(u[j])) for _, u in points]),
+        rms=np.sqrt(np.array([S for S, _ in points]) / m),
+        low=-np.inf if low is None else low,
+        high=np.inf if high is None else high,
+        rms_limit=float(np.sqrt(limit / m)),
+        best=min(points, key=lambda point: point[0]),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """Residuals and derivatives at u; ``gain`` is what the others would take off S still."""
+def find_end(predictor: Predictor, j: int, sign: int, minimum: Minimum, limit: float) -> End:
+    """Return the lower (``sign`` -1) or upper (+1) end of the interval of parameter ``j``."""
+    from scipy.optimize import brentq
 
-    u: Array
-    r: Array
-    J: Array
-    gain: float = 0.0
+    profile = _Profile(predictor, j, minimum, limit)
+    bound = float((predictor.low if sign < 0 else predictor.high)[j] - minimum.u[j])
+    inner, outer = 0.0, sign * min(BEYOND * profile.predicted_distance(), abs(bound))
+    for _ in range(EVALUATIONS):
+        f = profile(outer)
+        if f >= 0:
+            break
+        if outer == bound:
+            return End(None, tuple(profile.points))
+        inner, outer = outer, sign * min(EXPANSION * abs(outer), abs(bound))
+    if f > 0 and np.isfinite(f):
+        outer = brentq(profile, inner, outer, xtol=ACCURACY * abs(outer), maxiter=EVALUATIONS)
+    elif f > 0:
+        outer = _last_solved(profile, inner, outer)
+    return End(float(minimum.u[j] + outer), tuple(profile.points))
 
-    @property
-    def S(self) -> float:
-        return float(self.r @ self.r)
 
-    def reached(self, predictor: Predictor, u: Array, r: Array) -> _Point:
-        """Return another point near it, J mended by what the step told, or made anew."""
-        J = mended(self.J, u - self.u, r - self.r)
-        return _Point(u, r, predictor.jacobian(u) if J is None else J)
-
-
-class _Walk:
-    """Refits the other parameters along one, from the minimum on."""
-
-    def __init__(self, predictor: Predictor, j: int, minimum: _Point, limit: float) -> None:
-        self.predictor, self.j, self.limit = predictor, j, limit
-        self.points = [minimum]
-        self.low, self.high = predictor.low, predictor.high
-
-    def end(self, step: float) -> float | None:
-        """Return where S passes the limit, coming from the minimum; None if a bound comes first."""
-        minimum = self.points[0]
-        begin, reach = float(minimum.u[self.j]), float(np.sqrt(self.limit - minimum.S))
-        low, high = self.low[self.j] - begin, self.high[self.j] - begin
-        # S grows about as the square of the way: its root is nearly straight
-        pace = float(np.copysign(self._pace(minimum), step))
-        risen, ways = [0.0, 0.0], [0.0, 0.0]
-        inner, outer = (0.0, 0.0), None
-        way = float(np.copysign(min(abs(pace) * reach, FARTHEST * abs(step)), step))
-        for _ in range(MOST):
-            way = min(max(way, low), high)
-            S = self._refitted(begin + way)
-            if not np.isfinite(S):
-                if abs(way - inner[0]) < LEAST * abs(step):
-                    return begin + way  # beyond lies what cannot be solved
-                way = (way + inner[0]) / 2
-                continue
-            risen.append(float(np.sqrt(max(S - minimum.S, 0.0))))
-            ways.append(way)
-            there, bend = _inverse(risen[-3:], ways[-3:], pace, reach)
-            near = abs(risen[-1] - reach) <= NEAR * reach and abs(bend) <= BENT * abs(way)
-            if near and there * step > 0:
-                return begin + min(max(there, low), high)
-            if risen[-1] > reach:
-                outer = (way, risen[-1])
-            elif way in (low, high):
-                return None
-            else:
-                inner = (way, risen[-1])
-            if outer is None:
-                step *= GROWTH
-                ahead = abs(there - way) if (there - way) * step > 0 else np.inf
-                way += float(np.copysign(min(ahead, abs(step)), step))
-            else:
-                share = (there - inner[0]) / (outer[0] - inner[0])
-                if not 0 < share < 1:
-                    share = (reach - inner[1]) / (outer[1] - inner[1])
-                way = inner[0] + min(max(share, 0.05), 0.95) * (outer[0] - inner[0])
-        return begin + way
-
-    def _pace(self, point: _Point) -> float:
-        """Return the way for which the root of the rise of S grows by one, by a point's J."""
-        own, others = point.J[:, self.j], np.delete(point.J, self.j, axis=1)
-        along = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
-        size = float(np.linalg.norm(along))
-        return 1 / size if size > 0 else np.inf
-
-    def _refitted(self, at: float) -> float:
-        """Return the least S over the other parameters, this one held; inf if not solved."""
-        known = [point for point in self.points if point.u[self.j] == at]
-        if known:
-            return known[0].S - known[0].gain
-        point = min(self.points, key=lambda point: abs(float(point.u[self.j]) - at))
-        held = np.where(np.arange(point.u.size) == self.j, at, point.u)
-        for u in (self._best(point, held)[0], held):
-            r = self.predictor.residuals(u)
-            if np.isfinite(r).all():
+def _last_solved(profile: _Profile, solved: float, unsolved: float) -> float:
+    """Return the end of an interval that cannot be solved as far as its limit, by bisection."""
+    while abs(unsolved - solved) > 0.05 * abs(unsolved):
+        middle = (solved + unsolved) / 2
+        if np.isfinite(f := profile(middle)):
+            solved = middle
+            if f >= 0:
                 break
         else:
+            unsolved = middle
+    return solved
+
+
+class _Profile:
+    """distance of u_j from its minimum -> sqrt(S(u_j) - S_min) - sqrt(limit - S_min)."""
+
+    def __init__(self, predictor: Predictor, j: int, minimum: Minimum, limit: float) -> None:
+        self.predictor, self.j, self.minimum, self.limit = predictor, j, minimum, limit
+        self.reach = float(np.sqrt(limit - minimum.S))
+        self.points: list[tuple[float, Array]] = []
+        self.known = {0.0: -self.reach}
+        own, others = minimum.J[:, j], np.delete(minimum.J, j, axis=1)
+        # d(other u)/d(u_j) that keeps S least in the linear model, and the residuals' change
+        self.slope = -np.linalg.lstsq(others, own, rcond=None)[0]
+        self.change = float(np.linalg.norm(own + others @ self.slope))
+
+    def predicted_distance(self) -> float:
+        """Return the distance of the end in the linear model, at most a tenth of the bounds'."""
+        width = float(self.predictor.high[self.j] - self.predictor.low[self.j])
+        return min(self.reach / self.change, 0.1 * width) if self.change > 0 else 0.1 * width
+
+    def __call__(self, distance: float) -> float:
+        """Return the function whose root is the end; exactly 0 within the accuracy."""
+        if distance not in self.known:  # Brent's method starts with points that are known
+            S = self._refitted(distance)
+            f = float(np.sqrt(max(S - self.minimum.S, 0.0))) - self.reach
+            self.known[distance] = 0.0 if abs(f) <= ACCURACY * self.reach else f
+        return self.known[distance]
+
+    def _refitted(self, distance: float) -> float:
+        """Return the least S over the other parameters, this one fixed; inf if not solved.
+
+        The derivatives are those at the initial guess, which is close.
+        """
+        predictor, j, minimum = self.predictor, self.j, self.minimum
+        at = float(minimum.u[j]) + distance
+        near = min([minimum.u, *(u for _, u in self.points)], key=lambda u: abs(float(u[j]) - at))
+        others = np.delete(near, j) + self.slope * (at - near[j])
+        u = np.clip(np.insert(others, j, at), predictor.low, predictor.high)
+        r = predictor.residuals(u)
+        if not np.isfinite(r).all():
             return float("inf")
-        for _ in range(MOST_STEPS):
-            there = point.reached(self.predictor, u, r)
-            worse = point.u[self.j] == at and there.S > point.S
-            # a step that gains nothing still tells of the derivatives
-            point = replace(point, J=there.J) if worse else there
-            u, gain = self._best(point, point.u)
-            if gain <= SETTLED * (abs(point.S - self.points[0].S) + SETTLED * self.points[0].S):
-                return self._keep(point, gain)
-            r = self.predictor.residuals(u)
-            if not np.isfinite(r).all():
-                break
-        return self._carefully(point)
+        if others.size:
+            try:
+                u, r = self._with_others_fitted(u, predictor.differences(u, skip=j))
+            except ValueError:  # a derivative could not be solved
+                return float("inf")
+        self.points.append((float(r @ r), u))
+        return float(r @ r)
 
-    def _best(self, point: _Point, start: Array) -> tuple[Array, float]:
-        """Return what the others go to by a point's derivatives, and what they gain."""
-        r, J = point.r + point.J @ (start - point.u), np.delete(point.J, self.j, axis=1)
-        if not J.shape[1]:
-            return start, 0.0
-        others, low, high = (np.delete(x, self.j) for x in (start, self.low, self.high))
-        moved, gain = best_step(r, J, others, low, high)
-        return np.insert(moved, self.j, start[self.j]), gain
-
-    def _carefully(self, point: _Point) -> float:
-        """Refit the others from a point where whole steps lead nowhere."""
+    def _with_others_fitted(self, guess: Array, J: Array) -> tuple[Array, Array]:
+        """Return u and residuals with the other parameters fitted, by constant derivatives."""
         from scipy.optimize import least_squares
 
-        predictor, j, at = self.predictor, self.j, point.u[self.j]
-        low, high = (np.delete(ends, j) for ends in (self.low, self.high))
+        others = np.arange(guess.size) != self.j
+        s2 = self.minimum.S / max(self.predictor.measured.size - guess.size, 1)
+        # variables in units of their conditional standard errors, so that tolerances are such
+        unit = np.sqrt(s2) / np.maximum(np.linalg.norm(J[:, others], axis=0), 1e-300)
+        unit = np.minimum(unit, (self.predictor.high - self.predictor.low)[others])
 
-        def residuals(part: Array) -> Array:
-            return predictor.residuals(np.insert(part, j, at))
+        low, high = self.predictor.low - guess, self.predictor.high - guess
 
-        def jacobian(part: Array) -> Array:
-            return np.delete(predictor.jacobian(np.insert(part, j, at)), j, axis=1)
+        def place(v: Array) -> Array:
+            u = guess.copy()
+            u[others] += unit * v
+            return u
 
+        def residuals(v: Array) -> Array:
+            return self.predictor.residuals(place(v))
+
+        def derivatives(v: Array) -> Array:
+            return np.asarray(J[:, others] * unit)
+
+        # the guess may lie on a bound, which must not be outside by rounding
+        bounds = (low[others] / unit - 1e-9, high[others] / unit + 1e-9)
         found = least_squares(
-            residuals, np.clip(np.delete(point.u, j), low + 1e-9, high - 1e-9), jacobian,
-            (low, high), x_scale="jac", ftol=1e-6, xtol=1e-6, gtol=None, max_nfev=20,
+            residuals, np.zeros(unit.size), derivatives, bounds, method="dogbox",
+            gtol=REFIT * s2, xtol=REFIT, ftol=1e-4, max_nfev=REFIT_EVALUATIONS,
         )  # fmt: skip
-        u = np.insert(found.x, j, at)
-        return self._keep(_Point(u, found.fun, predictor.jacobian(u)), 0.0)
-
-    def _keep(self, point: _Point, gain: float) -> float:
-        self.points.append(replace(point, gain=gain))
-        return point.S - gain
-
-
-def _inverse(
-    f: Sequence[float], x: Sequence[float], slope: float, at: float
-) -> tuple[float, float]:
-    """Return x where f is ``at`` by the inverse parabola through three points, and off the chord.
-
-    The chord is that of the last two; ``slope`` is dx/df at the first two where they are one.
-    """
-    if f[2] in f[:2]:
-        return x[2], np.inf
-    first = slope if f[1] == f[0] else (x[1] - x[0]) / (f[1] - f[0])
-    last = (x[2] - x[1]) / (f[2] - f[1])
-    bend = (at - f[2]) * (at - f[1]) * (last - first) / (f[2] - f[0])
-    chord = x[2] + (at - f[2]) * last
-    return (chord + bend, bend) if np.isfinite(bend) else (chord, np.inf)
+        return place(found.x), np.asarray(found.fun)

@@ -19,7 +19,7 @@ from ..parallel import in_processes, stoppable, usable_cores
 from .evaluate import Block, Chunk, solve_chunk
 from .model import Model
 
-__all__ = ["DaskRunner", "Here", "Pool", "Runner", "runner_for"]
+__all__ = ["DaskRunner", "Pool", "Runner", "SerialRunner", "number_of_workers", "runner_for"]
 
 WORTH_A_POOL = 3.0  # seconds of work ahead; starting the workers costs about one
 FINISHING = "finishing the chunks under way; press Ctrl-C again to stop at once"
@@ -46,15 +46,28 @@ def runner_for(workers: int | None, scheduler: str | None) -> Runner:
         if workers is not None:
             raise InvalidProblem([("workers", "has no meaning with a scheduler: it has its own")])
         return DaskRunner(scheduler)
+    count = number_of_workers(workers)
+    if count == 1:
+        return SerialRunner()
+    return SerialRunner(then=Pool(count)) if workers is None else Pool(count)
+
+
+def number_of_workers(workers: int | None) -> int:
+    """Return the number of processes: ``workers``, or by default the number of usable cores.
+
+    Raises
+    ------
+    InvalidProblem
+        For a number below one.
+    """
     if workers is None:
-        cores = usable_cores()
-        return Here(then=Pool(cores)) if cores > 1 else Here()
+        return usable_cores()
     if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
-        raise InvalidProblem([("workers", f"{workers!r} is out of range: must be >= 1")])
-    return Pool(workers) if workers > 1 else Here()
+        raise InvalidProblem.at("workers", f"{workers!r} is out of range: must be >= 1")
+    return workers
 
 
-class Here:
+class SerialRunner:
     """Solves in this process; hands over to a pool where enough work lies ahead to pay for it."""
 
     def __init__(self, then: Runner | None = None) -> None:

@@ -12,8 +12,7 @@ schedules stand where as many limits meet as there are fields, which linear mode
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, nan
 from typing import Any
@@ -27,9 +26,8 @@ from ..quantities import Quantity, value_of
 from ..results import Presented, ReadOnly
 from ..winding.margins import margins
 from .api import in_si
-from .engine import Progress
 from .kind_model import KindModel, field_quantity, get_field, model_of
-from .progress import bar
+from .progress import Progress, reported
 
 __all__ = ["OptimisedSchedule", "optimise_schedule"]
 
@@ -193,7 +191,7 @@ def optimise_schedule(
     """
     model = model_of(problem, minimise or maximise, None, options or {})
     search = _Search(model, _ranges(problem, over), limits, _goal(minimise, maximise), evaluations)
-    with search.shown(progress):
+    with reported(progress, "winding", unit="windings/min") as search.report:
         search.begin()
         ended = search.run()
     return search.found(ended)
@@ -280,7 +278,7 @@ class _Search:
         self.low, self.high = np.array(list(ranges.values())).T
         self.most, self.why_not = evaluations, ""
         self.wound: dict[tuple[float, ...], _Wound] = {}
-        self.tell: Callable[[], None] = lambda: None
+        self.report: Progress = lambda done, expected: None
 
     # ---- winding ---------------------------------------------------------------------------------
 
@@ -326,7 +324,7 @@ class _Search:
             self.wound[values] = _Wound(values, None, None, failed, nan)
         else:
             self._keep(values, *solved)
-        self.tell()
+        self.report(len(self.wound), self.most)
         return self.wound[values]
 
     def _keep(self, values: tuple[float, ...], result: Any, margins: Any) -> None:
@@ -407,16 +405,3 @@ tol=LAST_STEP,
             ranges=np.column_stack([self.low, self.high]),
             quantities={name: field_quantity(problem, name) for name in self.names},
         )  # fmt: skip
-
-    @contextmanager
-    def shown(self, progress: bool | Progress) -> Iterator[None]:
-        """Tell how many are wound."""
-        if callable(progress):
-            self.tell = lambda: progress(len(self.wound), self.most)
-            yield
-        elif progress:
-            with bar(0, self.most, "winding", "windings/min") as advance:
-                self.tell = lambda: advance(1)
-                yield
-        else:
-            yield

@@ -779,7 +779,7 @@ def _product(*axes: Array) -> list[tuple[float, ...]]:
 @contextmanager
 def _reported(progress: bool | Progress) -> Iterator[Callable[[int, int], None]]:
     if progress is True:
-        from .progress import fraction_bar
+        from .bars import fraction_bar
 
         with fraction_bar("winding") as tell:
             yield lambda done, expected: tell(done / expected)

@@ -1,0 +1,73 @@
+"""Progress bars on the error channel, because results may go through a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+__all__ = ["bar", "fraction_bar"]
+
+
+class _Rate(ProgressColumn):
+    """Rate since the work was started or resumed."""
+
+    def render(self, task: Task) -> Text:
+        solved = task.completed - task.fields["begun_with"]
+        elapsed = task.finished_time or task.elapsed or 0.0
+        unit = task.fields["unit"]
+        seconds = 60.0 if unit.endswith("/min") else 1.0
+        rate = f"{seconds * solved / elapsed:.3g}" if elapsed > 0 and solved > 0 else "-"
+        return Text(f"{rate} {unit}")
+
+
+class _Channel(Console):
+    """The error channel; a study continues if its reader has closed the pipe."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True  # rich would end the program
+
+
+@contextmanager
+def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, float], None]]:
+    """Provide a function that shows on a bar what is done of what is expected.
+
+    Parameters
+    ----------
+    label : str
+        What is being done.
+    unit : str, optional
+        Of the rate: ".../s" or ".../min"; without it the bar shows a percentage.
+    done : int
+        What was done before, for the rate.
+    """
+    counted = (MofNCompleteColumn(), _Rate(), TimeElapsedColumn(), TextColumn("left"),
+               TimeRemainingColumn())  # fmt: skip
+    columns = counted if unit else (TaskProgressColumn(), TimeElapsedColumn())
+    console = _Channel(stderr=True)
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(), *columns,
+        console=console, transient=not unit,
+    ) as progress:  # fmt: skip
+        task = progress.add_task(label, total=None, completed=done, begun_with=done, unit=unit)
+        yield lambda now, expected: progress.update(task, completed=now, total=expected)
+
+
+@contextmanager
+def fraction_bar(label: str = "solving") -> Iterator[Callable[[float], None]]:
+    """Provide a function to report the fraction of the work that is done."""
+    with bar(label) as report:
+        yield lambda fraction: report(fraction, 1.0)
