@@ -1,12 +1,11 @@
-"""Look at every built page in a browser, as wide as a laptop and as narrow as a telephone.
+"""Check every built page in a browser, at the width of a laptop and of a telephone.
 
     python docs/check_pages.py docs/_build/html [--pictures DIR] [--width 1280 --width 390]
 
-Reported is what a reader would stumble over: a page that scrolls sideways, text that is cut off or
-runs out of its column, a link or picture that leads nowhere, a formula that was not typeset, a
-message on the browser's console, and anything that a page wants from the network.  ``--pictures``
-keeps every page as a PNG, to be looked at.  Needs Playwright (``pip install 'woundon[pages]'``) and
-a Chromium: the system's, or Playwright's own.
+It reports pages that scroll horizontally, text that is cut off or exceeds its column, dead links,
+missing images, formulas that are not typeset, messages on the console of the browser, and requests
+to the network.  ``--pictures`` saves every page as a PNG.  Requires Playwright
+(``pip install 'woundon[pages]'``) and a Chromium, of the system or of Playwright.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 WIDTHS = (1280, 390)
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
 
-# what can be told from a page itself; each fault is a line of text
+# faults of a single page, each a line of text
 LOOK = """() => {
     const faults = [], wide = document.documentElement.clientWidth
     const name = e => [e.tagName.toLowerCase(), ...e.classList].slice(0, 2).join('.')
@@ -70,14 +69,14 @@ IDS = "() => [...document.querySelectorAll('[id]')].map(e => e.id)"
 
 
 def main() -> int:
-    """Check all pages; return 0 where nothing was found, else 1."""
+    """Check all pages; return 0 without faults, else 1."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("html", type=Path, help="folder of the built pages")
     parser.add_argument("--pictures", type=Path, help="folder for a picture of every page")
     parser.add_argument("--width", type=int, action="append", help="in pixels; 1280 and 390")
     options = parser.parse_args()
     root = options.html.resolve()
-    # what the theme keeps in _static are no pages
+    # HTML files in _static belong to the theme
     pages = sorted(path for path in root.rglob("*.html") if "_static" not in path.parts)
     if not pages:
         parser.error(f"no pages in {options.html}")
@@ -106,7 +105,7 @@ def _look(
     page.on("console", lambda m: note(f"console: {m.text}", m.type in ("error", "warning")))
     page.on("pageerror", lambda fault: note(f"script: {fault}"))
     page.on("requestfailed", lambda r: note(f"not loaded: {r.url}"))
-    page.on("request", lambda r: note(f"wants the network: {r.url}", r.url.startswith("http")))
+    page.on("request", lambda r: note(f"request to the network: {r.url}", r.url.startswith("http")))
     for path in pages:
         said.clear()
         _open(page, path)

@@ -1,7 +1,7 @@
 """Sphinx configuration; build with ``sphinx-build -W -b html docs docs/_build/html``.
 
-Needs no network, neither to build nor to read: formulas become MathML, set in a font that lies
-beside the pages.  Cells and examples run here; one that fails makes the build fail.
+No network is needed to build or to read the pages: formulas are MathML with a font that is
+included.  Cells and examples are executed; a failing one makes the build fail.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 600  # a winding takes a few seconds, on a busy machine ten times as long
 nb_merge_streams = True
 
-# the examples of the repository, run; each page offers its script and its notebook
+# the examples are executed; each page offers its script and its notebook
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",

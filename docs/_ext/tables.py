@@ -1,4 +1,4 @@
-"""Tables of names, symbols, units and ranges, read off the program: they cannot go out of date."""
+"""Directives for tables of names, symbols, units and ranges, generated from the program."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ def _table(header: tuple[str, ...], rows: Rows) -> str:
 
 
 class Sections(SphinxDirective):
-    """Writes a section for each title and text that ``sections`` yields; without title the text."""
+    """Write a section for each title and text that ``sections`` yields; without title the text."""
 
     def run(self) -> list[nodes.Node]:
-        self.env.note_reread()  # the program may have changed where the page has not
+        self.env.note_reread()  # the program may have changed although the page has not
         found: list[nodes.Node] = []
         for title, text in self.sections():
             parsed = self.parse_text_to_nodes(text)
@@ -68,7 +68,7 @@ class Sections(SphinxDirective):
 
 
 class Inputs(Sections):
-    """``{inputs}``: the fields of every kind of problem, then of what problems are made of."""
+    """``{inputs}``: the fields of every kind of problem, then those of its parts."""
 
     def sections(self) -> Iterator[tuple[str, str]]:
         parts: dict[Any, None] = {}
@@ -85,7 +85,7 @@ _INPUT = ("symbol", "name", "SI unit", "meaning", "usual", "admissible", "defaul
 
 
 def _heads(description: Any) -> list[Place]:
-    """Return the place of each of a description's own fields, those that hold others too."""
+    """Return the place of each direct field of a description, also of fields with parts."""
     names = dict.fromkeys(place.path.partition(".")[0] for place in walk(description))
     return [find(description, name)[0] for name in names]
 
@@ -95,9 +95,9 @@ def _nested(place: Place) -> tuple[type, ...]:
 
 
 def _families(parts: Iterable[Any]) -> dict[Any, list[Any]]:
-    """Group descriptions, and those in them, by the open set that they belong to."""
+    """Group descriptions, and their parts, by the family that they belong to."""
     waiting, found = list(parts), {}
-    for part in waiting:  # grows while it is walked
+    for part in waiting:  # grows during the iteration
         family = next((base for base in part.__mro__ if Family in base.__bases__), part)
         if part not in found.setdefault(family, []):
             found[family].append(part)
@@ -106,7 +106,7 @@ def _families(parts: Iterable[Any]) -> dict[Any, list[Any]]:
 
 
 def _of_members(members: list[Any]) -> str:
-    """Return one table for all members of an open set."""
+    """Return one table for all members of a family."""
     owners: dict[str, list[str]] = {}
     places: dict[str, Any] = {}
     for member in members:
@@ -122,21 +122,21 @@ def _of_members(members: list[Any]) -> str:
 
 
 def _input(place: Place, only: str) -> tuple[str, ...]:
-    """Return the row of a field; ``only`` names those that have it."""
+    """Return the row of a field; ``only`` names the classes that have it."""
     field, quantity = place.field, place.quantity
     about = quantity.meaning if quantity else field.description or ""
     if inner := _nested(place):
         about = ", ".join(filter(None, (about, one_of(f"`{m.__name__}`" for m in inner))))
     elif quantity is None and not about:  # a word
         about = one_of(f"`{word}`" for word in get_args(field.annotation))
-    told = f"{about} ({only})" if only else about
+    meaning = f"{about} ({only})" if only else about
     default = "" if field.is_required() else _default(field.default, quantity)
     if quantity is None:
         unit = "of its field" if OF_FIELD in field.metadata else ""
-        return ("", f"`{place.name}`", unit, told, "", "", default)
+        return ("", f"`{place.name}`", unit, meaning, "", "", default)
     usual = _range(quantity, quantity.typical) if quantity.typical else ""
     limits = _limits(field)
-    return (_tex(quantity), f"`{place.name}`", _unit(quantity), told, usual, limits, default)
+    return (_tex(quantity), f"`{place.name}`", _unit(quantity), meaning, usual, limits, default)
 
 
 def _default(value: Any, quantity: Quantity | None) -> str:
@@ -147,22 +147,22 @@ def _default(value: Any, quantity: Quantity | None) -> str:
 
 
 def _range(quantity: Quantity, ends: Iterable[float]) -> str:
-    """Return values in the unit for display, which is told where it is not the SI unit."""
+    """Return values in the display unit, which is named if it is not the SI unit."""
     unit = "" if _unit(quantity) == quantity.display else f" {unit_of(quantity)}"
     return " to ".join(_number(quantity.shown(end)) for end in ends) + unit
 
 
 def _limits(field: Any) -> str:
-    """Return what is admissible in SI: "0 to 10", "> 0", "≥ 0, < 0.5"."""
+    """Return the admissible range in SI units: "0 to 10", "> 0", "≥ 0, < 0.5"."""
     known = [(sign, _number(end)) for sign, end in bounds(field)]
     if [sign for sign, _ in known] == [">=", "<="]:
         return " to ".join(end for _, end in known)
-    told = ", ".join(f"{sign} {end}" for sign, end in known)
-    return told.replace(">=", "≥").replace("<=", "≤")
+    text = ", ".join(f"{sign} {end}" for sign, end in known)
+    return text.replace(">=", "≥").replace("<=", "≤")
 
 
 def _number(value: float) -> str:
-    """Return a number as it is said, 1e7 and not 1e+07."""
+    """Return a number as text, 1e7 instead of 1e+07."""
     return re.sub(r"e([+-])0*", r"e\1", f"{value:.6g}").replace("e+", "e")
 
 
@@ -171,7 +171,7 @@ def _unit(quantity: Quantity) -> str:
 
 
 def _tex(quantity: Quantity) -> str:
-    """Return the symbol as figures write it, the words in it upright."""
+    """Return the symbol as in figures, with upright words."""
     return symbol_text(quantity.symbol)
 
 
@@ -186,10 +186,15 @@ class Outputs(Sections):
         for kind in kinds.every():
             scalars = scalar_outputs(kind.result)
             rows = [
-                (_tex(place.quantity), f"`{place.path}`", _unit(place.quantity),
-                 "number" if place.path in scalars else "array", place.quantity.meaning)
+                (
+                    _tex(place.quantity),
+                    f"`{place.path}`",
+                    _unit(place.quantity),
+                    "number" if place.path in scalars else "array",
+                    place.quantity.meaning,
+                )
                 for place in outputs(kind.result)
-            ]  # fmt: skip
+            ]
             rows.sort(key=lambda row: row[3] == "array")
             yield kind.result.__name__, _table(header, rows)
 
@@ -200,12 +205,12 @@ class Materials(Sections):
     def sections(self) -> Iterator[tuple[str, str]]:
         rows = []
         for name, entry in MATERIALS.items():
-            told = (
+            values = (
                 f"{_tex(q)} {_range(q, [value])}"
                 for _, q, _, _, value in walk(entry.material)
                 if q is not None and value is not None
             )
-            rows.append((f"`{name}`", ", ".join(told), entry.source))
+            rows.append((f"`{name}`", ", ".join(values), entry.source))
         yield "", _table(("name", "values", "source"), rows)
 
 
@@ -216,8 +221,10 @@ class Covers(Sections):
         rows: Rows = []
         for name, table in library()["covers"].items():
             entry = entry_of(table)
-            cells = [_with_spread(str(entry.values[key]), entry.spread.get(key))
-                    for key in ("youngs_modulus", "poissons_ratio")]  # fmt: skip
+            cells = [
+                _with_spread(str(entry.values[key]), entry.spread.get(key))
+                for key in ("youngs_modulus", "poissons_ratio")
+            ]
             rows.append((f"`{name}`", *cells, entry.sources["youngs_modulus"]))
         yield (
             "",
@@ -245,21 +252,30 @@ class GradeSources(Sections):
 
 
 class GradePressures(Sections):
-    """``{grade-pressures}``: pressures in a roll of each grade that is wound as usual."""
+    """``{grade-pressures}``: pressures in a roll of each grade, wound with its usual tension."""
 
     def sections(self) -> Iterator[tuple[str, str]]:
         rows: Rows = []
         for name, grade in grades().items():
-            roll = solve(RollProblem(
-                grade=grade, core={"radius": 0.05, "stiffness": 1e9}, radius=0.5,
-                wound_on_tension=grade.tension,
-            ))  # fmt: skip
+            roll = solve(
+                RollProblem(
+                    grade=grade,
+                    core={"radius": 0.05, "stiffness": 1e9},
+                    radius=0.5,
+                    wound_on_tension=grade.tension,
+                )
+            )
             texts = dict(grade.texts())
             halfway = float(np.interp(0.275, roll.radius, roll.pressure))
-            rows.append((
-                f"`{name}`", texts["tension"], f"{roll.pressure[0] / 1e3:.3g} kPa",
-                f"{halfway / 1e3:.3g} kPa", texts["pressure"],
-            ))  # fmt: skip
+            rows.append(
+                (
+                    f"`{name}`",
+                    texts["tension"],
+                    f"{roll.pressure[0] / 1e3:.3g} kPa",
+                    f"{halfway / 1e3:.3g} kPa",
+                    texts["pressure"],
+                )
+            )
         header = ("grade", "wound-on tension", "at the core", "halfway", "usual near the core")
         yield "", _table(header, rows)
 
@@ -273,23 +289,23 @@ def _with_spread(text: str, spread: float | None) -> str:
 
 
 class Modules(Sections):
-    """``{modules}``: every module with the first sentence of its text, room by room."""
+    """``{modules}``: every module with the first sentence of its docstring, by package."""
 
     def sections(self) -> Iterator[tuple[str, str]]:
-        rooms: dict[str, Rows] = {"woundon": []}
+        packages: dict[str, Rows] = {"woundon": []}
         for found in walk_packages(woundon.__path__, "woundon."):
-            room, _, name = found.name.rpartition(".")
+            package, _, name = found.name.rpartition(".")
             about = _about(found.name)
             if found.ispkg:
-                rooms[found.name] = [(f"**{name}/**", about)]
+                packages[found.name] = [(f"**{name}/**", about)]
             else:
-                rooms[room].append((f"`{name}`", about))
-        rows = [row for room in rooms.values() for row in room if row[0] != "`__main__`"]
-        yield "", _table(("module", "what it holds"), rows)
+                packages[package].append((f"`{name}`", about))
+        rows = [row for rows in packages.values() for row in rows if row[0] != "`__main__`"]
+        yield "", _table(("module", "contents"), rows)
 
 
 def _about(module: str) -> str:
-    """Return the first paragraph of a module's text, read without importing it."""
+    """Return the first paragraph of the docstring of a module, without importing it."""
     spec = find_spec(module)
     assert spec is not None
     text = ast.get_docstring(ast.parse(Path(spec.origin).read_text("utf-8"))) or ""

@@ -1,4 +1,4 @@
-"""The thesis's figures with their verdicts, made by the package before the pages are read."""
+"""Figures of the thesis with their verdicts, computed before the pages are read."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ def make(app) -> None:
     known = known_counts()
     changed = [figure.name for figure in figures if figure.judged.counts != known[figure.name]]
     if changed:
-        raise ExtensionError(f"other statements hold than are known to: {', '.join(changed)}")
+        raise ExtensionError(
+            f"the number of statements that hold has changed: {', '.join(changed)}"
+        )
     for figure in figures:
         page = folder / f"{figure.name}.md"
         page.write_text(page.read_text("utf-8") + _downloads(figure), encoding="utf-8")
@@ -37,7 +39,7 @@ def make(app) -> None:
 
 def _downloads(figure) -> str:
     kinds = [path.name for path in figure.files if path.suffix in (".csv", ".svg")]
-    return "\nTo keep: " + ", ".join(f"{{download}}`{name}`" for name in kinds) + "\n"
+    return "\nDownload: " + ", ".join(f"{{download}}`{name}`" for name in kinds) + "\n"
 
 
 def _state() -> str:

@@ -2,13 +2,13 @@
 Where does the web slip, and how fast?
 ======================================
 
-In the nip the web sticks to the roll and to the drum in places and slips in others. The
-solution tells where, and how fast, as a share of the web speed. It also gives the *creepage* of web
-and drum.
+In the nip the web sticks to the roll and to the drum in some zones and slips in others. The
+solution contains these zones, the slip speeds relative to the web speed, and the *creepage* of
+web and drum.
 
 **Answer:** on the roll the web slips backward over the first eighth of the nip, then sticks,
-then slips forward over more than half of the nip. The speeds are small, 0.2 % of the web speed
-at most; at 20 m/s that is some 4 cm/s, enough to smear ink.
+then slips forward over more than half of the nip. The slip speeds are at most 0.2 % of the web
+speed; at 20 m/s this is 4 cm/s, enough to smear ink.
 """
 
 # %%
@@ -23,16 +23,17 @@ print(
     f"and last {result.trailing_roll:.0%} of the nip"
 )
 print(f"both faces slip over the last {result.dual:.0%}")
-print(f"downstream of the nip the web slips on for {np.degrees(result.slip_angle):.1f} degrees")
+print(f"slip continues downstream of the nip for {np.degrees(result.slip_angle):.1f} degrees")
 fastest = np.abs(result.roll_slip).max()
 print(
-    f"fastest slip on the roll {fastest:.2%} of the web speed, at 20 m/s {2000 * fastest:.1f} cm/s"
+    f"largest slip speed on the roll: {fastest:.2%} of the web speed, "
+    f"at 20 m/s {2000 * fastest:.1f} cm/s"
 )
 print(f"creepage of web and drum {result.drum_creepage:.3%}")
 
 # %%
-# Tractions with their friction bounds (where the line meets the edge of the shade, the web
-# slips), slip speeds, tension, and the zones of stick and slip. On the right: the web on the
+# Tractions with their friction bounds (the web slips where a line meets the edge of the shaded
+# area), slip speeds, tension, and the zones of stick and slip. On the right: the web on the
 # roll downstream of the nip.
 result.plot()
 plt.show()

@@ -1,15 +1,16 @@
 """
-The nip alone, or with the web wrapped on the roll?
-===================================================
+Is the wrap on the roll important?
+==================================
 
-The classical model ends at the trailing edge of the nip and holds the web to the roll there
-(``roll_wrap=0``). In reality the web lies on the roll downstream of the nip, for half a turn by
-default (``roll_wrap=pi``), and slips on for a few degrees. How much do the wound-on tensions
-differ?
+The model of the thesis ends at the trailing edge of the nip and holds the web to the roll there
+(``roll_wrap=0``). In reality the web lies on the roll downstream of the nip, by default for
+half a turn (``roll_wrap=pi``), and continues to slip for a few degrees. How much do the
+wound-on tensions differ?
 
-**Answer:** solve the nip with the roll wrap. Without it there are two numbers: the tension at the
-trailing edge, which is too low, and the estimate of thesis eq. (183), in which the web sticks to
-the roll downstream of the nip, which is too high. The solution with the wrap lies between them.
+**Answer:** solve the nip with the roll wrap. Without it there are two values: the tension at
+the trailing edge, which is too low, and the estimate of thesis eq. (183), in which the web
+sticks to the roll downstream of the nip, which is too high. The solution with the wrap lies
+between them.
 """
 
 # %%
@@ -19,20 +20,18 @@ import numpy as np
 import woundon as wo
 
 wrapped = wo.NipProblem.example().replace(roll_wrap=np.pi)
-alone = wrapped.replace(roll_wrap=0.0)  # the web is held at the trailing edge
+unwrapped = wrapped.replace(roll_wrap=0.0)  # the web is held at the trailing edge
 loads = np.geomspace(300, 8000, 9)
 table = []
 for load in loads:
     far = wo.solve(wrapped.replace(nip_load=load)).wound_on_tension
-    nip = wo.solve(alone.replace(nip_load=load))
+    nip = wo.solve(unwrapped.replace(nip_load=load))
     table.append((nip.outlet_tension, far, nip.wound_on_tension_estimate()))
-    print(
-        "P = {:4.0f} N/m: edge {:.0f}, wrapped {:.0f}, estimate {:.0f} N/m".format(load, *table[-1])
-    )
+    print("P = {:4.0f} N/m: edge {:.0f}, wrapped {:.0f}, (183) {:.0f} N/m".format(load, *table[-1]))
 edge, wound_on, estimate = np.array(table).T
 
 # %%
-plt.fill_between(loads / 1e3, edge, estimate, alpha=0.2, label="between edge and estimate")
+plt.fill_between(loads / 1e3, edge, estimate, alpha=0.2, label="trailing edge to estimate")
 plt.plot(loads / 1e3, wound_on, label="wrapped: wound-on tension")
 plt.xlabel("nip load [kN/m]")
 plt.ylabel("tension [N/m]")

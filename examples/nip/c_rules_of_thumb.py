@@ -1,14 +1,15 @@
 """
-How far off are the usual rules of thumb?
-=========================================
+How accurate are the usual rules of thumb?
+==========================================
 
-Three formulas are in use for the tension that a nip adds: friction, µ *P*; Jalkanen's kinematic
+Three formulas are common for the tension that a nip adds: friction, µ *P*; Jalkanen's kinematic
 formula; and the dual-slip formula with a known length of slip.
 
-**Answer:** µ *P* is good below some 300 N/m and overstates heavier nips, at 6 kN/m by more than
-a factor of two: it takes the whole nip to slip. Jalkanen's formula gives a third too much at
-light load and twice too much at heavy load. The dual-slip formula is close to the tension made
-inside the nip, but needs the length of slip, which only a solution knows.
+**Answer:** µ *P* is accurate below about 300 N/m and too high for heavier nips, at 6 kN/m by
+more than a factor of two, because the web sticks in a part of the nip. Jalkanen's formula is a
+third too high at light load and twice too high at heavy load. The dual-slip formula is close to
+the tension generated inside the nip, but requires the length of slip, which only a solution
+provides.
 """
 
 # %%

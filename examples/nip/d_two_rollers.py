@@ -1,13 +1,12 @@
 """
-What do two rollers do without a web?
-=====================================
+How do two rollers without a web roll on each other?
+====================================================
 
-Two steel rollers of 0.25 m radius roll on each other and transmit a tangential force. How fast
-do they creep, and how much of the contact slips? This is Carter's problem, which has a closed
-form to compare with.
+Two steel rollers of 0.25 m radius transmit a tangential load. How large is the creepage, and
+which part of the contact slips? This is Carter's problem, which has a closed form.
 
-**Answer:** the creepage grows faster than the force, and without limit as the force nears
-friction. The solution meets the closed form to better than one in a thousand.
+**Answer:** the creepage grows faster than the load, and has a vertical tangent at the friction
+limit. The solution agrees with the closed form within 0.1 %.
 """
 
 # %%
@@ -19,20 +18,20 @@ import woundon as wo
 roller = wo.HalfPlane(radius=0.25, material="steel")
 pair = wo.RollerProblem(upper=roller, lower=roller, load=89e3, tangential_load=8.4e3, friction=0.5)
 limit = pair.friction * pair.load
-shares = np.array([0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
-cases = [pair.replace(tangential_load=share * limit) for share in shares]
+ratios = np.array([0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
+cases = [pair.replace(tangential_load=ratio * limit) for ratio in ratios]
 solved = np.array([wo.solve(case).creepage for case in cases])
 carter = np.array([wo.theories.carter(case).creepage for case in cases])
-for share, xi, exact in zip(shares, solved, carter, strict=True):
+for ratio, xi, exact in zip(ratios, solved, carter, strict=True):
     print(
-        f"{share:.0%} of the friction limit: creepage {1e3 * xi:.4f} ‰, Carter {1e3 * exact:.4f} ‰"
+        f"{ratio:.0%} of the friction limit: creepage {1e3 * xi:.4f} ‰, Carter {1e3 * exact:.4f} ‰"
     )
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.5), layout="constrained")
-left.plot(shares, 1e3 * carter, label="Carter 1926")
-left.plot(shares, 1e3 * solved, "o", label="solved")
-left.set(xlabel="tangential load over friction limit", ylabel="creepage [‰]")
+left.plot(ratios, 1e3 * carter, label="Carter 1926")
+left.plot(ratios, 1e3 * solved, "o", label="solved")
+left.set(xlabel="tangential load / friction limit", ylabel="creepage [‰]")
 left.legend()
 result = wo.solve(pair.replace(tangential_load=0.5 * limit))
 bound = pair.friction * result.pressure / 1e6

@@ -6,8 +6,8 @@ The drum gets a cover 20 mm thick, of foam (Poisson's ratio 0.1) or of rubber (0
 to soft.
 
 **Answer:** the softer the cover, the wider the nip, the lower the pressure, and the less
-tension the nip adds. At equal stiffness, rubber keeps more of it than foam, because rubber
-bulges along the web where foam is compressed.
+tension the nip adds. For the same modulus the tension is higher with rubber than with foam,
+because rubber bulges along the web where foam is compressed.
 """
 
 # %%

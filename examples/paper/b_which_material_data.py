@@ -2,16 +2,16 @@
 Which material data must I measure?
 ===================================
 
-A winding calculation asks for four moduli of the paper, two friction coefficients and the web's
-thickness. Which of them deserve a careful measurement?
+A nip needs four moduli of the paper, two friction coefficients and the thickness of the web.
+Which of them deserve a careful measurement?
 
 ``result.sensitivity()`` returns the derivatives of the outputs of a nip with respect to every
-field. An *elasticity* of 0.5 means: one percent more of the input changes the output by half a
-percent. Here the nip has no wraps (``roll_wrap=0``).
+field. An *elasticity* of 0.5 means that 1 % more of the input changes the output by 0.5 %. Here
+the nip has no wraps (``roll_wrap=0``).
 
-**Answer:** the web's thickness and its modulus along the web, the shear modulus and the radial
-modulus of the roll. Poisson's coupling (``cross``), the friction of the drum and the core
-hardly matter.
+**Answer:** the thickness of the web and its modulus along the web, the shear modulus and the
+radial modulus of the roll. The coupling modulus (``cross``), the friction of the drum and the
+core have little influence.
 """
 
 # %%
@@ -38,8 +38,11 @@ plt.show()
 # sphinx_gallery_start_ignore
 leading = set(list(elasticities)[1:5])
 assert leading == {
-    "web.thickness", "web.material.tangential", "roll.material.shear", "roll.material.radial",
-}  # fmt: skip
+    "web.thickness",
+    "web.material.tangential",
+    "roll.material.shear",
+    "roll.material.radial",
+}
 minor = ("roll.material.cross", "web.material.cross", "drum_friction", "roll.core_radius")
 assert max(abs(elasticities[name]) for name in minor) < 0.03
 # sphinx_gallery_end_ignore

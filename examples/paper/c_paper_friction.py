@@ -2,12 +2,12 @@
 Does slippery paper wind softer?
 ================================
 
-Friction between the layers is what makes the nip draw tension into the roll. So less friction
-should mean less tension, and for very slippery grades it does.
+Friction between the layers transmits the tension that the nip adds. Does less friction mean
+less tension?
 
-**Answer:** only below a coefficient of about 0.2. From there on the web sticks to the roll over
-a growing part of the nip and the wound-on tension levels off, even falls a little. The rule of
-thumb NIT = µ *P* goes on growing, and is twice too high at 0.4.
+**Answer:** only below a coefficient of about 0.2. Above this the web sticks to the roll over a
+growing part of the nip, and the wound-on tension becomes constant and even decreases slightly.
+The rule of thumb NIT = µ *P* continues to grow and is twice too high at 0.4.
 """
 
 # %%

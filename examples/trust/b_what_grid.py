@@ -2,13 +2,13 @@
 What mesh do I need?
 ====================
 
-Usually none: without options the mesh is refined until the estimated error of the wound-on tension
-is below 0.1 %, and that of the nip-induced tension below 2 %. ``nodes=`` sets the last mesh,
-``rtol=`` the relative error. What do finer meshes cost, and what do they gain?
+By default the mesh is refined until the estimated error of the wound-on tension is below 0.1 %,
+and that of the nip-induced tension below 2 %. ``nodes=`` sets the last mesh, ``rtol=`` the
+relative error. What do finer meshes cost, and what do they gain?
 
-**Answer:** 49 nodes are accurate to about a tenth of a percent and take some milliseconds; the
-error decreases about fourfold with each doubling. The estimated error is larger than the true one
-in most cases, so that the program refines further than this example requires.
+**Answer:** 49 nodes are accurate to about 0.1 % and take some milliseconds; the error decreases
+about fourfold with each doubling. The estimated error is larger than the true one in most
+cases, so that the program refines further than this example requires.
 """
 
 # %%
@@ -34,7 +34,7 @@ for nodes in meshes:
         f"{1e3 * times[-1]:.0f} ms"
     )
 free = wo.solve(problem)
-print(f"without options: {free.nodes} nodes, error {abs(free.nip_induced_tension / exact - 1):.1e}")
+print(f"by default: {free.nodes} nodes, error {abs(free.nip_induced_tension / exact - 1):.1e}")
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.5), layout="constrained")

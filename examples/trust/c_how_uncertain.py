@@ -2,14 +2,12 @@
 How uncertain is my wound-on tension?
 =====================================
 
-The inputs are not known exactly. Draw sixty sets of them from the ranges in which they lie,
-solve them all, and look at the spread. Its correlation with each input says which one to
-measure better.
+The inputs are not known exactly. Sixty samples of them are drawn from their ranges and solved.
+The correlation of the result with each input shows which input to measure better.
 
-**Answer:** with moduli and friction known to within twenty percent, the wound-on tension is
-known to within about five percent. The three moduli of the paper make most of the spread,
-friction the least. ``wo.global_sensitivity`` gives the shares more rigorously, by Sobol's
-indices, for more solutions.
+**Answer:** with moduli and friction known within 20 %, the wound-on tension is known within
+about 5 %. The three moduli of the paper cause most of the spread, friction the least.
+``wo.global_sensitivity`` computes Sobol indices with more solutions.
 """
 
 # %%
@@ -30,12 +28,12 @@ drawn = wo.sweep(
     design="latin-hypercube",
     samples=60,
     seed=1,
-    tie={"web.material": "roll.material"},  # the web is made of what the roll is made of
+    tie={"web.material": "roll.material"},  # web and roll are the same paper
     nodes=33,
 )
 wound = drawn.wound_on_tension.values
 low, high = np.quantile(wound, [0.05, 0.95])
-print(f"mean {np.mean(wound):.0f} N/m, nine out of ten between {low:.0f} and {high:.0f} N/m")
+print(f"mean {np.mean(wound):.0f} N/m, 90 % between {low:.0f} and {high:.0f} N/m")
 
 correlations = {name: np.corrcoef(drawn[name], wound)[0, 1] for name in ranges}
 for name, correlation in correlations.items():
@@ -44,7 +42,7 @@ for name, correlation in correlations.items():
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.5), layout="constrained")
 left.hist(wound, bins=12)
-left.axvspan(low, high, alpha=0.15, label="nine out of ten")
+left.axvspan(low, high, alpha=0.15, label="90 %")
 left.set(xlabel="wound-on tension [N/m]", ylabel="cases")
 left.legend()
 right.barh(list(correlations), list(correlations.values()))

@@ -2,13 +2,12 @@
 Does nip load or web tension matter more?
 =========================================
 
-Both make a roll hard. How much does the wound-on tension change if one of them is raised by a
-tenth?
+Both make a roll harder. How much does the wound-on tension change if one of them increases by
+10 %?
 
-**Answer:** here the nip load and the web tension matter about equally: ten percent more of
-either adds three to five percent. They act in different ways, though. All of the web tension is
-wound in, newton for newton, while the nip adds its share on top, and that share hardly depends
-on the web tension.
+**Answer:** in this case they matter about equally: 10 % more of either adds 3 to 5 %. They act
+in different ways. The web tension is wound in completely, and the nip adds a tension that
+hardly depends on the web tension.
 """
 
 # %%
@@ -28,8 +27,7 @@ for name in ("nip_load", "web_tension"):
     # sphinx_gallery_end_ignore
 
 # %%
-# Over a whole range of both: the lines are straight and parallel, each one newton up for each
-# newton of web tension.
+# Over a range of both: the lines are straight and parallel, with a slope of one.
 tensions = np.linspace(150, 600, 4)
 for nip_load in (500, 1500, 3500, 6000):
     cases = [problem.replace(nip_load=nip_load, web_tension=T) for T in tensions]
@@ -40,7 +38,7 @@ for nip_load in (500, 1500, 3500, 6000):
     # sphinx_gallery_start_ignore
     assert abs(slope - 1) < 0.05
     # sphinx_gallery_end_ignore
-plt.xlabel("web tension before the nip [N/m]")
+plt.xlabel("web tension upstream of the nip [N/m]")
 plt.ylabel("wound-on tension [N/m]")
 plt.legend()
 plt.show()

@@ -4,12 +4,11 @@ How should I split the torque between core and drum?
 
 The roll can be driven at its core (centre winding), by the drum (surface winding), or by both.
 The force that the drum exerts on the web is the winding force *F*: zero in centre winding,
-minus the web tension in pure surface winding, positive where the drum brakes.
+minus the web tension in surface winding, positive if the drum brakes.
 
-**Answer:** the more of the work the drum does, the less tension is wound in: from centre to
-surface winding the roll loses about a quarter of it. A braking drum adds tension. Between the
-limits of friction, the winding force is the widest range of wound-on tension that a winder has
-at a given nip load.
+**Answer:** the more the drum drives, the lower is the wound-on tension: from centre to surface
+winding it decreases by about a quarter. A braking drum increases it. At a given nip load the
+winding force has the largest influence on the wound-on tension of all settings.
 """
 
 # %%
@@ -19,7 +18,7 @@ import numpy as np
 import woundon as wo
 
 problem = wo.NipProblem.example().replace(roll_wrap=np.pi)
-limit = problem.drum_friction * problem.nip_load  # beyond it the web slides on the whole drum
+limit = problem.drum_friction * problem.nip_load  # beyond it the web slips on the whole drum
 print(f"friction lets the drum transmit up to {limit:.0f} N/m")
 
 for drive, force in (("surface", -problem.web_tension), ("half and half", -175.0), ("centre", 0.0)):

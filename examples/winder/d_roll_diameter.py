@@ -2,11 +2,11 @@
 How does the wound-on tension change as the roll grows?
 =======================================================
 
-At constant web tension and nip load, the roll goes from 120 mm to 1.5 m of diameter.
+At constant web tension and nip load, the diameter of the roll grows from 120 mm to 1.5 m.
 
-**Answer:** it falls slowly, by less than a tenth in all, because the surface of a larger roll
-is strained less by the same load. To wind at constant wound-on tension, raise the nip load a
-little as the roll grows.
+**Answer:** the wound-on tension decreases slowly, by less than 10 % in total, because the same
+load strains the surface of a larger roll less. For a constant wound-on tension increase the nip
+load slightly as the roll grows.
 """
 
 # %%
@@ -22,7 +22,7 @@ wound = np.array([result.wound_on_tension for result in results])
 width = np.array([result.nip_width for result in results])
 for radius, T, nip in zip(radii, wound, width, strict=True):
     print(f"roll of {2e3 * radius:5.0f} mm: {T:.0f} N/m wound on, nip {1e3 * nip:.1f} mm wide")
-print(f"in all {wound[-1] / wound[0] - 1:+.1%}")
+print(f"in total {wound[-1] / wound[0] - 1:+.1%}")
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.5), layout="constrained")

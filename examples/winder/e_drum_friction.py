@@ -1,13 +1,13 @@
 """
-What does the drum's friction do?
-=================================
+What does the friction of the drum change?
+==========================================
 
-A worn, polished drum grips less than a new, coated one. Does the roll notice?
+A worn, polished drum has less friction than a new, coated one. Does this change the roll?
 
-**Answer:** not above some grip. From a friction coefficient of 0.2 on, the web sticks to the
-drum over most of the nip, and more grip changes nothing. A smoother drum lets the web slip
-back, and a few percent of the tension are lost. What friction does decide is how much torque
-the drum can transmit.
+**Answer:** not for friction coefficients of 0.2 and more. There the web sticks to the drum over
+most of the nip, and more friction changes nothing. On a smoother drum the web slips backward,
+and a few percent of the tension are lost. Friction determines how much torque the drum can
+transmit.
 """
 
 # %%

@@ -1,14 +1,13 @@
 """
-What does speed do to a film roll?
-==================================
+What does speed change for a film roll?
+=======================================
 
-Air comes in with the web. A lay-on roll keeps most of it out, but not all: the faster the winder,
-the thicker the film between the laps, the less friction they have on each other, and the less
-tension the nip winds in.
+The web entrains air. A lay-on roll excludes most of it: the faster the winder, the thicker the
+film between the layers, the lower their friction, and the less tension the nip adds.
 
-**Answer:** this polyester film, with surfaces of 0.3 um, loses all friction between 1 and 5 m/s
-under 300 N/m, and later under a heavier nip or a harder cover. What is beyond that speed winds
-soft and can telescope. Newsprint knows nothing of it: the air goes through the paper.
+**Answer:** this polyester film with a roughness of 0.3 um loses its friction between 1 and 5
+m/s under 300 N/m, and at higher speed under a heavier nip or a harder cover. Faster rolls are
+soft and can telescope. Newsprint is not affected, because the air escapes through the paper.
 Roughness, cover and stack constants are illustrative.
 """
 
@@ -20,15 +19,18 @@ import woundon as wo
 
 problem = wo.NipProblem(
     web=wo.Web(thickness=23e-6, material=wo.Isotropic(youngs_modulus=5e9, poissons_ratio=0.3)),
-    roll=wo.HalfPlane(
-        radius=0.2, material=wo.Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)
-    ),
+    roll=wo.HalfPlane(radius=0.2, material=wo.Isotropic(youngs_modulus=100e6, poissons_ratio=0.3)),
     drum=wo.HalfPlane(  # a lay-on roll covered with rubber
         radius=0.1, material=wo.Isotropic(youngs_modulus=3e6, poissons_ratio=0.48)
     ),
-    roll_friction=0.25, drum_friction=0.4, nip_load=300.0, web_tension=100.0, roll_wrap=np.pi,
-    web_speed=1.0, air=wo.Air(roughness=0.3e-6),
-)  # fmt: skip
+    roll_friction=0.25,
+    drum_friction=0.4,
+    nip_load=300.0,
+    web_tension=100.0,
+    roll_wrap=np.pi,
+    web_speed=1.0,
+    air=wo.Air(roughness=0.3e-6),
+)
 speeds = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0])
 
 
@@ -49,7 +51,7 @@ for V, result in zip(speeds, cases["300 N/m"], strict=True):
     )
 
 # %%
-# How soft the roll gets: laps and air in series, the same wound-on tension.
+# The softness of the roll: layers and air in series, with the same wound-on tension.
 roll = wo.RollProblem(
     core=wo.Core(radius=0.05, stiffness=2e9),
     radius=0.2,
@@ -67,9 +69,9 @@ for name, results in cases.items():
     panels[1].plot(speeds, [r.wound_on_tension - 100 for r in results], label=name)
 for V, pressed in zip(speeds[::4], rolls, strict=True):
     panels[2].plot(pressed.radius * 1e3, pressed.pressure / 1e3, label=f"{V:.0f} m/s")
-panels[0].set(xlabel="web speed [m/s]", ylabel="film between the laps [um]")
+panels[0].set(xlabel="web speed [m/s]", ylabel="film between the layers [um]")
 panels[1].set(xlabel="web speed [m/s]", ylabel="tension added [N/m]")
-panels[2].set(xlabel="radius [mm]", ylabel="pressure between the laps [kPa]")
+panels[2].set(xlabel="radius [mm]", ylabel="pressure between the layers [kPa]")
 panels[0].legend()
 panels[2].legend()
 plt.show()

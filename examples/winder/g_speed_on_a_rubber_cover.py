@@ -2,14 +2,13 @@
 What does speed change on a rubber-covered drum?
 ================================================
 
-A drum with a 15 mm cover, from 100 to 3000 m/min. The rubber is a measured one (at 20 °C; its
-compound is not known), by a Prony series fitted to its master curve: ten times stiffer in a
-microsecond than in ten seconds.
+A drum with a cover of 15 mm at 100 to 3000 m/min. The rubber was measured at 20 °C (its
+compound is not known); a Prony series is fitted to its master curve. It is ten times stiffer in
+a microsecond than in ten seconds.
 
-**Answer:** the cover stiffens, so that the nip gets narrower and its pressure higher; the
-wound-on tension rises by a few percent. What grows is the heat: the power that goes into
-the cover rises almost in proportion to the speed. How warm that makes the cover is another
-question, which is not answered here.
+**Answer:** the cover becomes stiffer, so that the nip becomes narrower and its pressure higher;
+the wound-on tension increases by a few percent. The dissipated power in the cover grows almost
+in proportion to the speed. The temperature of the cover is not computed.
 """
 
 # %%
@@ -19,34 +18,53 @@ import numpy as np
 import woundon as wo
 
 rubber = wo.Isotropic(
-    youngs_modulus=5.47e6, poissons_ratio=0.48,
-    prony=[(1.43e6, 10.0), (1.20e6, 1.0), (1.60e6, 0.1), (2.33e6, 1e-2), (3.14e6, 1e-3),
-           (4.71e6, 1e-4), (8.12e6, 1e-5), (15.6e6, 1e-6)],
-)  # fmt: skip
+    youngs_modulus=5.47e6,
+    poissons_ratio=0.48,
+    prony=[
+        (1.43e6, 10.0),
+        (1.20e6, 1.0),
+        (1.60e6, 0.1),
+        (2.33e6, 1e-2),
+        (3.14e6, 1e-3),
+        (4.71e6, 1e-4),
+        (8.12e6, 1e-5),
+        (15.6e6, 1e-6),
+    ],
+)
 drum = wo.Cylinder(radius=0.25, core_radius=0.235, material=rubber)
 problem = wo.NipProblem.example().replace(roll_wrap=np.pi, drum=drum, web_speed="100 m/min")
 print(wo.solve(problem))
 
 # %%
-# Over speed. For comparison the same cover, elastic: relaxed, as a slow test in the laboratory
-# finds it, and as stiff as at once.
+# Over speed, compared with elastic covers that have the relaxed modulus, which a slow test
+# measures, and the instantaneous modulus.
 speeds = np.geomspace(100, 3000, 8) / 60
 table = wo.sweep(
-    problem, over={"web_speed": speeds},
-    outputs=["wound_on_tension", "nip_induced_tension", "nip_width", "rolling_resistance",
-             "dissipated_power", "pressure_shift"],
+    problem,
+    over={"web_speed": speeds},
+    outputs=[
+        "wound_on_tension",
+        "nip_induced_tension",
+        "nip_width",
+        "rolling_resistance",
+        "dissipated_power",
+        "pressure_shift",
+    ],
     workers=1,
-).to_dataframe()  # fmt: skip
+).to_dataframe()
 elastic = {
-    name: wo.solve(problem.replace(web_speed=None, drum=drum.replace(
-        material=wo.Isotropic(youngs_modulus=E, poissons_ratio=0.48)
-    )))
-    for name, E in (("relaxed", 5.47e6), ("at once", 43.6e6))
-}  # fmt: skip
+    name: wo.solve(
+        problem.replace(
+            web_speed=None,
+            drum=drum.replace(material=wo.Isotropic(youngs_modulus=E, poissons_ratio=0.48)),
+        )
+    )
+    for name, E in (("relaxed", 5.47e6), ("instantaneous", 43.6e6))
+}
 for speed, row in table.iterrows():
     print(
         f"{60 * speed:5.0f} m/min: {row.wound_on_tension:.0f} N/m wound on, nip "
-        f"{1e3 * row.nip_width:.1f} mm wide, pressure {-1e3 * row.pressure_shift:.2f} mm ahead, "
+        f"{1e3 * row.nip_width:.1f} mm wide, shift {-1e3 * row.pressure_shift:.2f} mm, "
         f"{row.dissipated_power:.0f} W/m"
     )
 
@@ -63,7 +81,7 @@ for name, result in elastic.items():
     middle.annotate(name, (110, 1e3 * result.nip_width), va="bottom", color="0.4")
 middle.set(ylabel="nip width [mm]", ylim=(0, 15))
 right.loglog(minutes, table["dissipated_power"])
-right.set(ylabel="heat into the cover [W/m]")
+right.set(ylabel="dissipated power [W/m]")
 for axes in (left, middle, right):
     axes.set(xlabel="speed [m/min]")
 plt.show()

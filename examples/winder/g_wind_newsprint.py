@@ -1,16 +1,17 @@
 """
-How hard does a newsprint roll get?
-===================================
+How hard does a newsprint roll become?
+======================================
 
-A roll of 1.2 m diameter is wound on a hard drum at 2 kN/m. What does the nip add to the web tension
-as the roll grows, what does that leave in it, and what does a taper do about it?
+A roll of 1.2 m diameter is wound on a hard drum at 2 kN/m. What does the nip add to the web
+tension as the roll grows, which stresses result, and what does a taper change?
 
-**Answer:** the nip adds some 250 N/m to a web tension of 350, a tenth less to a large roll than to
-a small one. At constant tension all laps but the outer ones are in compression, as much as they
-press each other: that is what the plateau of a wound roll is. A taper of 40 % takes a quarter of
-both away half-way out. Reckoned with T_in + mu P the pressure is half as much again.
+**Answer:** the nip adds about 250 N/m to a web tension of 350 N/m, 10 % less for a large roll
+than for a small one. At constant tension all layers but the outer ones are compressed along the
+web, by about the pressure between them (the plateau of a wound roll). A taper of 40 % reduces
+both by a quarter halfway to the surface. With the rule T_in + mu P the pressure would be 50 %
+higher.
 
-The web is that of the thesis's Table 2; the stack's constants K1 and K2 are illustrative.
+The web is that of the thesis's Table 2; the stack constants K1 and K2 are illustrative.
 """
 
 # %%
@@ -35,15 +36,15 @@ for name, run in cases.items():
     panels[0].plot(run.radius * 1e3, run.web_tension, ":", color=line.get_color())
     panels[1].plot(r * 1e3, roll["pressure"] / 1e3)
     panels[2].plot(r * 1e3, roll["hoop_stress"] / 1e3)
-panels[0].set(xlabel="radius [mm]", ylabel="tension wound on; of the web (dotted) [N/m]")
-panels[1].set(xlabel="radius [mm]", ylabel="pressure between the laps [kPa]")
-panels[2].set(xlabel="radius [mm]", ylabel="stress along the web [kPa]", ylim=(-1200, 600))
+panels[0].set(xlabel="radius [mm]", ylabel="wound-on and web (dotted) tension [N/m]")
+panels[1].set(xlabel="radius [mm]", ylabel="pressure between the layers [kPa]")
+panels[2].set(xlabel="radius [mm]", ylabel="hoop stress [kPa]", ylim=(-1200, 600))
 panels[0].set_ylim(bottom=0)
 panels[0].legend()
 plt.show()
 
 # %%
-# The nip's part falls as the roll grows: a larger roll makes a wider contact.
+# The nip-induced tension decreases as the roll grows, because the contact becomes wider.
 for r in (0.07, 0.1, 0.2, 0.4, 0.6):
     added = np.interp(r, constant.radius, constant.nip_induced_tension)
     print(f"{2 * r:4.2f} m diameter: {added:5.1f} N/m added")

@@ -2,18 +2,18 @@
 Centre or surface winding for film?
 ===================================
 
-Polyester film of 25 um is wound with a covered lay-on roll. The drive may pull at the core (centre
-winding), at the lay-on roll (surface winding), or at both. How hard does each wind?
+Polyester film of 25 um is wound with a covered lay-on roll. The drive can act at the core
+(centre winding), at the lay-on roll (surface winding), or at both. How hard are the rolls?
 
-**Answer:** all of the web tension reaches a centre-wound roll, and the nip adds to it. Of what the
-lay-on roll pulls, only what friction in the nip hands on arrives: surface winding leaves about mu P
-= 120 N/m whatever the web tension, a quarter less than centre winding, and half its pressure. In
-between the torque split sets the hardness without touching web tension and nip load. And a taper
-of the web tension does nothing to a surface-wound roll: taper the nip load.
+**Answer:** in centre winding the whole web tension is wound in, and the nip adds to it. In
+surface winding only the force that friction transmits in the nip is wound in, about mu P = 120
+N/m for every web tension: a quarter less than in centre winding, with half the pressure. The
+torque split sets the hardness without a change of web tension and nip load. A taper of the web
+tension has no effect in surface winding: use a taper of the nip load.
 
 The constants of the film stack and of the cover are illustrative, and entrained air is not
-included. The shear modulus of a film stack is rarely known: between 10 and 100 MPa the tension of
-the centre-wound roll varies from 160 to 171 N/m.
+included. The shear modulus of a film stack is rarely known: between 10 and 100 MPa the tension
+of the centre-wound roll varies from 160 to 171 N/m.
 """
 
 # %%
@@ -50,18 +50,19 @@ runs = [wo.solve(film.replace(torque_split=split), **coarse) for split in splits
 for split, run in zip(splits, runs, strict=True):
     print(
         f"torque split {split:.1f}: {run.mean_wound_on_tension:5.1f} N/m wound on, "
-        f"{run.mid_pressure / 1e3:5.0f} kPa half-way, {run.roll.laps:.0f} laps"
+        f"{run.mid_pressure / 1e3:5.0f} kPa halfway, {run.roll.laps:.0f} layers"
     )
 
 # %%
-# The same centre-wound roll with the smallest and the largest plausible shear modulus of the stack:
+# The same centre-wound roll with the smallest and the largest plausible shear modulus of the
+# stack:
 spread = [
     wo.solve(film.replace(torque_split=0.0, **{"stack.shear": G}), **coarse) for G in (10e6, 100e6)
 ]
 for run in spread:
     print(
         f"G = {run.problem.stack.shear / 1e6:3.0f} MPa: {run.mean_wound_on_tension:5.1f} N/m wound "
-        f"on, {run.mid_pressure / 1e3:5.0f} kPa half-way"
+        f"on, {run.mid_pressure / 1e3:5.0f} kPa halfway"
     )
 
 # %%
@@ -71,8 +72,8 @@ for split, run in zip(splits, runs, strict=True):
     panels[0].plot(run.radius * 1e3, run.wound_on_tension, label=f"torque split {split:.1f}")
     panels[1].plot(r * 1e3, run.roll.at_radius(r)["pressure"] / 1e3)
 panels[0].plot(runs[0].radius * 1e3, runs[0].web_tension, "k:", label="web tension")
-panels[0].set(xlabel="radius [mm]", ylabel="tension wound on [N/m]", ylim=(0, None))
-panels[1].set(xlabel="radius [mm]", ylabel="pressure between the laps [kPa]", ylim=(0, None))
+panels[0].set(xlabel="radius [mm]", ylabel="wound-on tension [N/m]", ylim=(0, None))
+panels[1].set(xlabel="radius [mm]", ylabel="pressure between the layers [kPa]", ylim=(0, None))
 panels[0].legend()
 plt.show()
 

@@ -2,17 +2,17 @@
 What schedule is best?
 ======================
 
-A roll should be as tight as it may be, and keep its limits. Which taper of the web tension, and
-which nip load, does that? ``wo.optimise_schedule`` winds one roll after the other, and moves the
-schedule to where the goal is best with all limits kept.
+A roll is to be as tight as its limits permit. Which taper of the web tension, and which nip
+load, achieve this? ``wo.optimise_schedule`` computes one winding after the other and improves
+the schedule.
 
-**Answer:** far less nip load than the start has, and hardly a taper. What holds the tension back is
-the compression of the laps alone; the goal is flat along a valley, for a little less nip load and
-a little more tension wind the same roll.
+**Answer:** a much lower nip load than the initial one, and hardly any taper. The compression
+along the web limits the tension; the objective is flat along a combination of nip load and web
+tension.
 
-So that it is quick, the tension is taken by the old rule T_in + mu P here (``tension_law``). The
-rule does not know that the nip's tension changes with the radius, so a tenth of the limit that
-binds is left to it, and the answer is wound once more with the nip solved.
+To save time, the tension follows the rule T_in + mu P here (``tension_law``). This rule
+neglects that the nip-induced tension changes with the radius, so 10 % of the binding limit is
+reserved for it, and the result is computed once more with the nip solved.
 """
 
 # %%
@@ -47,7 +47,7 @@ best.plot(panels=["tension", "hoop_stress", "reserves"])
 plt.show()
 
 # %%
-# With the nip solved, by the limits as they are:
+# With the nip solved and the original limits:
 wound = wo.solve(best.problem.replace(tension_law="nip", limits=limits))
 print(wound.margins)
 

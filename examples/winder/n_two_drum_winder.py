@@ -1,18 +1,18 @@
 """
-What does the roll's own weight do on a two-drum winder?
-========================================================
+What does the weight of the roll change on a two-drum winder?
+=============================================================
 
 Newsprint is wound to a diameter of 1.2 m on two drums with diameters of 0.6 m (rear) and 0.5 m
-(front), with a rider roll on top. The web arrives on the rear drum, so the load on the rear drum is
-the nip load of the winding.
+(front), with a rider roll on top. The web arrives on the rear drum, so the load on the rear
+drum is the nip load of the winding.
 
-**Answer:** under a constant rider load of 2.5 kN/m the load on the rear drum first falls from 2.5
-to 1.8 kN/m, because the roll rises between the drums, and then grows to 4.0 kN/m with the square of
-the radius. The roll becomes harder towards the outside: the pressure rises from 0.75 MPa at a
-radius of 0.2 m to 1.1 MPa at 0.45 m. The front drum carries more, 6.5 kN/m at the end. To keep the
-nip load at 2.5 kN/m the rider load must decrease from 2.5 kN/m to zero at a radius of 0.53 m;
-beyond this radius the weight alone gives more, 3.0 kN/m at the end. The roll is then hardest at the
-core, as it should be. The tension follows the simple law T_in + mu N, which is an upper bound, in
+**Answer:** under a constant rider load of 2.5 kN/m the load on the rear drum first falls from
+2.5 to 1.8 kN/m, because the roll rises between the drums, and then grows to 4.0 kN/m with the
+square of the radius. The roll becomes harder towards the outside: the pressure rises from 0.75
+MPa at a radius of 0.2 m to 1.1 MPa at 0.45 m. The front drum carries more, 6.5 kN/m at the end.
+To keep the nip load at 2.5 kN/m the rider load must decrease from 2.5 kN/m to zero at a radius
+of 0.53 m; beyond this radius the weight alone gives more, 3.0 kN/m at the end. The roll is then
+hardest at the core. The tension follows the simple law T_in + mu N, which is an upper bound, in
 order to show the effect of the loads.
 """
 
@@ -33,15 +33,18 @@ rider = rider_load_for(2500.0, r, weight, drums, gap, drum="rear")
 relieved = drum_loads(r, weight, drums, gap, rider_load=np.maximum(rider, 0.0)).rear
 
 winding = wo.WindingProblem.example().replace(
-    radius=0.6, core=wo.Core(radius=core, stiffness=1e9), tension_law="friction", density=density,
+    radius=0.6,
+    core=wo.Core(radius=core, stiffness=1e9),
+    tension_law="friction",
+    density=density,
     drum=wo.Rigid(radius=rear),
-)  # fmt: skip
+)
 wound = {}
 for name, loads in (("constant rider", constant), ("rider relieved", relieved)):
     schedule = wo.Profile(radius=r, value=loads)
     wound[name] = wo.solve(winding.replace(nip_load=schedule))
     print(
-        f"{name}: nip {loads[0]:.0f} to {loads.max():.0f} N/m, pressure half-way "
+        f"{name}: nip {loads[0]:.0f} to {loads.max():.0f} N/m, pressure halfway "
         f"{wound[name].roll.mid_pressure / 1e3:.0f} kPa"
     )
 light = r[rider > 0][-1]

@@ -20,6 +20,10 @@ from woundon.cli import commands as cli
 
 ROOT = Path(__file__).parents[2]
 
+# Words of private terminology; the standard terms are error estimate, residual, next to, zero, ...
+AVOIDED = r"told|foreseen|anew|afresh|astray|nil|beside|besides|laws hold"
+PROSE = ("*.md", "docs/**/*.md", "docs/*.py", "docs/_ext/*.py", "examples/**/*.*")
+
 KINDS = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
@@ -90,3 +94,15 @@ def test_the_gallery_header_names_the_cases_of_the_examples() -> None:
     used = {kind.problem.__name__ for kind in KINDS if f"wo.{kind.problem.__name__}" in scripts}
     header = page("examples/GALLERY_HEADER.rst")
     assert {name for name in used if f"wo.{name}" not in header} == set()
+
+
+def test_the_prose_uses_standard_terms() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}: {match[0]}"
+        for pattern in PROSE
+        for path in ROOT.glob(pattern)
+        if path.suffix in {".md", ".py", ".rst", ".toml"} and "figures" not in path.parts
+        if "gallery" not in path.parts and "_build" not in path.parts
+        for match in re.finditer(rf"\b({AVOIDED})\b", path.read_text("utf-8"), re.IGNORECASE)
+    ]
+    assert found == []
