@@ -5,7 +5,7 @@
 It reports pages that scroll horizontally, text that is cut off or exceeds its column, dead links,
 missing images, formulas that are not typeset, messages on the console of the browser, and requests
 to the network.  ``--pictures`` saves every page as a PNG.  Requires Playwright
-(``pip install 'woundon[pages]'``) and a Chromium, of the system or of Playwright.
+(``pip install 'woundon[dev]'``) and a Chromium, of the system or of Playwright.
 """
 
 from __future__ import annotations

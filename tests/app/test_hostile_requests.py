@@ -1,4 +1,4 @@
-"""A sample of the campaigns against the server: benchmarks/hostile_requests.py and its load."""
+"""The server answers hostile requests without a fault (``hostile_requests.py``)."""
 
 import os
 import signal
@@ -8,10 +8,12 @@ import time
 import hostile_requests
 import httpx
 import pytest
-from slow_cases import slow_case
 
 
-@pytest.mark.parametrize("requests", [20, slow_case(40)])
+@pytest.mark.parametrize(
+    "requests",
+    [20, pytest.param(500, marks=(pytest.mark.slow, pytest.mark.campaign))],
+)
 def test_hostile_requests_end_in_no_fault_of_the_server(process, requests):
     judge = hostile_requests.run(process, requests=requests, seed=3)
     judge.client.close()
@@ -19,14 +21,14 @@ def test_hostile_requests_end_in_no_fault_of_the_server(process, requests):
     assert sum(judge.statuses.values()) >= requests
 
 
-def test_the_judge_sees_a_fault():
+def test_a_fault_is_recognised():
     """Against an address that answers everything with a 500."""
     judge = hostile_requests.Judge(hostile_requests.Server("http://x", 0))
     transport = httpx.MockTransport(lambda request: httpx.Response(500, text="Traceback"))
     judge.client.close()
     with httpx.Client(base_url="http://x", transport=transport) as judge.client:
         judge.send("damaged", "POST", "/api/solve", content=b"{}")
-    assert len(judge.faults) == 2  # the status, and what it is told as
+    assert len(judge.faults) == 2  # the status, and the content type
 
 
 @pytest.mark.slow
@@ -47,9 +49,9 @@ def test_workers_killed_at_work_give_one_error_and_the_next_request_is_served(pr
     for pid in process.workers():
         os.kill(pid, signal.SIGKILL)
     thread.join()
-    told = answers[0].json()
-    assert (told["status"], told["type"]) == (503, "/problems/worker-died")
-    assert "send the request again" in told["detail"]
+    answer = answers[0].json()
+    assert (answer["status"], answer["type"]) == (503, "/problems/worker-died")
+    assert "send the request again" in answer["detail"]
     for path in ("solve", "python"):  # of the one and of the other workers
         again = httpx.post(f"{process.address}/api/{path}", json=cases["nip"], timeout=120)
         assert again.status_code == 200

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon[pages]')")
+pytest.importorskip("playwright", reason="needs playwright (pip install 'woundon[dev]')")
 
 from browser_session import browsing, chromium
 

@@ -2,7 +2,8 @@
 
 P = 2000 N/m and F = 0, Table 1.  The thesis's procedure is computed in any case, since the figure
 is about it, and the accurate solution next to it.  Computing times were measured once, as multiples
-of a dense solve, so that the figure is the same whenever it is drawn (``benchmarks/fig33.py``).
+of a dense solve, so that the figure is the same whenever it is drawn; a campaign of the tests
+measures them again.
 """
 
 from __future__ import annotations

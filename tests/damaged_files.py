@@ -1,32 +1,19 @@
-"""Damaged result files and hostile case files: is each refused in plain words, none taken for good?
+"""Damaged result files and malformed case files: each is rejected, or loads to what was saved.
 
-    python benchmarks/damaged_files.py --results 2000 --cases 300
-    python benchmarks/damaged_files.py --results 2000 --unsealed
-
-A file is good where it loads to exactly what was saved, refused where it ends in one InvalidProblem
-of one line a fault.  All else is a finding: a result that differs, any other exception, a line that
-does not fit on a screen, more than ten seconds of CPU.  The seed makes the file.  With
-``--unsealed`` the result files have no sha256, as those of earlier versions, and are held by their
-certificate alone: what it does not tell is a finding too, unless a warning names it.
+A file passes if it loads to exactly what was saved, or is rejected by one InvalidProblem with one
+line for each fault.  Everything else is a finding: a different result, any other exception, a line
+that does not fit on a screen, more than ten seconds of processor time.  The seed determines the
+file.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-import argparse
 import dataclasses
 import io
 import json
-import resource
-import sys
-import tempfile
+import os
 import time
 import warnings
-from collections import Counter
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -48,7 +35,7 @@ Random = np.random.Generator
 
 
 class Outcome(NamedTuple):
-    """What became of one file; ``finding`` is empty where it is as it should be."""
+    """Outcome of one file; ``finding`` is empty if it passes."""
 
     damage: str
     ending: str
@@ -62,7 +49,7 @@ class Outcome(NamedTuple):
 
 @cache
 def results() -> tuple[Any, ...]:
-    """Return what is saved: one result of each sort."""
+    """Return one result of each sort."""
     nip, pair = wo.NipProblem.example().replace(roll_wrap=0.0), wo.RollerProblem.example()
     return (
         wo.solve(nip, nodes=25),
@@ -74,17 +61,9 @@ def results() -> tuple[Any, ...]:
 
 
 @cache
-def saved(which: int, format: str, sealed: bool) -> bytes:
-    """Return a result as a file holds it; without its seal as the schema before had it."""
-    result = results()[which]
-    if sealed:
-        return result_files.writer_for(f"a.{format}")(result)
-    if format == "nc":
-        data = result.to_xarray().assign_attrs(schema=2)
-        return bytes(data.to_netcdf(engine="scipy"))
-    record = json.loads(result_files.to_json(result))
-    del record["sha256"]
-    return json.dumps(record | {"schema": 2}, indent=1).encode()
+def saved(which: int, format: str) -> bytes:
+    """Return the content of the file of a result."""
+    return result_files.writer_for(f"a.{format}")(results()[which])
 
 
 def cut(content: bytes, random: Random) -> bytes:
@@ -303,11 +282,11 @@ def edited_netcdf(edit: Callable[..., xarray.Dataset]) -> Callable[[bytes, Rando
     return damage
 
 
-def damaged_result(seed: int, folder: Path, *, sealed: bool = True) -> Outcome:
+def damaged_result(seed: int, folder: Path) -> Outcome:
     """Load one damaged result file."""
     random = np.random.default_rng(seed)
     which, ending = int(random.integers(len(results()))), ("nc", "json")[random.integers(2)]
-    content = saved(which, ending, sealed)
+    content = saved(which, ending)
     edits: tuple[Any, ...] = NC_EDITS if ending == "nc" else EDITS
     chosen = (*BYTES, *edits)[random.integers(len(BYTES) + len(edits))]
     damage = chosen
@@ -324,7 +303,7 @@ def damaged_result(seed: int, folder: Path, *, sealed: bool = True) -> Outcome:
 
 
 def difference(loaded: Any, result: Any) -> str:
-    """Return in what a loaded result differs, '' if in nothing."""
+    """Return the fields in which a loaded result differs."""
     if loaded != result:
         fields = [part.name for part in dataclasses.fields(result) if part.compare and repr(
             getattr(loaded, part.name)) != repr(getattr(result, part.name))]  # fmt: skip
@@ -339,7 +318,7 @@ def difference(loaded: Any, result: Any) -> str:
 def judged(
     damage: str, ending: str, load: Callable[[], Any], same: Callable[[Any], str], path: str
 ) -> Outcome:
-    """Load, and say what is wrong with what comes of it."""
+    """Load a file and judge the outcome."""
     start, finding, text = time.process_time(), "", ""
     try:
         with warnings.catch_warnings():
@@ -348,8 +327,8 @@ def judged(
         differs = same(loaded)
         finding = f"accepted, differs in {differs}" if differs else ""
         text = "loaded"
-    except UserWarning as told:
-        text = str(told)
+    except UserWarning as warning:
+        text = str(warning)
     except wo.InvalidProblem as fault:
         text = str(fault).replace(path, "FILE")
         lines = text.splitlines()
@@ -479,7 +458,7 @@ HOSTILE = (
 
 
 def hostile_case(seed: int, folder: Path) -> Outcome:
-    """Load one hostile case file; what loads must be a problem that can be written and read."""
+    """Load one malformed case file; a problem that loads must survive writing and reading."""
     random = np.random.default_rng(seed)
     make = HOSTILE[random.integers(len(HOSTILE))]
     made = make(random, folder)
@@ -492,67 +471,3 @@ def hostile_case(seed: int, folder: Path) -> Outcome:
 
     name = make.__name__.replace("_", " ")
     return judged(name, "toml", lambda: wo.load_case(path), same, str(path))
-
-
-# ---- the summary --------------------------------------------------------------------------------
-
-
-def summary(title: str, outcomes: list[Outcome]) -> str:
-    """Return a table: what was done to the files, and what became of them."""
-    rows = []
-    for name in dict.fromkeys(sorted(outcome.damage for outcome in outcomes)):
-        own = [outcome for outcome in outcomes if outcome.damage == name]
-        rows.append((name, *_counts(own)))
-    rows.append((f"all {title}", *_counts(outcomes)))
-    lines = ["| damage | files | refused, or told by a warning | loaded as saved | findings |",
-             "|---|---|---|---|---|"]  # fmt: skip
-    lines += [f"| {' | '.join(map(str, row))} |" for row in rows]
-    longest = max(outcome.seconds for outcome in outcomes)
-    lines += ["", f"Longest: {longest:.2g} s of CPU."]
-    return "\n".join(lines) + "\n"
-
-
-def _counts(outcomes: list[Outcome]) -> tuple[int, int, int, int]:
-    findings = sum(bool(outcome.finding) for outcome in outcomes)
-    loaded = sum(outcome.text == "loaded" and not outcome.finding for outcome in outcomes)
-    return len(outcomes), len(outcomes) - findings - loaded, loaded, findings
-
-
-def main() -> int:
-    """Run; return 1 if there is a finding."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--results", type=int, default=0, help="damaged result files")
-    options.add_argument("--cases", type=int, default=0, help="hostile case files")
-    options.add_argument("--first", type=int, default=0, help="first seed")
-    options.add_argument("--unsealed", action="store_true", help="results without their sha256")
-    options.add_argument("--show", type=int, default=20, help="findings shown")
-    options.add_argument("--folder", type=Path, default=Path("out"), help="where the tables go")
-    given = options.parse_args()
-    given.folder.mkdir(parents=True, exist_ok=True)
-    findings = 0
-    for count, title, work in (
-        (given.results, "results",
-         lambda seed, to: damaged_result(seed, to, sealed=not given.unsealed)),
-        (given.cases, "cases", hostile_case),
-    ):  # fmt: skip
-        if not count:
-            continue
-        with tempfile.TemporaryDirectory() as folder:
-            seeds = range(given.first, given.first + count)
-            outcomes = [work(seed, Path(folder)) for seed in seeds]
-        text = summary(title, outcomes)
-        name = f"damaged_{title}{'_unsealed' if given.unsealed else ''}.md"
-        (given.folder / name).write_text(text, encoding="utf-8")
-        print(text)
-        found = [(s, o) for s, o in zip(seeds, outcomes, strict=True) if o.finding]
-        for seed, outcome in found[: given.show]:
-            print(f"seed {seed}, {outcome.ending}, {outcome.damage}: {outcome.finding}: "
-                  f"{outcome.text[:300]!r}")  # fmt: skip
-        print(Counter(outcome.finding.split(":")[0] for _, outcome in found))
-        findings += len(found)
-    print(f"memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2g} GB at most")
-    return int(findings > 0)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

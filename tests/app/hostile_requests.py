@@ -1,27 +1,22 @@
-"""Hostile requests to a server of the page: none ends in a fault of it, hangs, or makes it grow.
+"""Malformed and hostile requests to a server of the page.
 
-    python benchmarks/hostile_requests.py                        500 requests
-    python benchmarks/hostile_requests.py --requests 60 --seed 7
-
-described  requests that schemathesis makes of the interface's own description, and of what
-           contradicts it
+described  requests that schemathesis generates from the interface's own description, and requests
+           that contradict it
 damaged    cases and studies with one to four places overwritten: nan, 1e308, texts, markup, deep
-           and long lists, wrong types, names that are none, paths
-raw        bytes that are no HTTP, heads without end, lengths that lie
+           and long lists, wrong types, unknown names, paths
+raw        bytes that are no HTTP, headers without end, wrong lengths
 
-Every answer must be below 500 (or say that the server is busy, or that it took too long), come
-within the stated time limit, and be problem+json where it refuses; in the end the server must
-solve a case, and hold no more memory than it may.
+Every answer must have a status below 500 (or state that the server is busy or that the request
+took too long), arrive within the stated time, and be problem+json if the request is rejected.
+Afterwards the server must solve a case and hold no more memory than permitted.
 """
 
 from __future__ import annotations
 
-import argparse
 import copy
 import json
 import random
 import socket
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -29,7 +24,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
-from page_server import Server, serving
+from page_server import Server
 
 LONGEST = 200.0  # s; what takes longest may take 180
 GROWTH = 300.0  # MB, of all processes together
@@ -85,7 +80,7 @@ def damaged(random_: random.Random, kinds: list[Any]) -> tuple[str, dict[str, An
 
 
 def _overwrite(random_: random.Random, body: Any) -> None:
-    """Put a hostile value at a random place, or a new name beside it."""
+    """Put a hostile value at a random place, or add a new name."""
     place = body
     while True:
         keys = list(place) if isinstance(place, dict) else list(range(len(place)))
@@ -180,14 +175,14 @@ class Judge:
         seconds = time.monotonic() - began
         self.slowest = max(self.slowest, seconds)
         self.statuses[str(answer.status_code)] += 1
-        told = f"{what}: {method} {path} {str(more)[:300]} -> {answer.status_code}"
+        record = f"{what}: {method} {path} {str(more)[:300]} -> {answer.status_code}"
         if answer.status_code >= 500 and answer.status_code not in WORKABLE:
-            self.faults.append(f"{told} {answer.text[:300]}")
+            self.faults.append(f"{record} {answer.text[:300]}")
         if seconds > LONGEST:
-            self.faults.append(f"{told} after {seconds:.0f} s")
+            self.faults.append(f"{record} after {seconds:.0f} s")
         kind = answer.headers.get("content-type", "")
         if answer.status_code >= 400 and not kind.startswith("application/problem+json"):
-            self.faults.append(f"{told} as {kind!r}")
+            self.faults.append(f"{record} as {kind!r}")
 
 
 def run(server: Server, requests: int, seed: int) -> Judge:
@@ -225,22 +220,3 @@ def run(server: Server, requests: int, seed: int) -> Judge:
     print(f"{dict(judge.statuses)}; slowest {judge.slowest:.1f} s; grown by "
           + ", ".join(f"{name} {size:.0f} MB" for name, size in grown.items()))  # fmt: skip
     return judge
-
-
-def main() -> int:
-    """Run from the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--requests", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    with serving() as server:
-        judge = run(server, given.requests, given.seed)
-        judge.client.close()
-    for fault in judge.faults:
-        print(fault)
-    print(f"{len(judge.faults)} faults in {sum(judge.statuses.values())} requests")
-    return bool(judge.faults)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
