@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-# by decision record 0.3: what a plain installation may take, and what `import woundon` may take
+# hard dependencies; bytes of a plain installation (pip is not in it); seconds of `import woundon`
 HARD, INSTALLED, IMPORT = 12, 460e6, 0.030
 
 pytestmark = pytest.mark.slow
