@@ -60,3 +60,12 @@ def limits() -> tuple[int, int]:
     import resource
 
     return resource.getrlimit(resource.RLIMIT_AS)[0], os.nice(0)
+
+
+_kept: list[bytearray] = []
+
+
+def keeps_memory(size: int) -> int:
+    """Keep memory of this size, every page written; return the process."""
+    _kept.append(bytearray(b"1" * size))
+    return os.getpid()

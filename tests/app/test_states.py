@@ -98,18 +98,18 @@ def test_a_warm_state_agrees_with_a_cold_one(client, cases):
 
 def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
     """Not solved again, unless the state was started from another or is of other options."""
-    from woundon.app import answers
+    from woundon.app import computations
 
-    solved, begun = answers.solved, []
+    solved, begun = computations.solved, []
 
     def counted(problem, options, start=None):
         begun.append((dict(options), start is not None))
         return solved(problem, options, start)
 
-    monkeypatch.setattr(answers, "solved", counted)
+    monkeypatch.setattr(computations, "solved", counted)
 
     def outputs(*given):
-        return json.loads(answers.solve(cases["nip"], *given))["outputs"]
+        return json.loads(computations.solve(cases["nip"], *given))["outputs"]
 
     few, session = {"nodes": "33"}, "session-of-a-report"
     assert outputs(few, session) == outputs(few, session, False, True)
@@ -212,7 +212,7 @@ def test_what_is_no_case_is_refused(client, case):
 
 
 @pytest.mark.parametrize(
-    "body", [b"", b"{", b'{"a": NaN}', b"\xff", b"[" * 100_000, b'{"a": "\\ud800"}']
+    "body", [b"{", b'{"a": NaN}', b"\xff", b"[" * 100_000, b'{"a": "\\ud800"}']
 )
 def test_what_is_no_json_is_refused(client, body):
     headers = {"content-type": "application/json"}
@@ -288,7 +288,7 @@ def test_sensitivities_of_a_nip_are_the_exact_ones(client, cases):
 
 def test_differences_agree_with_the_exact_sensitivities():
     """Of a nip without wraps, on the same nodes."""
-    from woundon.app.answers import _differences, _usual_outputs
+    from woundon.app.computations import _differences, _usual_outputs
 
     problem = wo.NipProblem.example().replace(roll_wrap=0.0)
     result = wo.solve(problem, nodes=65)
@@ -324,3 +324,27 @@ def test_a_newer_request_of_the_session_cancels_the_older_one(client, cases):
         assert client.post("/api/solve", json=cases["nip"]).status_code == 200
         assert time.monotonic() - began < 8
         assert older.result().status_code == 409
+
+
+def test_find_has_the_solutions_of_python(client, cases):
+    body = {"case": cases["rollers"], "field": "load", "output": "nip_width", "target": "4 mm"}
+    found = client.post("/api/find", json=body).raise_for_status().json()
+    result = wo.find(wo.RollerProblem.example(), "load", nip_width="4 mm")
+    assert [one["value"] for one in found["solutions"]] == [value for value, _ in result.solutions]
+    assert found["values"] == result.values.tolist()
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "says"),
+    [({"output": "nip_widht"}, "invalid", "did you mean 'nip_width'"),
+     ({"output": "between"}, "invalid", "is not an output"),
+     ({"field": "laod"}, "invalid", "laod"),
+     ({"target": "4 kg"}, "invalid", "nip_width"),
+     ({"target": 5.0}, "no-solution", "nip_width")],
+)  # fmt: skip
+def test_what_cannot_be_found_is_rejected(client, cases, change, kind, says):
+    body = {"case": cases["rollers"], "field": "load", "output": "nip_width", "target": "4 mm"}
+    answer = client.post("/api/find", json=body | change)
+    assert answer.status_code == 422
+    assert answer.json()["type"] == f"/problems/{kind}"
+    assert says in answer.json()["detail"]

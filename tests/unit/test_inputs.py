@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import woundon as wo
-from woundon.app.answers import problem_of
-from woundon.app.catalogue import catalogue
+from woundon.app.computations import problem_of
+from woundon.app.input_forms import catalogue
 from woundon.io.case_files import apply_settings, make_problem, to_toml
 from woundon.problems.inputs import FloatWithUnit
 

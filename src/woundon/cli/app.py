@@ -43,9 +43,9 @@ NEEDED = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
 def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: str) -> None:
     """Open the nip and the roll in the browser: they are solved while sliders move."""
     try:
-        from ..app.serving import LOOPBACK, interrupts_counted, listening, serve
+        from ..app.uvicorn_server import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:
-        if fault.name not in ("fastapi", "uvicorn", "starlette"):
+        if fault.name not in ("fastapi", "h11", "psutil", "starlette", "uvicorn"):
             raise
         raise InvalidProblem.at("woundon app", NEEDED) from None
     others = host not in LOOPBACK or bool(names)

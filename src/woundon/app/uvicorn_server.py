@@ -15,8 +15,8 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from ..errors import InvalidProblem
-from .guard import LOOPBACK
-from .server import application
+from .middleware import LOOPBACK
+from .routes import application
 
 __all__ = ["LOOPBACK", "interrupts_counted", "listening", "serve"]
 

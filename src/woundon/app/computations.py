@@ -25,18 +25,21 @@ from ..problems.permitted import admissible, bounds
 from ..problems.problem import Problem
 from ..problems.schedules import Profile
 from ..problems.units import parse
-from ..quantities import find, scalar_outputs, value_of, walk
+from ..quantities import find as find_places
+from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines
 from ..report.parts import Section, certificate_of, friction_bounds, zone_strips
 from ..report.reports import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
+from ..studies.find import find as find_values
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
-from .catalogue import LIMITS, tables_of, told_of
-from .panels import panels_of
+from .input_forms import tables_of, told_of
+from .limits import LIMITS
+from .plot_data import panels_of
 
 __all__ = [
-    "as_json", "curve", "design", "fields_of", "problem_of", "sensitivities", "solve", "solved",
+    "as_json", "curve", "design", "find", "problem_of", "sensitivities", "solve", "solved",
     "warm_up",
 ]  # fmt: skip
 
@@ -61,16 +64,6 @@ def problem_of(tables: Any) -> Problem:
         raise InvalidProblem(text)
     check_like_a_case(tables)
     return make_problem({"schema": SCHEMA, **tables})
-
-
-def fields_of(body: Any, *known: str) -> Mapping[str, Any]:
-    """Return what a body says; it may say only what is known."""
-    if not isinstance(body, Mapping):
-        raise InvalidProblem(f"{quote(body)} is out of place; must be a table")
-    for name in body:
-        if name not in known:
-            raise InvalidProblem.at(str(name), f"no such field{did_you_mean(name, known)}")
-    return body
 
 
 def warm_up() -> None:
@@ -245,14 +238,13 @@ def _body(name: str, body: Any) -> dict[str, Any]:
     }
 
 
-# ---- the inverse --------------------------------------------------------------------------------
+# ---- inverse problems -------------------------------------------------------------------------
 
 
-def design(body: Any) -> bytes:
-    """Return the tension over the radius that leaves a wanted pressure in a wound roll, as JSON."""
-    asked = fields_of(body, "case", "pressure", "rtol")
-    problem: Any = problem_of(asked.get("case"))  # of another kind it is refused in words
-    found = design_tension(problem, _wanted(asked.get("pressure")), rtol=asked.get("rtol", 1e-3))
+def design(tables: Any, pressure: Any, rtol: float) -> bytes:
+    """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
+    problem: Any = problem_of(tables)  # design_tension rejects other kinds
+    found = design_tension(problem, _target_pressure(pressure), rtol=rtol)
     return as_json({
         "tension": tables_of(found.tension), "radius": found.radius.tolist(),
         "wanted": found.wanted.tolist(), "reached": found.reached.tolist(),
@@ -260,20 +252,46 @@ def design(body: Any) -> bytes:
     })  # fmt: skip
 
 
-def _wanted(given: Any) -> float | Profile:
-    """Return a pressure as it came, in SI: a number or a text, or such over the radius."""
+def _target_pressure(given: Any) -> float | Profile:
+    """Return a pressure, or one over the radius, in SI."""
     if not isinstance(given, Mapping):
         return parse(given, "Pa", "pressure")
-    told = dict(given)
+    columns = dict(given)
     for name, unit in (("radius", "m"), ("value", "Pa")):
-        if isinstance(told.get(name), list):
-            told[name] = [
-                parse(one, unit, f"pressure.{name}.{k}") for k, one in enumerate(told[name])
+        if isinstance(columns.get(name), list):
+            columns[name] = [
+                parse(one, unit, f"pressure.{name}.{k}") for k, one in enumerate(columns[name])
             ]
     try:
-        return Profile(**told)
+        return Profile(**columns)
     except InvalidProblem as fault:
         raise fault.under("pressure") from None
+
+
+def find(
+    tables: Any, field: str, output: str, target: float | str, between: Sequence[float | str] | None
+) -> bytes:
+    """Return the values of a field for which an output reaches a target, as JSON.
+
+    ``solutions`` are in ascending order; ``values`` and ``outputs`` are the points of the search.
+    """
+    problem = problem_of(tables)
+    if output not in (known := measurable(problem)):
+        text = f"{quote(output)} is not an output{did_you_mean(output, known)}"
+        raise InvalidProblem.at("output", text)
+    aim: dict[str, Any] = {output: target}
+    with unwarned():
+        found = find_values(problem, field, between=between, **aim)
+    values = [value for value, _ in found.solutions]
+    columns = (values, found.reached, found.uncertainties, found.slopes)
+    names = ("value", "reached", "uncertainty", "slope")
+    return as_json({
+        "field": field, "output": output, "target": found.target,
+        "solutions": [dict(zip(names, map(float, row), strict=True))
+                      for row in zip(*columns, strict=True)],
+        "values": found.values.tolist(), "outputs": found.outputs.tolist(),
+        "failures": [{"value": value, "why": why} for value, why in found.failures],
+    })  # fmt: skip
 
 
 # ---- around a state ---------------------------------------------------------------------------
@@ -343,7 +361,7 @@ def _spread(
         text = f"{quote(ends[0])} is out of range; must be < high = {quote(ends[1])}"
         raise InvalidProblem.at("low", text)
     asked = ends
-    for place in find(problem, field)[:1]:
+    for place in find_places(problem, field)[:1]:
         for sign, bound in bounds(place.field):
             pick = max if sign.startswith(">") else min
             ends = [pick(end, bound) for end in ends]

@@ -13,9 +13,9 @@ import process_tasks
 import pytest
 
 from woundon import kinds
-from woundon.app import answers, workers
-from woundon.app.refusals import Refusal
-from woundon.app.workers import Pool
+from woundon.app import computations, worker_pool
+from woundon.app.request_errors import RequestError
+from woundon.app.worker_pool import Pool
 
 
 @asynccontextmanager
@@ -55,7 +55,7 @@ def with_pool():
 def test_an_answer_and_a_fault_come_back(with_pool):
     async def test(own):
         assert await own.run(pow, 2, 10) == 1024
-        with pytest.raises(Refusal) as raised:
+        with pytest.raises(RequestError) as raised:
             await own.run(divmod, 1, 0)
         assert raised.value.status == 500
         assert await own.run(pow, 2, 3) == 8
@@ -66,7 +66,7 @@ def test_an_answer_and_a_fault_come_back(with_pool):
 def test_a_worker_that_dies_gives_one_error_and_the_next_request_is_served(with_pool):
     async def test(own):
         first = await own.run(os.getpid)
-        with pytest.raises(Refusal) as raised:
+        with pytest.raises(RequestError) as raised:
             await own.run(os._exit, 1)
         assert (raised.value.status, raised.value.kind) == (503, "worker-died")
         assert await own.run(os.getpid) != first
@@ -98,7 +98,7 @@ def test_of_one_key_the_newest_request_wins(with_pool):
         assert time.monotonic() - began < 25
         assert newest == [1, pid]
         for old in (under_way, waiting):
-            with pytest.raises(Refusal) as raised:
+            with pytest.raises(RequestError) as raised:
                 await old
             assert (raised.value.status, raised.value.kind) == (409, "superseded")
 
@@ -116,7 +116,7 @@ def test_what_is_nearly_done_comes_to_its_end(with_pool):
             await asyncio.sleep(0.1)
         done = await asyncio.gather(*tasks, return_exceptions=True)
         assert sum(one is None for one in done) >= 3
-        assert any(isinstance(one, Refusal) for one in done)
+        assert any(isinstance(one, RequestError) for one in done)
         assert done[-1] is None
 
     with_pool(test)
@@ -125,7 +125,7 @@ def test_what_is_nearly_done_comes_to_its_end(with_pool):
 def test_what_takes_too_long_is_ended():
     async def test():
         async with pool(seconds=0.5) as own:
-            with pytest.raises(Refusal) as raised:
+            with pytest.raises(RequestError) as raised:
                 await own.run(time.sleep, 30)
             assert raised.value.status == 504
             assert await own.run(pow, 2, 3, seconds=30) == 8
@@ -135,11 +135,11 @@ def test_what_takes_too_long_is_ended():
 
 def test_a_worker_that_does_not_end_its_cancelled_work_is_replaced(monkeypatch, with_pool):
     """A solve that reports no progress, or is in C code."""
-    monkeypatch.setattr(workers, "PATIENCE", 0.5)
+    monkeypatch.setattr(worker_pool, "PATIENCE", 0.5)
 
     async def test(own):
         pid = await own.run(os.getpid)
-        with pytest.raises(Refusal) as raised:
+        with pytest.raises(RequestError) as raised:
             await own.run(time.sleep, 30, seconds=0.5)
         assert raised.value.status == 504
         assert await own.run(os.getpid) != pid
@@ -154,12 +154,24 @@ def test_a_worker_is_bounded_and_stands_back(tmp_path):
     async def test():
         async with pool(nice=3) as own:
             first = await own.run(process_tasks.limits)
-            with pytest.raises(Refusal):
+            with pytest.raises(RequestError):
                 await own.run(os._exit, 1)
             # a process that replaces another too
             return first, await own.run(process_tasks.limits)
 
-    assert run(test()) == ((workers.MEMORY, os.nice(0) + 3),) * 2
+    assert run(test()) == ((worker_pool.MEMORY, os.nice(0) + 3),) * 2
+
+
+def test_a_worker_that_holds_much_memory_is_replaced(with_pool):
+    """As after a solve with a thousand nodes, whose matrices the process would keep."""
+
+    async def test(own):
+        first = await own.run(os.getpid)
+        assert await own.run(process_tasks.keeps_memory, 10**6) == first
+        assert await own.run(process_tasks.keeps_memory, worker_pool.RELEASE) == first
+        assert await own.run(os.getpid) != first
+
+    with_pool(test)
 
 
 def test_a_worker_starts_where_there_are_neither_limits_nor_priorities(monkeypatch):
@@ -167,7 +179,7 @@ def test_a_worker_starts_where_there_are_neither_limits_nor_priorities(monkeypat
     monkeypatch.delattr(os, "nice", raising=False)
     monkeypatch.setitem(sys.modules, "resource", None)
     begun = []
-    workers._prepare(5, lambda: begun.append(True))
+    worker_pool._prepare(5, lambda: begun.append(True))
     assert begun == [True]
 
 
@@ -176,7 +188,7 @@ def test_more_requests_than_may_wait_are_refused():
         async with pool(waiting=2) as own:
             tasks = [asyncio.create_task(own.run(time.sleep, 0.5)) for _ in range(3)]
             await asyncio.sleep(0.1)
-            with pytest.raises(Refusal) as raised:
+            with pytest.raises(RequestError) as raised:
                 await own.run(pow, 1, 1)
             assert (raised.value.status, raised.value.kind) == (503, "busy")
             await asyncio.gather(*tasks)
@@ -212,7 +224,9 @@ def test_who_is_gone_before_the_work_begins_is_not_worked_for(with_pool):
 
 def test_a_new_worker_solves_what_takes_no_time(monkeypatch):
     begun = []
-    monkeypatch.setattr(answers, "solved", lambda problem, _: begun.append(kinds.of(problem).name))
-    monkeypatch.setattr(answers, "state_of", lambda _: None)
-    answers.warm_up()
+    monkeypatch.setattr(
+        computations, "solved", lambda problem, _: begun.append(kinds.of(problem).name)
+    )
+    monkeypatch.setattr(computations, "state_of", lambda _: None)
+    computations.warm_up()
     assert begun == [kind.name for kind in kinds.every() if kind.name != "winding"]

@@ -23,10 +23,10 @@ from ..studies.api import study_of
 from ..studies.evaluate import Chunk, solve_chunk
 from ..studies.kind_model import KindModel
 from ..studies.studyfile import SCHEMA, study_of_tables
-from .answers import as_json
-from .catalogue import LIMITS
-from .refusals import Refusal
-from .workers import Pool
+from .computations import as_json
+from .limits import LIMITS
+from .request_errors import RequestError
+from .worker_pool import Pool
 
 __all__ = ["begun", "events", "solved_cases"]
 
@@ -43,7 +43,7 @@ def begun(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
     Raises
     ------
     InvalidProblem
-    Refusal
+    RequestError
         If there are more cases than a page's study may have.
     """
     if not isinstance(tables, Mapping):
@@ -77,7 +77,7 @@ def _check_size(tables: Mapping[str, Any]) -> None:
     if cases > LIMITS["sweep_cases"]:
         text = (f"{cases} cases are too many for the page, which solves {LIMITS['sweep_cases']} "
                 "at most; 'woundon sweep' solves any number")  # fmt: skip
-        raise Refusal(413, "too-large", text)
+        raise RequestError(413, "too-large", text)
 
 
 def _entries(over: Mapping[str, Any]) -> Any:
@@ -151,8 +151,8 @@ async def events(
                 return
             if time.monotonic() - began > LIMITS["study_seconds"]:
                 text = f"the study took longer than {LIMITS['study_seconds']} s"
-                raise Refusal(504, "too-slow", text)
-    except Refusal as refusal:
+                raise RequestError(504, "too-slow", text)
+    except RequestError as refusal:
         yield b'{"event":"failed","problem":' + refusal.body() + b"}\n"
     finally:
         for task in running:

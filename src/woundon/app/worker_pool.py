@@ -1,10 +1,11 @@
-"""A bounded number of worker processes that answer requests; whatever happens to one, others go on.
+"""Requests in worker processes of :mod:`woundon.parallel`.
 
-    pool.run(call, *given, key=(session, what))     the answer, in the order of rank and arrival
+    answer = await pool.run(call, *args, key=(session, name))
 
-Of requests with one key the newest wins: an older one that waits is dropped, one in progress has a
-moment to finish, for else a busy machine would never finish any, and is then cancelled
-(:func:`woundon.parallel.progress`).  A worker that does not end then, or dies, is replaced.
+Requests are served in the order of rank and arrival.  Of requests with one key the newest wins: an
+older one that waits is dropped; one in progress may go on for :data:`GRACE`, since a busy machine
+would finish none otherwise, and is then cancelled (:func:`woundon.parallel.progress`).  A worker
+that does not end then, that dies, or that holds much memory after a request is replaced.
 """
 
 from __future__ import annotations
@@ -19,17 +20,22 @@ from dataclasses import dataclass
 from functools import partial
 from heapq import heapify, heappop, heappush
 from itertools import count
-from typing import Any
+from typing import Any, NamedTuple
+
+import psutil
 
 from ..parallel import Cancelled, Worker
-from .refusals import Refusal, refusal_of
+from .request_errors import RequestError, request_error_of
 
 __all__ = ["Pool"]
 
 MEMORY = 4 * 2**30  # of a worker's address space [bytes]
+# Resident memory after a request from which a worker is replaced [bytes]: it has 100 MB when it
+# starts and at most 200 MB after requests with the default settings.
+RELEASE = 300 * 2**20
 GRACE = 1.0  # seconds that work in progress may go on when a newer request has come
 PATIENCE = 3.0  # seconds until cancelled work must have ended; then its process is killed
-DIED = "the process that worked at this died; it has been replaced, send the request again"
+DIED = "the worker process of this request died; it has been replaced, send the request again"
 
 
 # ---- in the worker ----------------------------------------------------------------------------
@@ -53,51 +59,62 @@ def _ready() -> None:
     """Return when the worker is prepared."""
 
 
-def _work(call: Callable[..., Any], given: tuple[Any, ...]) -> tuple[str, Any]:
-    """Return the outcome of a request: ("done", answer), ("refused", why), ..."""
+class _Outcome(NamedTuple):
+    status: str  # "done", "rejected", "failed", "cancelled", "died"
+    answer: Any = None
+    memory: int = 0  # resident memory of the process after the request [bytes]
+
+
+def _work(call: Callable[..., Any], args: tuple[Any, ...]) -> _Outcome:
+    """Return the outcome of a request."""
+    status, answer = _answer(call, args)
+    return _Outcome(status, answer, psutil.Process().memory_info().rss)
+
+
+def _answer(call: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, Any]:
     try:
-        return "done", call(*given)
+        return "done", call(*args)
     except Cancelled:
         return "cancelled", None
     except Exception as fault:
-        refusal = refusal_of(fault)
-        if refusal is None:
+        error = request_error_of(fault)
+        if error is None:
             traceback.print_exc(file=sys.stderr)
             return "failed", f"{type(fault).__name__} in the server"
-        return "refused", refusal
+        return "rejected", error
 
 
 # ---- in the server ----------------------------------------------------------------------------
 
 
 @dataclass(eq=False)
-class _Seat:
+class _Slot:
     """A worker, and the session that it last worked for."""
 
     worker: Worker
     session: Hashable = None
     stopping: bool = False
 
-    async def exchange(self, call: Callable[..., Any], *given: Any) -> tuple[str, Any]:
+    async def exchange(self, call: Callable[..., Any], *args: Any) -> _Outcome:
         """Send work and wait for its outcome; a process that died is replaced."""
         try:
             # a new process takes some 0.1 s to start
-            future = await asyncio.to_thread(self.worker.submit, _work, call, given)
+            future = await asyncio.to_thread(self.worker.submit, _work, call, args)
             if self.stopping:  # it was cancelled before the process had it
                 self.worker.cancel()
             return await asyncio.wrap_future(future)
-        except Exception:  # all exceptions of the work itself are outcomes
-            return "died", None
+        except Exception:  # exceptions of the work itself are outcomes
+            return _Outcome("died")
 
 
 @dataclass(eq=False)
 class _Request:
     call: Callable[..., Any]
-    given: tuple[Any, ...]
+    args: tuple[Any, ...]
     key: Hashable
     session: Hashable
     answer: asyncio.Future[Any]
-    seat: _Seat | None = None
+    slot: _Slot | None = None
 
 
 class Pool:
@@ -108,13 +125,13 @@ class Pool:
     size : int
         Number of processes.
     warm_up : callable
-        What a new process does first: imports.
+        Is called in a new process before its first request.
     waiting : int
-        How many requests may wait; beyond, one is refused.
+        Number of requests that may wait; more are rejected.
     seconds : float
-        How long one may be worked at.
+        Time limit of a request.
     nice : int
-        How much the processes stand back behind others of the machine.
+        Increment of the processes' niceness.
     """
 
     def __init__(
@@ -122,61 +139,61 @@ class Pool:
         nice: int = 0,
     ) -> None:  # fmt: skip
         self.size, self.most, self.seconds = size, waiting, seconds
-        self._seats = [_Seat(Worker(partial(_prepare, nice, warm_up))) for _ in range(size)]
-        self._idle: list[_Seat] = []
+        self._slots = [_Slot(Worker(partial(_prepare, nice, warm_up))) for _ in range(size)]
+        self._idle: list[_Slot] = []
         self._waiting: list[tuple[int, int, _Request]] = []
         self._newest: dict[Hashable, _Request] = {}
-        self._under_way = set[Hashable]()
+        self._active_keys = set[Hashable]()
         self._number = count()
         self._tasks: set[asyncio.Task[Any]] = set()
 
     async def open(self) -> None:
         """Start the processes."""
-        await asyncio.gather(*map(self._welcome, self._seats))
+        await asyncio.gather(*map(self._start_worker, self._slots))
 
     def close(self) -> None:
         """End the processes, whatever they do."""
         for task in self._tasks:
             task.cancel()
-        for seat in self._seats:
-            seat.worker.kill()
+        for slot in self._slots:
+            slot.worker.kill()
 
     async def run(
-        self, call: Callable[..., Any], *given: Any, key: Hashable = None, session: Hashable = None,
+        self, call: Callable[..., Any], *args: Any, key: Hashable = None, session: Hashable = None,
         rank: int = 0, seconds: float | None = None,
     ) -> Any:  # fmt: skip
-        """Return ``call(*given)`` of a worker.
+        """Return ``call(*args)`` of a worker.
 
         Parameters
         ----------
         call : callable
-            Of a module; like what is given and returned it goes through pickle.
+            Is pickled, as are its arguments and its result.
         key : hashable, optional
             Of requests with the same key the newest wins.
         session : hashable, optional
-            Goes to the worker that this session's last request went to, if that is idle.
+            The worker of this session's last request is preferred if it is idle.
         rank : int
             Lower ones first.
         seconds : float, optional
-            In place of the pool's.
+            Time limit; by default the pool's.
 
         Raises
         ------
-        Refusal
-            Whatever is wrong with the request, or became of it.
+        RequestError
+            If the request is invalid, superseded, too slow, or its worker died.
         """
         if key is not None and (older := self._newest.get(key)) is not None:
-            self._overtake(older)
+            self._supersede(older)
         if len(self._waiting) >= self.most:
-            raise Refusal(503, "busy", "too many requests are waiting; try again")
+            raise RequestError(503, "busy", "too many requests are waiting; try again")
         answer = asyncio.get_running_loop().create_future()
-        request = _Request(call, given, key, session, answer)
+        request = _Request(call, args, key, session, answer)
         if key is not None:
             self._newest[key] = request
         heappush(self._waiting, (rank, next(self._number), request))
-        self._hand_out()
+        self._assign()
         late = asyncio.get_running_loop().call_later(
-            seconds or self.seconds, self._too_slow, request, seconds or self.seconds
+            seconds or self.seconds, self._time_out, request, seconds or self.seconds
         )
         try:
             return await request.answer
@@ -187,8 +204,8 @@ class Pool:
             if not request.answer.done() or request.answer.cancelled():
                 self._cancel(request)  # the client has disconnected
 
-    def _overtake(self, request: _Request) -> None:
-        if request.seat is not None:
+    def _supersede(self, request: _Request) -> None:
+        if request.slot is not None:
             asyncio.get_running_loop().call_later(GRACE, self._drop, request)
             return
         self._drop(request)
@@ -198,77 +215,79 @@ class Pool:
     def _drop(self, request: _Request) -> None:
         if not request.answer.done():
             text = "a newer request of the same session took its place"
-            request.answer.set_exception(Refusal(409, "superseded", text))
+            request.answer.set_exception(RequestError(409, "superseded", text))
         self._cancel(request)
 
     def _cancel(self, request: _Request) -> None:
         """Cancel the work at a request; kill its process if it does not end."""
-        seat = request.seat
-        if seat is None or seat.stopping:
+        slot = request.slot
+        if slot is None or slot.stopping:
             return
-        seat.stopping = True
-        asyncio.get_running_loop().call_later(PATIENCE, self._kill, request, seat)
-        seat.worker.cancel()
+        slot.stopping = True
+        asyncio.get_running_loop().call_later(PATIENCE, self._kill, request, slot)
+        slot.worker.cancel()
 
-    def _kill(self, request: _Request, seat: _Seat) -> None:
-        if request.seat is seat:
-            self._start(asyncio.to_thread(seat.worker.kill))
+    def _kill(self, request: _Request, slot: _Slot) -> None:
+        if request.slot is slot:
+            self._create_task(asyncio.to_thread(slot.worker.kill))
 
-    def _hand_out(self) -> None:
+    def _assign(self) -> None:
         held = list[tuple[int, int, _Request]]()
         while self._idle and self._waiting:
             rank, number, request = heappop(self._waiting)
             if request.answer.done():
                 continue
-            if request.key in self._under_way:  # nobody has two workers
+            if request.key in self._active_keys:  # one at a time of each key
                 held.append((rank, number, request))
                 continue
             own = (s for s in self._idle if request.session and s.session == request.session)
-            seat = next(own, self._idle[0])
-            self._idle.remove(seat)
-            seat.session, request.seat = request.session, seat
-            self._under_way |= {request.key} - {None}
-            self._start(self._worked(seat, request))
+            slot = next(own, self._idle[0])
+            self._idle.remove(slot)
+            slot.session, request.slot = request.session, slot
+            self._active_keys |= {request.key} - {None}
+            self._create_task(self._serve(slot, request))
         for one in held:
             heappush(self._waiting, one)
 
-    def _start(self, work: Any) -> None:
+    def _create_task(self, work: Any) -> None:
         task = asyncio.get_running_loop().create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _worked(self, seat: _Seat, request: _Request) -> None:
-        outcome, answer = await seat.exchange(request.call, *request.given)
-        request.seat, seat.stopping = None, False
-        self._under_way.discard(request.key)
+    async def _serve(self, slot: _Slot, request: _Request) -> None:
+        outcome = await slot.exchange(request.call, *request.args)
+        request.slot, slot.stopping = None, False
+        self._active_keys.discard(request.key)
         if not request.answer.done():
-            _settle(request.answer, outcome, answer)
-        if outcome == "died":
-            await self._welcome(seat)
+            _settle(request.answer, outcome)
+        if outcome.memory > RELEASE:  # the allocator and caches keep it as long as the process runs
+            await asyncio.to_thread(slot.worker.kill)
+        if outcome.status == "died" or outcome.memory > RELEASE:
+            await self._start_worker(slot)
         else:
-            self._idle.append(seat)
-            self._hand_out()
+            self._idle.append(slot)
+            self._assign()
 
-    def _too_slow(self, request: _Request, seconds: float) -> None:
+    def _time_out(self, request: _Request, seconds: float) -> None:
         if not request.answer.done():
-            text = f"it took longer than {seconds:g} s, which a request may take"
-            request.answer.set_exception(Refusal(504, "too-slow", text))
+            text = f"the request took longer than the limit of {seconds:g} s"
+            request.answer.set_exception(RequestError(504, "too-slow", text))
         self._cancel(request)
 
-    async def _welcome(self, seat: _Seat) -> None:
+    async def _start_worker(self, slot: _Slot) -> None:
         """Prepare a new process; it joins those that are idle when it is ready."""
-        await seat.exchange(_ready)
-        self._idle.append(seat)
-        self._hand_out()
+        await slot.exchange(_ready)
+        self._idle.append(slot)
+        self._assign()
 
 
-def _settle(future: asyncio.Future[Any], outcome: str, answer: Any) -> None:
-    """Tell who asked what became of a request."""
-    if outcome == "done":
-        future.set_result(answer)
-    elif outcome == "refused":
-        future.set_exception(answer)
-    elif outcome == "died":
-        future.set_exception(Refusal(503, "worker-died", DIED))
+def _settle(future: asyncio.Future[Any], outcome: _Outcome) -> None:
+    """Set the result of a request's future."""
+    if outcome.status == "done":
+        future.set_result(outcome.answer)
+    elif outcome.status == "rejected":
+        future.set_exception(outcome.answer)
+    elif outcome.status == "died":
+        future.set_exception(RequestError(503, "worker-died", DIED))
     else:
-        future.set_exception(Refusal(500, "failed", answer or "cancelled"))
+        future.set_exception(RequestError(500, "failed", outcome.answer or "cancelled"))

@@ -21,19 +21,9 @@ from ..problems.family import Family
 from ..problems.materials import MATERIALS, Material
 from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
+from .limits import LIMITS
 
-__all__ = ["LIMITS", "catalogue", "exhibits", "tables_of", "told_of"]
-
-# what the server refuses beyond; the page says so before
-LIMITS = {
-    "body_bytes": 1_000_000,
-    "sweep_cases": 2500,
-    "curve_points": 41,
-    "solve_seconds": 60,
-    "paper_seconds": 180,
-    "study_seconds": 600,
-    "compare": 4,
-}
+__all__ = ["catalogue", "exhibits", "tables_of", "told_of"]
 
 
 @cache

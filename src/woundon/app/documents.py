@@ -1,0 +1,102 @@
+"""Case files, scripts, result files, figures and reports: functions that run in workers.
+
+Case files are read from the text that is sent; no path is ever opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
+
+from .. import kinds
+from ..errors import InvalidProblem, did_you_mean
+from ..io.case_files import make_problem, tables_of_text
+from ..io.case_texts import to_toml
+from ..io.chosen_units import units
+from ..io.python_texts import to_python
+from ..io.result_files import writer_for
+from ..problems.messages import quote
+from .computations import as_json, problem_of, solved
+from .input_forms import exhibits, tables_of
+
+__all__ = ["case_file", "exhibit", "figure", "python_text", "read_case", "report", "result_file"]
+
+
+def read_case(text: str) -> bytes:
+    """Return the tables of the text of a case file, complete and in SI, as JSON."""
+    tables = tables_of_text(text.encode("utf-8", "replace"), "the file")
+    _reject_files(tables)
+    problem = make_problem(tables)
+    return as_json({"kind": kinds.of(problem).name, "problem": tables_of(problem)})
+
+
+def _reject_files(part: Any, path: str = "") -> None:
+    """Reject tables whose columns are in another file, which is on the client's machine."""
+    inner = part.items() if isinstance(part, Mapping) else enumerate(part)
+    for name, value in inner:
+        if name == "csv":
+            text = "other files are not read here; write the columns into the case"
+            raise InvalidProblem.at(f"{path}csv", text)
+        if isinstance(value, Mapping | list):
+            _reject_files(value, f"{path}{name}.")
+
+
+def case_file(tables: Any) -> bytes:
+    """Return the case file of a case, with comments."""
+    return to_toml(problem_of(tables), comments=True).encode()
+
+
+def python_text(tables: Any) -> bytes:
+    """Return the Python script that computes a case."""
+    return to_python(problem_of(tables)).encode()
+
+
+def result_file(tables: Any, ending: str, options: Mapping[str, Any]) -> bytes:
+    """Return the solved case as a result file, SI units."""
+    return writer_for(f"result.{ending}")(solved(problem_of(tables), options))
+
+
+def figure(asked: Mapping[str, Any], ending: str, panels: Sequence[str]) -> bytes:
+    """Return a figure of solved cases; ``asked`` as :class:`.request_models.Cases`."""
+    from ..report.figures import figure_bytes
+    from ..report.plots import plotted
+
+    results, labels = _solved_cases(asked["cases"])
+    with _units(asked["units"]):
+        drawn = plotted(results, labels=labels if len(labels) > 1 else None, panels=panels or None)
+        return figure_bytes(drawn, f".{ending}")
+
+
+def report(asked: Mapping[str, Any]) -> bytes:
+    """Return the report of solved cases, one HTML file; ``asked`` as for :func:`figure`."""
+    from ..report.html_report import report_file
+
+    results, labels = _solved_cases(asked["cases"])
+    with _units(asked["units"]):
+        page = report_file(results, labels, title=asked["title"], remarks=asked["remarks"])
+        return page.encode()
+
+
+def exhibit(name: str) -> bytes:
+    """Compute a figure of a plug-in and return it as SVG."""
+    owners = {one["name"]: plugin for plugin in exhibits() for one in plugin.known()}
+    if name not in owners:
+        raise InvalidProblem.at("name", f"{quote(name)} is unknown{did_you_mean(name, owners)}")
+    drawn: bytes = owners[name].drawn(name)
+    return drawn
+
+
+def _solved_cases(cases: Sequence[Mapping[str, Any]]) -> tuple[list[Any], list[str]]:
+    """Return the results of labelled cases, and the labels; by default A, B, C, D."""
+    results = []
+    for k, entry in enumerate(cases):
+        try:
+            results.append(solved(problem_of(entry["case"]), {}))
+        except InvalidProblem as fault:
+            raise fault.under(f"cases.{k}.case") from None
+    return results, [entry["label"] or "ABCD"[k] for k, entry in enumerate(cases)]
+
+
+def _units(chosen: Mapping[str, str]) -> AbstractContextManager[None]:
+    return units(chosen) if chosen else nullcontext()
